@@ -1,0 +1,67 @@
+// One kind of exception a kind of fault. Libraries throw; programs print `what()` once and exit
+// with `exit_code()`. Every message says what happened, the value, and what to write instead.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace spikeloop {
+
+/// Where in a text file something stands; line and column count from 1, 0 means unknown.
+struct Location {
+  std::string file;
+  int line = 0;
+  int column = 0;
+
+  /// "loop.music:12:5", as far as known; empty when nothing is known.
+  std::string text() const;
+};
+
+/// Base of every exception Spikeloop throws on purpose.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  virtual int exit_code() const = 0;
+};
+
+/// A file, key, value, width or connection that cannot be run as written.
+class ConfigurationError : public Error {
+ public:
+  explicit ConfigurationError(const std::string& message) : Error(message) {}
+  /// Puts the location before the message.
+  ConfigurationError(const Location& where, const std::string& message);
+  int exit_code() const override { return 2; }
+};
+
+/// A partner outside (ROS master, MUSIC, another process) is missing, silent or broken.
+class TransportError : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 3; }
+};
+
+/// A file could not be read or written.
+class FileError : public Error {
+ public:
+  /// "cannot open 'x.json': No such file or directory"; takes the reason from `error_number`.
+  FileError(std::string_view action, std::string_view path, int error_number);
+  explicit FileError(const std::string& message) : Error(message) {}
+  int exit_code() const override { return 4; }
+};
+
+/// A node failed while it ran; carries the node's name.
+class NodeError : public Error {
+ public:
+  NodeError(std::string_view node, std::string_view message);
+  int exit_code() const override { return 5; }
+};
+
+/// The candidate nearest to `word` when it is near enough to be a slip, else empty.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+/// "; did you mean 'tau'?" or, when nothing is near, "; known: a, b, c". Ends an error message.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace spikeloop

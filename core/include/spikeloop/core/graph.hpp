@@ -1,0 +1,89 @@
+// A graph of nodes and endpoints joined by connections with declared delays, and its advance by one
+// interval. The loop around it (wait, receive, step, exchange, send) belongs to the process.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/core/node.hpp"
+
+namespace spikeloop {
+
+/// "node.port"; the port may be left out where the node has only one of that direction.
+struct ConnectionDescription {
+  std::string from;
+  std::string to;
+  std::uint32_t width = 0;  ///< 0: as the ports say
+  /// Whole ticks. A delay of d moves spikes and breakpoints by d ticks: a spike stamped s arrives
+  /// stamped s + d * tick.
+  std::uint32_t delay_ticks = 0;
+  Location where{};
+};
+
+/// What a graph is made from. Pointers must outlive the graph.
+struct GraphDescription {
+  struct NodeEntry {
+    std::string name;
+    const NodeClass* node_class = nullptr;
+    Parameters parameters;
+    Location where{};
+  };
+  struct SourceEntry {
+    std::string name;
+    Source* source = nullptr;
+  };
+  struct SinkEntry {
+    std::string name;
+    Sink* sink = nullptr;
+  };
+
+  TimeNs tick = 0;
+  std::uint64_t seed = 1;
+  std::vector<NodeEntry> nodes;
+  std::vector<SourceEntry> sources;
+  std::vector<SinkEntry> sinks;
+  std::vector<ConnectionDescription> connections;
+};
+
+/// What passed a connection since the beginning of the run.
+struct ConnectionReport {
+  std::string from;
+  std::string to;
+  std::uint64_t spikes = 0;
+  std::uint64_t late = 0;  ///< of these, stamped at or before the begin of their interval
+};
+
+class Graph {
+ public:
+  /// Checks names, kinds, widths, cycles; then makes the nodes.
+  /// @throws ConfigurationError: unknown node or port (did you mean), two connections into one
+  /// input, input without connection, widths that differ (both named), a cycle whose delays add up
+  /// to nothing (its nodes named).
+  explicit Graph(GraphDescription description);
+  ~Graph();
+  Graph(Graph&&) noexcept;
+  Graph& operator=(Graph&&) noexcept;
+
+  /// Advances by one tick: sources, nodes in order of dependence, sinks.
+  /// @throws NodeError with the node's name when a node throws, stamps a spike outside the interval
+  /// or names a channel its port does not have.
+  void step();
+
+  /// The begin of the next interval.
+  TimeNs time() const;
+  TimeNs tick() const;
+
+  std::vector<ConnectionReport> connections() const;
+  /// Counters of nodes and endpoints, named "node.counter".
+  std::vector<Counter> counters() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop

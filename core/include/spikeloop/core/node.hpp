@@ -1,0 +1,89 @@
+// The node contract. A node sees an interval (t, t+dt], its input ports, and writes its output
+// ports. It owns no thread, clock, MPI, file or ROS, and never prints. State advances at revisions
+// and spikes, in closed form, never by adding up ticks. docs/architecture.md has the whole text.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/signal.hpp"
+
+namespace spikeloop {
+
+enum class PortKind : std::uint32_t { signal = SPIKELOOP_SIGNAL, spikes = SPIKELOOP_SPIKES };
+enum class Direction : std::uint32_t { input = SPIKELOOP_INPUT, output = SPIKELOOP_OUTPUT };
+
+/// How wide a port is: as its connection says, a fixed number, or as wide as another port.
+struct WidthRule {
+  enum class Kind : std::uint32_t {
+    free = SPIKELOOP_WIDTH_FREE,
+    fixed = SPIKELOOP_WIDTH_FIXED,
+    same_as = SPIKELOOP_WIDTH_SAME
+  };
+  Kind kind = Kind::free;
+  std::uint32_t value = 0;  ///< fixed: the width; same_as: the index of the other port
+
+  static WidthRule fixed(std::uint32_t width) { return {Kind::fixed, width}; }
+  static WidthRule same_as(std::uint32_t port) { return {Kind::same_as, port}; }
+};
+
+struct PortDescription {
+  std::string name;
+  PortKind kind = PortKind::signal;
+  Direction direction = Direction::input;
+  WidthRule width{};
+  std::string text;  ///< one line
+};
+
+/// Everything that is known of a class of nodes without making one.
+struct NodeDescription {
+  std::string name;
+  std::string text;    ///< one line
+  std::string source;  ///< the paper's equation or the manual's section
+  std::vector<PortDescription> ports;
+  std::vector<ParameterDescription> parameters;
+};
+
+/// What a node is made from. `widths` runs parallel to the description's ports.
+struct NodeSetup {
+  std::string name;  ///< section label or name in the experiment; keys the random streams
+  std::uint64_t seed = 1;
+  Parameters parameters;
+  std::vector<std::uint32_t> widths;
+};
+
+/// Something a node counted: clipped inputs, late spikes, ... Names are snake_case.
+struct Counter {
+  std::string name;
+  std::uint64_t value = 0;
+};
+
+class Node {
+ public:
+  Node() = default;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  virtual ~Node() = default;
+
+  /// Advances over step.interval(). Consecutive calls have adjoining intervals.
+  /// @throws Error, or anything derived from std::exception, to end the run.
+  virtual void step(const Step& step) = 0;
+
+  /// Totals since the beginning of the run.
+  virtual std::vector<Counter> counters() const { return {}; }
+};
+
+using NodeFactory = std::function<std::unique_ptr<Node>(const NodeSetup&)>;
+
+/// A class of nodes. The factory throws ConfigurationError when widths and parameters do not fit.
+struct NodeClass {
+  NodeDescription description;
+  NodeFactory create;
+};
+
+}  // namespace spikeloop

@@ -1,0 +1,38 @@
+// What "wait" means in the loop: wait, receive, step, exchange, send.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop {
+
+/// Monotonic wall time in nanoseconds (CLOCK_MONOTONIC): the same in every process of a machine.
+TimeNs wall_now();
+
+/// Waits until simulated time may begin its next tick.
+class Pacer {
+ public:
+  struct Report {
+    std::uint64_t ticks = 0;
+    std::uint64_t overruns = 0;    ///< ticks begun later than one tick after their time
+    TimeNs worst_lateness = 0;     ///< wall time
+    TimeNs wall_time = 0;          ///< since start()
+  };
+  virtual ~Pacer() = default;
+  /// Simulated time 0 is now.
+  virtual void start() = 0;
+  /// Returns when the clock shows `time`.
+  virtual void wait_until(TimeNs time) = 0;
+  virtual Report report() const = 0;
+};
+
+/// The wall clock times `factor` (real-time factor): simulated = factor * wall. After a stall it
+/// does not run faster to catch up: the schedule moves by the time lost beyond one tick.
+std::unique_ptr<Pacer> make_realtime_pacer(double factor, TimeNs tick);
+/// No waiting: batch runs, benchmarks, and every process that another one paces.
+std::unique_ptr<Pacer> make_unpaced_pacer(TimeNs tick);
+
+}  // namespace spikeloop

@@ -1,0 +1,40 @@
+// The node classes a program knows, built in or from plug-ins.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/core/node.hpp"
+
+namespace spikeloop {
+
+class Registry {
+ public:
+  Registry();
+  ~Registry();
+  Registry(const Registry&) = delete;
+  Registry& operator=(const Registry&) = delete;
+
+  /// @throws ConfigurationError when a class of that name is already there.
+  void add(NodeClass node_class);
+  /// @throws ConfigurationError with "did you mean".
+  const NodeClass& find(std::string_view name) const;
+  bool contains(std::string_view name) const;
+  std::vector<std::string> names() const;  ///< sorted
+
+  /// Loads a shared library and adds its node classes; returns their names. Size, ABI version and
+  /// build are checked before anything in it is called.
+  /// @throws ConfigurationError with the path and the reason: cannot be loaded, is no plug-in, was
+  /// built for another version, names a class that is already there, malformed description.
+  std::vector<std::string> load_plugin(const std::string& path);
+  /// Loads every *.so in the directories of a ':'-separated list (SPIKELOOP_PLUGIN_PATH).
+  std::vector<std::string> load_plugin_path(std::string_view directories);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop
