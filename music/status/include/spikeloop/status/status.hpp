@@ -1,0 +1,82 @@
+// How the processes of a job tell the launcher what they do: JSON datagrams over a Unix socket.
+// docs/architecture.md lists the messages.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::status {
+
+/// The environment variable that holds the path of the launcher's socket.
+inline constexpr const char* kSocketVariable = "SPIKELOOP_STATUS";
+
+/// A file descriptor that is closed with its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor() { reset(); }
+  int get() const { return fd_; }
+  int release();
+  void reset();
+
+ private:
+  int fd_;
+};
+
+/// The reporting side, one a process. Without a launcher, or when it has gone, every call does
+/// nothing. No call throws, and all may be used from any thread.
+class Sender {
+ public:
+  /// `process` is the section's label. Reads SPIKELOOP_STATUS.
+  explicit Sender(std::string process);
+
+  /// After MUSIC's Setup. Waits up to 1 s for room.
+  void started() const;
+  /// When the loop has begun. Waits up to 10 ms for room.
+  void first_tick() const;
+  /// Never waits: dropped when there is no room. The members of the object `extra` are added.
+  void progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
+                const nlohmann::json& extra = {}) const;
+  /// Once at the end. Waits up to 1 s for room. A report that does not fit a datagram (at least
+  /// 200 kB do) is replaced by one whose member `too_large` holds its size.
+  void report(const nlohmann::json& counters, const nlohmann::json& summary) const;
+  /// Before the process ends because of an error. Waits up to 1 s for room; a message longer than
+  /// 64 kB is cut.
+  void failure(int exit_code, std::string_view message) const;
+
+ private:
+  nlohmann::json message(const char* type) const;
+
+  std::string process_;
+  Descriptor socket_;
+};
+
+/// The launcher's side: makes the socket, and removes it at its end.
+class Receiver {
+ public:
+  /// @throws FileError when the socket cannot be made at `path` (at most 107 bytes long).
+  explicit Receiver(const std::string& path);
+  ~Receiver();
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+
+  /// The next message, which is an object with the strings `type` and `process`; nothing when none
+  /// came in time. Whatever else arrives is passed over.
+  std::optional<nlohmann::json> next(std::chrono::milliseconds timeout);
+  /// Readable when a message waits.
+  int fd() const { return socket_.get(); }
+
+ private:
+  std::string path_;
+  Descriptor socket_;
+};
+
+}  // namespace spikeloop::status
