@@ -17,9 +17,9 @@ class Pacer {
  public:
   struct Report {
     std::uint64_t ticks = 0;
-    std::uint64_t overruns = 0;    ///< ticks begun later than one tick after their time
-    TimeNs worst_lateness = 0;     ///< wall time
-    TimeNs wall_time = 0;          ///< since start()
+    std::uint64_t overruns = 0;  ///< ticks begun later than one tick after their time
+    TimeNs worst_lateness = 0;   ///< wall time
+    TimeNs wall_time = 0;        ///< since start()
   };
   virtual ~Pacer() = default;
   /// Simulated time 0 is now.
@@ -30,9 +30,11 @@ class Pacer {
 };
 
 /// The wall clock times `factor` (real-time factor): simulated = factor * wall. After a stall it
-/// does not run faster to catch up: the schedule moves by the time lost beyond one tick.
+/// catches up at most the longer of 3 ticks and 100 ms; the schedule moves by what is beyond, so
+/// that no burst of old ticks drives the robot.
+/// @throws ConfigurationError when `factor` is not a number above 0.
 std::unique_ptr<Pacer> make_realtime_pacer(double factor, TimeNs tick);
 /// No waiting: batch runs, benchmarks, and every process that another one paces.
-std::unique_ptr<Pacer> make_unpaced_pacer(TimeNs tick);
+std::unique_ptr<Pacer> make_unpaced_pacer();
 
 }  // namespace spikeloop

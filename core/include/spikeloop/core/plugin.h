@@ -71,8 +71,8 @@ typedef struct spikeloop_step {
   uint32_t spike_output_count;
 } spikeloop_step;
 
-enum { SPIKELOOP_SIGNAL = 0, SPIKELOOP_SPIKES = 1 };      /* kinds of port */
-enum { SPIKELOOP_INPUT = 0, SPIKELOOP_OUTPUT = 1 };       /* directions of port */
+enum { SPIKELOOP_SIGNAL = 0, SPIKELOOP_SPIKES = 1 }; /* kinds of port */
+enum { SPIKELOOP_INPUT = 0, SPIKELOOP_OUTPUT = 1 };  /* directions of port */
 enum { SPIKELOOP_WIDTH_FREE = 0, SPIKELOOP_WIDTH_FIXED = 1, SPIKELOOP_WIDTH_SAME = 2 };
 
 /* A port. width_rule FIXED: width_value channels; SAME: as wide as the port with index

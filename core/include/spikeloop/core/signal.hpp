@@ -13,7 +13,9 @@ namespace spikeloop {
 /// A spike: `time_ns` in nanoseconds, 0-based `channel`.
 using Spike = spikeloop_spike;
 
-inline Spike make_spike(TimeNs time, std::int32_t channel) { return {time, channel, 0}; }
+inline Spike make_spike(TimeNs time, std::int32_t channel) {
+  return {time, channel, 0};
+}
 
 /// The order in which spikes reach a node.
 inline bool spike_before(const Spike& a, const Spike& b) {

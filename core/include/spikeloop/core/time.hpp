@@ -27,7 +27,9 @@ struct Interval {
 TimeNs from_seconds(double seconds);
 
 /// Seconds, as transports outside (MUSIC, ROS) carry them.
-inline double to_seconds(TimeNs time) { return static_cast<double>(time) * 1e-9; }
+inline double to_seconds(TimeNs time) {
+  return static_cast<double>(time) * 1e-9;
+}
 
 /// A tick length given in seconds: at least 1 ns and a whole number of nanoseconds.
 /// @throws ConfigurationError with the value and the nearest valid one.

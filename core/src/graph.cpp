@@ -1,0 +1,319 @@
+#include "spikeloop/core/graph.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph_plan.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+// The data of one output port; every connection from it reads here.
+struct Output {
+  PortKind kind = PortKind::signal;
+  std::uint32_t width = 0;
+  std::vector<double> values;
+  std::uint64_t revision = 0;
+  std::vector<Spike> spikes;  // of the interval, sorted
+  std::vector<Spike> held;    // of a source: stamped after the interval
+
+  static void append(void* sink, const Spike* spikes, std::uint64_t count) {
+    auto& output = *static_cast<Output*>(sink);
+    output.spikes.insert(output.spikes.end(), spikes, spikes + count);
+  }
+};
+
+// A connection; with a delay of d ticks it keeps the outputs of the last d intervals in a ring.
+struct Edge {
+  struct Slot {
+    std::vector<double> values;
+    std::uint64_t revision = 0;
+    std::vector<Spike> spikes;
+  };
+  Output* from = nullptr;
+  TimeNs shift = 0;
+  std::vector<Slot> ring;
+  ConnectionReport report;
+
+  spikeloop_signal_input signal(std::uint64_t tick_index) const {
+    if (ring.empty()) {
+      return {from->values.data(), from->revision, from->width, 0};
+    }
+    const Slot& slot = ring[tick_index % ring.size()];
+    return {slot.values.data(), slot.revision, from->width, 0};
+  }
+
+  spikeloop_spike_input spikes(std::uint64_t tick_index, TimeNs begin) {
+    const auto& arrived = ring.empty() ? from->spikes : ring[tick_index % ring.size()].spikes;
+    report.spikes += arrived.size();
+    for (auto spike = arrived.begin(); spike != arrived.end() && spike->time_ns <= begin; ++spike) {
+      ++report.late;
+    }
+    return {arrived.data(), arrived.size(), from->width, 0};
+  }
+
+  // At the end of interval k: what interval k + d will read.
+  void push(std::uint64_t tick_index) {
+    if (ring.empty()) {
+      return;
+    }
+    Slot& slot = ring[tick_index % ring.size()];
+    if (from->kind == PortKind::signal) {
+      slot.values = from->values;
+      slot.revision = from->revision;
+      return;
+    }
+    slot.spikes = from->spikes;
+    for (Spike& spike : slot.spikes) {
+      spike.time_ns += shift;
+    }
+  }
+};
+
+// A source, node or sink with its ports in the order of the step data.
+struct Element {
+  std::string name;
+  Source* source = nullptr;
+  std::unique_ptr<Node> node;
+  Sink* sink = nullptr;
+  std::vector<Edge*> signal_inputs, spike_inputs;
+  std::vector<Output*> signal_outputs, spike_outputs;
+  std::vector<spikeloop_signal_input> signal_input_data;
+  std::vector<spikeloop_spike_input> spike_input_data;
+  std::vector<spikeloop_signal_output> signal_output_data;
+  std::vector<spikeloop_spike_output> spike_output_data;
+
+  std::vector<Counter> counters() const {
+    if (source != nullptr) {
+      return source->counters();
+    }
+    return node ? node->counters() : sink->counters();
+  }
+};
+
+}  // namespace
+
+struct Graph::Impl {
+  TimeNs tick = 0;
+  std::uint64_t tick_index = 0;
+  std::vector<std::unique_ptr<Output>> outputs;
+  std::vector<std::unique_ptr<Edge>> edges;
+  std::vector<Element> elements;
+  std::vector<std::size_t> order;
+
+  TimeNs time() const { return static_cast<TimeNs>(tick_index) * tick; }
+
+  void make_elements(const GraphDescription& description, const GraphPlan& plan);
+  void wire(const GraphPlan& plan);
+  void step();
+  void gather(Element& element, TimeNs begin);
+  void run(Element& element, const Interval& interval);
+  void collect(Element& element, const Interval& interval);
+  void sort_and_check(const Element& element, Output& output, const Interval& interval);
+};
+
+void Graph::Impl::make_elements(const GraphDescription& description, const GraphPlan& plan) {
+  elements.resize(plan.elements.size());
+  std::size_t index = 0;
+  for (const auto& entry : description.sources) {
+    elements[index].name = entry.name;
+    elements[index++].source = entry.source;
+  }
+  for (const auto& entry : description.nodes) {
+    NodeSetup setup{entry.name, description.seed, entry.parameters, {}};
+    for (const PlannedPort& port : plan.elements[index].ports) {
+      setup.widths.push_back(port.width);
+    }
+    elements[index].name = entry.name;
+    try {
+      elements[index++].node = entry.node_class->create(setup);
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(entry.where, fmt::format("'{}': {}", entry.name, error.what()));
+    }
+  }
+  for (const auto& entry : description.sinks) {
+    elements[index].name = entry.name;
+    elements[index++].sink = entry.sink;
+  }
+}
+
+void Graph::Impl::wire(const GraphPlan& plan) {
+  std::vector<std::vector<Output*>> output_of(elements.size());
+  std::vector<std::vector<Edge*>> edge_into(elements.size());
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    output_of[e].resize(plan.elements[e].ports.size());
+    edge_into[e].resize(plan.elements[e].ports.size());
+    for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
+      const PlannedPort& port = plan.elements[e].ports[p];
+      if (port.direction == Direction::output) {
+        auto output = std::make_unique<Output>();
+        output->kind = port.kind;
+        output->width = port.width;
+        output->values.assign(port.kind == PortKind::signal ? port.width : 0, 0.0);
+        output_of[e][p] = output.get();
+        outputs.push_back(std::move(output));
+      }
+    }
+  }
+  for (const PlannedConnection& connection : plan.connections) {
+    auto edge = std::make_unique<Edge>();
+    edge->from = output_of[connection.from.element][connection.from.port];
+    edge->shift = tick * connection.delay_ticks;
+    edge->ring.resize(connection.delay_ticks);
+    for (auto& slot : edge->ring) {
+      slot.values = edge->from->values;
+    }
+    edge->report.from = plan.text(connection.from);
+    edge->report.to = plan.text(connection.to);
+    edge_into[connection.to.element][connection.to.port] = edge.get();
+    edges.push_back(std::move(edge));
+  }
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
+      const bool spikes = plan.elements[e].ports[p].kind == PortKind::spikes;
+      Element& element = elements[e];
+      if (Edge* edge = edge_into[e][p]) {
+        (spikes ? element.spike_inputs : element.signal_inputs).push_back(edge);
+      } else {
+        (spikes ? element.spike_outputs : element.signal_outputs).push_back(output_of[e][p]);
+      }
+    }
+  }
+}
+
+void Graph::Impl::gather(Element& element, TimeNs begin) {
+  element.signal_input_data.clear();
+  element.spike_input_data.clear();
+  element.signal_output_data.clear();
+  element.spike_output_data.clear();
+  for (Edge* edge : element.signal_inputs) {
+    element.signal_input_data.push_back(edge->signal(tick_index));
+  }
+  for (Edge* edge : element.spike_inputs) {
+    element.spike_input_data.push_back(edge->spikes(tick_index, begin));
+  }
+  for (Output* output : element.signal_outputs) {
+    element.signal_output_data.push_back(
+        {output->values.data(), output->revision, output->width, 0});
+  }
+  for (Output* output : element.spike_outputs) {
+    output->spikes.clear();
+    output->spikes.swap(output->held);
+    element.spike_output_data.push_back({output, &Output::append, output->width, 0});
+  }
+}
+
+void Graph::Impl::run(Element& element, const Interval& interval) {
+  const spikeloop_step data{interval.begin,
+                            interval.end,
+                            element.signal_input_data.data(),
+                            element.spike_input_data.data(),
+                            element.signal_output_data.data(),
+                            element.spike_output_data.data(),
+                            static_cast<std::uint32_t>(element.signal_input_data.size()),
+                            static_cast<std::uint32_t>(element.spike_input_data.size()),
+                            static_cast<std::uint32_t>(element.signal_output_data.size()),
+                            static_cast<std::uint32_t>(element.spike_output_data.size())};
+  const Step step(data);
+  if (element.source != nullptr) {
+    element.source->receive(step);
+  } else if (element.sink != nullptr) {
+    element.sink->send(step);
+  } else {
+    try {
+      element.node->step(step);
+    } catch (const std::exception& error) {
+      throw NodeError(element.name, error.what());
+    }
+  }
+}
+
+void Graph::Impl::sort_and_check(const Element& element, Output& output, const Interval& interval) {
+  auto& spikes = output.spikes;
+  if (!std::is_sorted(spikes.begin(), spikes.end(), spike_before)) {
+    std::sort(spikes.begin(), spikes.end(), spike_before);
+  }
+  for (const Spike& spike : spikes) {
+    if (spike.channel < 0 || static_cast<std::uint32_t>(spike.channel) >= output.width) {
+      throw NodeError(element.name,
+                      fmt::format("a spike on channel {}, but the port has channels 0 to {}",
+                                  spike.channel, output.width - 1));
+    }
+    if (element.node && !interval.contains(spike.time_ns)) {
+      throw NodeError(element.name,
+                      fmt::format("a spike at {} ns lies outside the interval ({}, {}] ns",
+                                  spike.time_ns, interval.begin, interval.end));
+    }
+  }
+  const auto after = std::find_if(spikes.begin(), spikes.end(),
+                                  [&](const Spike& spike) { return spike.time_ns > interval.end; });
+  output.held.assign(after, spikes.end());
+  spikes.erase(after, spikes.end());
+}
+
+void Graph::Impl::collect(Element& element, const Interval& interval) {
+  for (std::size_t i = 0; i < element.signal_outputs.size(); ++i) {
+    element.signal_outputs[i]->revision = element.signal_output_data[i].revision;
+  }
+  for (Output* output : element.spike_outputs) {
+    sort_and_check(element, *output, interval);
+  }
+}
+
+void Graph::Impl::step() {
+  const Interval interval{time(), time() + tick};
+  for (const std::size_t index : order) {
+    Element& element = elements[index];
+    gather(element, interval.begin);
+    run(element, interval);
+    collect(element, interval);
+  }
+  for (const auto& edge : edges) {
+    edge->push(tick_index);
+  }
+  ++tick_index;
+}
+
+Graph::Graph(GraphDescription description) : impl_(std::make_unique<Impl>()) {
+  const GraphPlan checked = plan(description);
+  impl_->tick = description.tick;
+  impl_->order = checked.order;
+  impl_->make_elements(description, checked);
+  impl_->wire(checked);
+}
+
+Graph::~Graph() = default;
+Graph::Graph(Graph&&) noexcept = default;
+Graph& Graph::operator=(Graph&&) noexcept = default;
+
+void Graph::step() {
+  impl_->step();
+}
+TimeNs Graph::time() const {
+  return impl_->time();
+}
+TimeNs Graph::tick() const {
+  return impl_->tick;
+}
+
+std::vector<ConnectionReport> Graph::connections() const {
+  std::vector<ConnectionReport> reports;
+  for (const auto& edge : impl_->edges) {
+    reports.push_back(edge->report);
+  }
+  return reports;
+}
+
+std::vector<Counter> Graph::counters() const {
+  std::vector<Counter> all;
+  for (const Element& element : impl_->elements) {
+    for (Counter& counter : element.counters()) {
+      all.push_back({fmt::format("{}.{}", element.name, counter.name), counter.value});
+    }
+  }
+  return all;
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,302 @@
+#include "graph_plan.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace spikeloop {
+
+namespace {
+
+PlannedElement planned_node(const GraphDescription::NodeEntry& entry) {
+  PlannedElement element{entry.name, {}, entry.where};
+  for (const PortDescription& port : entry.node_class->description.ports) {
+    const bool fixed = port.width.kind == WidthRule::Kind::fixed;
+    element.ports.push_back(
+        {port.name, port.kind, port.direction, port.width, fixed ? port.width.value : 0});
+  }
+  return element;
+}
+
+PlannedElement planned_endpoint(const std::string& name, const std::vector<EndpointPort>& ports,
+                                Direction direction) {
+  PlannedElement element{name, {}, {}};
+  for (const EndpointPort& port : ports) {
+    element.ports.push_back({port.name, port.kind, direction, {}, port.width});
+  }
+  return element;
+}
+
+std::vector<PlannedElement> planned_elements(const GraphDescription& description) {
+  std::vector<PlannedElement> elements;
+  for (const auto& entry : description.sources) {
+    elements.push_back(planned_endpoint(entry.name, entry.source->ports(), Direction::output));
+  }
+  for (const auto& entry : description.nodes) {
+    elements.push_back(planned_node(entry));
+  }
+  for (const auto& entry : description.sinks) {
+    elements.push_back(planned_endpoint(entry.name, entry.sink->ports(), Direction::input));
+  }
+  std::set<std::string> seen;
+  for (const PlannedElement& element : elements) {
+    if (!seen.insert(element.name).second) {
+      throw ConfigurationError(
+          element.where,
+          fmt::format("two nodes are named '{}'; give each its own name", element.name));
+    }
+  }
+  return elements;
+}
+
+std::size_t find_element(const std::vector<PlannedElement>& elements, const std::string& name,
+                         const std::string& written, const Location& where) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].name == name) {
+      return i;
+    }
+    names.push_back(elements[i].name);
+  }
+  throw ConfigurationError(
+      where, fmt::format("unknown node '{}' in '{}'{}", name, written, did_you_mean(name, names)));
+}
+
+PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
+                             const std::string& written, Direction direction,
+                             const Location& where) {
+  const auto dot = written.find('.');
+  const std::size_t index = find_element(elements, written.substr(0, dot), written, where);
+  const PlannedElement& element = elements[index];
+  const char* direction_text = direction == Direction::input ? "input" : "output";
+  std::vector<std::size_t> candidates;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < element.ports.size(); ++i) {
+    if (element.ports[i].direction == direction) {
+      candidates.push_back(i);
+      names.push_back(element.ports[i].name);
+    }
+  }
+  if (candidates.empty()) {
+    throw ConfigurationError(
+        where, fmt::format("'{}' has no {} port; turn the connection round or leave it out",
+                           element.name, direction_text));
+  }
+  if (dot == std::string::npos) {
+    if (candidates.size() > 1) {
+      throw ConfigurationError(
+          where,
+          fmt::format("'{}' has several {} ports; write one of: {}.{}", written, direction_text,
+                      element.name, fmt::join(names, fmt::format(", {}.", element.name))));
+    }
+    return {index, candidates.front()};
+  }
+  const std::string port = written.substr(dot + 1);
+  for (const std::size_t i : candidates) {
+    if (element.ports[i].name == port) {
+      return {index, i};
+    }
+  }
+  throw ConfigurationError(where, fmt::format("'{}' has no {} port '{}'{}", element.name,
+                                              direction_text, port, did_you_mean(port, names)));
+}
+
+const char* kind_text(PortKind kind) {
+  return kind == PortKind::signal ? "continuous" : "spikes";
+}
+
+// Sets a width that was unknown; says whether anything changed.
+bool settle(std::uint32_t& width, std::uint32_t other) {
+  const bool changes = width == 0 && other != 0;
+  if (changes) {
+    width = other;
+  }
+  return changes;
+}
+
+bool settle_same_as(PlannedElement& element) {
+  bool changed = false;
+  for (PlannedPort& port : element.ports) {
+    if (port.rule.kind == WidthRule::Kind::same_as) {
+      PlannedPort& other = element.ports[port.rule.value];
+      changed |= settle(port.width, other.width);
+      changed |= settle(other.width, port.width);
+    }
+  }
+  return changed;
+}
+
+void settle_widths(GraphPlan& plan, const GraphDescription& description) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < plan.connections.size(); ++i) {
+      const PlannedConnection& connection = plan.connections[i];
+      auto& from = plan.elements[connection.from.element].ports[connection.from.port].width;
+      auto& to = plan.elements[connection.to.element].ports[connection.to.port].width;
+      const std::uint32_t written = description.connections[i].width;
+      changed |= settle(from, written);
+      changed |= settle(to, written);
+      changed |= settle(from, to);
+      changed |= settle(to, from);
+    }
+    for (PlannedElement& element : plan.elements) {
+      changed |= settle_same_as(element);
+    }
+  }
+}
+
+void check_connection_widths(const GraphPlan& plan, const GraphDescription& description) {
+  for (std::size_t i = 0; i < plan.connections.size(); ++i) {
+    const PlannedConnection& connection = plan.connections[i];
+    const std::uint32_t from = plan.port(connection.from).width;
+    const std::uint32_t to = plan.port(connection.to).width;
+    const std::uint32_t written = description.connections[i].width;
+    if (from != to || (written != 0 && written != from)) {
+      throw ConfigurationError(
+          connection.where,
+          fmt::format("widths differ: '{}' has {} channels, '{}' has {}{}",
+                      plan.text(connection.from), from, plan.text(connection.to), to,
+                      written != 0 ? fmt::format(", the connection says [{}]", written) : ""));
+    }
+    if (from == 0) {
+      throw ConfigurationError(connection.where,
+                               fmt::format("the width of '{}' -> '{}' is unknown; write it as [10]",
+                                           plan.text(connection.from), plan.text(connection.to)));
+    }
+  }
+}
+
+void check_node_widths(const GraphPlan& plan) {
+  for (const PlannedElement& element : plan.elements) {
+    for (const PlannedPort& port : element.ports) {
+      const bool fixed = port.rule.kind == WidthRule::Kind::fixed;
+      const bool same = port.rule.kind == WidthRule::Kind::same_as;
+      const std::uint32_t wanted =
+          fixed ? port.rule.value : (same ? element.ports[port.rule.value].width : port.width);
+      if (port.width != wanted) {
+        throw ConfigurationError(
+            element.where, fmt::format("port '{}.{}' has {} channels but must have {}{}",
+                                       element.name, port.name, port.width, wanted,
+                                       same ? fmt::format(", as many as '{}.{}'", element.name,
+                                                          element.ports[port.rule.value].name)
+                                            : ""));
+      }
+    }
+  }
+}
+
+void check_inputs(const GraphPlan& plan) {
+  std::set<std::pair<std::size_t, std::size_t>> taken;
+  for (const PlannedConnection& connection : plan.connections) {
+    if (!taken.insert({connection.to.element, connection.to.port}).second) {
+      throw ConfigurationError(connection.where,
+                               fmt::format("two connections lead into '{}'; an input takes one",
+                                           plan.text(connection.to)));
+    }
+  }
+  for (std::size_t e = 0; e < plan.elements.size(); ++e) {
+    for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
+      const bool input = plan.elements[e].ports[p].direction == Direction::input;
+      if (input && taken.count({e, p}) == 0) {
+        throw ConfigurationError(
+            plan.elements[e].where,
+            fmt::format("nothing is connected to the input '{}'", plan.text({e, p})));
+      }
+    }
+  }
+}
+
+void resolve_connections(GraphPlan& plan, const GraphDescription& description) {
+  for (const ConnectionDescription& written : description.connections) {
+    const auto from = find_port(plan.elements, written.from, Direction::output, written.where);
+    const auto to = find_port(plan.elements, written.to, Direction::input, written.where);
+    if (plan.port(from).kind != plan.port(to).kind) {
+      throw ConfigurationError(
+          written.where,
+          fmt::format("'{}' is {}, but '{}' is {}; put an encoder or a decoder between them",
+                      plan.text(from), kind_text(plan.port(from).kind), plan.text(to),
+                      kind_text(plan.port(to).kind)));
+    }
+    plan.connections.push_back({from, to, written.delay_ticks, written.where});
+  }
+}
+
+// Names a cycle of connections without delay among the elements that could not be ordered.
+std::string cycle_text(const GraphPlan& plan, const std::vector<bool>& placed) {
+  std::size_t at = 0;
+  while (placed[at]) {
+    ++at;
+  }
+  // Every unplaced element waits for another unplaced one: walking back must return somewhere.
+  std::vector<std::size_t> walk;
+  while (std::find(walk.begin(), walk.end(), at) == walk.end()) {
+    walk.push_back(at);
+    for (const PlannedConnection& connection : plan.connections) {
+      if (connection.to.element == at && connection.delay_ticks == 0 &&
+          !placed[connection.from.element]) {
+        at = connection.from.element;
+        break;
+      }
+    }
+  }
+  std::string text = plan.elements[at].name;
+  for (auto i = walk.rbegin(); i != walk.rend() && *i != at; ++i) {
+    text += " -> " + plan.elements[*i].name;
+  }
+  return text + " -> " + plan.elements[at].name;
+}
+
+void order_elements(GraphPlan& plan) {
+  std::vector<std::size_t> waits_for(plan.elements.size(), 0);
+  for (const PlannedConnection& connection : plan.connections) {
+    waits_for[connection.to.element] += connection.delay_ticks == 0 ? 1 : 0;
+  }
+  std::vector<bool> placed(plan.elements.size(), false);
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (std::size_t e = 0; e < plan.elements.size(); ++e) {
+      if (placed[e] || waits_for[e] != 0) {
+        continue;
+      }
+      placed[e] = progress = true;
+      plan.order.push_back(e);
+      for (const PlannedConnection& connection : plan.connections) {
+        if (connection.from.element == e && connection.delay_ticks == 0) {
+          --waits_for[connection.to.element];
+        }
+      }
+    }
+  }
+  if (plan.order.size() < plan.elements.size()) {
+    throw ConfigurationError(fmt::format(
+        "the cycle {} has no delay; give one of its connections a delay of at least 1 tick",
+        cycle_text(plan, placed)));
+  }
+}
+
+}  // namespace
+
+std::string GraphPlan::text(const PlannedPortAddress& address) const {
+  return fmt::format("{}.{}", elements[address.element].name, port(address).name);
+}
+
+GraphPlan plan(const GraphDescription& description) {
+  if (description.tick < 1) {
+    throw ConfigurationError(
+        fmt::format("a tick of {} ns cannot be run; write for example 1 ms", description.tick));
+  }
+  GraphPlan plan;
+  plan.elements = planned_elements(description);
+  resolve_connections(plan, description);
+  check_inputs(plan);
+  settle_widths(plan, description);
+  check_connection_widths(plan, description);
+  check_node_widths(plan);
+  order_elements(plan);
+  return plan;
+}
+
+}  // namespace spikeloop

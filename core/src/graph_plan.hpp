@@ -1,0 +1,54 @@
+// The checked form of a graph description: names resolved, widths known, nodes in order.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/graph.hpp"
+
+namespace spikeloop {
+
+struct PlannedPort {
+  std::string name;
+  PortKind kind = PortKind::signal;
+  Direction direction = Direction::input;
+  WidthRule rule{};
+  std::uint32_t width = 0;  ///< 0 until it is known
+};
+
+/// A source, node or sink alike.
+struct PlannedElement {
+  std::string name;
+  std::vector<PlannedPort> ports;
+  Location where{};
+};
+
+struct PlannedPortAddress {
+  std::size_t element = 0;
+  std::size_t port = 0;
+};
+
+struct PlannedConnection {
+  PlannedPortAddress from;
+  PlannedPortAddress to;
+  std::uint32_t delay_ticks = 0;
+  Location where{};
+};
+
+/// Elements are listed sources first, then nodes, then sinks, each in the description's order.
+struct GraphPlan {
+  std::vector<PlannedElement> elements;
+  std::vector<PlannedConnection> connections;
+  std::vector<std::size_t> order;  ///< elements in an order in which they can be advanced
+
+  const PlannedPort& port(const PlannedPortAddress& address) const {
+    return elements[address.element].ports[address.port];
+  }
+  /// "node.port"
+  std::string text(const PlannedPortAddress& address) const;
+};
+
+/// @throws ConfigurationError as Graph's constructor says.
+GraphPlan plan(const GraphDescription& description);
+
+}  // namespace spikeloop

@@ -1,0 +1,99 @@
+#include "spikeloop/core/registry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "foreign_node.hpp"
+
+namespace spikeloop {
+
+struct Registry::Impl {
+  std::vector<SharedLibrary> libraries;  // outlive the classes: destroyed last
+  std::map<std::string, NodeClass, std::less<>> classes;
+};
+
+Registry::Registry() : impl_(std::make_unique<Impl>()) {}
+Registry::~Registry() = default;
+
+void Registry::add(NodeClass node_class) {
+  const std::string name = node_class.description.name;
+  if (!impl_->classes.emplace(name, std::move(node_class)).second) {
+    throw ConfigurationError(
+        fmt::format("there is already a node class '{}'; give the second one another name", name));
+  }
+}
+
+const NodeClass& Registry::find(std::string_view name) const {
+  const auto found = impl_->classes.find(name);
+  if (found == impl_->classes.end()) {
+    throw ConfigurationError(
+        fmt::format("unknown node class '{}'{}", name, did_you_mean(name, names())));
+  }
+  return found->second;
+}
+
+bool Registry::contains(std::string_view name) const {
+  return impl_->classes.find(name) != impl_->classes.end();
+}
+
+std::vector<std::string> Registry::names() const {
+  std::vector<std::string> all;
+  for (const auto& [name, node_class] : impl_->classes) {
+    all.push_back(name);
+  }
+  return all;
+}
+
+std::vector<std::string> Registry::load_plugin(const std::string& path) {
+  SharedLibrary library(path);
+  const spikeloop_plugin& plugin = library.checked_plugin();
+  std::vector<NodeClass> loaded;
+  for (std::uint64_t i = 0; i < plugin.class_count; ++i) {
+    loaded.push_back(foreign_node_class(path, plugin.classes[i]));
+  }
+  std::vector<std::string> added;
+  for (NodeClass& node_class : loaded) {
+    const std::string name = node_class.description.name;
+    if (contains(name)) {
+      throw ConfigurationError(fmt::format(
+          "plug-in '{}': there is already a node class '{}'; give it another name", path, name));
+    }
+    add(std::move(node_class));
+    added.push_back(name);
+  }
+  impl_->libraries.push_back(std::move(library));
+  return added;
+}
+
+std::vector<std::string> Registry::load_plugin_path(std::string_view directories) {
+  std::vector<std::string> added;
+  while (!directories.empty()) {
+    const auto colon = directories.find(':');
+    const std::string directory(directories.substr(0, colon));
+    directories = colon == std::string_view::npos ? "" : directories.substr(colon + 1);
+    if (directory.empty()) {
+      continue;
+    }
+    std::error_code error;
+    std::vector<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+      if (entry.path().extension() == ".so") {
+        paths.push_back(entry.path().string());
+      }
+    }
+    if (error) {
+      throw FileError("read plug-in directory", directory, error.value());
+    }
+    std::sort(paths.begin(), paths.end());
+    for (const std::string& path : paths) {
+      const auto names = load_plugin(path);
+      added.insert(added.end(), names.begin(), names.end());
+    }
+  }
+  return added;
+}
+
+}  // namespace spikeloop
