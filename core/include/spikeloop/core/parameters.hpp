@@ -22,12 +22,12 @@ enum class ParameterType { number, integer, boolean, text, choice, weights };
 struct ParameterDescription {
   std::string name;
   ParameterType type = ParameterType::number;
-  std::string unit;                          ///< "s", "Hz", "1" ...; values are kept in it
-  std::optional<std::string> default_value;  ///< as one would write it; none: must be given
+  std::string unit{};                          ///< "s", "Hz", "1" ...; values are kept in it
+  std::optional<std::string> default_value{};  ///< as one would write it; none: must be given
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices;
-  std::string text;  ///< one line, no full stop
+  std::vector<std::string> choices{};
+  std::string text{};  ///< one line, no full stop
 };
 
 /// A value as the user wrote it, and where.
