@@ -1,0 +1,123 @@
+#include "connect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "input_policy.hpp"
+#include "lane_sum.hpp"
+#include "port_weights.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+// y = W x for the four shapes of a table.
+class LinearMap {
+ public:
+  explicit LinearMap(WeightTable table) : table_(std::move(table)) {}
+
+  void apply(std::span<const double> x, std::span<double> y) const {
+    switch (table_.kind) {
+      case WeightTable::Kind::dense:
+        return dense(x, y);
+      case WeightTable::Kind::sparse:
+        return sparse(x, y);
+      case WeightTable::Kind::uniform:
+        return uniform(x, y);
+      case WeightTable::Kind::one_to_one:
+        std::transform(x.begin(), x.end(), y.begin(),
+                       [weight = table_.values[0]](double value) { return weight * value; });
+    }
+  }
+
+ private:
+  void dense(std::span<const double> x, std::span<double> y) const {
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      LaneSum sum;
+      sum.add_products({&table_.values[i * x.size()], x.size()}, x);
+      y[i] = sum.total();
+    }
+  }
+
+  void sparse(std::span<const double> x, std::span<double> y) const {
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      LaneSum sum;
+      for (std::size_t k = table_.row_start[i]; k < table_.row_start[i + 1]; ++k) {
+        sum.add(table_.column[k], table_.values[k] * x[table_.column[k]]);
+      }
+      y[i] = sum.total();
+    }
+  }
+
+  void uniform(std::span<const double> x, std::span<double> y) const {
+    LaneSum sum;
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      sum.add(j, x[j]);
+    }
+    std::fill(y.begin(), y.end(), table_.values[0] * sum.total());
+  }
+
+  WeightTable table_;
+};
+
+class Connect final : public Node {
+ public:
+  explicit Connect(const NodeSetup& setup)
+      : policy_(setup),
+        map_(port_weights(setup, setup.widths[1], setup.widths[0])),
+        held_(setup.widths[0], 0.0) {}
+
+  void step(const Step& step) override {
+    const SignalInput input = step.signal_input();
+    const SignalOutput output = step.signal_output();
+    if (input.revision == revision_) {
+      return;
+    }
+    revision_ = input.revision;
+    if (!input.valid()) {
+      output.invalidate();
+      return;
+    }
+    for (std::size_t j = 0; j < held_.size(); ++j) {
+      const double value = policy_.treat(input.values[j], j);
+      if (!std::isnan(value)) {
+        held_[j] = value;
+      }
+    }
+    map_.apply(held_, output.values());
+    output.commit();
+    ++updates_;
+  }
+
+  std::vector<Counter> counters() const override {
+    std::vector<Counter> counters = {{"updates", updates_}};
+    policy_.append_counters(counters);
+    return counters;
+  }
+
+ private:
+  InputPolicy policy_;
+  LinearMap map_;
+  std::vector<double> held_;  // each channel's last good value
+  std::uint64_t revision_ = 0;
+  std::uint64_t updates_ = 0;
+};
+
+}  // namespace
+
+NodeClass connect_class() {
+  NodeDescription description;
+  description.name = "connect";
+  description.text = "Maps continuous signals linearly onto others";
+  description.source = "Weidel et al. 2016, connect adapter";
+  description.ports = {
+      {"in", PortKind::signal, Direction::input, {}, "One value a column of the weights"},
+      {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights"}};
+  description.parameters = {weights_parameter()};
+  append_finite_input_policy(description.parameters);
+  return {description, [](const NodeSetup& setup) { return std::make_unique<Connect>(setup); }};
+}
+
+}  // namespace spikeloop

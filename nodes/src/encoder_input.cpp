@@ -1,0 +1,105 @@
+#include "encoder_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace spikeloop {
+
+namespace {
+
+std::optional<double> parse_initial(const Parameters& parameters, bool any_value) {
+  const std::string& text = parameters.text("initial");
+  if (text.empty() || text == "none") {
+    return std::nullopt;
+  }
+  double value = 0.0;
+  try {
+    value = parse_quantity(text, "");
+  } catch (const ConfigurationError&) {
+    throw ConfigurationError(
+        parameters.where("initial"),
+        fmt::format(
+            "key 'initial': '{}' is neither a number nor 'none'; write a value from -1 to 1, "
+            "or none for silence until the first input",
+            text));
+  }
+  if (!any_value && std::fabs(value) > 1.0) {
+    throw ConfigurationError(
+        parameters.where("initial"),
+        fmt::format("key 'initial': {} is out of bounds; write a value from -1 to 1, or none for "
+                    "silence until the first input",
+                    value));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::vector<PortDescription> encoder_ports() {
+  return {
+      {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one a channel"},
+      {"out", PortKind::spikes, Direction::output, WidthRule::same_as(0), "One neuron a channel"}};
+}
+
+std::vector<ParameterDescription> encoder_parameters() {
+  std::vector<ParameterDescription> parameters;
+  parameters.push_back({.name = "rate_min",
+                        .unit = "Hz",
+                        .default_value = "0",
+                        .minimum = 0.0,
+                        .maximum = SpikeSchedule::kFastest,
+                        .text = "Firing rate at the input value -1"});
+  parameters.push_back({.name = "rate_max",
+                        .unit = "Hz",
+                        .default_value = "100",
+                        .minimum = 0.0,
+                        .maximum = SpikeSchedule::kFastest,
+                        .text = "Firing rate at the input value 1"});
+  parameters.push_back({.name = "initial",
+                        .type = ParameterType::text,
+                        .default_value = "none",
+                        .text = "Input value assumed until the first one comes; none: silence"});
+  append_encoder_input_policy(parameters);
+  return parameters;
+}
+
+EncoderInput::EncoderInput(const NodeSetup& setup)
+    : policy_(setup),
+      rate_min_(setup.parameters.number("rate_min")),
+      rate_max_(setup.parameters.number("rate_max")),
+      initial_(parse_initial(setup.parameters, policy_.passes())) {}
+
+double EncoderInput::rate_of(double x) {
+  const double rate = rate_min_ + (x + 1.0) / 2.0 * (rate_max_ - rate_min_);
+  if (std::fabs(x) > 1.0 && (rate < 0.0 || rate > SpikeSchedule::kFastest)) {
+    ++rates_limited_;
+  }
+  // std::clamp gives back NaN, "as it was", untouched.
+  return std::clamp(rate, 0.0, SpikeSchedule::kFastest);
+}
+
+void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
+  const SignalInput input = step.signal_input();
+  const TimeNs now = step.interval().begin;
+  if (input.valid()) {
+    if (input.revision != revision_) {
+      schedule.set_rates(now,
+                         [&](std::size_t c) { return rate_of(policy_.treat(input.values[c], c)); });
+    }
+  } else if (!begun_ && initial_) {
+    schedule.set_rates(now, [&](std::size_t) { return rate_of(*initial_); });
+  } else if (revision_ != 0) {
+    schedule.set_rates(now, [](std::size_t) { return 0.0; });
+  }
+  begun_ = true;
+  revision_ = input.revision;
+}
+
+void EncoderInput::append_counters(std::vector<Counter>& counters) const {
+  policy_.append_counters(counters);
+  counters.push_back({"rates_limited", rates_limited_});
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,45 @@
+// The input side that all rate-based encoders share: which rate each channel has from when on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "input_policy.hpp"
+#include "spike_schedule.hpp"
+#include "spikeloop/core/node.hpp"
+
+namespace spikeloop {
+
+/// Ports `in` (signal) and `out` (spikes, same width).
+std::vector<PortDescription> encoder_ports();
+/// rate_min, rate_max, initial, out_of_range, not_finite.
+std::vector<ParameterDescription> encoder_parameters();
+
+/// Maps x in [-1, 1] to the rate  rate_min + (x + 1) / 2 * (rate_max - rate_min)  (Weidel et al.
+/// 2016, eq. 1).
+class EncoderInput {
+ public:
+  /// @throws ConfigurationError when `initial` is no number, or outside [-1, 1] unless
+  /// out_of_range = pass.
+  explicit EncoderInput(const NodeSetup& setup);
+
+  /// Changes the rates of `schedule` at the step's begin if the input brings anything new. An input
+  /// without a value means silence, or `initial` while no value has come yet.
+  void update(const Step& step, SpikeSchedule& schedule);
+
+  void append_counters(std::vector<Counter>& counters) const;
+
+ private:
+  double rate_of(double x);
+
+  InputPolicy policy_;
+  double rate_min_;  // Hz
+  double rate_max_;  // Hz
+  std::optional<double> initial_;
+  bool begun_ = false;
+  std::uint64_t revision_ = 0;
+  std::uint64_t rates_limited_ = 0;
+};
+
+}  // namespace spikeloop

@@ -1,0 +1,179 @@
+#include "linear_readout.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "kernel_sum.hpp"
+#include "port_weights.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+// The weights by input channel, because spikes come by channel.
+class Fan {
+ public:
+  explicit Fan(const WeightTable& table) : kind_(table.kind), rows_(table.rows) {
+    if (kind_ == WeightTable::Kind::dense) {
+      transpose_dense(table);
+    } else if (kind_ == WeightTable::Kind::sparse) {
+      transpose_sparse(table);
+    } else {
+      values_ = table.values;
+    }
+  }
+
+  // Sums that are kept: all outputs of a uniform table are one.
+  std::uint32_t sums() const { return kind_ == WeightTable::Kind::uniform ? 1 : rows_; }
+
+  // Adds a spike of `channel`; `factor` is its kernel.
+  void add(std::uint32_t channel, double factor, KernelSum& sum) const {
+    switch (kind_) {
+      case WeightTable::Kind::dense:
+        for (std::size_t i = 0; i < rows_; ++i) {
+          sum.add(i, values_[std::size_t{channel} * rows_ + i] * factor);
+        }
+        return;
+      case WeightTable::Kind::sparse:
+        for (std::size_t k = start_[channel]; k < start_[channel + 1]; ++k) {
+          sum.add(row_[k], values_[k] * factor);
+        }
+        return;
+      case WeightTable::Kind::uniform:
+        return sum.add(0, values_[0] * factor);
+      case WeightTable::Kind::one_to_one:
+        return sum.add(channel, values_[0] * factor);
+    }
+  }
+
+ private:
+  void transpose_dense(const WeightTable& table) {
+    values_.resize(table.values.size());
+    for (std::size_t i = 0; i < table.rows; ++i) {
+      for (std::size_t j = 0; j < table.columns; ++j) {
+        values_[j * table.rows + i] = table.values[i * table.columns + j];
+      }
+    }
+  }
+
+  void transpose_sparse(const WeightTable& table) {
+    start_.assign(std::size_t{table.columns} + 1, 0);
+    for (const std::uint32_t column : table.column) {
+      ++start_[column + 1];
+    }
+    for (std::size_t j = 0; j < table.columns; ++j) {
+      start_[j + 1] += start_[j];
+    }
+    row_.resize(table.column.size());
+    values_.resize(table.column.size());
+    std::vector<std::uint64_t> next = start_;
+    for (std::uint32_t i = 0; i < table.rows; ++i) {
+      for (std::size_t k = table.row_start[i]; k < table.row_start[i + 1]; ++k) {
+        const std::uint64_t place = next[table.column[k]]++;
+        row_[place] = i;
+        values_[place] = table.values[k];
+      }
+    }
+  }
+
+  WeightTable::Kind kind_;
+  std::uint32_t rows_;
+  std::vector<double> values_;
+  std::vector<std::uint64_t> start_;
+  std::vector<std::uint32_t> row_;
+};
+
+class LinearReadout final : public Node {
+ public:
+  explicit LinearReadout(const NodeSetup& setup)
+      : tau_(setup.parameters.number("tau")),
+        fan_(port_weights(setup, setup.widths[1], setup.widths[0])),
+        sum_(fan_.sums(), tau_) {}
+
+  void step(const Step& step) override {
+    take(step.spike_input(), step.interval());
+    write(step.signal_output(), step.interval().end);
+  }
+
+  std::vector<Counter> counters() const override {
+    return {{"spikes", spikes_}, {"late_spikes", late_}};
+  }
+
+ private:
+  void take(const SpikeInput& input, const Interval& interval) {
+    if (input.spikes.empty()) {
+      return;
+    }
+    sum_.prepare(interval.end);
+    // Spikes come in order of time, and many share one: simulators work on a grid.
+    TimeNs time = input.spikes.front().time_ns;
+    double factor = sum_.factor(time);
+    for (const Spike& spike : input.spikes) {
+      if (spike.time_ns != time) {
+        time = spike.time_ns;
+        factor = sum_.factor(time);
+      }
+      const auto channel = static_cast<std::uint32_t>(spike.channel);
+      if (channel >= input.width) {
+        throw std::runtime_error(
+            fmt::format("a spike came on channel {}, but port 'in' has channels 0 "
+                        "to {}; make the connection wider or mend the sender",
+                        spike.channel, input.width - 1));
+      }
+      fan_.add(channel, factor, sum_);
+      late_ += time <= interval.begin ? 1 : 0;
+    }
+    spikes_ += input.spikes.size();
+  }
+
+  // A new revision only when a value differs from the one before, and at the first step.
+  void write(const SignalOutput& output, TimeNs end) {
+    const double decay = sum_.decay(end);
+    const std::span<double> values = output.values();
+    bool changed = !begun_;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double value = sum_.value(sum_.outputs() == 1 ? 0 : i, decay) / tau_;
+      if (!begun_ || value != values[i]) {
+        values[i] = value;
+        changed = true;
+      }
+    }
+    if (changed) {
+      output.commit();
+    }
+    begun_ = true;
+  }
+
+  double tau_;  // s
+  Fan fan_;
+  KernelSum sum_;
+  bool begun_ = false;
+  std::uint64_t spikes_ = 0;
+  std::uint64_t late_ = 0;
+};
+
+}  // namespace
+
+NodeClass linear_readout_class() {
+  NodeDescription description;
+  description.name = "linear_readout";
+  description.text = "Filters spikes with an exponential kernel and adds them with weights";
+  description.source = "Weidel et al. 2016, linear readout decoder";
+  description.ports = {
+      {"in", PortKind::spikes, Direction::input, {}, "One neuron a column of the weights"},
+      {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights, in 1/s"}};
+  description.parameters = {{.name = "tau",
+                             .unit = "s",
+                             .default_value = "0.03",
+                             .minimum = 1e-6,
+                             .maximum = 1e6,
+                             .text = "Time constant of the exponential kernel"},
+                            weights_parameter()};
+  return {description,
+          [](const NodeSetup& setup) { return std::make_unique<LinearReadout>(setup); }};
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,57 @@
+#include "rate_encoder.hpp"
+
+#include "encoder_input.hpp"
+#include "spikeloop/core/random.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+class RateEncoder final : public Node {
+ public:
+  explicit RateEncoder(const NodeSetup& setup) : input_(setup), schedule_(setup.widths[0]) {
+    if (setup.parameters.text("initial_phase") == "random") {
+      const RandomStream stream(setup.seed, setup.name);
+      for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
+        schedule_.set_first_threshold(c, stream.uniform(c, 0));
+      }
+    }
+  }
+
+  void step(const Step& step) override {
+    input_.update(step, schedule_);
+    spikes_ += schedule_.advance(
+        step.interval(), [](std::uint32_t) { return 1.0; }, step.spike_output());
+  }
+
+  std::vector<Counter> counters() const override {
+    std::vector<Counter> counters = {{"spikes", spikes_}};
+    input_.append_counters(counters);
+    return counters;
+  }
+
+ private:
+  EncoderInput input_;
+  SpikeSchedule schedule_;
+  std::uint64_t spikes_ = 0;
+};
+
+}  // namespace
+
+NodeClass rate_encoder_class() {
+  NodeDescription description;
+  description.name = "rate_encoder";
+  description.text = "Turns each value into regular spikes at a proportional rate";
+  description.source = "Weidel et al. 2016, eq. 1";
+  description.ports = encoder_ports();
+  description.parameters = encoder_parameters();
+  description.parameters.push_back(
+      {.name = "initial_phase",
+       .type = ParameterType::choice,
+       .default_value = "zero",
+       .choices = {"zero", "random"},
+       .text = "Part of the first interspike interval that is over at the start"});
+  return {description, [](const NodeSetup& setup) { return std::make_unique<RateEncoder>(setup); }};
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,17 @@
+#include "spikeloop/nodes/register.hpp"
+
+#include "connect.hpp"
+#include "linear_readout.hpp"
+#include "poisson_encoder.hpp"
+#include "rate_encoder.hpp"
+
+namespace spikeloop {
+
+void register_nodes(Registry& registry) {
+  registry.add(connect_class());
+  registry.add(rate_encoder_class());
+  registry.add(poisson_encoder_class());
+  registry.add(linear_readout_class());
+}
+
+}  // namespace spikeloop
