@@ -292,10 +292,10 @@ GraphPlan plan(const GraphDescription& description) {
   plan.elements = planned_elements(description);
   resolve_connections(plan, description);
   check_inputs(plan);
+  order_elements(plan);
   settle_widths(plan, description);
   check_connection_widths(plan, description);
   check_node_widths(plan);
-  order_elements(plan);
   return plan;
 }
 

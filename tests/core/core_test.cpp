@@ -1,0 +1,158 @@
+// Time, errors, weights, logging and pacing.
+#include <cerrno>
+#include <cmath>
+#include <limits>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/core/weights.hpp"
+#include "support.hpp"
+
+namespace spikeloop {
+namespace {
+
+using test::message_of;
+
+TEST(Time, RoundsToTheNearestNanosecond) {
+  EXPECT_EQ(from_seconds(0.001), 1'000'000);
+  EXPECT_EQ(from_seconds(-1.4e-9), -1);
+  EXPECT_EQ(from_seconds(0.1 + 0.2), 300'000'000);
+  for (const TimeNs time : {TimeNs{1}, TimeNs{123'456'789'012'345}, TimeNs{3'600'000'000'001}}) {
+    EXPECT_EQ(from_seconds(to_seconds(time)), time);
+  }
+}
+
+TEST(Time, RefusesWhatCannotBeRepresented) {
+  EXPECT_EQ(message_of<ConfigurationError>([] { from_seconds(std::nan("")); }),
+            "a time of nan s cannot be represented; write a finite number of seconds below 9e+09");
+  EXPECT_EQ(
+      message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
+      "a tick of 0 s is not a whole number of nanoseconds above 0; write for example 0.001 s");
+  EXPECT_EQ(
+      message_of<ConfigurationError>([] { tick_from_seconds(1.0 / 3.0); }),
+      "a tick of 0.3333333333333333 s is not a whole number of nanoseconds above 0; write for "
+      "example 0.333333333 s");
+  EXPECT_EQ(tick_from_seconds(0.05), 50'000'000);
+}
+
+TEST(Time, PrintsTheLargestFittingUnit) {
+  EXPECT_EQ(format_time(0), "0 s");
+  EXPECT_EQ(format_time(1'500'000), "1.5 ms");
+  EXPECT_EQ(format_time(20'000'000'000), "20 s");
+  EXPECT_EQ(format_time(3), "3 ns");
+  EXPECT_EQ(format_time(1'000'001), "1000.001 us");
+}
+
+TEST(Interval, IsOpenOnTheLeftAndClosedOnTheRight) {
+  const Interval interval{10, 20};
+  EXPECT_FALSE(interval.contains(10));
+  EXPECT_TRUE(interval.contains(11));
+  EXPECT_TRUE(interval.contains(20));
+  EXPECT_FALSE(interval.contains(21));
+}
+
+TEST(Errors, CarryTheirPlaceAndExitCode) {
+  EXPECT_STREQ(ConfigurationError({"a.music", 3, 4}, "bad").what(), "a.music:3:4: bad");
+  EXPECT_STREQ(ConfigurationError({"a.music", 3, 0}, "bad").what(), "a.music:3: bad");
+  EXPECT_STREQ(ConfigurationError({"a.music", 0, 0}, "bad").what(), "a.music: bad");
+  EXPECT_STREQ(ConfigurationError({"", 3, 4}, "bad").what(), "line 3:4: bad");
+  EXPECT_STREQ(FileError("open", "x", ENOENT).what(), "cannot open 'x': No such file or directory");
+  EXPECT_EQ(ConfigurationError("").exit_code(), 2);
+  EXPECT_EQ(TransportError("").exit_code(), 3);
+  EXPECT_EQ(FileError("").exit_code(), 4);
+  EXPECT_EQ(NodeError("a", "b").exit_code(), 5);
+}
+
+TEST(DidYouMean, FindsSlipsAndListsOtherwise) {
+  const std::vector<std::string> names = {"rate_encoder", "poisson_encoder", "connect"};
+  EXPECT_EQ(did_you_mean("rate_encodre", names), "; did you mean 'rate_encoder'?");
+  EXPECT_EQ(did_you_mean("Connect", names), "; did you mean 'connect'?");
+  EXPECT_EQ(did_you_mean("zebra", names), "; known: rate_encoder, poisson_encoder, connect");
+  EXPECT_EQ(did_you_mean("zebra", {}), "");
+  EXPECT_EQ(nearest("x", {"y", "abc"}), "y");
+}
+
+TEST(WeightTable, TakesItsSizeFromThePortsAndAgreesInAllShapes) {
+  const WeightTable dense = WeightTable::dense(2, 3, {1, 0, 2, 0, 0, 3}).resized(2, 3);
+  const WeightTable sparse = dense.compressed();
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    for (std::uint32_t j = 0; j < 3; ++j) {
+      EXPECT_EQ(dense.at(i, j), sparse.at(i, j));
+    }
+  }
+  EXPECT_EQ(sparse.values, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(WeightTable::uniform().resized(2, 4).at(1, 3), 0.25);
+  EXPECT_EQ(WeightTable::uniform(7).resized(2, 4).compressed().values.size(), 8U);
+  const WeightTable diagonal = WeightTable::one_to_one(3).resized(3, 3);
+  EXPECT_EQ(diagonal.at(1, 1), 3.0);
+  EXPECT_EQ(diagonal.at(1, 2), 0.0);
+  EXPECT_EQ(diagonal.compressed().values, (std::vector<double>{3, 3, 3}));
+}
+
+TEST(WeightTable, SaysWhichSizesDisagree) {
+  EXPECT_EQ(
+      message_of<ConfigurationError>(
+          [] { WeightTable::dense(2, 3, std::vector<double>(6)).resized(2, 4); }),
+      "the weights have 2 rows and 3 columns, but the ports have 2 outputs and 4 inputs; write "
+      "one row an output and one column an input");
+  EXPECT_EQ(
+      message_of<ConfigurationError>([] { WeightTable::one_to_one().resized(2, 4); }),
+      "one-to-one weights need ports of one width, but there are 2 outputs and 4 inputs; write "
+      "a weight file instead");
+}
+
+TEST(Log, ReachesTheSinkAboveItsLevelOnly) {
+  std::vector<std::string> seen;
+  log::warning("lost {}", 1);
+  log::set_sink([&](log::Level, std::string_view text) { seen.emplace_back(text); });
+  log::debug("hidden {}", 2);
+  log::info("shown {}", 3);
+  log::set_level(log::Level::warning);
+  log::info("hidden {}", 4);
+  log::warning("shown {}", 5);
+  log::set_level(log::Level::info);
+  log::set_sink({});
+  EXPECT_EQ(seen, (std::vector<std::string>{"shown 3", "shown 5"}));
+}
+
+TEST(Pacer, RealtimeNeverBeginsATickBeforeItsTime) {
+  const auto pacer = make_realtime_pacer(2.0, 1'000'000);
+  const TimeNs before = wall_now();
+  pacer->start();
+  pacer->wait_until(40'000'000);
+  EXPECT_GE(wall_now() - before, 20'000'000);
+  EXPECT_EQ(pacer->report().ticks, 1U);
+}
+
+TEST(Pacer, CountsOverrunsAndGivesUpWhatIsLostBeyondItsCatchUp) {
+  const auto pacer = make_realtime_pacer(1.0, 1'000'000);
+  pacer->start();
+  const TimeNs stalled = wall_now() + 300'000'000;
+  while (wall_now() < stalled) {
+  }
+  pacer->wait_until(1'000'000);  // about 299 ms late: 199 ms are given up, 100 ms are caught up
+  EXPECT_EQ(pacer->report().overruns, 1U);
+  EXPECT_GE(pacer->report().worst_lateness, 298'000'000);
+  const TimeNs before = wall_now();
+  pacer->wait_until(300'000'000);  // would be due now, is due 199 ms later
+  EXPECT_GE(wall_now() - before, 150'000'000);
+}
+
+TEST(Pacer, UnpacedDoesNotWait) {
+  const auto pacer = make_unpaced_pacer();
+  pacer->start();
+  for (int i = 0; i < 1000; ++i) {
+    pacer->wait_until(TimeNs{i} * kNsPerSecond);
+  }
+  EXPECT_EQ(pacer->report().ticks, 1000U);
+  EXPECT_EQ(pacer->report().overruns, 0U);
+}
+
+TEST(Pacer, RefusesAFactorThatCannotBeKept) {
+  EXPECT_EQ(message_of<ConfigurationError>([] { make_realtime_pacer(0.0, 1); }),
+            "a real-time factor of 0 cannot be kept; write a number above 0, 1 is real time");
+}
+
+}  // namespace
+}  // namespace spikeloop

@@ -1,0 +1,145 @@
+#include "spikeloop/core/parameters.hpp"
+
+#include "support.hpp"
+
+namespace spikeloop {
+namespace {
+
+using test::message_of;
+
+std::string quantity_error(const std::string& text, const std::string& unit) {
+  return message_of<ConfigurationError>([&] { parse_quantity(text, unit); });
+}
+
+TEST(Quantity, ConvertsUnits) {
+  EXPECT_EQ(parse_quantity("30 ms", "s"), 0.03);
+  EXPECT_EQ(parse_quantity("30ms", "s"), 0.03);
+  EXPECT_EQ(parse_quantity("0.03", "s"), 0.03);
+  EXPECT_EQ(parse_quantity("+1e-3", "s"), 0.001);
+  EXPECT_EQ(parse_quantity("2 min", "s"), 120.0);
+  EXPECT_EQ(parse_quantity("1.5 kHz", "Hz"), 1500.0);
+  EXPECT_EQ(parse_quantity("-55 mV", "mV"), -55.0);
+  EXPECT_EQ(parse_quantity("1 V", "mV"), 1000.0);
+  EXPECT_EQ(parse_quantity("250 pF", "pF"), 250.0);
+  EXPECT_DOUBLE_EQ(parse_quantity("180 deg", "rad"), 3.14159265358979323846);
+  EXPECT_EQ(parse_quantity(" 7 ", "1"), 7.0);
+  EXPECT_EQ(parse_quantity("7", ""), 7.0);
+}
+
+TEST(Quantity, SaysWhatIsWrong) {
+  EXPECT_EQ(quantity_error("", "s"), "'' is not a number; write for example 0.5 s");
+  EXPECT_EQ(quantity_error("fast", "Hz"), "'fast' is not a number; write for example 0.5 Hz");
+  EXPECT_EQ(quantity_error("fast", "1"), "'fast' is not a number; write for example 0.5");
+  EXPECT_EQ(quantity_error("inf", "s"), "'inf' is not a finite number; write for example 0.5 s");
+  EXPECT_EQ(quantity_error("nan", "s"), "'nan' is not a finite number; write for example 0.5 s");
+  EXPECT_EQ(quantity_error("1e999", "s"),
+            "'1e999' is not a finite number; write for example 0.5 s");
+  EXPECT_EQ(quantity_error("3 Hz", "s"),
+            "'3 Hz': 'Hz' is not a unit of time here; write one of: ns, us, ms, s, min, h");
+  EXPECT_EQ(quantity_error("3 parsec", "m"),
+            "'3 parsec': 'parsec' is not a unit of length here; write one of: mm, cm, m, km");
+  EXPECT_EQ(quantity_error("3 s", "1"),
+            "'3 s': this number has no unit, 's' cannot stand behind it; write 3");
+}
+
+std::vector<ParameterDescription> declared() {
+  return {{"rate_max", ParameterType::number, "Hz", "100", 0, 1e6, {}, "highest rate"},
+          {"tau", ParameterType::number, "s", "0.03", 1e-9, 1e9, {}, "time constant"},
+          {"count", ParameterType::integer, "", "3", 1, 5, {}, "how many"},
+          {"strict", ParameterType::boolean, "", "false", 0, 0, {}, "errors instead of warnings"},
+          {"policy", ParameterType::choice, "", "clip", 0, 0, {"clip", "pass", "error"}, "policy"},
+          {"label", ParameterType::text, "", "x", 0, 0, {}, "a text"},
+          {"weights", ParameterType::weights, "", "uniform", 0, 0, {}, "the weights"},
+          {"topic", ParameterType::text, "", std::nullopt, 0, 0, {}, "ROS topic"}};
+}
+
+WeightTable one_weight(const WrittenValue& written) {
+  return written.text == "uniform" ? WeightTable::uniform() : WeightTable::uniform(0.5);
+}
+
+TEST(Resolve, TakesWhatIsWrittenAndDefaultsForTheRest) {
+  const WrittenValues written = {{"rate_max", {"0.2 kHz", {"f", 2, 1}}},
+                                 {"count", {"5", {}}},
+                                 {"strict", {"true", {}}},
+                                 {"policy", {"pass", {}}},
+                                 {"weights", {"file.json", {}}},
+                                 {"topic", {"/scan", {}}},
+                                 {"sensor_update_rate", {"30", {}}}};
+  const Parameters parameters = resolve(declared(), written, one_weight, {"sensor_update_rate"});
+  EXPECT_EQ(parameters.number("rate_max"), 200.0);
+  EXPECT_EQ(parameters.number("tau"), 0.03);
+  EXPECT_EQ(parameters.integer("count"), 5);
+  EXPECT_EQ(parameters.number("count"), 5.0);
+  EXPECT_TRUE(parameters.boolean("strict"));
+  EXPECT_EQ(parameters.text("policy"), "pass");
+  EXPECT_EQ(parameters.text("label"), "x");
+  EXPECT_EQ(parameters.weights("weights").values, (std::vector<double>{0.5}));
+  EXPECT_TRUE(parameters.given("rate_max"));
+  EXPECT_FALSE(parameters.given("tau"));
+  EXPECT_EQ(parameters.where("rate_max").line, 2);
+  EXPECT_EQ(parameters.where("tau").line, 0);
+}
+
+std::string resolve_error(const std::string& key, const std::string& text) {
+  WrittenValues written = {{"topic", {"/scan", {}}}};
+  written[key] = {text, {"loop.music", 4, 2}};
+  return message_of<ConfigurationError>([&] { resolve(declared(), written, one_weight); });
+}
+
+TEST(Resolve, SaysWhatIsWrongAndWhere) {
+  EXPECT_EQ(resolve_error("rate_mx", "1"),
+            "loop.music:4:2: unknown key 'rate_mx'; did you mean 'rate_max'?");
+  EXPECT_EQ(
+      resolve_error("zzz", "1"),
+      "loop.music:4:2: unknown key 'zzz'; known: rate_max, tau, count, strict, policy, label, "
+      "weights, topic");
+  EXPECT_EQ(
+      resolve_error("rate_max", "-1"),
+      "loop.music:4:2: key 'rate_max': -1 is out of bounds; write a value from 0 to 1000000 Hz");
+  EXPECT_EQ(resolve_error("rate_max", "x"),
+            "loop.music:4:2: key 'rate_max': 'x' is not a number; write for example 0.5 Hz");
+  EXPECT_EQ(resolve_error("count", "9"),
+            "loop.music:4:2: key 'count': 9 is out of bounds; write a value from 1 to 5");
+  EXPECT_EQ(resolve_error("count", "1.5"),
+            "loop.music:4:2: key 'count': '1.5' is not a whole number; write for example 10");
+  EXPECT_EQ(resolve_error("strict", "yes"),
+            "loop.music:4:2: key 'strict': 'yes' is not a truth value; write true or false");
+  EXPECT_EQ(resolve_error("policy", "clp"),
+            "loop.music:4:2: key 'policy': 'clp' is not a choice; did you mean 'clip'?; write one "
+            "of: clip, pass, error");
+  EXPECT_EQ(resolve_error("policy", "something"),
+            "loop.music:4:2: key 'policy': 'something' is not a choice; write one of: clip, pass, "
+            "error");
+}
+
+TEST(Resolve, NamesAMissingKey) {
+  EXPECT_EQ(message_of<ConfigurationError>([] { resolve(declared(), {}, one_weight); }),
+            "key 'topic' is missing (ROS topic); write  topic = ...");
+}
+
+TEST(Resolve, OneSidedBounds) {
+  std::vector<ParameterDescription> low = {{"a", ParameterType::number, "s", "1"}};
+  low[0].minimum = 0;
+  EXPECT_EQ(message_of<ConfigurationError>([&] {
+              resolve(low, {{"a", {"-1", {}}}}, {});
+            }),
+            "key 'a': -1 is out of bounds; write a value of at least 0 s");
+  std::vector<ParameterDescription> high = {{"a", ParameterType::number, "", "1"}};
+  high[0].maximum = 2;
+  EXPECT_EQ(message_of<ConfigurationError>([&] {
+              resolve(high, {{"a", {"3", {}}}}, {});
+            }),
+            "key 'a': 3 is out of bounds; write a value of at most 2");
+}
+
+TEST(Parameters, AskingForWhatWasNotDeclaredIsABug) {
+  Parameters parameters;
+  parameters.set("tau", 1.0);
+  EXPECT_EQ(message_of<std::logic_error>([&] { parameters.number("tu"); }),
+            "parameter 'tu' was not declared");
+  EXPECT_EQ(message_of<std::logic_error>([&] { parameters.text("tau"); }),
+            "parameter 'tau' was asked for with the wrong type");
+}
+
+}  // namespace
+}  // namespace spikeloop

@@ -1,0 +1,148 @@
+#include "spikeloop/core/registry.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "support.hpp"
+
+namespace spikeloop {
+namespace {
+
+using test::FunctionSink;
+using test::FunctionSource;
+using test::message_of;
+
+std::string plugin_path(const std::string& name) {
+  return std::string(PLUGIN_DIRECTORY) + "/" + name;
+}
+
+WeightTable uniform_weights(const WrittenValue&) {
+  return WeightTable::uniform();
+}
+
+Parameters gain_parameters(const NodeClass& node_class, const WrittenValues& written) {
+  return resolve(node_class.description.parameters, written, uniform_weights);
+}
+
+TEST(Registry, FindsWhatWasAddedAndSuggestsOtherwise) {
+  Registry registry;
+  NodeClass node_class = test::function_class({}, [](const Step&) {});
+  registry.add(node_class);
+  EXPECT_TRUE(registry.contains("function"));
+  EXPECT_EQ(message_of<ConfigurationError>([&] { registry.find("functon"); }),
+            "unknown node class 'functon'; did you mean 'function'?");
+  EXPECT_EQ(message_of<ConfigurationError>([&] { registry.add(node_class); }),
+            "there is already a node class 'function'; give the second one another name");
+}
+
+class Plugin : public testing::Test {
+ protected:
+  Plugin() { registry_.load_plugin(plugin_path("good_plugin.so")); }
+  Registry registry_;
+};
+
+TEST_F(Plugin, DescribesItselfAcrossTheBorder) {
+  const NodeDescription& description = registry_.find("gain").description;
+  EXPECT_EQ(description.text, "output = gain * input, plus a spike for every negative value");
+  ASSERT_EQ(description.ports.size(), 3U);
+  EXPECT_EQ(description.ports[2].kind, PortKind::spikes);
+  EXPECT_EQ(description.ports[1].width.kind, WidthRule::Kind::same_as);
+  ASSERT_EQ(description.parameters.size(), 3U);
+  EXPECT_EQ(description.parameters[0].default_value, "2");
+  EXPECT_EQ(description.parameters[0].maximum, 10);
+  EXPECT_EQ(description.parameters[1].choices, (std::vector<std::string>{"plain", "fail"}));
+}
+
+TEST_F(Plugin, RunsInAGraph) {
+  const NodeClass& gain = registry_.find("gain");
+  FunctionSource source(PortKind::signal, 2, [](const Step& step) {
+    if (step.interval().begin == 0) {
+      step.signal_output().values()[0] = 3;
+      step.signal_output().values()[1] = -1;
+      step.signal_output().commit();
+    }
+  });
+  std::vector<double> values;
+  FunctionSink sink(PortKind::signal, 2, [&](const Step& step) {
+    values.assign(step.signal_input().values.begin(), step.signal_input().values.end());
+  });
+  std::vector<Spike> spikes;
+  FunctionSink spike_sink(PortKind::spikes, 2, [&](const Step& step) {
+    const auto in = step.spike_input().spikes;
+    spikes.insert(spikes.end(), in.begin(), in.end());
+  });
+  GraphDescription description;
+  description.tick = 1000;
+  description.nodes = {{"gain", &gain, gain_parameters(gain, {{"gain", {"-4", {}}}}), {}}};
+  description.sources = {{"source", &source}};
+  description.sinks = {{"sink", &sink}, {"spikes", &spike_sink}};
+  description.connections = {{"source", "gain"}, {"gain.out", "sink"}, {"gain.negative", "spikes"}};
+  Graph graph(description);
+  graph.step();
+  graph.step();
+  EXPECT_EQ(values, (std::vector<double>{-12, 4}));
+  ASSERT_EQ(spikes.size(), 1U);
+  EXPECT_EQ(spikes[0].time_ns, 1000);
+  EXPECT_EQ(spikes[0].channel, 1);
+  // The uniform weights took the ports' widths: 2 x 2 entries of 1/2.
+  EXPECT_EQ(graph.counters()[0].name, "gain.revisions");
+  EXPECT_EQ(graph.counters()[0].value, 1U);
+  EXPECT_EQ(graph.counters()[1].value, 2U);
+}
+
+TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
+  const NodeClass& gain = registry_.find("gain");
+  NodeSetup setup{"gain", 1, gain_parameters(gain, {}), {5, 5, 5}};
+  EXPECT_EQ(message_of<ConfigurationError>([&] { gain.create(setup); }), "at most 4 channels");
+  setup.widths = {1, 1, 1};
+  setup.parameters = gain_parameters(gain, {{"mode", {"fail", {}}}});
+  const auto node = gain.create(setup);
+  const spikeloop_step data{};
+  EXPECT_EQ(message_of<NodeError>([&] { node->step(Step(data)); }), "node 'gain': asked to fail");
+}
+
+TEST_F(Plugin, TheSameNameTwiceIsRefused) {
+  const std::string path = plugin_path("good_plugin.so");
+  EXPECT_EQ(message_of<ConfigurationError>([&] { registry_.load_plugin(path); }),
+            "plug-in '" + path + "': there is already a node class 'gain'; give it another name");
+}
+
+std::string refusal(const std::string& name) {
+  Registry registry;
+  const std::string text =
+      message_of<ConfigurationError>([&] { registry.load_plugin(plugin_path(name)); });
+  return text.substr(std::min(text.size(), text.find(": ") + 2));
+}
+
+TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
+  EXPECT_EQ(refusal("old_plugin.so"),
+            "was built for plug-in ABI 0, this Spikeloop has 1; rebuild it");
+  EXPECT_EQ(refusal("foreign_plugin.so"),
+            "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
+  EXPECT_EQ(
+      refusal("empty_plugin.so"),
+      "is no Spikeloop plug-in (it has no spikeloop_plugin_entry); write SPIKELOOP_PLUGIN(...) "
+      "in one of its sources");
+  EXPECT_TRUE(refusal("missing.so").starts_with("cannot be loaded: "));
+}
+
+TEST(PluginPath, LoadsEveryLibraryOfItsDirectories) {
+  const auto directory =
+      std::filesystem::temp_directory_path() /
+      ("spikeloop_plugins_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
+       "_" + std::to_string(static_cast<long>(getpid())));
+  std::filesystem::create_directories(directory);
+  std::filesystem::copy_file(plugin_path("good_plugin.so"), directory / "gain.so");
+  std::ofstream(directory / "README.txt") << "not a library";
+  Registry registry;
+  EXPECT_EQ(registry.load_plugin_path(":" + directory.string() + ":"),
+            (std::vector<std::string>{"gain"}));
+  std::filesystem::remove_all(directory);
+  EXPECT_EQ(message_of<FileError>([&] { registry.load_plugin_path("/nowhere/at/all"); }),
+            "cannot read plug-in directory '/nowhere/at/all': No such file or directory");
+}
+
+}  // namespace
+}  // namespace spikeloop
