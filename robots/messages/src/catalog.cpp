@@ -1,0 +1,230 @@
+#include "spikeloop/messages/catalog.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "embedded.hpp"
+#include "md5.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::messages {
+namespace {
+
+constexpr std::string_view kHeadline = "MSG: ";
+
+std::size_t packed_size(Primitive primitive) {
+  switch (primitive) {
+    case Primitive::boolean:
+    case Primitive::int8:
+    case Primitive::uint8:
+      return 1;
+    case Primitive::int16:
+    case Primitive::uint16:
+      return 2;
+    case Primitive::int32:
+    case Primitive::uint32:
+    case Primitive::float32:
+    case Primitive::text:  // its length; the least a text takes
+      return 4;
+    default:
+      return 8;
+  }
+}
+
+FieldLayout layout_of(const FieldDefinition& field, std::shared_ptr<const TypeLayout> message) {
+  FieldLayout layout;
+  layout.name = field.name;
+  layout.primitive = field.primitive;
+  layout.array = field.array;
+  layout.count = field.count;
+  if (message) {
+    layout.element_bytes = message->bytes;
+    layout.element_least = message->least;
+  } else {
+    layout.element_least = packed_size(field.primitive);
+    if (field.primitive != Primitive::text) {
+      layout.element_bytes = layout.element_least;
+    }
+  }
+  layout.message = std::move(message);
+  return layout;
+}
+
+void append_field(TypeLayout& type, FieldLayout field) {
+  const bool constant = field.array != ArrayKind::variable && field.element_bytes.has_value();
+  const std::size_t count = field.array == ArrayKind::fixed ? field.count : 1;
+  type.least += field.array == ArrayKind::variable ? 4 : count * field.element_least;
+  if (constant && type.bytes) {
+    *type.bytes += count * *field.element_bytes;
+  } else {
+    type.bytes.reset();
+  }
+  type.fields.push_back(std::move(field));
+}
+
+}  // namespace
+
+const Catalog& Catalog::builtin() {
+  static const Catalog catalog = [] {
+    Catalog made;
+    for (const EmbeddedDefinition& definition : embedded_definitions()) {
+      made.add(definition.name, definition.text);
+    }
+    return made;
+  }();
+  return catalog;
+}
+
+void Catalog::add(std::string_view name, std::string_view text) {
+  Definition definition = parse_definition(name, text);
+  definitions_.insert_or_assign(std::string(name), std::move(definition));
+}
+
+void Catalog::add_with_dependencies(std::string_view name, std::string_view full_text) {
+  std::string current(name);
+  std::string text;
+  std::size_t begin = 0;
+  while (begin < full_text.size()) {
+    const auto end = std::min(full_text.find('\n', begin), full_text.size());
+    const std::string_view line = full_text.substr(begin, end - begin);
+    begin = end + 1;
+    if (line.size() >= 3 && line.find_first_not_of('=') == std::string_view::npos) {
+      continue;
+    }
+    if (line.starts_with(kHeadline)) {
+      add(current, text);
+      current = line.substr(kHeadline.size());
+      text.clear();
+      continue;
+    }
+    text += line;
+    text += '\n';
+  }
+  add(current, text);
+}
+
+bool Catalog::contains(std::string_view name) const { return definitions_.contains(name); }
+
+std::vector<std::string> Catalog::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, definition] : definitions_) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+const Definition& Catalog::find(std::string_view name) const {
+  const auto found = definitions_.find(name);
+  if (found == definitions_.end()) {
+    throw ConfigurationError(
+        fmt::format("unknown message type '{}'{}", name, did_you_mean(name, names())));
+  }
+  return found->second;
+}
+
+std::string Catalog::full_name(std::string_view name) const {
+  if (name.find('/') != std::string_view::npos) {
+    return find(name).name;
+  }
+  std::vector<std::string> matches;
+  std::vector<std::string> short_names;
+  for (const auto& [full, definition] : definitions_) {
+    short_names.push_back(full.substr(full.find('/') + 1));
+    if (short_names.back() == name) {
+      matches.push_back(full);
+    }
+  }
+  if (matches.size() > 1) {
+    throw ConfigurationError(fmt::format("message type '{}' is in several packages; write one of {}",
+                                         name, fmt::join(matches, ", ")));
+  }
+  if (matches.empty()) {
+    throw ConfigurationError(
+        fmt::format("unknown message type '{}'{}", name, did_you_mean(name, short_names)));
+  }
+  return matches.front();
+}
+
+const Definition& Catalog::part(const Definition& whole, const FieldDefinition& field) const {
+  const auto found = definitions_.find(field.type);
+  if (found == definitions_.end()) {
+    throw ConfigurationError(fmt::format("message type '{}' needs '{}' for its field '{}', which is "
+                                         "not known; add its definition too",
+                                         whole.name, field.type, field.name));
+  }
+  return found->second;
+}
+
+std::string Catalog::md5(std::string_view name) const {
+  layout(name);  // refuses messages that contain themselves
+  const Definition& definition = find(name);
+  std::string text;
+  for (const ConstantDefinition& constant : definition.constants) {
+    text += fmt::format("{} {}={}\n", constant.type, constant.name, constant.value);
+  }
+  for (const FieldDefinition& field : definition.fields) {
+    const bool is_message = field.primitive == Primitive::message;
+    text += fmt::format("{} {}\n", is_message ? md5(part(definition, field).name) : field.written_type,
+                        field.name);
+  }
+  if (!text.empty()) {
+    text.pop_back();
+  }
+  return md5_hex(text);
+}
+
+std::string Catalog::full_text(std::string_view name) const {
+  layout(name);
+  std::string text;
+  std::vector<std::string> done;
+  const auto visit = [&](const auto& self, const Definition& definition) -> void {
+    if (std::ranges::find(done, definition.name) != done.end()) {
+      return;
+    }
+    if (!done.empty()) {
+      text += fmt::format("\n{:=<80}\n{}{}\n", "", kHeadline, definition.name);
+    }
+    text += definition.text;
+    done.push_back(definition.name);
+    for (const FieldDefinition& field : definition.fields) {
+      if (field.primitive == Primitive::message) {
+        self(self, part(definition, field));
+      }
+    }
+  };
+  visit(visit, find(name));
+  return text;
+}
+
+std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name) const {
+  std::vector<std::string> within;
+  return layout(name, within);
+}
+
+std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name,
+                                                  std::vector<std::string>& within) const {
+  const Definition& definition = find(name);
+  const bool inside_itself = std::ranges::find(within, definition.name) != within.end();
+  within.push_back(definition.name);
+  if (inside_itself) {
+    throw ConfigurationError(fmt::format(
+        "message type '{}' contains itself: {}; take the field out that leads back", name,
+        fmt::join(within, " -> ")));
+  }
+  auto type = std::make_shared<TypeLayout>();
+  type->name = definition.name;
+  type->bytes = 0;
+  for (const FieldDefinition& field : definition.fields) {
+    std::shared_ptr<const TypeLayout> message;
+    if (field.primitive == Primitive::message) {
+      message = layout(part(definition, field).name, within);
+    }
+    append_field(*type, layout_of(field, std::move(message)));
+  }
+  within.pop_back();
+  return type;
+}
+
+}  // namespace spikeloop::messages
