@@ -13,6 +13,7 @@ namespace spikeloop::messages {
 namespace {
 
 constexpr std::string_view kHeadline = "MSG: ";
+constexpr std::size_t kLargestMessage = 1'000'000'000;  // roscpp refuses longer ones
 
 std::size_t packed_size(Primitive primitive) {
   switch (primitive) {
@@ -61,6 +62,11 @@ void append_field(TypeLayout& type, FieldLayout field) {
   } else {
     type.bytes.reset();
   }
+  if (type.least > kLargestMessage) {
+    throw ConfigurationError(fmt::format(
+        "message type '{}' is longer than 1 GB with its field '{}'; write a shorter array",
+        type.name, field.name));
+  }
   type.fields.push_back(std::move(field));
 }
 
@@ -105,7 +111,9 @@ void Catalog::add_with_dependencies(std::string_view name, std::string_view full
   add(current, text);
 }
 
-bool Catalog::contains(std::string_view name) const { return definitions_.contains(name); }
+bool Catalog::contains(std::string_view name) const {
+  return definitions_.contains(name);
+}
 
 std::vector<std::string> Catalog::names() const {
   std::vector<std::string> names;
@@ -137,8 +145,9 @@ std::string Catalog::full_name(std::string_view name) const {
     }
   }
   if (matches.size() > 1) {
-    throw ConfigurationError(fmt::format("message type '{}' is in several packages; write one of {}",
-                                         name, fmt::join(matches, ", ")));
+    throw ConfigurationError(
+        fmt::format("message type '{}' is in several packages; write one of {}", name,
+                    fmt::join(matches, ", ")));
   }
   if (matches.empty()) {
     throw ConfigurationError(
@@ -150,9 +159,10 @@ std::string Catalog::full_name(std::string_view name) const {
 const Definition& Catalog::part(const Definition& whole, const FieldDefinition& field) const {
   const auto found = definitions_.find(field.type);
   if (found == definitions_.end()) {
-    throw ConfigurationError(fmt::format("message type '{}' needs '{}' for its field '{}', which is "
-                                         "not known; add its definition too",
-                                         whole.name, field.type, field.name));
+    throw ConfigurationError(
+        fmt::format("message type '{}' needs '{}' for its field '{}', which is "
+                    "not known; add its definition too",
+                    whole.name, field.type, field.name));
   }
   return found->second;
 }
@@ -166,8 +176,8 @@ std::string Catalog::md5(std::string_view name) const {
   }
   for (const FieldDefinition& field : definition.fields) {
     const bool is_message = field.primitive == Primitive::message;
-    text += fmt::format("{} {}\n", is_message ? md5(part(definition, field).name) : field.written_type,
-                        field.name);
+    text += fmt::format(
+        "{} {}\n", is_message ? md5(part(definition, field).name) : field.written_type, field.name);
   }
   if (!text.empty()) {
     text.pop_back();
@@ -209,9 +219,9 @@ std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name,
   const bool inside_itself = std::ranges::find(within, definition.name) != within.end();
   within.push_back(definition.name);
   if (inside_itself) {
-    throw ConfigurationError(fmt::format(
-        "message type '{}' contains itself: {}; take the field out that leads back", name,
-        fmt::join(within, " -> ")));
+    throw ConfigurationError(
+        fmt::format("message type '{}' contains itself: {}; take the field out that leads back",
+                    name, fmt::join(within, " -> ")));
   }
   auto type = std::make_shared<TypeLayout>();
   type->name = definition.name;

@@ -13,14 +13,14 @@ namespace spikeloop::messages {
 namespace {
 
 constexpr std::pair<std::string_view, Primitive> kPrimitives[] = {
-    {"bool", Primitive::boolean},   {"int8", Primitive::int8},
-    {"byte", Primitive::int8},      {"uint8", Primitive::uint8},
-    {"char", Primitive::uint8},     {"int16", Primitive::int16},
-    {"uint16", Primitive::uint16},  {"int32", Primitive::int32},
-    {"uint32", Primitive::uint32},  {"int64", Primitive::int64},
-    {"uint64", Primitive::uint64},  {"float32", Primitive::float32},
+    {"bool", Primitive::boolean},    {"int8", Primitive::int8},
+    {"byte", Primitive::int8},       {"uint8", Primitive::uint8},
+    {"char", Primitive::uint8},      {"int16", Primitive::int16},
+    {"uint16", Primitive::uint16},   {"int32", Primitive::int32},
+    {"uint32", Primitive::uint32},   {"int64", Primitive::int64},
+    {"uint64", Primitive::uint64},   {"float32", Primitive::float32},
     {"float64", Primitive::float64}, {"string", Primitive::text},
-    {"time", Primitive::time},      {"duration", Primitive::duration},
+    {"time", Primitive::time},       {"duration", Primitive::duration},
 };
 
 constexpr std::string_view kBlanks = " \t\r";
@@ -102,8 +102,8 @@ class Parser {
     // A constant text runs to the end of its line; a '#' in it is no comment.
     const std::string_view line = is_text ? original : original.substr(0, original.find('#'));
     const auto equals = line.find('=');
-    const std::string_view name = trim(line.substr(line.find(type) + type.size(),
-                                                   equals - line.find(type) - type.size()));
+    const std::string_view name =
+        trim(line.substr(line.find(type) + type.size(), equals - line.find(type) - type.size()));
     const std::string_view value = trim(line.substr(equals + 1));
     const Primitive primitive = find_primitive(type);
     if (primitive >= Primitive::text && !is_text) {
@@ -112,8 +112,7 @@ class Parser {
     require_name(name);
     if (!is_text) {
       double number = 0;
-      const auto [end, error] =
-          std::from_chars(value.data(), value.data() + value.size(), number);
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
       const bool truth = primitive == Primitive::boolean && (value == "True" || value == "False");
       if (!truth && (error != std::errc{} || end != value.data() + value.size())) {
         fail(fmt::format("constant '{}' has value '{}', which is no number", name, value));
@@ -168,7 +167,8 @@ class Parser {
 
   void require_name(std::string_view name) const {
     if (!is_name(name)) {
-      fail(fmt::format("'{}' is no name; write a letter followed by letters, digits and '_'", name));
+      fail(
+          fmt::format("'{}' is no name; write a letter followed by letters, digits and '_'", name));
     }
   }
 

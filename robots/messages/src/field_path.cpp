@@ -90,13 +90,14 @@ class Compiler {
   }
 
   void parse_elements(std::string_view brackets, PathStep& step) const {
-    const std::string_view inside =
-        brackets.size() > 2 && brackets.back() == ']' ? brackets.substr(1, brackets.size() - 2)
-                                                      : std::string_view{};
+    const std::string_view inside = brackets.size() > 2 && brackets.back() == ']'
+                                        ? brackets.substr(1, brackets.size() - 2)
+                                        : std::string_view{};
     const auto colon = inside.find(':');
     const auto number = [&](std::string_view digits, std::size_t otherwise) {
       std::size_t value = otherwise;
-      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      const auto [end, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), value);
       if (!digits.empty() && (error != std::errc{} || end != digits.data() + digits.size())) {
         fail(fmt::format("'{}' selects nothing; write [index] or [first:end]", brackets));
       }
@@ -199,9 +200,10 @@ FieldPath compile_path(const Catalog& catalog, std::string_view type, std::strin
 FieldReader::FieldReader(const Catalog& catalog, std::string_view type, std::string_view path)
     : path_(compile_path(catalog, type, path)) {
   if (path_.is_text()) {
-    throw ConfigurationError(fmt::format("field path '{}' of {}: a text is no number; name a field "
-                                         "with a number type",
-                                         path_.text, path_.type->name));
+    throw ConfigurationError(
+        fmt::format("field path '{}' of {}: a text is no number; name a field "
+                    "with a number type",
+                    path_.text, path_.type->name));
   }
 }
 

@@ -29,14 +29,16 @@ std::size_t array_length(const FieldLayout& field, std::size_t level, const Acti
   std::size_t length = 0;
   for (const Progress* progress : active) {
     const PathStep& step = progress->path->steps[level];
-    length = std::max(length, step.last != PathStep::kEnd
-                                  ? step.last
-                                  : step.first + progress->value.numbers.size());
+    length =
+        std::max(length, step.last != PathStep::kEnd ? step.last
+                                                     : step.first + progress->value.numbers.size());
   }
   return length;
 }
 
-double next_number(Progress& progress) { return progress.value.numbers[progress.written++]; }
+double next_number(Progress& progress) {
+  return progress.value.numbers[progress.written++];
+}
 
 void write_primitive(Ros1Writer& writer, const FieldLayout& field, const Active& active) {
   if (field.primitive == Primitive::text) {
@@ -134,9 +136,9 @@ MessageWriter::MessageWriter(const Catalog& catalog, std::string_view type,
     }
     for (const FieldPath& other : paths_) {
       if (overlap(path, other)) {
-        throw ConfigurationError(fmt::format(
-            "field paths '{}' and '{}' of {} set the same value; leave one of them out",
-            other.text, text, type_->name));
+        throw ConfigurationError(
+            fmt::format("field paths '{}' and '{}' of {} set the same value; leave one of them out",
+                        other.text, text, type_->name));
       }
     }
     paths_.push_back(std::move(path));

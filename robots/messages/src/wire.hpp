@@ -220,7 +220,7 @@ std::size_t read_count(Reader& reader, const FieldLayout& field) {
 template <typename Reader>
 void skip_elements(Reader& reader, const FieldLayout& field, std::size_t count) {
   if (Reader::kPacked && field.element_bytes) {
-    // The product cannot overflow: a count is below 2^32, and so is the size of what was read.
+    // No product overflows: a count is below 2^32, and a layout's size is limited.
     reader.skip_bytes(count * *field.element_bytes);
     return;
   }

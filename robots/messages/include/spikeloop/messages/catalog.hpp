@@ -53,7 +53,8 @@ class Catalog {
   /// Spells out a type: "LaserScan" and "sensor_msgs/LaserScan" are the same.
   /// @throws ConfigurationError: unknown, or the same name in two packages.
   std::string full_name(std::string_view name) const;
-  /// The sum by which ROS 1 tells versions apart. @throws ConfigurationError when a part is missing.
+  /// The sum by which ROS 1 tells versions apart. @throws ConfigurationError when a part is
+  /// missing.
   std::string md5(std::string_view name) const;
   /// The `message_definition` of a ROS 1 connection: the text and those of all parts, each once.
   std::string full_text(std::string_view name) const;

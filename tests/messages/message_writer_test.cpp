@@ -1,0 +1,71 @@
+#include "spikeloop/messages/message_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "spikeloop/core/error.hpp"
+
+namespace {
+
+using namespace spikeloop::messages;
+
+std::string error_of(std::string_view type, std::vector<std::string> paths) {
+  try {
+    MessageWriter(Catalog::builtin(), type, std::move(paths));
+  } catch (const spikeloop::ConfigurationError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(MessageWriter, fields_that_are_not_named_are_zero) {
+  const MessageWriter writer(Catalog::builtin(), "Twist", {"angular.z"});
+  const std::vector<double> turn = {0.5};
+  const std::vector<FieldValue> values = {{turn, {}}};
+  std::vector<std::byte> bytes(3);
+  writer.write(values, bytes);
+  ASSERT_EQ(bytes.size(), 48u);
+  EXPECT_TRUE(std::all_of(bytes.begin(), bytes.begin() + 40,
+                          [](std::byte byte) { return byte == std::byte{0}; }));
+  std::vector<double> read;
+  FieldReader(Catalog::builtin(), "Twist", "angular.z").read(bytes, read);
+  EXPECT_EQ(read, turn);
+}
+
+TEST(MessageWriter, arrays_are_as_long_as_their_values) {
+  const MessageWriter writer(Catalog::builtin(), "Float64MultiArray", {"data"});
+  std::vector<std::byte> bytes;
+  for (const std::size_t count : {0u, 1u, 7u}) {
+    const std::vector<double> numbers(count, 0.25);
+    writer.write(std::vector<FieldValue>{{numbers, {}}}, bytes);
+    EXPECT_EQ(bytes.size(), 4 + 4 + 4 + 8 * count);
+    std::vector<double> read;
+    FieldReader(Catalog::builtin(), "Float64MultiArray", "data").read(bytes, read);
+    EXPECT_EQ(read, numbers);
+  }
+}
+
+TEST(MessageWriter, errors_say_what_to_write) {
+  EXPECT_EQ(
+      error_of("Twist", {"linear.x", "linear.x"}),
+      "field paths 'linear.x' and 'linear.x' of geometry_msgs/Twist set the same value; leave "
+      "one of them out");
+  EXPECT_EQ(error_of("Clock", {"clock", "clock.secs"}),
+            "field paths 'clock' and 'clock.secs' of rosgraph_msgs/Clock set the same value; leave "
+            "one of them out");
+  EXPECT_EQ(error_of("MultiArrayLayout", {"dim.size"}),
+            "field path 'dim.size' of std_msgs/MultiArrayLayout: the array's length is not known; "
+            "name its elements, as in [0]");
+  const MessageWriter writer(Catalog::builtin(), "PoseWithCovariance", {"covariance"});
+  const std::vector<double> numbers(3);
+  std::vector<std::byte> bytes;
+  try {
+    writer.write(std::vector<FieldValue>{{numbers, {}}}, bytes);
+    FAIL();
+  } catch (const spikeloop::ConfigurationError& error) {
+    EXPECT_STREQ(error.what(),
+                 "field 'covariance' of geometry_msgs/PoseWithCovariance takes 36 values, not 3");
+  }
+  EXPECT_THROW(writer.write({}, bytes), std::logic_error);
+}
+
+}  // namespace
