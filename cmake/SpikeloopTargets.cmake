@@ -65,6 +65,9 @@ function(spikeloop_program name)
   endforeach()
 endfunction()
 
+# What the sanitizer builds make: the programs of all tests labelled `unit`.
+add_custom_target(unit_tests)
+
 # spikeloop_test(NAME SOURCES file... USES target... [LABELS label...] [TIMEOUT s])
 # makes a GoogleTest program; every TEST is a test of ctest's.
 function(spikeloop_test name)
@@ -75,6 +78,9 @@ function(spikeloop_test name)
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests/bin)
   target_link_libraries(${name} PRIVATE spikeloop_warnings ${ARG_USES} GTest::gmock GTest::gtest_main)
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(unit_tests ${name})
+  endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT}
                        LABELS "${ARG_LABELS}")
 endfunction()
