@@ -30,10 +30,11 @@ if(SPIKELOOP_SANITIZE)
   add_link_options(-fsanitize=${SPIKELOOP_SANITIZE})
 endif()
 
-# spikeloop_library(NAME SOURCES file... [USES target...] [PRIVATE_USES target...])
-# makes Spikeloop::NAME with its public headers in include/spikeloop/NAME/.
+# spikeloop_library(NAME SOURCES file... [USES target...] [PRIVATE_USES target...] [INSTALLED])
+# makes Spikeloop::NAME with its public headers in include/spikeloop/NAME/. INSTALLED libraries are
+# what find_package(Spikeloop) gives to authors of plug-ins.
 function(spikeloop_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
+  cmake_parse_arguments(ARG "INSTALLED" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
   set(target spikeloop_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(Spikeloop::${name} ALIAS ${target})
@@ -44,8 +45,8 @@ function(spikeloop_library name)
     PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(${target} PUBLIC Spikeloop::flags ${ARG_USES}
                         PRIVATE $<BUILD_INTERFACE:spikeloop_warnings> ${ARG_PRIVATE_USES})
-  install(TARGETS ${target} EXPORT SpikeloopTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  if(EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/include")
+  if(ARG_INSTALLED)
+    install(TARGETS ${target} EXPORT SpikeloopTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
     install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   endif()
 endfunction()

@@ -1,0 +1,49 @@
+// Makes a rate encoder by name and runs it for one second in a graph of its own.
+#include <cstdio>
+#include <spikeloop/core/graph.hpp>
+#include <spikeloop/core/registry.hpp>
+#include <spikeloop/nodes/register.hpp>
+
+namespace {
+
+using namespace spikeloop;
+
+class Half : public Source {
+ public:
+  std::vector<EndpointPort> ports() const override { return {{"out", PortKind::signal, 1}}; }
+  void receive(const Step& step) override {
+    if (step.interval().begin == 0) {
+      step.signal_output().values()[0] = 0.0;
+      step.signal_output().commit();
+    }
+  }
+};
+
+class Count : public Sink {
+ public:
+  std::vector<EndpointPort> ports() const override { return {{"in", PortKind::spikes, 1}}; }
+  void send(const Step& step) override { spikes += step.spike_input().spikes.size(); }
+  std::size_t spikes = 0;
+};
+
+}  // namespace
+
+int main() {
+  Registry registry;
+  register_nodes(registry);
+  const NodeClass& encoder = registry.find("rate_encoder");
+  Half half;
+  Count count;
+  GraphDescription description;
+  description.tick = 1'000'000;
+  description.nodes = {{"encoder", &encoder, resolve(encoder.description.parameters, {}, {}), {}}};
+  description.sources = {{"half", &half}};
+  description.sinks = {{"count", &count}};
+  description.connections = {{"half", "encoder"}, {"encoder", "count"}};
+  Graph graph(description);
+  for (int i = 0; i < 1000; ++i) {
+    graph.step();
+  }
+  std::printf("%zu spikes in a second at 50 Hz\n", count.spikes);
+  return count.spikes == 50 ? 0 : 1;
+}

@@ -1,0 +1,27 @@
+#!/bin/sh
+# install_test.sh BUILD_DIRECTORY CONSUMER_SOURCE COMPILER
+set -eu
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cmake --install "$1" --prefix "$work/prefix" >"$work/install.log" || {
+  cat "$work/install.log"
+  exit 1
+}
+for program in spikeloop spikeloop-robot spikeloop-network rate_encoder ros_command_adapter; do
+  "$work/prefix/bin/$program" --help >/dev/null || {
+    echo "the installed $program does not run"
+    exit 1
+  }
+done
+cmake -S "$2" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$3" \
+  -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || {
+  cat "$work/configure.log"
+  exit 1
+}
+cmake --build "$work/build" >"$work/build.log" 2>&1 || {
+  cat "$work/build.log"
+  exit 1
+}
+"$work/build/use_library"
+"$work/prefix/bin/spikeloop-node" --plugin "$work/build/libdoubler.so" --list | grep -w doubler
+echo "find_package(Spikeloop): a program and a plug-in were built and ran"
