@@ -1,0 +1,155 @@
+// The robot: a four-wheeled, skid-steered vehicle with a laser in a MuJoCo world, as a library
+// that the caller advances. No ROS, no clock, no threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::vehicle {
+
+/// A position on the floor and a heading (counterclockwise from x, in (-pi, pi]).
+struct Pose {
+  double x_m = 0;
+  double y_m = 0;
+  double theta_rad = 0;
+};
+
+/// One sweep of the laser, in the fields of sensor_msgs/LaserScan. Beam i looks at angle
+/// angle_min + i * angle_increment, counterclockwise from straight ahead. All beams are of one
+/// instant. As REP 117 has it: +inf where nothing is within range_max, -inf where something is
+/// nearer than range_min.
+struct LaserScan {
+  TimeNs stamp = 0;
+  float angle_min_rad = 0;
+  float angle_max_rad = 0;
+  float angle_increment_rad = 0;
+  float scan_time_s = 0;  ///< time between two scans as the world wants them published
+  float range_min_m = 0;
+  float range_max_m = 0;
+  std::vector<float> ranges_m;
+};
+
+/// True pose in the arena's frame, and the velocity in the vehicle's own frame (x ahead, y left).
+struct Odometry {
+  TimeNs stamp = 0;
+  Pose pose;
+  double linear_x_m_s = 0;
+  double linear_y_m_s = 0;
+  double angular_z_rad_s = 0;
+};
+
+/// Totals since the start.
+struct Statistics {
+  /// Contact episodes of the body or the wheels with one wall or obstacle; an episode ends when
+  /// they have not touched for 0.5 s.
+  std::uint64_t collisions = 0;
+  double distance_m = 0;      ///< length of the path of the body's centre
+  double mean_speed_m_s = 0;  ///< distance over simulated time; 0 at the start
+  /// Share of the free cells (0.5 m x 0.5 m, counted from the arena's corner) that the body's
+  /// centre has been in. A cell is free when its centre is at least the vehicle's radius (farthest
+  /// point of the vehicle from its centre) away from every wall and obstacle.
+  double coverage = 0;
+  std::uint64_t free_cells = 0;
+  std::uint64_t visited_cells = 0;
+  std::uint64_t invalid_commands = 0;  ///< commands with a NaN or an infinity: taken as stop
+  std::uint64_t clamped_commands = 0;  ///< commands beyond the vehicle's limits
+};
+
+/// Footprint of an obstacle: upright box (turned by theta) or cylinder.
+struct Obstacle {
+  enum class Shape { box, cylinder };
+  std::string name;
+  Shape shape = Shape::box;
+  double x_m = 0;
+  double y_m = 0;
+  double theta_rad = 0;
+  double half_x_m = 0;  ///< box
+  double half_y_m = 0;  ///< box
+  double radius_m = 0;  ///< cylinder
+  /// Distance of a point from the footprint; 0 inside.
+  double distance_m(double x, double y) const;
+};
+
+/// Inner faces of the arena's walls.
+struct Arena {
+  double min_x_m = 0;
+  double min_y_m = 0;
+  double max_x_m = 0;
+  double max_y_m = 0;
+};
+
+struct Options {
+  /// Path of an MJCF file, or the name of a shipped one. See find_world.
+  std::string world = "arena.xml";
+  /// Places the obstacles and the start pose.
+  std::uint64_t seed = 1;
+};
+
+/// A world read from MJCF must name these things:
+///   body `vehicle` with a free joint, its middle the vehicle's centre; site `laser` on it (x
+///     ahead); four hinge joints and velocity actuators `wheel_front_left`, `wheel_front_right`,
+///     `wheel_rear_left`, `wheel_rear_right` (all in the shipped spikeloop_vehicle.xml);
+///   numeric `command_limits` = speed (m/s), yaw rate (rad/s), acceleration (m/s^2), yaw
+///     acceleration (rad/s^2); numeric `laser` = beams, first and last angle (rad), smallest and
+///     largest range (m), scans per second (both in the same file);
+///   geom `floor`; everything else that does not belong to the vehicle can be collided with;
+///   numeric `arena` = min x, min y, max x, max y of the walls' inner faces;
+///   bodies `obstacle_*` of upright boxes and cylinders: those with mocap="true" are put in place
+///     by the seed, with at least numeric `passage` (0.9 m) between circles around them and to the
+///     walls; the others stay where the file says;
+///   numeric `start` = x, y, heading fixes the start pose; without it the seed draws one whose
+///     centre is at least numeric `start_clearance` (0.45 m) away from everything.
+/// The draws come from RandomStream(seed, "arena"): the same seed gives the same world.
+///
+/// Skid steering: the wheels of a side turn at the same speed, v -+ w * h, where h is half the
+/// effective track. In a turn on the spot every wheel slips with the same speed, so with equal
+/// loads and Coulomb friction the yaw moment vanishes when sum((w |y| - u) |y| + w x^2) = 0 over
+/// the wheels at (x, y) with rim speed u: h = u / w = sum(x^2 + y^2) / sum(|y|).
+class Vehicle {
+ public:
+  /// @throws FileError when the world cannot be read; ConfigurationError when it is no MJCF, lacks
+  /// one of the things above, or cannot be laid out.
+  explicit Vehicle(const Options& options);
+  ~Vehicle();
+  Vehicle(Vehicle&&) noexcept;
+  Vehicle& operator=(Vehicle&&) noexcept;
+
+  /// Holds from now on: speed ahead and yaw rate (counterclockwise), clamped to the world's
+  /// `command_limits`, which also limit how fast the wheels are brought there. A command that is
+  /// not finite stops the vehicle and is counted.
+  void command(double linear_m_s, double angular_rad_s);
+
+  /// Advances by `dt` > 0. Physics runs in steps of the world's own timestep; a remainder is kept
+  /// for the next call, so the trajectory does not depend on how a time is divided.
+  /// @throws NodeError when the physics becomes unstable.
+  void step(TimeNs dt);
+
+  TimeNs time() const;
+  LaserScan scan() const;
+  Odometry odometry() const;
+  Pose pose() const;
+  Statistics statistics() const;
+  const std::vector<Obstacle>& obstacles() const;
+  const Arena& arena() const;
+  /// Farthest point of the vehicle from its centre, seen from above.
+  double radius_m() const;
+  /// Half the effective track of the skid steering.
+  double half_effective_track_m() const;
+  const std::string& world() const;  ///< path of the file that was read
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The path itself when such a file exists; else, for a bare file name, the shipped world of that
+/// name: in `worlds` of $SPIKELOOP_SHARE, or of share/spikeloop beside or above the running
+/// program's directory.
+/// @throws FileError naming the places that were searched.
+std::string find_world(const std::string& name);
+
+}  // namespace spikeloop::vehicle

@@ -1,0 +1,51 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::vehicle {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Programs stand in PREFIX/bin or build/bin, test programs one directory deeper.
+constexpr int kLevelsUp = 3;
+
+std::vector<std::string> shipped_directories() {
+  std::vector<std::string> directories;
+  if (const char* share = std::getenv("SPIKELOOP_SHARE")) {
+    directories.push_back((fs::path(share) / "worlds").string());
+  }
+  std::error_code ignored;
+  fs::path directory = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (int level = 0; level < kLevelsUp && directory.has_relative_path(); ++level) {
+    directory = directory.parent_path();
+    directories.push_back((directory / "share/spikeloop/worlds").string());
+  }
+  return directories;
+}
+
+}  // namespace
+
+std::string find_world(const std::string& name) {
+  if (fs::exists(name)) return name;
+  if (fs::path(name).has_parent_path()) {
+    throw FileError("open world", name, ENOENT);
+  }
+  const auto directories = shipped_directories();
+  for (const auto& directory : directories) {
+    const fs::path candidate = fs::path(directory) / name;
+    if (fs::exists(candidate)) return candidate.string();
+  }
+  throw FileError(
+      fmt::format("cannot find world '{}': no such file here, nor in {}; write the path of an MJCF "
+                  "file, or arena.xml for the shipped world",
+                  name, fmt::join(directories, ", ")));
+}
+
+}  // namespace spikeloop::vehicle

@@ -1,0 +1,204 @@
+// Every message a world can cause.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <stdexcept>
+
+#include "spikeloop/core/error.hpp"
+#include "worlds.hpp"
+
+namespace spikeloop::vehicle {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+template <typename Kind>
+std::string message(const std::string& world) {
+  try {
+    const Vehicle vehicle({world, 1});
+  } catch (const Kind& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    return std::string("another kind of error: ") + error.what();
+  }
+  return "no error";
+}
+
+std::string complaint(const World& world) {
+  const std::string text = message<ConfigurationError>(world.path());
+  EXPECT_THAT(text, StartsWith(world.path())) << "the file must be named";
+  const std::string rest = text.substr(std::min(text.size(), world.path().size()));
+  const auto space = rest.find(' ');
+  return space == std::string::npos ? rest : rest.substr(space + 1);
+}
+
+std::string complaint(const std::string& numerics, const std::string& bodies) {
+  return complaint(World(numerics, bodies));
+}
+
+// The shipped vehicle with one piece of its text replaced, in a world of its own.
+std::string complaint_of_vehicle(const std::string& from, const std::string& to) {
+  const std::filesystem::path shipped = find_world("spikeloop_vehicle.xml");
+  std::ifstream in(shipped);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  const test::TemporaryDirectory directory;
+  directory.write("spikeloop_vehicle.xml", text);  // beside the world: has precedence
+  const std::string world = directory.write("world.xml", mjcf(kArena + kStart, kFloor));
+  const std::string what = message<Error>(world);
+  return what.substr(std::min(what.size(), what.find(' ') + 1));
+}
+
+const std::string kIncludeRemedy =
+    "include the shipped vehicle: <include file=\"spikeloop_vehicle.xml\"/>";
+
+TEST(WorldErrors, MissingFile) {
+  EXPECT_EQ(message<FileError>("/nowhere/arena.xml"),
+            "cannot open world '/nowhere/arena.xml': No such file or directory");
+  EXPECT_THAT(message<FileError>("arenna.xml"),
+              AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
+                    HasSubstr("share/spikeloop/worlds"),
+                    EndsWith("; write the path of an MJCF file, or arena.xml for the shipped "
+                             "world")));
+}
+
+TEST(WorldErrors, ADirectoryIsNoWorld) {
+  EXPECT_EQ(message<FileError>("/tmp"), "cannot open world '/tmp': Is a directory");
+}
+
+TEST(WorldErrors, BadXml) {
+  EXPECT_THAT(complaint(World("<mujoco>\n  <worldbody>\n")),
+              StartsWith("not a world MuJoCo 2.2.2 can read: "));
+}
+
+TEST(WorldErrors, BadMjcfNamesTheLine) {
+  const World world("<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody></mujoco>");
+  EXPECT_THAT(message<ConfigurationError>(world.path()),
+              AllOf(StartsWith(world.path() + ":3: not a world MuJoCo 2.2.2 can read: "),
+                    HasSubstr("tipe")));
+}
+
+TEST(WorldErrors, WithoutARobot) {
+  EXPECT_EQ(complaint(World("<mujoco><worldbody>" + kFloor + "</worldbody></mujoco>")),
+            "has no body 'vehicle'; " + kIncludeRemedy);
+  EXPECT_EQ(complaint(World("<mujoco><worldbody><body name=\"vehicle\"><geom size=\"1\"/></body>"
+                            "</worldbody></mujoco>")),
+            "body 'vehicle' has no free joint; write <freejoint/> in it, or " + kIncludeRemedy);
+}
+
+TEST(WorldErrors, WithPartsOfTheRobotMissing) {
+  EXPECT_EQ(complaint_of_vehicle("site name=\"laser\"", "site name=\"lidar\""),
+            "has no site 'laser'; " + kIncludeRemedy);
+  EXPECT_EQ(complaint_of_vehicle("velocity name=\"wheel_rear_left\"", "velocity name=\"other\""),
+            "has no actuator 'wheel_rear_left'; " + kIncludeRemedy);
+  EXPECT_EQ(complaint_of_vehicle("<numeric name=\"laser\"", "<numeric name=\"lidar\""),
+            "has no numeric 'laser'; write <custom><numeric name=\"laser\" data=\"...\"/></custom> "
+            "with 6 numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and "
+            "largest range (m, rising), scans per second");
+  EXPECT_EQ(complaint_of_vehicle("data=\"100 -1.5", "data=\"0.5 -1.5"),
+            "numeric 'laser' is \"0.5 -1.5707963267948966 1.5707963267948966 0.05 5 20\"; write 6 "
+            "numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and largest "
+            "range (m, rising), scans per second");
+  EXPECT_EQ(complaint_of_vehicle("data=\"1.0 3.0", "data=\"1.0 -3.0"),
+            "numeric 'command_limits' is \"1 -3 4 20\"; write 4 numbers: largest speed (m/s), yaw "
+            "rate (rad/s), acceleration (m/s^2) and yaw acceleration (rad/s^2), all above 0");
+}
+
+TEST(WorldErrors, AJointWithoutAWheel) {
+  EXPECT_EQ(complaint_of_vehicle("<geom name=\"wheel_front_left\" class=\"wheel\"/>",
+                                 "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>"),
+            "joint 'wheel_front_left' turns a body without a geom; " + kIncludeRemedy);
+}
+
+TEST(WorldErrors, ATimestepTooLong) {
+  EXPECT_EQ(complaint_of_vehicle("timestep=\"0.002\"", "timestep=\"0.05\""),
+            "has a timestep of 0.05 s; write <option timestep=\"0.002\"/>, at most 0.01");
+}
+
+TEST(WorldErrors, WithoutAFloor) {
+  EXPECT_EQ(complaint(kArena, ""),
+            "has no geom 'floor'; write <geom name=\"floor\" type=\"plane\" size=\"4 4 0.1\"/>");
+}
+
+TEST(WorldErrors, TheArenasOutline) {
+  const std::string meaning = "smallest x and y, largest x and y of the walls' inner faces";
+  EXPECT_EQ(complaint("", kFloor),
+            "has no numeric 'arena'; write <custom><numeric name=\"arena\" data=\"...\"/></custom> "
+            "with 4 numbers: " +
+                meaning);
+  EXPECT_EQ(complaint(R"(<numeric name="arena" data="3 3"/>)", kFloor),
+            "numeric 'arena' is \"3 3\"; write 4 numbers: " + meaning);
+  EXPECT_EQ(complaint(R"(<numeric name="arena" data="3 3 -3 -3"/>)", kFloor),
+            "numeric 'arena' is \"3 3 -3 -3\", which is empty; write " + meaning);
+}
+
+TEST(WorldErrors, Obstacles) {
+  const std::string shapes =
+      "obstacle 'obstacle_a' has a geom that is no upright box or cylinder; write type=\"box\" or "
+      "type=\"cylinder\" and turn it about z only";
+  const auto of = [](const std::string& body) { return complaint(kArena, kFloor + body); };
+  EXPECT_EQ(of(R"(<body name="obstacle_a"><geom type="sphere" size="0.2"/></body>)"), shapes);
+  EXPECT_EQ(of(R"(<body name="obstacle_a" euler="90 0 0"><geom type="box" size="1 1 1"/></body>)"),
+            shapes);
+  EXPECT_EQ(of(R"(<body name="obstacle_a"><joint/><geom type="box" size="1 1 1"/></body>)"),
+            "obstacle 'obstacle_a' can move; make it a child of <worldbody> without joints");
+}
+
+TEST(WorldErrors, TooManyObstacles) {
+  std::string bodies = kFloor;
+  for (const char* name : {"a", "b", "c"}) {
+    bodies += std::string("<body name=\"obstacle_") + name +
+              "\" mocap=\"true\"><geom type=\"cylinder\" size=\"1.0 0.2\"/></body>";
+  }
+  EXPECT_EQ(complaint(kArena, bodies),
+            "its 3 obstacles do not fit into the arena with 0.9 m between them (seed 1); write "
+            "fewer or smaller obstacles, a larger arena or a smaller numeric 'passage'");
+}
+
+TEST(WorldErrors, NoRoomToStart) {
+  EXPECT_EQ(complaint(kArena + R"(<numeric name="start_clearance" data="3.5"/>)", kFloor),
+            "has no place that is 3.5 m away from every wall and obstacle (seed 1); write a "
+            "smaller numeric 'start_clearance' or fewer obstacles");
+  EXPECT_EQ(complaint(kArena + R"(<numeric name="start" data="2.9 0 0"/>)", kFloor),
+            "numeric 'start' = (2.9, 0) is nearer than the vehicle's radius of 0.234 m to a wall "
+            "or an obstacle; write a free place");
+}
+
+TEST(PhysicsErrors, AnUnstableWorldSaysSo) {
+  const World world(kArena + kStart,
+                    kFloor + R"(<body name="top" pos="2 2 1"><joint name="spin" stiffness="0"/>
+                                <geom size="0.1"/></body></worldbody>
+                                <actuator><general joint="spin" gainprm="0" biastype="affine"
+                                biasprm="0 0 1e9"/><general joint="spin" biastype="affine"
+                                biasprm="1e6 0 0"/></actuator><worldbody>)");
+  Vehicle vehicle = world.vehicle();
+  try {
+    vehicle.step(kSecond);
+    FAIL() << "it is stable";
+  } catch (const NodeError& error) {
+    EXPECT_THAT(
+        error.what(),
+        AllOf(StartsWith("node 'vehicle': the physics of " + world.path() + " became unstable at "),
+              EndsWith("; write a smaller <option timestep=\"...\"/> (now 2 ms) or weaker "
+                       "actuators")));
+  }
+}
+
+TEST(PhysicsErrors, AnErrorInsideMujocoIsThrown) {
+  const Vehicle vehicle({"arena.xml", 1});
+  try {
+    mju_error("out of memory");
+    FAIL();
+  } catch (const NodeError& error) {
+    EXPECT_STREQ(error.what(), "node 'vehicle': MuJoCo stopped: out of memory");
+  }
+}
+
+}  // namespace
+}  // namespace spikeloop::vehicle
