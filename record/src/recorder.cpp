@@ -1,0 +1,407 @@
+#include "spikeloop/record/recorder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "hdf5.hpp"
+#include "spikeloop/core/error.hpp"
+#include "stream.hpp"
+
+namespace spikeloop::record {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr long kCollectEveryNs = 50'000'000;
+constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
+constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
+
+/// The system's reason, which HDF5 would wrap in ten lines.
+void make_empty_file(const std::string& path) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) {
+    throw FileError("create", path, errno);
+  }
+  ::close(file);
+}
+
+/// The oldest format: the newer ones mark a file as open, and a killed process would leave it so.
+/// Unlocked, so that one can look into the file of a run that is under way.
+hdf5::Handle create_file(const std::string& path) {
+  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
+  H5Pset_file_locking(access.get(), 0, 1);
+  return hdf5::Handle(hdf5::check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
+                                  "create", path));
+}
+
+void write_file_attributes(const hdf5::Handle& file, const std::string& path,
+                           const std::string& process, const RunAttributes& run) {
+  const hdf5::Attributes attributes(file.get(), path);
+  const std::uint32_t sonata_version[] = {0, 1};
+  const hsize_t two = 2;
+  attributes.write("magic", std::uint32_t{0x0A7A});
+  attributes.write("version", H5T_NATIVE_UINT32,
+                   hdf5::Handle(H5Screate_simple(1, &two, nullptr)).get(), sonata_version);
+  attributes.write("process", process);
+  attributes.write("spikeloop_version", std::string(SPIKELOOP_VERSION));
+  attributes.write("spikeloop_format", kFormat);
+  attributes.write("seed", run.seed);
+  attributes.write("tick_ns", run.tick);
+  attributes.write("complete", std::uint32_t{0});
+}
+
+hdf5::Handle create_group(const hdf5::Handle& file, const char* name, const std::string& path) {
+  return hdf5::Handle(hdf5::check(
+      H5Gcreate2(file.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write", path));
+}
+
+class RecordSink : public Sink {
+ public:
+  RecordSink(std::shared_ptr<Stream> stream, PortKind kind)
+      : stream_(std::move(stream)), kind_(kind) {}
+  std::vector<EndpointPort> ports() const override { return {{"in", kind_, stream_->width()}}; }
+  void send(const Step& step) override { stream_->take(step); }
+  std::vector<Counter> counters() const override {
+    return {{kind_ == PortKind::spikes ? "spikes_dropped" : "signals_dropped", stream_->dropped()}};
+  }
+
+ private:
+  std::shared_ptr<Stream> stream_;
+  PortKind kind_;
+};
+
+}  // namespace
+
+struct Recorder::Impl {
+  Impl(const std::string& path_, const RecorderOptions& options_) : path(path_), options(options_) {
+    sem_init(&wake, 0, 0);
+  }
+  ~Impl() { sem_destroy(&wake); }
+
+  void run();
+  void collect(const std::vector<std::shared_ptr<Stream>>& all);
+  void flush(const std::vector<std::shared_ptr<Stream>>& all);
+  void write_safely(hsize_t growth, const std::function<void()>& action);
+  /// Adds a stream to the file; `make` is called with HDF5 locked.
+  std::shared_ptr<Stream> add(const std::function<std::shared_ptr<Stream>()>& make);
+  void finish();
+  void write_end(const std::vector<std::shared_ptr<Stream>>& all);
+  void close_file(const std::vector<std::shared_ptr<Stream>>& all);
+  void abandon_file(const std::vector<std::shared_ptr<Stream>>& all);
+  void wait() noexcept;
+  void check_name(const std::string& stream, std::uint32_t width);
+  std::vector<std::shared_ptr<Stream>> snapshot();
+  Report report();
+  std::string loss(const Report& counts) const;
+
+  std::string path;
+  RecorderOptions options;
+  hdf5::Handle file;
+  hdf5::Handle spikes;
+  hdf5::Handle signals;
+  std::mutex streams_mutex;  // never taken by the loop
+  std::vector<std::shared_ptr<Stream>> streams;
+  // Under HDF5's lock until the writer has ended.
+  std::string failure;
+  bool broken = false;  // HDF5 itself failed and must not touch the file any more
+  sem_t wake;
+  std::atomic<bool> stop{false};
+  std::atomic<bool> ended{false};
+  std::mutex close_mutex;
+  std::thread writer;
+};
+
+Recorder::Recorder(const std::string& path, const std::string& process,
+                   const RunAttributes& attributes, const RecorderOptions& options)
+    : impl_(std::make_unique<Impl>(path, options)) {
+  {
+    make_empty_file(path);
+    const hdf5::Lock lock;
+    impl_->file = create_file(path);
+    write_file_attributes(impl_->file, path, process, attributes);
+    impl_->spikes = create_group(impl_->file, "spikes", path);
+    impl_->signals = create_group(impl_->file, "signals", path);
+    hdf5::check(H5Fflush(impl_->file.get(), H5F_SCOPE_GLOBAL), "write", path);
+  }
+  // Signals go to the threads that expect them; flush_and_close_from_signal() must never run here.
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  impl_->writer = std::thread([impl = impl_.get()] { impl->run(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+Recorder::~Recorder() {
+  close();
+}
+
+void Recorder::Impl::check_name(const std::string& stream, std::uint32_t width) {
+  if (stream.empty() || stream == "." || stream.find('/') != std::string::npos) {
+    throw ConfigurationError(fmt::format(
+        "a recorded stream cannot be called '{}': write a name without '/', such as 'out'",
+        stream));
+  }
+  if (width == 0) {
+    throw ConfigurationError(
+        fmt::format("the recorded stream '{}' has width 0: give it at least one channel", stream));
+  }
+  if (stop.load()) {
+    throw ConfigurationError(
+        fmt::format("cannot record '{}': '{}' is closed already", stream, path));
+  }
+  for (const auto& other : snapshot()) {
+    if (other->name() == stream) {
+      throw ConfigurationError(
+          fmt::format("two recorded streams of '{}' are called '{}': rename one", path, stream));
+    }
+  }
+}
+
+std::vector<std::shared_ptr<Stream>> Recorder::Impl::snapshot() {
+  const std::lock_guard lock(streams_mutex);
+  return streams;
+}
+
+std::shared_ptr<Stream> Recorder::Impl::add(const std::function<std::shared_ptr<Stream>()>& make) {
+  std::shared_ptr<Stream> stream;
+  {
+    const hdf5::Lock lock;
+    write_safely(kSpareBytes, [&] { stream = make(); });
+  }
+  stream->wake = [this] { sem_post(&wake); };
+  const std::lock_guard lock(streams_mutex);
+  streams.push_back(stream);
+  return stream;
+}
+
+std::unique_ptr<Sink> Recorder::spike_sink(const std::string& stream, std::uint32_t width) {
+  impl_->check_name(stream, width);
+  const auto added = impl_->add([&] {
+    return std::make_shared<SpikeStream>(stream, width, impl_->spikes.get(), impl_->path,
+                                         impl_->options.spike_capacity);
+  });
+  return std::make_unique<RecordSink>(added, PortKind::spikes);
+}
+
+std::unique_ptr<Sink> Recorder::signal_sink(const std::string& stream, std::uint32_t width,
+                                            const std::string& unit,
+                                            const std::vector<std::string>& channels) {
+  impl_->check_name(stream, width);
+  if (!channels.empty() && channels.size() != width) {
+    throw ConfigurationError(
+        fmt::format("the recorded stream '{}' has {} channels but {} names: give one name each",
+                    stream, width, channels.size()));
+  }
+  const std::size_t rows =
+      std::max(impl_->options.least_rows, impl_->options.value_capacity / (width + std::size_t{1}));
+  const auto added = impl_->add([&] {
+    return std::make_shared<SignalStream>(stream, width, unit, channels, impl_->signals.get(),
+                                          impl_->path, rows);
+  });
+  return std::make_unique<RecordSink>(added, PortKind::signal);
+}
+
+void Recorder::annotate(const std::string& stream, const std::string& name, double value) {
+  std::vector<std::string> names;
+  for (const auto& known : impl_->snapshot()) {
+    if (known->name() == stream) {
+      const hdf5::Lock lock;
+      hdf5::Attributes(known->group(), impl_->path).write(name.c_str(), value);
+      return;
+    }
+    names.push_back(known->name());
+  }
+  throw ConfigurationError(fmt::format("'{}' records no stream '{}'{}", impl_->path, stream,
+                                       did_you_mean(stream, names)));
+}
+
+void Recorder::Impl::wait() noexcept {
+  timespec until{};
+  clock_gettime(CLOCK_MONOTONIC, &until);
+  until.tv_nsec += kCollectEveryNs;
+  if (until.tv_nsec >= kNsPerSecond) {
+    until.tv_nsec -= kNsPerSecond;
+    ++until.tv_sec;
+  }
+  sem_clockwait(&wake, CLOCK_MONOTONIC, &until);
+}
+
+void Recorder::Impl::run() {
+  const auto period = std::chrono::nanoseconds(options.flush_every);
+  auto next_flush = Clock::now() + period;
+  while (!stop.load()) {
+    wait();
+    const auto all = snapshot();
+    collect(all);
+    std::size_t bytes = 0;
+    for (const auto& stream : all) {
+      bytes += stream->batch_bytes();
+    }
+    if (Clock::now() >= next_flush || bytes > kBatchBytes) {
+      flush(all);
+      next_flush = Clock::now() + period;
+    }
+  }
+  finish();
+  ended.store(true);
+}
+
+void Recorder::Impl::collect(const std::vector<std::shared_ptr<Stream>>& all) {
+  for (const auto& stream : all) {
+    stream->collect();
+  }
+}
+
+/// The batch of every stream goes to the disk as one, so the file is in disorder only meanwhile.
+void Recorder::Impl::flush(const std::vector<std::shared_ptr<Stream>>& all) {
+  const hdf5::Lock lock;
+  if (failure.empty()) {
+    hsize_t growth = kSpareBytes;
+    for (const auto& stream : all) {
+      growth += stream->growth();
+    }
+    try {
+      write_safely(growth, [&] {
+        for (const auto& stream : all) {
+          stream->write();
+        }
+      });
+    } catch (const FileError&) {  // kept in `failure` for the report
+    }
+  }
+  for (const auto& stream : all) {
+    failure.empty() ? stream->keep_batch() : stream->lose_batch();
+  }
+}
+
+/// HDF5 locked. What does not fit is refused before HDF5 knows of it; when HDF5 itself fails, it
+/// holds what it can neither write nor forget. @throws FileError, kept in `failure`.
+void Recorder::Impl::write_safely(hsize_t growth, const std::function<void()>& action) {
+  try {
+    hdf5::reserve(file, growth, path);
+    broken = true;
+    action();
+    hdf5::check(H5Fflush(file.get(), H5F_SCOPE_GLOBAL), "write", path);
+    broken = false;
+  } catch (const FileError& error) {
+    failure = failure.empty() ? error.what() : failure;
+    throw;
+  }
+}
+
+void Recorder::Impl::finish() {
+  const auto all = snapshot();
+  for (const auto& stream : all) {
+    stream->shut();
+  }
+  collect(all);
+  flush(all);
+  const hdf5::Lock lock;
+  if (!broken) {
+    try {
+      write_safely(0, [&] { write_end(all); });
+    } catch (const FileError&) {  // kept in `failure` for the report
+    }
+  }
+  broken ? abandon_file(all) : close_file(all);
+}
+
+/// Overwrites what stands in the file already: it needs no room on the disk.
+void Recorder::Impl::write_end(const std::vector<std::shared_ptr<Stream>>& all) {
+  for (const auto& stream : all) {
+    stream->write_dropped();
+  }
+  hdf5::Attributes(file.get(), path).write("complete", std::uint32_t{failure.empty()});
+}
+
+void Recorder::Impl::close_file(const std::vector<std::shared_ptr<Stream>>& all) {
+  for (const auto& stream : all) {
+    stream->close();
+  }
+  signals.close();
+  spikes.close();
+  if (!file.close() && failure.empty()) {
+    failure = fmt::format("cannot close '{}': {}", path, hdf5::reason());
+  }
+}
+
+void Recorder::Impl::abandon_file(const std::vector<std::shared_ptr<Stream>>& all) {
+  for (const auto& stream : all) {
+    stream->abandon();
+  }
+  signals.abandon();
+  spikes.abandon();
+  file.abandon();
+}
+
+std::string Recorder::Impl::loss(const Report& counts) const {
+  const std::string lost = fmt::format("{} spikes and {} signal rows are lost",
+                                       counts.spikes_dropped, counts.signals_dropped);
+  if (!failure.empty()) {
+    TimeNs until = 0;
+    for (const auto& stream : streams) {
+      until = std::max(until, stream->written_until());
+    }
+    return fmt::format("{}; the recording ends at {} of simulated time, {}", failure,
+                       format_time(until), lost);
+  }
+  if (counts.spikes_dropped + counts.signals_dropped > 0) {
+    return fmt::format(
+        "'{}' is incomplete: {}, because the disk is slower than the data or the run went on after "
+        "the file was closed; record fewer streams or write to a faster disk",
+        path, lost);
+  }
+  return {};
+}
+
+Report Recorder::Impl::report() {
+  Report counts;
+  const std::lock_guard lock(streams_mutex);
+  for (const auto& stream : streams) {
+    (stream->is_spikes() ? counts.spikes_written : counts.signals_written) += stream->written();
+    (stream->is_spikes() ? counts.spikes_dropped : counts.signals_dropped) += stream->dropped();
+  }
+  counts.error = loss(counts);
+  return counts;
+}
+
+Report Recorder::close() {
+  const std::lock_guard lock(impl_->close_mutex);
+  if (impl_->writer.joinable()) {
+    impl_->stop.store(true);
+    sem_post(&impl_->wake);
+    impl_->writer.join();
+  }
+  return impl_->report();
+}
+
+bool Recorder::flush_and_close_from_signal(TimeNs patience) noexcept {
+  const int error_before = errno;
+  constexpr TimeNs kLook = 1'000'000;
+  impl_->stop.store(true);
+  sem_post(&impl_->wake);
+  for (TimeNs waited = 0; !impl_->ended.load() && waited < patience; waited += kLook) {
+    const timespec look{0, kLook};
+    ::nanosleep(&look, nullptr);
+  }
+  errno = error_before;
+  return impl_->ended.load();
+}
+
+}  // namespace spikeloop::record

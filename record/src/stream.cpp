@@ -1,0 +1,187 @@
+#include "stream.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace spikeloop::record {
+
+void Stream::make_group(hid_t parent, const std::string& path) {
+  path_ = path;
+  group_ = hdf5::Handle(hdf5::check(
+      H5Gcreate2(parent, name_.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write", path));
+  const hdf5::Attributes attributes(group_.get(), path);
+  attributes.write("width", width_);
+  attributes.write("until_ns", TimeNs{0});
+  attributes.write("dropped", std::uint64_t{0});
+}
+
+void Stream::wake_when_half_full(std::size_t room, std::size_t capacity) {
+  if (room < capacity / 2 && wake && !wake_asked_.exchange(true)) {
+    wake();
+  }
+}
+
+void Stream::collect() {
+  wake_asked_.store(false);
+  // Before the ring is emptied: what was in the ring at this time is surely in the batch.
+  batch_until_ = reached_.load(std::memory_order_acquire);
+  drain();
+}
+
+std::size_t Stream::batch_bytes() const {
+  return batch_items() * (width_ + 1) * sizeof(double);
+}
+
+hsize_t Stream::growth() {
+  hsize_t bytes = 0;
+  for (const auto* dataset : datasets()) {
+    bytes += dataset->growth(batch_items());
+  }
+  return bytes;
+}
+
+void Stream::write() {
+  append();
+  hdf5::Attributes(group_.get(), path_).write("until_ns", batch_until_);
+  write_dropped();
+}
+
+void Stream::write_dropped() {
+  hdf5::Attributes(group_.get(), path_).write("dropped", dropped());
+}
+
+void Stream::keep_batch() {
+  written_ += batch_items();
+  written_until_ = batch_until_;
+  clear();
+}
+
+void Stream::lose_batch() {
+  lost_.fetch_add(batch_items());
+  clear();
+}
+
+void Stream::close() {
+  for (auto* dataset : datasets()) {
+    dataset->close();
+  }
+  group_.close();
+}
+
+void Stream::abandon() {
+  for (auto* dataset : datasets()) {
+    dataset->abandon();
+  }
+  group_.abandon();
+}
+
+SpikeStream::SpikeStream(std::string name, std::uint32_t width, hid_t parent,
+                         const std::string& path, std::size_t capacity)
+    : Stream(std::move(name), width), ring_(capacity) {
+  make_group(parent, path);
+  timestamps_ = hdf5::GrowingDataset(group(), "timestamps", H5T_IEEE_F64LE, 0, path);
+  node_ids_ = hdf5::GrowingDataset(group(), "node_ids", H5T_STD_U64LE, 0, path);
+  timestamps_ns_ = hdf5::GrowingDataset(group(), "timestamps_ns", H5T_STD_I64LE, 0, path);
+  hdf5::Attributes(timestamps_.get(), path).write("units", std::string("ms"));
+  hdf5::Attributes(timestamps_ns_.get(), path).write("units", std::string("ns"));
+  write_sorting(false);
+}
+
+void SpikeStream::take(const Step& step) {
+  const auto spikes = step.spike_input().spikes;
+  const std::size_t room = shut_now() ? 0 : ring_.room();
+  const std::size_t count = std::min(room, spikes.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    ring_.put(i, spikes[i]);
+  }
+  ring_.publish(count);
+  if (count < spikes.size()) {
+    count_overflow(spikes.size() - count);
+  }
+  reached(step.interval().end);
+  wake_when_half_full(room - count, ring_.capacity());
+}
+
+void SpikeStream::append() {
+  std::vector<double> milliseconds(batch_.size());
+  std::vector<std::int64_t> nanoseconds(batch_.size());
+  std::vector<std::uint64_t> ids(batch_.size());
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    nanoseconds[i] = batch_[i].time_ns;
+    milliseconds[i] = static_cast<double>(batch_[i].time_ns) / 1e6;
+    ids[i] = static_cast<std::uint64_t>(batch_[i].channel);
+    sorted_ = sorted_ && batch_[i].time_ns >= last_;
+    last_ = batch_[i].time_ns;
+  }
+  timestamps_.append(milliseconds.data(), milliseconds.size(), H5T_NATIVE_DOUBLE);
+  node_ids_.append(ids.data(), ids.size(), H5T_NATIVE_UINT64);
+  timestamps_ns_.append(nanoseconds.data(), nanoseconds.size(), H5T_NATIVE_INT64);
+  write_sorting(sorted_);
+}
+
+/// SONATA: "sorting" is an enumeration of none, by_id and by_time.
+void SpikeStream::write_sorting(bool sorted) const {
+  const hdf5::Handle type(H5Tenum_create(H5T_STD_U8LE));
+  for (std::uint8_t value = 0; const char* name : {"none", "by_id", "by_time"}) {
+    H5Tenum_insert(type.get(), name, &value);
+    ++value;
+  }
+  const std::uint8_t value = sorted ? 2 : 0;
+  hdf5::Attributes(group(), file_path())
+      .write("sorting", type.get(), hdf5::Handle(H5Screate(H5S_SCALAR)).get(), &value);
+}
+
+SignalStream::SignalStream(std::string name, std::uint32_t width, const std::string& unit,
+                           const std::vector<std::string>& channels, hid_t parent,
+                           const std::string& path, std::size_t rows)
+    : Stream(std::move(name), width), ring_(rows * (width + 1)) {
+  make_group(parent, path);
+  if (!channels.empty()) {
+    hdf5::Attributes(group(), path).write("channels", channels);
+  }
+  times_ = hdf5::GrowingDataset(group(), "times_ns", H5T_STD_I64LE, 0, path);
+  values_ = hdf5::GrowingDataset(group(), "values", H5T_IEEE_F64LE, width, path);
+  hdf5::Attributes(values_.get(), path).write("unit", unit);
+}
+
+void SignalStream::take(const Step& step) {
+  const SignalInput input = step.signal_input();
+  if (input.revision != revision_) {
+    revision_ = input.revision;
+    put_row(step.interval().end, input);
+  }
+  reached(step.interval().end);
+}
+
+void SignalStream::put_row(TimeNs time, const SignalInput& input) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t row = width() + 1;
+  const std::size_t room = ring_.room();
+  if (shut_now() || room < row) {
+    count_overflow(1);
+    return;
+  }
+  ring_.put(0, time);
+  for (std::size_t i = 0; i < width(); ++i) {
+    ring_.put(i + 1, std::bit_cast<std::int64_t>(input.valid() ? input.values[i] : kNone));
+  }
+  ring_.publish(row);
+  wake_when_half_full(room - row, ring_.capacity());
+}
+
+void SignalStream::append() {
+  const std::size_t rows = batch_items();
+  std::vector<std::int64_t> times(rows);
+  std::vector<double> values(rows * width());
+  const std::size_t row = width() + 1;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const std::int64_t* begin = batch_.data() + i * row;
+    times[i] = *begin;
+    std::transform(begin + 1, begin + row, values.data() + i * width(),
+                   [](std::int64_t bits) { return std::bit_cast<double>(bits); });
+  }
+  times_.append(times.data(), rows, H5T_NATIVE_INT64);
+  values_.append(values.data(), rows, H5T_NATIVE_DOUBLE);
+}
+
+}  // namespace spikeloop::record

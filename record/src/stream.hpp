@@ -1,0 +1,139 @@
+// One recorded stream: the loop's side (take) and the writer's side (collect, write).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "hdf5.hpp"
+#include "ring.hpp"
+#include "spikeloop/core/signal.hpp"
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::record {
+
+class Stream {
+ public:
+  Stream(std::string name, std::uint32_t width) : name_(std::move(name)), width_(width) {}
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  virtual ~Stream() = default;
+
+  const std::string& name() const { return name_; }
+  std::uint32_t width() const { return width_; }
+  hid_t group() const { return group_.get(); }
+
+  /// Loop's thread: appends what the step brought. Never waits.
+  virtual void take(const Step& step) = 0;
+  /// Loop's thread or any: what did not get through so far.
+  std::uint64_t dropped() const { return overflow_.load() + lost_.load(); }
+
+  /// Writer's thread: moves what waits in the ring to the batch.
+  void collect();
+  std::size_t batch_bytes() const;
+  virtual std::size_t batch_items() const = 0;
+  /// Writer's thread, HDF5 locked: bytes by which the batch may make the file grow.
+  hsize_t growth();
+  /// Writer's thread, HDF5 locked: appends the batch to the file. @throws FileError.
+  void write();
+  /// Writer's thread, HDF5 locked: the count beside the data. @throws FileError.
+  void write_dropped();
+  /// Writer's thread: the batch is on the disk, or it never will be.
+  void keep_batch();
+  void lose_batch();
+  /// Any thread: from now on take() only counts.
+  void shut() { shut_.store(true); }
+  /// HDF5 locked: closes what the stream has open in the file, or leaves it open for good.
+  void close();
+  void abandon();
+
+  std::uint64_t written() const { return written_; }
+  TimeNs written_until() const { return written_until_; }
+  virtual bool is_spikes() const = 0;
+
+  /// Set by the recorder: wakes the writer when the ring is half full.
+  std::function<void()> wake;
+
+ protected:
+  void make_group(hid_t parent, const std::string& path);
+  void wake_when_half_full(std::size_t room, std::size_t capacity);
+  virtual void drain() = 0;
+  virtual void append() = 0;
+  virtual void clear() = 0;
+  virtual std::vector<hdf5::GrowingDataset*> datasets() = 0;
+
+  const std::string& file_path() const { return path_; }
+  bool shut_now() const { return shut_.load(std::memory_order_relaxed); }
+  void count_overflow(std::uint64_t items) { overflow_.fetch_add(items); }
+  void reached(TimeNs end) { reached_.store(end, std::memory_order_release); }
+
+ private:
+  std::string name_;
+  std::uint32_t width_;
+  std::string path_;
+  hdf5::Handle group_;
+  std::atomic<bool> shut_{false};
+  std::atomic<bool> wake_asked_{false};
+  std::atomic<std::uint64_t> overflow_{0};  // the ring was full, or the recorder closed
+  std::atomic<std::uint64_t> lost_{0};      // the disk refused
+  std::atomic<TimeNs> reached_{0};          // everything up to here is in the ring
+  // Writer's thread only.
+  std::uint64_t written_ = 0;
+  TimeNs batch_until_ = 0;
+  TimeNs written_until_ = 0;
+};
+
+class SpikeStream : public Stream {
+ public:
+  SpikeStream(std::string name, std::uint32_t width, hid_t parent, const std::string& path,
+              std::size_t capacity);
+  void take(const Step& step) override;
+  std::size_t batch_items() const override { return batch_.size(); }
+  bool is_spikes() const override { return true; }
+
+ private:
+  void drain() override { ring_.drain(batch_); }
+  void append() override;
+  void clear() override { batch_.clear(); }
+  std::vector<hdf5::GrowingDataset*> datasets() override {
+    return {&timestamps_, &timestamps_ns_, &node_ids_};
+  }
+  void write_sorting(bool sorted) const;
+
+  Ring<Spike> ring_;
+  std::vector<Spike> batch_;
+  TimeNs last_ = std::numeric_limits<TimeNs>::min();
+  bool sorted_ = true;
+  hdf5::GrowingDataset timestamps_;
+  hdf5::GrowingDataset timestamps_ns_;
+  hdf5::GrowingDataset node_ids_;
+};
+
+class SignalStream : public Stream {
+ public:
+  SignalStream(std::string name, std::uint32_t width, const std::string& unit,
+               const std::vector<std::string>& channels, hid_t parent, const std::string& path,
+               std::size_t rows);
+  void take(const Step& step) override;
+  std::size_t batch_items() const override { return batch_.size() / (width() + 1); }
+  bool is_spikes() const override { return false; }
+
+ private:
+  void drain() override { ring_.drain(batch_); }
+  void append() override;
+  void clear() override { batch_.clear(); }
+  std::vector<hdf5::GrowingDataset*> datasets() override { return {&times_, &values_}; }
+
+  void put_row(TimeNs time, const SignalInput& input);
+
+  Ring<std::int64_t> ring_;     // rows: the time, then the values' bits
+  std::uint64_t revision_ = 0;  // loop's thread only
+  std::vector<std::int64_t> batch_;
+  hdf5::GrowingDataset times_;
+  hdf5::GrowingDataset values_;
+};
+
+}  // namespace spikeloop::record

@@ -1,0 +1,56 @@
+#include "spikeloop/command/age_meter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spikeloop::command {
+namespace {
+
+constexpr std::size_t kKept = std::size_t{1} << 20;
+
+double percentile_ms(const std::vector<TimeNs>& sorted, double fraction) {
+  const auto rank = static_cast<std::size_t>(std::ceil(fraction * double(sorted.size())));
+  return 1e-6 * static_cast<double>(sorted[std::max<std::size_t>(rank, 1) - 1]);
+}
+
+}  // namespace
+
+AgeMeter::AgeMeter(std::size_t pipeline_ticks)
+    : delayed_(pipeline_ticks + 1, std::numeric_limits<double>::quiet_NaN()) {}
+
+std::optional<TimeNs> AgeMeter::update(double pace_seconds, TimeNs now) {
+  delayed_[next_] = pace_seconds;
+  next_ = (next_ + 1) % delayed_.size();
+  const double arrived = delayed_[next_];  // the oldest
+  if (!std::isfinite(arrived)) {
+    return std::nullopt;
+  }
+  const TimeNs age = std::max<TimeNs>(0, now - from_seconds(arrived));
+  age_max_ = std::max(age_max_, age);
+  if (arrived != newest_) {
+    newest_ = arrived;
+    if (latencies_.size() < kKept) {
+      latencies_.push_back(age);
+    } else {
+      latencies_[messages_ % kKept] = age;
+    }
+    ++messages_;
+  }
+  return age;
+}
+
+AgeMeter::Report AgeMeter::report() const {
+  Report report;
+  report.messages = messages_;
+  if (messages_ == 0) {
+    return report;
+  }
+  std::vector<TimeNs> sorted = latencies_;
+  std::ranges::sort(sorted);
+  report.latency_median_ms = percentile_ms(sorted, 0.5);
+  report.latency_p99_ms = percentile_ms(sorted, 0.99);
+  report.age_max_ms = 1e-6 * static_cast<double>(age_max_);
+  return report;
+}
+
+}  // namespace spikeloop::command

@@ -1,0 +1,75 @@
+#include "spikeloop/command/command_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spikeloop::command {
+
+CommandGate::CommandGate(GateSettings settings)
+    : settings_(std::move(settings)),
+      current_(settings_.deadband.size()),
+      last_(settings_.deadband.size()) {
+  if (settings_.period != 0) {
+    settings_.period = std::max(settings_.period, settings_.min_interval);
+  }
+}
+
+bool CommandGate::moved() const {
+  for (std::size_t i = 0; i < current_.size(); ++i) {
+    // A return to exactly zero is a stop and leaves however small the step is.
+    const bool stops = current_[i] == 0.0 && last_[i] != 0.0;
+    if (stops || std::fabs(current_[i] - last_[i]) > settings_.deadband[i]) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TimeNs CommandGate::due() const {
+  if (!any_) {
+    return kNever;
+  }
+  if (!sent_) {
+    return std::numeric_limits<TimeNs>::min();
+  }
+  if (moved()) {
+    return last_time_ + settings_.min_interval;
+  }
+  return settings_.period == 0 ? kNever : last_time_ + settings_.period;
+}
+
+bool CommandGate::send(TimeNs now) {
+  last_ = current_;
+  last_time_ = now;
+  sent_ = true;
+  return true;
+}
+
+bool CommandGate::offer(std::span<const double> command, TimeNs now) {
+  std::ranges::copy(command, current_.begin());
+  any_ = true;
+  return now >= due() && send(now);
+}
+
+bool CommandGate::poll(TimeNs now) {
+  return now >= next_due() && send(now);
+}
+
+TimeNs CommandGate::next_due() const {
+  const TimeNs time = due();
+  const bool repetition = any_ && sent_ && time != kNever && !moved();
+  return repetition ? time + settings_.grace : time;
+}
+
+void CommandGate::force(std::span<const double> command, TimeNs now) {
+  std::ranges::copy(command, current_.begin());
+  any_ = true;
+  send(now);
+}
+
+void CommandGate::forget() {
+  any_ = false;
+  sent_ = false;
+}
+
+}  // namespace spikeloop::command

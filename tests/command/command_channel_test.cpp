@@ -1,0 +1,116 @@
+#include "spikeloop/command/command_channel.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace {
+
+using spikeloop::TimeNs;
+using namespace spikeloop::command;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr TimeNs kMs = 1'000'000;
+const double kNan = std::nan("");
+
+class CommandChannelTest : public testing::Test {
+ protected:
+  void command(double a, double b, TimeNs now) {
+    const double values[] = {a, b};
+    next_ = channel_.command(values, now);
+  }
+  std::uint64_t count(std::string_view name) const {
+    for (const auto& counter : channel_.counters()) {
+      if (counter.name == name) {
+        return counter.value;
+      }
+    }
+    ADD_FAILURE() << "no counter " << name;
+    return 0;
+  }
+
+  std::vector<std::vector<double>> sent_;
+  TimeNs next_ = 0;
+  CommandChannel channel_{{{0.02, 0.02}, kMs, 100 * kMs}, [this](auto values) {
+                            sent_.emplace_back(values.begin(), values.end());
+                          }};
+};
+
+TEST_F(CommandChannelTest, nothing_leaves_before_the_first_value) {
+  command(kNan, kNan, 0);
+  channel_.stop(StopReason::stale, kMs);
+  EXPECT_EQ(channel_.poll(200 * kMs), kNever);
+  EXPECT_THAT(sent_, IsEmpty());
+  command(0.5, 0, 201 * kMs);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(0.5, 0)));
+  EXPECT_EQ(count("resumed"), 0u);
+}
+
+TEST_F(CommandChannelTest, not_finite_is_never_sent_and_stops) {
+  command(0.5, 0.1, 0);
+  command(0.5, kNan, kMs);
+  command(0.5, kNan, 2 * kMs);
+  command(std::numeric_limits<double>::infinity(), 0, 3 * kMs);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(0.5, 0.1), ElementsAre(0, 0)));
+  EXPECT_EQ(count("stops_not_finite"), 1u);
+  command(kNan, kNan, 4 * kMs);
+  EXPECT_EQ(count("stops_without_value"), 1u);
+  command(0.5, 0.1, 5 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(0.5, 0.1));
+  EXPECT_EQ(count("resumed"), 1u);
+  EXPECT_EQ(count("commands"), 2u);
+}
+
+TEST_F(CommandChannelTest, zeros_of_stale_data_are_repeated) {
+  command(0.5, 0.1, 0);
+  for (TimeNs t = kMs; t <= 501 * kMs; t += kMs) {
+    channel_.stop(StopReason::stale, t);
+  }
+  EXPECT_EQ(sent_.size(), 1u + 1 + 5);
+  EXPECT_EQ(count("stops_data_too_old"), 1u);
+  // The least interval does not hold the first command after a stop.
+  command(0.5, 0.1, 501 * kMs + 1);
+  EXPECT_THAT(sent_.back(), ElementsAre(0.5, 0.1));
+}
+
+TEST_F(CommandChannelTest, silence_stops_until_the_next_tick) {
+  command(0.5, 0.1, 0);
+  EXPECT_EQ(next_, 100 * kMs);
+  EXPECT_EQ(channel_.poll(100 * kMs), 200 * kMs);
+  EXPECT_EQ(sent_.size(), 2u);
+  EXPECT_EQ(channel_.stop(StopReason::silent, 150 * kMs), kNever);
+  EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
+  EXPECT_EQ(channel_.poll(1000 * kMs), kNever);
+  EXPECT_EQ(sent_.size(), 3u);
+  command(0.5, 0.1, 1001 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(0.5, 0.1));
+  EXPECT_EQ(count("resumed"), 1u);
+  EXPECT_EQ(count("commands"), 3u);
+  EXPECT_EQ(count("stops_no_tick"), 1u);
+}
+
+TEST_F(CommandChannelTest, requests_from_outside_always_send_a_zero) {
+  channel_.stop(StopReason::continued, 0);
+  channel_.stop(StopReason::continued, 0);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(0, 0), ElementsAre(0, 0)));
+}
+
+TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
+  for (const StopReason reason : {StopReason::terminated, StopReason::ended}) {
+    std::vector<std::vector<double>> sent;
+    CommandChannel channel({{0.02}, kMs, kMs},
+                           [&](auto values) { sent.emplace_back(values.begin(), values.end()); });
+    const double forward[] = {1.0};
+    channel.command(forward, 0);
+    channel.stop(reason, 1);
+    EXPECT_EQ(channel.command(forward, 5 * kMs), kNever);
+    EXPECT_EQ(channel.poll(50 * kMs), kNever);
+    channel.stop(StopReason::continued, 60 * kMs);
+    EXPECT_THAT(sent, ElementsAre(ElementsAre(1.0), ElementsAre(0.0)));
+  }
+}
+
+}  // namespace

@@ -1,0 +1,117 @@
+#include "spikeloop/command/command_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace {
+
+using spikeloop::TimeNs;
+using namespace spikeloop::command;
+
+constexpr TimeNs kMs = 1'000'000;
+
+CommandGate gate(double deadband, TimeNs min_interval, TimeNs period, TimeNs grace = 0) {
+  return CommandGate({{deadband, deadband}, min_interval, period, grace});
+}
+
+bool offer(CommandGate& gate, double a, double b, TimeNs now) {
+  const double values[] = {a, b};
+  return gate.offer(values, now);
+}
+
+TEST(CommandGate, first_command_leaves_at_once) {
+  CommandGate g = gate(0.02, kMs, 100 * kMs);
+  EXPECT_EQ(g.next_due(), kNever);
+  EXPECT_FALSE(g.poll(5));
+  EXPECT_TRUE(offer(g, 0, 0, -3 * kMs));
+}
+
+TEST(CommandGate, moves_beyond_the_deadband_leave_at_once) {
+  CommandGate g = gate(0.02, kMs, 0);
+  EXPECT_TRUE(offer(g, 0.5, 0.5, 0));
+  EXPECT_FALSE(offer(g, 0.515, 0.49, 2 * kMs));
+  EXPECT_TRUE(offer(g, 0.515, 0.53, 3 * kMs));
+  EXPECT_DOUBLE_EQ(g.current()[1], 0.53);
+}
+
+TEST(CommandGate, slow_drift_adds_up_from_the_last_sent_one) {
+  CommandGate g = gate(1.0 / 64, kMs, 0);
+  int sent = 0;
+  for (int i = 0; i <= 1000; ++i) {  // 1/1024 a tick: every 17 ticks the deadband is passed
+    sent += offer(g, 1 + i / 1024.0, 1, i * kMs) ? 1 : 0;
+  }
+  EXPECT_EQ(sent, 1 + 1000 / 17);
+}
+
+TEST(CommandGate, coming_to_zero_is_never_too_small_a_move) {
+  CommandGate g = gate(0.02, kMs, 0);
+  EXPECT_TRUE(offer(g, 0.01, 0, 0));
+  EXPECT_TRUE(offer(g, 0, 0, kMs));
+  EXPECT_FALSE(offer(g, 0.01, 0, 2 * kMs));
+}
+
+TEST(CommandGate, held_back_for_the_least_interval) {
+  CommandGate g = gate(0.02, 10 * kMs, 0);
+  EXPECT_TRUE(offer(g, 0, 0, 0));
+  EXPECT_FALSE(offer(g, 1, 0, 4 * kMs));
+  EXPECT_EQ(g.next_due(), 10 * kMs);
+  EXPECT_FALSE(g.poll(9 * kMs));
+  EXPECT_TRUE(g.poll(10 * kMs));
+  EXPECT_EQ(g.next_due(), kNever);
+  // A move that is taken back before it could leave is forgotten.
+  EXPECT_FALSE(offer(g, 0.5, 0, 15 * kMs));
+  EXPECT_FALSE(offer(g, 1, 0, 16 * kMs));
+  EXPECT_EQ(g.next_due(), kNever);
+}
+
+TEST(CommandGate, repeats_at_the_command_rate) {
+  CommandGate g = gate(0.02, kMs, 100 * kMs);
+  int sent = 0;
+  for (TimeNs t = 0; t < 1000 * kMs; t += kMs) {
+    sent += offer(g, 0.3, 0, t) ? 1 : 0;
+  }
+  EXPECT_EQ(sent, 10);
+}
+
+TEST(CommandGate, poll_leaves_repetitions_to_the_next_tick) {
+  CommandGate g = gate(0.02, kMs, 100 * kMs, 2 * kMs);
+  EXPECT_TRUE(offer(g, 0.3, 0, 0));
+  EXPECT_EQ(g.next_due(), 102 * kMs);
+  EXPECT_FALSE(g.poll(101 * kMs));
+  EXPECT_TRUE(offer(g, 0.3, 0, 100 * kMs));
+  EXPECT_TRUE(g.poll(202 * kMs));
+}
+
+TEST(CommandGate, force_and_forget) {
+  CommandGate g = gate(0.02, 10 * kMs, 100 * kMs);
+  const double zero[] = {0, 0};
+  EXPECT_TRUE(offer(g, 1, 1, 0));
+  g.force(zero, kMs);
+  EXPECT_FALSE(offer(g, 1, 1, 2 * kMs));
+  g.forget();
+  EXPECT_TRUE(offer(g, 1, 1, 3 * kMs));
+}
+
+// Random commands and times: never closer than the least interval, never rarer than the period.
+TEST(CommandGate, intervals_stay_within_their_bounds) {
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<double> value(-1, 1);
+  std::uniform_int_distribution<TimeNs> wait(1, 2 * kMs);
+  CommandGate g = gate(0.02, 5 * kMs, 20 * kMs);
+  TimeNs last = 0;
+  TimeNs now = 0;
+  offer(g, 0, 0, now);
+  for (int i = 0; i < 20000; ++i) {
+    now += wait(engine);
+    const bool sent =
+        engine() % 3 == 0 ? offer(g, i / 500 % 2 ? value(engine) : 0.5, 0.5, now) : g.poll(now);
+    ASSERT_LE(now - last, 22 * kMs);
+    if (sent) {
+      ASSERT_GE(now - last, 5 * kMs);
+      last = now;
+    }
+  }
+}
+
+}  // namespace

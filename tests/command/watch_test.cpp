@@ -1,0 +1,135 @@
+#include "spikeloop/command/watch.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
+
+namespace {
+
+using spikeloop::TimeNs;
+using namespace spikeloop::command;
+using namespace std::chrono_literals;
+
+constexpr TimeNs kMs = 1'000'000;
+
+class WatchTest : public testing::Test {
+ protected:
+  WatchTest() { Watch::block_signals(); }
+
+  Watch::Actions actions() {
+    return {[this](StopReason reason) {
+              ++(reason == StopReason::silent ? silent_ : continued_);
+              stop_time_ = spikeloop::wall_now();
+            },
+            [this](TimeNs now) {
+              ++polls_;
+              return now + poll_again_;
+            },
+            [this] { ++interrupted_; }};
+  }
+  static bool eventually(const std::function<bool()>& condition) {
+    for (int i = 0; i < 2000; ++i) {
+      if (condition()) {
+        return true;
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+    return false;
+  }
+
+  std::atomic<int> silent_{0};
+  std::atomic<int> continued_{0};
+  std::atomic<int> interrupted_{0};
+  std::atomic<int> polls_{0};
+  std::atomic<TimeNs> stop_time_{0};
+  TimeNs poll_again_ = kMs;
+};
+
+TEST_F(WatchTest, silence_stops_once_and_a_tick_arms_again) {
+  Watch watch(50 * kMs, actions());
+  std::this_thread::sleep_for(120ms);
+  EXPECT_EQ(silent_, 0) << "before the first tick nothing is watched";
+  const TimeNs beat = spikeloop::wall_now();
+  watch.heartbeat();
+  EXPECT_TRUE(eventually([&] { return silent_ == 1; }));
+  EXPECT_GE(stop_time_ - beat, 50 * kMs);
+  EXPECT_LE(stop_time_ - beat, 250 * kMs);
+  std::this_thread::sleep_for(120ms);
+  EXPECT_EQ(silent_, 1);
+  watch.heartbeat();
+  EXPECT_TRUE(eventually([&] { return silent_ == 2; }));
+}
+
+TEST_F(WatchTest, rest_ends_the_watch) {
+  Watch watch(50 * kMs, actions());
+  watch.heartbeat();
+  watch.rest();
+  std::this_thread::sleep_for(150ms);
+  EXPECT_EQ(silent_, 0);
+}
+
+TEST_F(WatchTest, sends_what_is_due_between_ticks_until_silence) {
+  Watch watch(200 * kMs, actions());
+  watch.heartbeat(spikeloop::wall_now() + kMs);
+  EXPECT_TRUE(eventually([&] { return silent_ == 1; }));
+  const int polls = polls_;
+  EXPECT_GE(polls, 5);
+  EXPECT_LE(polls, 220);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(polls_, polls);
+}
+
+TEST_F(WatchTest, an_earlier_time_wakes_it) {
+  poll_again_ = 3600 * spikeloop::kNsPerSecond;
+  Watch watch(3600 * spikeloop::kNsPerSecond, actions());
+  watch.heartbeat(spikeloop::wall_now() + 3000 * spikeloop::kNsPerSecond);
+  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(polls_, 0);
+  watch.heartbeat(spikeloop::wall_now() + kMs);
+  EXPECT_TRUE(eventually([&] { return polls_ == 1; }));
+}
+
+TEST_F(WatchTest, signals) {
+  Watch watch(3600 * spikeloop::kNsPerSecond, actions());
+  kill(getpid(), SIGCONT);
+  EXPECT_TRUE(eventually([&] { return continued_ == 1; }));
+  kill(getpid(), SIGINT);
+  EXPECT_TRUE(eventually([&] { return interrupted_ == 1; }));
+  EXPECT_EQ(silent_, 0);
+}
+
+TEST_F(WatchTest, ticks_from_a_fast_loop_never_count_as_silence) {
+  Watch watch(2 * spikeloop::kNsPerSecond, actions());
+  for (int i = 0; i < 200000; ++i) {
+    watch.heartbeat(spikeloop::wall_now() + (i % 7) * 100'000);
+  }
+  EXPECT_EQ(silent_, 0);
+}
+
+TEST_F(WatchTest, says_when_the_system_has_no_descriptors_left) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  rlimit none = before;
+  none.rlim_cur = 0;
+  setrlimit(RLIMIT_NOFILE, &none);
+  std::string message;
+  try {
+    Watch watch(kMs, actions());
+  } catch (const spikeloop::TransportError& error) {
+    message = error.what();
+  }
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(message,
+            "cannot watch the robot's commands: signalfd failed: Too many open files; raise the "
+            "limit of open files (ulimit -n)");
+}
+
+}  // namespace

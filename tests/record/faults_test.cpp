@@ -1,0 +1,319 @@
+// What can go wrong: no room in the buffer, on the disk, in time; and the words for it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/record/reader.hpp"
+#include "spikeloop/record/recorder.hpp"
+#include "steps.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop {
+namespace {
+
+using record::Recorder;
+using testing::HasSubstr;
+
+/// What an expression that must throw `E` says.
+template <typename E>
+std::string message(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const E& error) {
+    return error.what();
+  }
+  return "(nothing thrown)";
+}
+
+class RecorderFaults : public testing::Test {
+ protected:
+  std::string file(const std::string& name = "x.h5") const {
+    return (directory_.path() / name).string();
+  }
+  /// Waits until the file shows so many spikes; it is being written meanwhile.
+  bool wait_for_spikes(std::size_t count) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < end) {
+      try {
+        if (record::read_spikes(file(), "out").spikes.size() >= count) {
+          return true;
+        }
+      } catch (const Error&) {  // not made yet, or caught in the middle of a flush
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+  /// Number of spikes in the file, all of them the doomed process's first ones.
+  std::size_t whole_prefix() const {
+    const auto read = record::read_spikes(file(), "out");
+    for (std::size_t k = 0; k < read.spikes.size(); ++k) {
+      const Spike expected = test::nth_spike(static_cast<TimeNs>(k));
+      if (read.spikes[k].time_ns != expected.time_ns ||
+          read.spikes[k].channel != expected.channel) {
+        ADD_FAILURE() << "spike " << k << " is wrong";
+        break;
+      }
+    }
+    return read.spikes.size();
+  }
+  std::size_t whole_signal_prefix() const {
+    const auto read = record::read_signal(file(), "value");
+    for (std::size_t k = 0; k < read.times.size(); ++k) {
+      const auto value = static_cast<double>(k);
+      if (read.times[k] != test::tick(static_cast<TimeNs>(k)).end || read.row(k)[0] != value ||
+          read.row(k)[1] != -value) {
+        ADD_FAILURE() << "row " << k << " is wrong";
+        break;
+      }
+    }
+    return read.times.size();
+  }
+  test::TemporaryDirectory directory_;
+};
+
+TEST_F(RecorderFaults, FullSpikeBufferIsCounted) {
+  record::RecorderOptions options;
+  options.spike_capacity = 4;
+  Recorder recorder(file(), "x", {}, options);
+  const auto sink = recorder.spike_sink("out", 10);
+  std::vector<Spike> spikes;
+  for (std::int32_t i = 0; i < 10; ++i) {
+    spikes.push_back(make_spike(i + 1, i));
+  }
+  test::send_spikes(*sink, test::tick(0), spikes);
+  const auto counters = sink->counters();
+  ASSERT_EQ(counters.size(), 1u);
+  EXPECT_EQ(counters[0].name, "spikes_dropped");
+  EXPECT_EQ(counters[0].value, 6u);
+  const auto report = recorder.close();
+  EXPECT_EQ(report.spikes_written, 4u);
+  EXPECT_EQ(report.spikes_dropped, 6u);
+  EXPECT_EQ(report.error,
+            "'" + file() +
+                "' is incomplete: 6 spikes and 0 signal rows are lost, because the disk is slower "
+                "than the data or the run went on after the file was closed; record fewer streams "
+                "or write to a faster disk");
+  const auto read = record::read_spikes(file(), "out");
+  EXPECT_EQ(read.spikes.size(), 4u);
+  EXPECT_EQ(read.dropped, 6u);
+}
+
+TEST_F(RecorderFaults, RowsThatDoNotFitAreDroppedWhole) {
+  record::RecorderOptions options;
+  options.value_capacity = 1;
+  options.least_rows = 1;  // a ring of 4 values has room for one row of 1 + 2
+  Recorder recorder(file(), "x", {}, options);
+  const auto sink = recorder.signal_sink("out", 2, "");
+  std::uint64_t sent = 0;
+  while (sink->counters().at(0).value == 0 && sent < 1'000'000) {
+    ++sent;
+    test::send_signal(*sink, test::tick(0), {1, 2}, sent);
+  }
+  EXPECT_EQ(sink->counters().at(0).name, "signals_dropped");
+  const auto report = recorder.close();
+  EXPECT_EQ(report.signals_dropped, 1u);
+  EXPECT_EQ(report.signals_written, sent - 1);
+  EXPECT_THAT(report.error, HasSubstr("0 spikes and 1 signal rows are lost"));
+  EXPECT_EQ(record::read_signal(file(), "out").values.size(), 2 * (sent - 1));
+}
+
+TEST_F(RecorderFaults, WhatIsSentAfterCloseIsCounted) {
+  Recorder recorder(file(), "x", {});
+  const auto spikes = recorder.spike_sink("out", 1);
+  const auto signal = recorder.signal_sink("value", 1, "");
+  test::send_spikes(*spikes, test::tick(0), {make_spike(1, 0)});
+  EXPECT_EQ(recorder.close().error, "");
+  test::send_spikes(*spikes, test::tick(1), {make_spike(1'000'001, 0)});
+  test::send_signal(*signal, test::tick(1), {1}, 1);
+  const auto report = recorder.close();
+  EXPECT_EQ(report.spikes_written, 1u);
+  EXPECT_EQ(report.spikes_dropped, 1u);
+  EXPECT_EQ(report.signals_dropped, 1u);
+  EXPECT_THAT(report.error, HasSubstr("the run went on after the file was closed"));
+}
+
+TEST_F(RecorderFaults, SinksOutliveTheirRecorder) {
+  std::unique_ptr<Sink> sink;
+  {
+    Recorder recorder(file(), "x", {});
+    sink = recorder.spike_sink("out", 1);
+  }
+  test::send_spikes(*sink, test::tick(0), {make_spike(1, 0)});
+  EXPECT_EQ(sink->counters().at(0).value, 1u);
+}
+
+/// What a doomed process printed at its end.
+struct Printed {
+  explicit Printed(const std::string& text) {
+    std::istringstream in(text);
+    in >> spikes >> spikes_dropped >> rows >> rows_dropped >> std::ws;
+    std::getline(in, error);
+  }
+  std::uint64_t spikes = 0;
+  std::uint64_t spikes_dropped = 0;
+  std::uint64_t rows = 0;
+  std::uint64_t rows_dropped = 0;
+  std::string error;
+};
+
+TEST_F(RecorderFaults, FullDiskEndsTheRecordingNotTheRun) {
+  const auto outcome = test::run({.arguments = {DOOMED_PROCESS, "full", file()}});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.err, "");
+  const Printed printed(outcome.out);
+  EXPECT_EQ(printed.spikes + printed.spikes_dropped, 40'000u);
+  EXPECT_EQ(printed.rows + printed.rows_dropped, 40'000u);
+  EXPECT_GT(printed.spikes, 0u);
+  EXPECT_GT(printed.spikes_dropped, 0u);
+  EXPECT_EQ(printed.error, "cannot write '" + file() + "': File too large; the recording ends at " +
+                               format_time(record::read_spikes(file(), "out").until) +
+                               " of simulated time, " + std::to_string(printed.spikes_dropped) +
+                               " spikes and " + std::to_string(printed.rows_dropped) +
+                               " signal rows are lost");
+  EXPECT_EQ(whole_prefix(), printed.spikes);
+  EXPECT_EQ(whole_signal_prefix(), printed.rows);
+  EXPECT_EQ(record::read_spikes(file(), "out").dropped, printed.spikes_dropped);
+  EXPECT_EQ(record::read_signal(file(), "value").dropped, printed.rows_dropped);
+  EXPECT_FALSE(record::read_info(file()).complete);
+}
+
+TEST_F(RecorderFaults, DiskThatGoesAwayEndsTheRecordingNotTheRun) {
+  const auto outcome = test::run({.arguments = {DOOMED_PROCESS, "broken", file()}});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.err, "");
+  const Printed printed(outcome.out);
+  EXPECT_EQ(printed.spikes + printed.spikes_dropped, 40'000u);
+  EXPECT_GT(printed.spikes, 0u);
+  EXPECT_GT(printed.spikes_dropped, 0u);
+  EXPECT_THAT(printed.error, testing::StartsWith("cannot write '" + file() + "': "));
+  EXPECT_EQ(whole_prefix(), printed.spikes);
+  EXPECT_EQ(whole_signal_prefix(), printed.rows);
+}
+
+TEST_F(RecorderFaults, KilledProcessLeavesAReadableFile) {
+  test::Child child({.arguments = {DOOMED_PROCESS, "steady", file()}});
+  ASSERT_TRUE(wait_for_spikes(1000)) << child.output();
+  child.signal(SIGKILL);
+  child.wait();
+  EXPECT_GE(whole_prefix(), 1000u);
+  EXPECT_GE(whole_signal_prefix(), 1000u);
+  const auto read = record::read_spikes(file(), "out");
+  EXPECT_GE(read.until, test::tick(999).end);
+  EXPECT_FALSE(record::read_info(file()).complete);
+}
+
+TEST_F(RecorderFaults, SigtermFlushesEverythingOfAWaitingLoop) {
+  test::Child child({.arguments = {DOOMED_PROCESS, "waits", file()}});
+  ASSERT_TRUE(child.wait_for("sent", std::chrono::seconds(60)));
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait().exit_code, 143);
+  EXPECT_EQ(whole_prefix(), 500u);
+  EXPECT_EQ(whole_signal_prefix(), 500u);
+  EXPECT_TRUE(record::read_info(file()).complete);
+}
+
+TEST_F(RecorderFaults, SigtermFlushesInTheMiddleOfALoop) {
+  test::Child child({.arguments = {DOOMED_PROCESS, "busy", file()}});
+  ASSERT_TRUE(child.wait_for("sending", std::chrono::seconds(60)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait().exit_code, 143);
+  const std::size_t spikes = whole_prefix();
+  const std::size_t rows = whole_signal_prefix();
+  EXPECT_GT(spikes, 0u);
+  EXPECT_LE(spikes - rows, 1u);  // the handler may stand between the two
+  EXPECT_TRUE(record::read_info(file()).complete);
+}
+
+TEST_F(RecorderFaults, CloseFromAnotherThreadSaysWhenItIsDone) {
+  Recorder recorder(file(), "x", {});
+  const auto sink = recorder.spike_sink("out", 1);
+  test::send_spikes(*sink, test::tick(0), {make_spike(1, 0)});
+  EXPECT_TRUE(recorder.flush_and_close_from_signal(60 * kNsPerSecond));
+  EXPECT_TRUE(recorder.flush_and_close_from_signal(0));
+  EXPECT_EQ(record::read_spikes(file(), "out").spikes.size(), 1u);
+  EXPECT_EQ(recorder.close().spikes_written, 1u);
+}
+
+TEST_F(RecorderFaults, UnwritablePathIsNamed) {
+  const std::string nowhere = file("missing/x.h5");
+  EXPECT_EQ(message<FileError>([&] { Recorder(nowhere, "x", {}); }),
+            "cannot create '" + nowhere + "': No such file or directory");
+  EXPECT_EQ(message<FileError>([&] { Recorder(directory_.path(), "x", {}); }),
+            "cannot create '" + directory_.path().string() + "': Is a directory");
+}
+
+TEST_F(RecorderFaults, StreamsThatCannotBeAreNamed) {
+  Recorder recorder(file(), "x", {});
+  recorder.spike_sink("out", 1);
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.spike_sink("out", 2); }),
+            "two recorded streams of '" + file() + "' are called 'out': rename one");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.signal_sink("out", 2, ""); }),
+            "two recorded streams of '" + file() + "' are called 'out': rename one");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.spike_sink("a/b", 1); }),
+            "a recorded stream cannot be called 'a/b': write a name without '/', such as 'out'");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.spike_sink("", 1); }),
+            "a recorded stream cannot be called '': write a name without '/', such as 'out'");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.signal_sink("wide", 0, ""); }),
+            "the recorded stream 'wide' has width 0: give it at least one channel");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.signal_sink("two", 2, "", {"a"}); }),
+            "the recorded stream 'two' has 2 channels but 1 names: give one name each");
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.annotate("outt", "a", 1); }),
+            "'" + file() + "' records no stream 'outt'; did you mean 'out'?");
+}
+
+TEST_F(RecorderFaults, ClosedRecorderTakesNoStreams) {
+  Recorder recorder(file(), "x", {});
+  recorder.close();
+  EXPECT_EQ(message<ConfigurationError>([&] { recorder.spike_sink("out", 1); }),
+            "cannot record 'out': '" + file() + "' is closed already");
+}
+
+TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
+  const std::string missing = file("missing.h5");
+  EXPECT_EQ(message<FileError>([&] { record::read_info(missing); }),
+            "cannot open '" + missing + "': No such file or directory");
+  const std::string text = directory_.write("text.h5", "just a text");
+  EXPECT_EQ(message<FileError>([&] { record::read_info(text); }),
+            "cannot read '" + text + "': not an HDF5 file, or damaged");
+  const std::string python =
+      "import h5py\n"
+      "h5py.File('" +
+      file("foreign.h5") +
+      "', 'w').close()\n"
+      "f = h5py.File('" +
+      file("future.h5") +
+      "', 'w')\n"
+      "f.attrs['spikeloop_format'] = 2\n"
+      "f.attrs['spikeloop_version'] = '9.0.0'\n";
+  ASSERT_EQ(test::run({.arguments = {"/usr/bin/python3", "-c", python}}).exit_code, 0);
+  EXPECT_EQ(
+      message<FileError>([&] { record::read_info(file("foreign.h5")); }),
+      "cannot read '" + file("foreign.h5") + "': an HDF5 file, but not a recording of Spikeloop's");
+  EXPECT_THAT(message<FileError>([&] { record::read_info(file("future.h5")); }),
+              testing::AllOf(HasSubstr("': it has format 2, this Spikeloop ("),
+                             HasSubstr(") knows formats up to 1; read it with version 9.0.0 or "
+                                       "newer")));
+}
+
+TEST_F(RecorderFaults, ReaderNamesUnknownStreams) {
+  {
+    Recorder recorder(file(), "x", {});
+    recorder.spike_sink("spikes_out", 1);
+  }
+  EXPECT_EQ(message<ConfigurationError>([&] { record::read_spikes(file(), "spike_out"); }),
+            "'" + file() + "' has no spikes called 'spike_out'; did you mean 'spikes_out'?");
+  EXPECT_EQ(message<ConfigurationError>([&] { record::read_signal(file(), "value"); }),
+            "'" + file() + "' has no signals called 'value'; it has none at all");
+}
+
+}  // namespace
+}  // namespace spikeloop
