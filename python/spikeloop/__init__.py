@@ -1,0 +1,1 @@
+"""Reads and draws what a run of Spikeloop leaves on disk."""

@@ -1,0 +1,188 @@
+"""Reads a run folder: recordings, the robot's trajectory, its world, the summary.
+
+    >>> run = RunFolder("runs/2024-05-01")
+    >>> scan = run.signal("sensor")        # values: rows x channels, a row holds until the next
+    >>> spikes = run.spikes("network")     # list of streams: times in s, 0-based channels
+
+Files (docs/run-folder.md):
+
+    LABEL.h5        spikes and signals of the process LABEL
+    trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
+    world.json      the robot's arena and obstacles
+    summary.json    results of the run
+"""
+
+import csv
+import dataclasses
+import difflib
+import json
+import pathlib
+
+import h5py
+import numpy as np
+
+NEWEST_FORMAT = 1
+TRAJECTORY_COLUMNS = ("t_s", "x_m", "y_m", "theta_rad", "v_m_s", "w_rad_s", "collisions")
+
+
+class RunFolderError(Exception):
+    """A file is missing or not what it should be; the text says which and what to do."""
+
+
+@dataclasses.dataclass
+class Spikes:
+    """One recorded stream of spikes, in the order in which the loop saw them."""
+
+    label: str  # of the process
+    stream: str
+    times_s: np.ndarray  # float64
+    channels: np.ndarray  # int64, 0-based
+    width: int
+    until_s: float
+
+
+@dataclasses.dataclass
+class Signal:
+    """One recorded signal, piecewise constant: row i holds from times_s[i] to times_s[i + 1]."""
+
+    label: str
+    stream: str
+    times_s: np.ndarray
+    values: np.ndarray  # rows x width
+    unit: str
+    channels: list  # names; empty when there are none
+    until_s: float
+    annotations: dict  # numbers that stand beside the stream
+
+    @property
+    def width(self):
+        return self.values.shape[1]
+
+    def at(self, times_s):
+        """Values at these times (n x width); NaN before the first row and after the end."""
+        times_s = np.asarray(times_s, dtype=float)
+        result = np.full((len(times_s), self.width), np.nan)
+        row = np.searchsorted(self.times_s, times_s, side="right") - 1
+        known = (row >= 0) & (times_s <= self.until_s)
+        result[known] = self.values[row[known]]
+        return result
+
+
+def did_you_mean(word, candidates):
+    near = difflib.get_close_matches(word, candidates, n=1)
+    if near:
+        return f"; did you mean '{near[0]}'?"
+    return f"; known: {', '.join(candidates)}" if candidates else ""
+
+
+class RunFolder:
+    """What lies in the folder of one run."""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        if not self.path.is_dir():
+            raise RunFolderError(
+                f"'{path}' is not a folder; name the folder that `spikeloop run --out` wrote")
+        self.labels = sorted(file.stem for file in self.path.glob("*.h5"))
+
+    def spikes(self, label):
+        """Every spike stream of a process, sorted by name."""
+        with self._open(label) as file:
+            return [self._read_spikes(label, name, group)
+                    for name, group in sorted(file["spikes"].items())]
+
+    def signals(self, label):
+        """Every signal of a process, sorted by name."""
+        with self._open(label) as file:
+            return [self._read_signal(label, name, group)
+                    for name, group in sorted(file["signals"].items())]
+
+    def signal(self, label, stream=None):
+        """One signal of a process: the named one, or the widest that is not `pace`."""
+        signals = self.signals(label)
+        names = [signal.stream for signal in signals]
+        if stream is not None:
+            if stream not in names:
+                raise RunFolderError(f"'{self._file(label)}' has no signal '{stream}'"
+                                     f"{did_you_mean(stream, names)}")
+            return signals[names.index(stream)]
+        candidates = [signal for signal in signals if signal.stream != "pace"]
+        if not candidates:
+            raise RunFolderError(f"'{self._file(label)}' has no signal")
+        return max(candidates, key=lambda signal: signal.width)
+
+    def trajectory(self):
+        """The robot's path: a dictionary of columns (TRAJECTORY_COLUMNS) as float64 arrays."""
+        file = self.path / "trajectory.csv"
+        if not file.exists():
+            raise RunFolderError(f"'{file}' is missing: no robot of Spikeloop's took part, or it "
+                                 "was not told the run folder")
+        with open(file, newline="", encoding="utf-8") as text:
+            rows = list(csv.reader(text))
+        header = rows[0] if rows else []
+        absent = [name for name in TRAJECTORY_COLUMNS if name not in header]
+        if absent:
+            raise RunFolderError(f"'{file}' has no column '{absent[0]}'; its first line must be "
+                                 f"{','.join(TRAJECTORY_COLUMNS)}")
+        # The last line of a robot that was killed may be cut short.
+        table = np.array([row for row in rows[1:] if len(row) == len(header)],
+                         dtype=object).reshape(-1, len(header))
+        try:
+            return {name: table[:, header.index(name)].astype(float)
+                    for name in TRAJECTORY_COLUMNS}
+        except ValueError as error:
+            raise RunFolderError(f"'{file}' holds something that is no number: {error}") from None
+
+    def world(self):
+        """The robot's world as written by the robot: arena and obstacles, in metres."""
+        return self._json("world.json", "arena and obstacles are not drawn")
+
+    def summary(self):
+        """Results of the run: distance_m, coverage, collisions, ..."""
+        return self._json("summary.json", "the run did not end by itself, or is under way")
+
+    def _file(self, label):
+        return self.path / f"{label}.h5"
+
+    def _json(self, name, consequence):
+        file = self.path / name
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise RunFolderError(f"'{file}' is missing: {consequence}") from None
+        except json.JSONDecodeError as error:
+            raise RunFolderError(f"'{file}' is not JSON: line {error.lineno}, column "
+                                 f"{error.colno}: {error.msg}") from None
+
+    def _open(self, label):
+        file = self._file(label)
+        if label not in self.labels:
+            raise RunFolderError(f"'{file}' is missing: write record=true into the section "
+                                 f"'{label}'{did_you_mean(label, self.labels)}")
+        try:
+            opened = h5py.File(file, "r")
+        except OSError as error:
+            raise RunFolderError(f"'{file}' cannot be read: {error}") from None
+        version = opened.attrs.get("spikeloop_format")
+        if version is None or version > NEWEST_FORMAT:
+            opened.close()
+            raise RunFolderError(f"'{file}' is no recording that this version can read: its "
+                                 f"spikeloop_format is {version}, up to {NEWEST_FORMAT} is known")
+        return opened
+
+    @staticmethod
+    def _read_spikes(label, name, group):
+        count = min(len(group["timestamps_ns"]), len(group["node_ids"]))
+        return Spikes(label, name, group["timestamps_ns"][:count] * 1e-9,
+                      group["node_ids"][:count].astype(np.int64), int(group.attrs["width"]),
+                      group.attrs["until_ns"] * 1e-9)
+
+    @staticmethod
+    def _read_signal(label, name, group):
+        count = min(len(group["times_ns"]), len(group["values"]))
+        known = ("width", "until_ns", "dropped", "channels")
+        annotations = {key: float(value) for key, value in group.attrs.items() if key not in known}
+        return Signal(label, name, group["times_ns"][:count] * 1e-9, group["values"][:count],
+                      str(group["values"].attrs["unit"]),
+                      [str(text) for text in group.attrs.get("channels", [])],
+                      group.attrs["until_ns"] * 1e-9, annotations)

@@ -1,0 +1,196 @@
+"""Drawing: pictures are made, from whole and from incomplete run folders; rates are right."""
+
+import contextlib
+import io
+import pathlib
+import tempfile
+import unittest
+
+import matplotlib.image
+import numpy as np
+
+import fake_run
+from spikeloop import plots, spikes_plot
+from spikeloop.run_folder import RunFolder, RunFolderError, Spikes
+
+
+def drawn(path):
+    """Share of the picture's pixels that are not white."""
+    return float((matplotlib.image.imread(path)[..., :3].min(axis=2) < 0.95).mean())
+
+
+def run_main(*arguments):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = plots.main([str(argument) for argument in arguments])
+    return code, out.getvalue(), err.getvalue()
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+
+
+class PicturesTest(Folder):
+    def test_a_whole_run_gives_both_pictures(self):
+        fake_run.make(self.folder, duration_s=20.0)
+        code, out, err = run_main(self.folder)
+        pictures = [self.folder / "trajectory.png", self.folder / "spikes.png"]
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(out.split(), [str(picture) for picture in pictures])
+        for picture in pictures:
+            self.assertGreater(drawn(picture), 0.02)
+        shape = matplotlib.image.imread(pictures[0]).shape
+        self.assertEqual(shape[:2], (1184, 1280))
+
+    def test_the_pictures_go_where_they_are_wanted(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        result = plots.plot_run(self.folder, self.folder / "a" / "b", begin_s=1.0, end_s=2.0)
+        self.assertEqual(result.missing, [])
+        self.assertEqual([picture.parent for picture in result.pictures],
+                         [self.folder / "a" / "b"] * 2)
+
+    def test_many_neurons_two_populations_and_one_neuron_can_be_drawn(self):
+        random = np.random.default_rng(1)
+        for streams in ([("out", 1000, 70_000)], [("excitatory", 80, 900), ("inhibitory", 20, 0)],
+                        [("out", 1, 50)], [("out", 3, 0)]):
+            with fake_run.recording(self.folder / "network.h5", "network") as file:
+                for name, width, count in streams:
+                    fake_run.add_spikes(file, name, np.sort(random.random(count)),
+                                        random.integers(0, width, count), width, 1.0)
+            spikes_plot.draw(RunFolder(self.folder), self.folder / "spikes.png")
+            self.assertGreater(drawn(self.folder / "spikes.png"), 0.004, streams)
+
+    def test_values_without_an_angle_and_nan_can_be_drawn(self):
+        with fake_run.recording(self.folder / "sensor.h5", "sensor") as file:
+            values = np.random.default_rng(1).random((50, 4))
+            values[20:30, 2] = np.nan
+            fake_run.add_signal(file, "out", np.arange(50) * 0.1, values, "m", 5.0)
+        with fake_run.recording(self.folder / "command.h5", "command") as file:
+            fake_run.add_signal(file, "in", np.empty(0), np.empty((0, 2)), "", 5.0)
+        missing = spikes_plot.draw(RunFolder(self.folder), self.folder / "spikes.png")
+        self.assertEqual(missing, [f"no network in '{self.folder}': recorded: command, sensor; "
+                                   "write record=true into its section, or name it with "
+                                   "--network LABEL"])
+        self.assertGreater(drawn(self.folder / "spikes.png"), 0.02)
+
+
+class IncompleteTest(Folder):
+    def test_what_is_there_is_drawn_and_what_is_missing_is_said(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        for name in ("world.json", "sensor.h5", "summary.json"):
+            (self.folder / name).unlink()
+        code, out, err = run_main(self.folder)
+        self.assertEqual(code, 1)
+        self.assertEqual(len(out.split()), 2)
+        self.assertEqual(err.splitlines(), [
+            f"spikeloop.plots: '{self.folder}/world.json' is missing: arena and obstacles are not "
+            "drawn",
+            f"spikeloop.plots: '{self.folder}/summary.json' is missing: the run did not end by "
+            "itself, or is under way",
+            f"spikeloop.plots: no sensor in '{self.folder}': recorded: command, network; write "
+            "record=true into its section, or name it with --sensor LABEL"])
+
+    def test_recordings_without_a_robot(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        (self.folder / "trajectory.csv").unlink()
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out), (1, f"{self.folder}/spikes.png\n"))
+        self.assertEqual(err, f"spikeloop.plots: trajectory.png is not drawn: '{self.folder}/"
+                         "trajectory.csv' is missing: no robot of Spikeloop's took part, or it "
+                         "was not told the run folder\n")
+
+    def test_a_trajectory_of_no_time(self):
+        (self.folder / "trajectory.csv").write_text(
+            "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n")
+        _, _, err = run_main(self.folder)
+        self.assertIn(f"trajectory.png is not drawn: '{self.folder}/trajectory.csv' has no line "
+                      "below its header: the robot never moved on\n", err)
+
+    def test_coverage_may_be_unknown(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        (self.folder / "summary.json").write_text('{"collisions": 1}')
+        result = plots.plot_run(self.folder)
+        self.assertEqual(result.missing, ["summary.json has no 'coverage'; the title goes without"])
+        self.assertEqual(len(result.pictures), 2)
+
+    def test_an_empty_folder(self):
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out), (4, ""))
+        self.assertIn("spikes.png is not drawn: nothing to draw beside the trajectory: no sensor "
+                      f"in '{self.folder}': nothing is recorded;", err)
+
+    def test_no_folder(self):
+        code, out, err = run_main(self.folder / "none")
+        self.assertEqual((code, out), (4, ""))
+        self.assertEqual(err, f"spikeloop.plots: '{self.folder}/none' is not a folder; name the "
+                         "folder that `spikeloop run --out` wrote\n")
+
+    def test_a_label_that_is_not_there(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        code, _, err = run_main(self.folder, "--network", "netwrk")
+        self.assertEqual(code, 1)
+        self.assertIn("netwrk.h5' is missing: write record=true into the section 'netwrk'; did "
+                      "you mean 'network'?\n", err)
+        code, _, err = run_main(self.folder, "--network", "sensor")
+        self.assertEqual(code, 1)
+        self.assertIn("sensor.h5' has no spikes\n", err)
+
+    def test_an_empty_part_of_the_run(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        code, _, err = run_main(self.folder, "--from", 7)
+        self.assertEqual(code, 1)
+        self.assertIn("spikes.png is not drawn: there is nothing to draw from 7 s to 5 s: the "
+                      "recordings go to 5 s\n", err)
+
+
+class RolesTest(Folder):
+    def test_parts_are_found_by_name_and_content(self):
+        for name in ("laser_sensor", "decoder", "encoder"):
+            fake_run.recording(self.folder / f"{name}.h5", name).close()
+        for name in ("laser_sensor", "decoder"):
+            with fake_run.recording(self.folder / f"{name}.h5", name) as file:
+                fake_run.add_signal(file, "out", [0.0], np.ones((1, 2)), "", 1.0)
+        with fake_run.recording(self.folder / "encoder.h5", "encoder") as file:
+            fake_run.add_spikes(file, "out", [0.5], [0], 1, 1.0)
+        run = RunFolder(self.folder)
+        self.assertEqual(spikes_plot.find_sensor(run).label, "laser_sensor")
+        self.assertEqual(spikes_plot.find_command(run).label, "decoder")
+        self.assertEqual(spikes_plot.find_network(run)[0].label, "encoder")
+
+
+class RateTest(unittest.TestCase):
+    def test_regular_spikes_have_their_rate_up_to_the_ends(self):
+        for rate in (20.0, 100.0):
+            times = np.arange(0.5 / rate, 10.0, 1.0 / rate)
+            group = spikes_plot.Group("", np.repeat(times, 3), np.zeros(3 * len(times)), 3)
+            _, shown = spikes_plot.population_rate(group, (0.0, 10.0))
+            np.testing.assert_allclose(shown, rate, rtol=0.15)
+            np.testing.assert_allclose(shown[50:-50], rate, rtol=1e-2)
+
+    def test_a_single_spike_is_a_gaussian_of_area_one(self):
+        group = spikes_plot.Group("", np.array([5.005]), np.zeros(1), 1)
+        times, shown = spikes_plot.population_rate(group, (0.0, 10.0))
+        sigma = spikes_plot.RATE_KERNEL_S
+        expected = np.exp(-0.5 * ((times - 5.005) / sigma) ** 2) / (sigma * np.sqrt(2 * np.pi))
+        np.testing.assert_allclose(shown, expected, atol=1e-3 * expected.max())
+        self.assertAlmostEqual(shown.sum() * (times[1] - times[0]), 1.0, places=3)
+
+    def test_neurons_are_grouped_by_half(self):
+        stream = Spikes("network", "out", np.arange(5.0), np.arange(5), 5, 5.0)
+        low, high = spikes_plot.group_neurons([stream])
+        self.assertEqual((low.name, low.size, list(low.rows)), ("neurons 0–1", 2, [0, 1]))
+        self.assertEqual((high.name, high.size, list(high.rows)), ("neurons 2–4", 3, [2, 3, 4]))
+
+    def test_populations_are_stacked(self):
+        first = Spikes("network", "a", np.arange(2.0), np.array([0, 1]), 2, 5.0)
+        second = Spikes("network", "b", np.arange(1.0), np.array([2]), 3, 5.0)
+        groups = spikes_plot.group_neurons([first, second])
+        self.assertEqual([(group.name, list(group.rows), group.size) for group in groups],
+                         [("a", [0, 1], 2), ("b", [4], 3)])
+
+
+if __name__ == "__main__":
+    unittest.main()
