@@ -1,0 +1,48 @@
+// The keys that every MUSIC program of Spikeloop understands, beside its own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::music {
+
+/// Whose defaults hold where the two older families of programs differ.
+enum class Dialect { rma, ma, automatic };
+
+/// Defaults that differ between programs.
+struct CommonDefaults {
+  /// True for the program that waits for the wall clock: the source of a job.
+  bool pace = false;
+  /// True for a program whose predecessor asked for an acceptable latency of one tick: then that is
+  /// the default of `accept_latency` in dialect rma.
+  bool accept_one_tick = false;
+};
+
+struct CommonKeys {
+  std::optional<TimeNs> stoptime;  ///< none: run until stopped
+  TimeNs music_timestep = 1'000'000;
+  bool barrier = true;  ///< MPI_Barrier on all programs between Setup and Runtime
+  std::uint64_t seed = 1;
+  Dialect dialect = Dialect::rma;
+  bool strict = false;      ///< what is only warned of becomes an error
+  bool pace = false;        ///< this process waits for the wall clock
+  double rtf = 1.0;         ///< real-time factor of the process that waits
+  bool unpaced = false;     ///< sync=unpaced: nobody waits
+  bool stamp_guard = true;  ///< keep outgoing spikes 1 us away from the begin of their interval
+  TimeNs accept_latency = 0;
+  bool record = false;
+};
+
+/// The declaration of these keys, for --help and the reference.
+std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaults = {});
+
+/// @throws ConfigurationError as resolve(), and for a tick that is no whole number of nanoseconds,
+/// a negative stoptime and a `sync` that this version does not have.
+CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults = {});
+
+}  // namespace spikeloop::music

@@ -1,0 +1,47 @@
+// main() of every MUSIC program of Spikeloop.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/process/process.hpp"
+
+namespace spikeloop::music {
+
+/// What --help and --version print.
+struct ProgramText {
+  std::string name;                              ///< "rate_encoder"
+  std::string summary;                           ///< one line
+  std::string ports;                             ///< a line a port
+  std::vector<ParameterDescription> parameters;  ///< its own keys
+  std::string example;                           ///< sections of a .music file
+  std::string notes;                             ///< more paragraphs, or nothing
+  CommonDefaults defaults;
+  /// More options of the program standing alone, e.g. "--list": what it prints.
+  struct Option {
+    std::string text;  ///< one line for --help
+    std::function<std::string()> print;
+  };
+  std::map<std::string, Option> options;
+};
+
+/// The basename of argv[0]: which of its names a program was called by, standing alone.
+std::string called_as(int argc, char** argv);
+
+/// True when MUSIC has started this process: by `music FILE` or by --music-config.
+bool started_by_music(int argc, char** argv);
+
+/// The text of --help.
+std::string help_text(const ProgramText& text);
+
+/// Without MUSIC: answers --help, --version and the program's own options; anything else is an
+/// error and gives 2. Under MUSIC: runs `body`; what it throws is printed in one line
+/// "LABEL: message", reported to the launcher, and ends the whole job with the error's exit code
+/// (MPI_Abort: any other way out would leave the other programs hanging).
+int music_main(int argc, char** argv, const ProgramText& text,
+               const std::function<int(Process&)>& body);
+
+}  // namespace spikeloop::music

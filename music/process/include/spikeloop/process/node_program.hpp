@@ -1,0 +1,15 @@
+// A node class as a MUSIC program: every port of the class is a MUSIC port of the same name.
+#pragma once
+
+#include "spikeloop/core/node.hpp"
+#include "spikeloop/process/process.hpp"
+
+namespace spikeloop::music {
+
+/// Runs one node, named as the section, to the end. Inputs that the file leaves unconnected stay
+/// silent (spikes) or invalid (signals), outputs go nowhere; at least one port must be connected.
+/// @throws ConfigurationError for an unconnected input whose width no rule of the class gives.
+int run_node(Process& process, const NodeClass& node_class, const Parameters& parameters,
+             const Process::LoopHooks& hooks = {});
+
+}  // namespace spikeloop::music

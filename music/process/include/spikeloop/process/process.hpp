@@ -1,0 +1,96 @@
+// One MUSIC application process: its keys, its ports as endpoints of a graph, its loop.
+//
+// The loop advances a graph tick by tick, h = music_timestep:
+//
+//     for t = 0, h, 2h, ... < stoptime:
+//       wait until the clock shows t      the one process that paces; the others wait in MUSIC
+//       step the graph over (t, t+h]      inputs hold what MUSIC has brought so far
+//       tick MUSIC: t -> t+h              spikes of (t, t+h] and the signals' values at t+h go out
+//
+// Spikes of (t, t+h] are in the receiver's hands for its own step over (t, t+h]; a signal's value
+// of t+h serves the receiver's step over (t+h, t+2h]: one tick a hop.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/graph.hpp"
+#include "spikeloop/process/common_keys.hpp"
+
+namespace spikeloop::music {
+
+class Process {
+ public:
+  /// Called by the loop; any may be left out.
+  struct LoopHooks {
+    std::function<void(TimeNs begin, TimeNs end)> before_step;  ///< the clock shows begin
+    std::function<void(TimeNs begin, TimeNs end)> after_step;   ///< after MUSIC's tick
+    std::function<void()> after_loop;  ///< before MUSIC's finalize, which may wait for the others
+    std::function<nlohmann::json()> summary;  ///< an object for the run's summary.json
+  };
+
+  /// MUSIC's Setup (and MPI_Init). Afterwards argc and argv are what the section's `args` says.
+  /// @throws ConfigurationError when the section asks for more than one process.
+  Process(int& argc, char**& argv, const CommonDefaults& defaults = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// The section's name; it names the node. Started without MUSIC: the program's name.
+  const std::string& label() const;
+  /// The basename of the section's `binary`.
+  const std::string& program() const;
+  /// False when the program was not started by MUSIC: it has no keys and no connections then.
+  bool launched() const;
+  /// Where the .music file lies; empty when that is not known. Paths in it start there.
+  std::string file_directory() const;
+
+  /// Must come before the first call of common().
+  void set_defaults(const CommonDefaults& defaults);
+  const CommonKeys& common() const;
+
+  /// Those of these keys that the section, or else the file's global part, has.
+  WrittenValues written(const std::vector<std::string>& names) const;
+  /// Looks up each declared key and resolves it. @throws ConfigurationError as resolve().
+  Parameters read(const std::vector<ParameterDescription>& declared,
+                  const WeightLoader& load_weights = {}) const;
+
+  /// True when the file connects this port, in whichever direction.
+  bool connected_input(const std::string& port, PortKind kind) const;
+  bool connected_output(const std::string& port, PortKind kind) const;
+  /// The width that the file gives a connected port.
+  /// @throws ConfigurationError when the port is not connected or its connection has no width.
+  std::uint32_t width(const std::string& port) const;
+
+  /// Endpoints with one port, named as MUSIC names it. They must outlive run().
+  /// @throws ConfigurationError when the port is not connected, has no width, or when the file uses
+  /// it in the other direction.
+  ///
+  /// Across MUSIC no validity travels: an all-NaN block means "no value yet".
+  /// Counters of a spike input: events_outside_port (dropped), events_without_time (dropped); of a
+  /// spike output: stamps_moved (by the stamp guard).
+  std::unique_ptr<Source> signal_input(const std::string& port);
+  std::unique_ptr<Source> spike_input(const std::string& port);
+  std::unique_ptr<Sink> signal_output(const std::string& port);
+  std::unique_ptr<Sink> spike_output(const std::string& port);
+
+  /// Adds recorders for whatever goes into the sinks of this graph when the key `record` says so:
+  /// $SPIKELOOP_OUT/LABEL.h5. Call it when the description is complete.
+  void attach_recorders(GraphDescription& description);
+
+  /// Meets the other programs (barrier, Runtime), runs the loop to `stoptime` or to a stop request,
+  /// finalizes, sends the final report. Returns 0. May be called once.
+  /// @throws ConfigurationError when the file connects no port, or one that nothing here serves:
+  /// MUSIC would hang.
+  int run(Graph& graph, const LoopHooks& hooks = {});
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::music

@@ -1,0 +1,120 @@
+// The loop of a MUSIC process; process.hpp states its algebra.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "process_impl.hpp"
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/process/signals.hpp"
+#include "spikeloop/process/transfer.hpp"
+
+namespace spikeloop::music {
+namespace {
+
+using nlohmann::json;
+
+// Tells the launcher how far we are: often from the process that paces, else once a second.
+class Progress {
+ public:
+  Progress(const status::Sender& sender, const Pacer& pacer, bool pacing)
+      : sender_(sender), pacer_(pacer), period_(pacing ? kNsPerSecond / 4 : kNsPerSecond) {}
+
+  void at(TimeNs time) {
+    if (first_) {
+      sender_.first_tick();
+      first_ = false;
+    }
+    const TimeNs now = wall_now();
+    if (now >= next_) {
+      next_ = now + period_;
+      const auto report = pacer_.report();
+      sender_.progress(time, report.wall_time, report.overruns);
+    }
+  }
+
+ private:
+  const status::Sender& sender_;
+  const Pacer& pacer_;
+  TimeNs period_;
+  TimeNs next_ = 0;
+  bool first_ = true;
+};
+
+json final_counters(const Graph& graph, const Pacer::Report& pace, bool pacing) {
+  json counters = json::object();
+  counters["ticks"] = pace.ticks;
+  if (pacing) {
+    counters["overruns"] = pace.overruns;
+    counters["worst_lateness_ns"] = pace.worst_lateness;
+  }
+  for (const auto& counter : graph.counters()) {
+    counters[counter.name] = counter.value;
+  }
+  for (const auto& connection : graph.connections()) {
+    if (connection.spikes > 0) {
+      const std::string name = connection.from + "->" + connection.to;
+      counters[name + ".spikes"] = connection.spikes;
+      counters[name + ".late"] = connection.late;
+    }
+  }
+  return counters;
+}
+
+std::unique_ptr<Pacer> make_pacer(const CommonKeys& keys) {
+  return keys.pace && !keys.unpaced ? make_realtime_pacer(keys.rtf, keys.music_timestep)
+                                    : make_unpaced_pacer();
+}
+
+}  // namespace
+
+int Process::run(Graph& graph, const LoopHooks& hooks) {
+  const CommonKeys& keys = common();
+  if (graph.tick() != keys.music_timestep) {
+    throw std::logic_error("the graph's tick is not music_timestep");
+  }
+  impl_->open_setup();
+  impl_->check_ports();
+  impl_->check_keys(keys.strict);
+  const auto pacer = make_pacer(keys);
+  if (keys.barrier && impl_->launched) {
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  MUSIC::Setup* const setup = impl_->setup;
+  impl_->setup = nullptr;
+  // All programs meet here; handlers already run inside this constructor. The wall clock starts
+  // afterwards.
+  // When something throws, it is left alone: its destructor would talk to programs that MPI_Abort
+  // is about to end.
+  auto* const runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
+  pacer->start();
+  Progress progress(*impl_->status, *pacer, keys.pace);
+  for (TimeNs time = 0; !stop_requested() && (!keys.stoptime || time < *keys.stoptime);) {
+    pacer->wait_until(time);
+    const TimeNs end = time + keys.music_timestep;
+    if (hooks.before_step) {
+      hooks.before_step(time, end);
+    }
+    graph.step();
+    runtime->tick();
+    if (hooks.after_step) {
+      hooks.after_step(time, end);
+    }
+    time = end;
+    progress.at(time);
+  }
+  const auto pace = pacer->report();
+  if (hooks.after_loop) {
+    hooks.after_loop();
+  }
+  if (impl_->recording) {
+    impl_->recording->close();  // now, because finalize() waits for the slowest sender
+  }
+  impl_->status->report(final_counters(graph, pace, keys.pace),
+                        hooks.summary ? hooks.summary() : json::object());
+  runtime->finalize();
+  delete runtime;
+  return 0;
+}
+
+}  // namespace spikeloop::music

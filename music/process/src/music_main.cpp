@@ -1,0 +1,136 @@
+#include "spikeloop/process/music_main.hpp"
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <optional>
+
+#include "job_file.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::music {
+namespace {
+
+constexpr int kUsage = 2;
+constexpr int kInternal = 70;
+
+void print(std::FILE* stream, const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stream);
+  std::fflush(stream);
+}
+
+// What the program does without MUSIC.
+int standalone(int argc, char** argv, const ProgramText& text) {
+  if (argc < 2) {
+    print(
+        stderr,
+        fmt::format("{0}: is started by MUSIC; write a section with binary={0} into FILE.music and "
+                    "run  spikeloop run FILE.music  or  mpirun -np N music FILE.music; see  {0} "
+                    "--help\n",
+                    text.name));
+    return kUsage;
+  }
+  const std::string argument = argv[1];
+  if (argument == "--help" || argument == "-h") {
+    print(stdout, help_text(text));
+    return 0;
+  }
+  if (argument == "--version") {
+    print(stdout, fmt::format("{} (Spikeloop) {}\n", text.name, SPIKELOOP_VERSION));
+    return 0;
+  }
+  if (const auto option = text.options.find(argument); option != text.options.end()) {
+    print(stdout, option->second.print());
+    return 0;
+  }
+  std::vector<std::string> known{"--help", "--version"};
+  for (const auto& [name, option] : text.options) {
+    known.push_back(name);
+  }
+  print(stderr, fmt::format("{}: unknown argument '{}'{}\n", text.name, argument,
+                            did_you_mean(argument, known)));
+  return kUsage;
+}
+
+void log_to_standard_error(const std::string& label) {
+  log::set_sink([label](log::Level level, std::string_view message) {
+    const char* kind = level == log::Level::warning ? "warning: " : "";
+    print(stderr, fmt::format("{}: {}{}\n", label, kind, message));
+  });
+}
+
+// Ends the whole job: a program that merely returned would leave the others hanging.
+int fail(const std::string& label, int exit_code, const std::string& message) {
+  print(stderr, fmt::format("{}: {}\n", label, message));
+  status::Sender(label).failure(exit_code, message);
+  int initialized = 0;
+  int finalized = 0;
+  MPI_Initialized(&initialized);
+  MPI_Finalized(&finalized);
+  if (initialized != 0 && finalized == 0) {
+    MPI_Abort(MPI_COMM_WORLD, exit_code);
+  }
+  return exit_code;
+}
+
+void warn_of_arguments(int argc, char** argv) {
+  if (argc > 1) {
+    log::warning("argument '{}' in args= is ignored; parameters are keys of the section", argv[1]);
+  }
+}
+
+int run_body(int argc, char** argv, const ProgramText& text,
+             const std::function<int(Process&)>& body) {
+  Process process(argc, argv, text.defaults);
+  warn_of_arguments(argc, argv);
+  const int exit_code = body(process);
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (finalized == 0) {
+    throw std::logic_error("the program ended without having run");
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+std::string called_as(int argc, char** argv) {
+  return argc > 0 ? basename_of(argv[0]) : "";
+}
+
+bool started_by_music(int argc, char** argv) {
+  if (std::getenv("_MUSIC_CONFIG_") != nullptr) {
+    return true;
+  }
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--music-config") == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+int music_main(int argc, char** argv, const ProgramText& text,
+               const std::function<int(Process&)>& body) {
+  if (!started_by_music(argc, argv)) {
+    return standalone(argc, argv, text);
+  }
+  const std::string label = section_label(argc, argv);
+  const SignalThread signals;
+  log_to_standard_error(label);
+  try {
+    return run_body(argc, argv, text, body);
+  } catch (const Error& error) {
+    return fail(label, error.exit_code(), error.what());
+  } catch (const std::exception& error) {
+    return fail(label, kInternal, fmt::format("internal error: {}", error.what()));
+  }
+}
+
+}  // namespace spikeloop::music

@@ -1,0 +1,105 @@
+#include "spikeloop/process/node_program.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace spikeloop::music {
+namespace {
+
+// In place of an input that the file leaves unconnected: never a value, never a spike.
+class SilentSource : public Source {
+ public:
+  explicit SilentSource(EndpointPort port) : port_(std::move(port)) {}
+  std::vector<EndpointPort> ports() const override { return {port_}; }
+  void receive(const Step&) override {}
+
+ private:
+  EndpointPort port_;
+};
+
+class NodeProgram {
+ public:
+  NodeProgram(Process& process, const NodeClass& node_class)
+      : process_(process), ports_(node_class.description.ports) {
+    const auto& keys = process.common();
+    description_.tick = keys.music_timestep;
+    description_.seed = keys.seed;
+  }
+
+  GraphDescription describe(const NodeClass& node_class, const Parameters& parameters) {
+    description_.nodes.push_back({process_.label(), &node_class, parameters, {}});
+    for (const auto& port : ports_) {
+      port.direction == Direction::input ? add_input(port) : add_output(port);
+    }
+    return description_;
+  }
+
+ private:
+  // Endpoints are named as their port, unless the node itself is named so.
+  std::string endpoint_name(const PortDescription& port) const {
+    return port.name == process_.label() ? "port " + port.name : port.name;
+  }
+
+  std::string node_end(const PortDescription& port) const {
+    return process_.label() + "." + port.name;
+  }
+
+  void add_input(const PortDescription& port) {
+    const bool spikes = port.kind == PortKind::spikes;
+    if (!process_.connected_input(port.name, port.kind)) {
+      sources_.push_back(
+          std::make_unique<SilentSource>(EndpointPort{port.name, port.kind, silent_width(port)}));
+    } else {
+      sources_.push_back(spikes ? process_.spike_input(port.name)
+                                : process_.signal_input(port.name));
+    }
+    description_.sources.push_back({endpoint_name(port), sources_.back().get()});
+    description_.connections.push_back(
+        {endpoint_name(port) + "." + port.name, node_end(port), 0, 0, {}});
+  }
+
+  void add_output(const PortDescription& port) {
+    if (!process_.connected_output(port.name, port.kind)) {
+      return;
+    }
+    const bool spikes = port.kind == PortKind::spikes;
+    sinks_.push_back(spikes ? process_.spike_output(port.name) : process_.signal_output(port.name));
+    description_.sinks.push_back({endpoint_name(port), sinks_.back().get()});
+    description_.connections.push_back(
+        {node_end(port), endpoint_name(port) + "." + port.name, 0, 0, {}});
+  }
+
+  std::uint32_t silent_width(const PortDescription& port) const {
+    if (port.width.kind == WidthRule::Kind::fixed) {
+      return port.width.value;
+    }
+    if (port.width.kind == WidthRule::Kind::same_as) {
+      const auto& other = ports_[port.width.value];
+      if (process_.connected_input(other.name, other.kind)) {
+        return process_.width(other.name);
+      }
+    }
+    throw ConfigurationError(fmt::format(
+        "input '{0}' is not connected; write  SENDER.out -> {0} [WIDTH]", node_end(port)));
+  }
+
+  Process& process_;
+  const std::vector<PortDescription>& ports_;
+  std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::unique_ptr<Sink>> sinks_;
+  GraphDescription description_;
+};
+
+}  // namespace
+
+int run_node(Process& process, const NodeClass& node_class, const Parameters& parameters,
+             const Process::LoopHooks& hooks) {
+  NodeProgram program(process, node_class);
+  GraphDescription description = program.describe(node_class, parameters);
+  process.attach_recorders(description);
+  Graph graph(std::move(description));
+  return process.run(graph, hooks);
+}
+
+}  // namespace spikeloop::music

@@ -1,0 +1,239 @@
+#include "spikeloop/process/process.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "process_impl.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/process/music_main.hpp"
+
+namespace spikeloop::music {
+namespace {
+
+const char* side(Direction direction) {
+  return direction == Direction::input ? "an input" : "an output";
+}
+
+// What MUSIC itself reads in a section.
+constexpr const char* kMusicKeys[] = {"np", "binary", "args", "wd", "timebase"};
+
+}  // namespace
+
+Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->label = section_label(argc, argv);
+  impl_->file = JobFile::find(argc, argv);
+  impl_->launched = started_by_music(argc, argv);
+  impl_->defaults = defaults;
+  int provided = MPI_THREAD_SINGLE;
+  impl_->setup = new MUSIC::Setup(argc, argv, MPI_THREAD_FUNNELED, &provided);
+  impl_->program = argc > 0 ? basename_of(argv[0]) : impl_->label;
+  impl_->status.emplace(impl_->label);
+  impl_->status->started();
+  const MPI_Comm own = impl_->setup->communicator();
+  int size = 1;
+  MPI_Comm_size(own, &size);
+  if (impl_->launched && size != 1) {
+    throw ConfigurationError(
+        impl_->file.where(impl_->label, "np"),
+        fmt::format("np={} asks for {} processes, but {} runs in one; write  np=1", size, size,
+                    impl_->program));
+  }
+}
+
+Process::~Process() = default;
+
+const std::string& Process::label() const {
+  return impl_->label;
+}
+const std::string& Process::program() const {
+  return impl_->program;
+}
+bool Process::launched() const {
+  return impl_->launched;
+}
+std::string Process::file_directory() const {
+  return impl_->file.directory();
+}
+
+void Process::set_defaults(const CommonDefaults& defaults) {
+  if (impl_->common) {
+    throw std::logic_error("set_defaults() after common()");
+  }
+  impl_->defaults = defaults;
+}
+
+const CommonKeys& Process::common() const {
+  if (!impl_->common) {
+    std::vector<std::string> names;
+    for (const auto& parameter : common_parameters()) {
+      names.push_back(parameter.name);
+    }
+    impl_->common = parse_common_keys(written(names), impl_->defaults);
+  }
+  return *impl_->common;
+}
+
+WrittenValues Process::written(const std::vector<std::string>& names) const {
+  WrittenValues values;
+  for (const auto& name : names) {
+    impl_->asked.insert(name);
+    std::string text;
+    if (impl_->open_setup().config(name, &text)) {
+      values[name] = {text, impl_->file.where(impl_->label, name)};
+    }
+  }
+  return values;
+}
+
+Parameters Process::read(const std::vector<ParameterDescription>& declared,
+                         const WeightLoader& load_weights) const {
+  std::vector<std::string> names;
+  for (const auto& parameter : declared) {
+    names.push_back(parameter.name);
+  }
+  return resolve(declared, written(names), load_weights);
+}
+
+bool Process::connected_input(const std::string& port, PortKind) const {
+  return impl_->probe(port).isConnected();
+}
+bool Process::connected_output(const std::string& port, PortKind) const {
+  return impl_->probe(port).isConnected();
+}
+
+std::uint32_t Process::width(const std::string& port) const {
+  const auto uses = impl_->file.ports(impl_->label);
+  const auto use =
+      std::find_if(uses.begin(), uses.end(), [&](const PortUse& u) { return u.port == port; });
+  return impl_->checked_width(port, use == uses.end() ? Direction::input : use->direction);
+}
+
+std::unique_ptr<Source> Process::signal_input(const std::string& port) {
+  const auto width = impl_->checked_width(port, Direction::input);
+  impl_->served.insert(port);
+  return make_signal_source(impl_->open_setup(), {port, PortKind::signal, width});
+}
+
+std::unique_ptr<Source> Process::spike_input(const std::string& port) {
+  const auto width = impl_->checked_width(port, Direction::input);
+  impl_->served.insert(port);
+  return make_spike_source(impl_->open_setup(), {port, PortKind::spikes, width},
+                           common().accept_latency);
+}
+
+std::unique_ptr<Sink> Process::signal_output(const std::string& port) {
+  const auto width = impl_->checked_width(port, Direction::output);
+  impl_->served.insert(port);
+  return make_signal_sink(impl_->open_setup(), {port, PortKind::signal, width});
+}
+
+std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
+  const auto width = impl_->checked_width(port, Direction::output);
+  impl_->served.insert(port);
+  return make_spike_sink(impl_->open_setup(), {port, PortKind::spikes, width},
+                         common().stamp_guard);
+}
+
+void Process::attach_recorders(GraphDescription& description) {
+  if (common().record) {
+    impl_->recording = music::attach_recorders(description, impl_->label);
+  }
+}
+
+MUSIC::Setup& Process::Impl::open_setup() const {
+  if (setup == nullptr) {
+    throw std::logic_error("keys and ports can only be asked for before run()");
+  }
+  return *setup;
+}
+
+MUSIC::Port& Process::Impl::probe(const std::string& port) {
+  auto& found = probes[port];
+  if (found == nullptr) {
+    found = open_setup().publishEventInput(port);
+  }
+  return *found;
+}
+
+std::string Process::Impl::example(const std::string& port, Direction direction,
+                                   const char* width) const {
+  const std::string end = fmt::format("{}.{}", label, port);
+  return direction == Direction::input ? fmt::format("SENDER.out -> {} [{}]", end, width)
+                                       : fmt::format("{} -> RECEIVER.in [{}]", end, width);
+}
+
+std::uint32_t Process::Impl::checked_width(const std::string& port, Direction direction) {
+  const auto uses = file.ports(label);
+  const auto use =
+      std::find_if(uses.begin(), uses.end(), [&](const PortUse& u) { return u.port == port; });
+  const Location where = use == uses.end() ? Location{} : use->connection->where;
+  if (!probe(port).isConnected()) {
+    throw ConfigurationError(fmt::format("port '{}.{}' is not connected; write  {}", label, port,
+                                         example(port, direction, "WIDTH")));
+  }
+  if (use != uses.end() && use->direction != direction) {
+    throw ConfigurationError(
+        where,
+        fmt::format("'{}.{}' is {}, but the file uses it as {}; write  {}", label, port,
+                    side(direction), side(use->direction), example(port, direction, "WIDTH")));
+  }
+  if (!probe(port).hasWidth()) {
+    const std::string line =
+        use == uses.end() ? example(port, direction, "100") : describe(*use->connection) + " [100]";
+    throw ConfigurationError(
+        where, fmt::format("the connection {} '{}.{}' has no width; write  {}  for 100 channels",
+                           direction == Direction::input ? "to" : "from", label, port, line));
+  }
+  const int width = probe(port).width();
+  if (width < 1) {
+    throw ConfigurationError(
+        where, fmt::format("the connection of '{}.{}' has the width {}; write the number of its "
+                           "channels, at least 1",
+                           label, port, width));
+  }
+  return static_cast<std::uint32_t>(width);
+}
+
+void Process::Impl::check_ports() {
+  if (!launched) {
+    return;
+  }
+  const std::vector<std::string> names(served.begin(), served.end());
+  for (const auto& use : file.ports(label)) {
+    if (!served.contains(use.port)) {
+      throw ConfigurationError(
+          use.connection->where,
+          fmt::format("'{}' has no port '{}'{}", label, use.port, did_you_mean(use.port, names)));
+    }
+  }
+  if (served.empty()) {
+    throw ConfigurationError(fmt::format(
+        "no port of '{}' is connected, and MUSIC would wait for ever; connect one, or leave the "
+        "section out",
+        label));
+  }
+}
+
+void Process::Impl::check_keys(bool strict) {
+  std::set<std::string> known = asked;
+  for (const char* key : kMusicKeys) {
+    known.insert(key);
+  }
+  const std::vector<std::string> names(known.begin(), known.end());
+  for (const auto& key : file.own_keys(label)) {
+    if (known.contains(key)) {
+      continue;
+    }
+    const std::string message = fmt::format("unknown key '{}'{}", key, did_you_mean(key, names));
+    if (strict) {
+      throw ConfigurationError(file.where(label, key), message);
+    }
+    const std::string place = file.where(label, key).text();
+    log::warning("{}{}{}; it is ignored", place, place.empty() ? "" : ": ", message);
+  }
+}
+
+}  // namespace spikeloop::music

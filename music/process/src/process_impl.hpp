@@ -1,0 +1,58 @@
+// What Process is made of. Only this room's sources see MUSIC's headers, which need MPI's C++
+// bindings.
+#pragma once
+
+#include <mpi.h>
+
+#include <map>
+#include <memory>
+#include <music.hh>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "job_file.hpp"
+#include "recording.hpp"
+#include "spikeloop/process/process.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::music {
+
+struct Process::Impl {
+  std::string label;
+  std::string program;
+  JobFile file;
+  bool launched = false;
+  CommonDefaults defaults;
+  std::optional<CommonKeys> common;
+  MUSIC::Setup* setup = nullptr;  ///< Runtime deletes it; null from then on
+  std::map<std::string, MUSIC::Port*> probes;
+  std::set<std::string> served;  ///< ports that have an endpoint
+  std::set<std::string> asked;   ///< keys that some code has looked up
+  std::optional<status::Sender> status;
+  std::unique_ptr<Recording> recording;
+
+  /// @throws std::logic_error after run() has begun.
+  MUSIC::Setup& open_setup() const;
+  /// For width() and isConnected(). A name that may be unconnected must never be published as an
+  /// event output (Runtime would crash), so the probe is always an event input.
+  MUSIC::Port& probe(const std::string& port);
+  /// @throws ConfigurationError as Process::signal_input() and its kin say.
+  std::uint32_t checked_width(const std::string& port, Direction direction);
+  /// Throws when MUSIC would hang: no port connected, or one that nothing serves.
+  void check_ports();
+  /// Warns of keys of the section that look like a slip of the pen; an error when strict.
+  void check_keys(bool strict);
+  /// "-> encoder.in [N]" with the program's label.
+  std::string example(const std::string& port, Direction direction, const char* width) const;
+};
+
+/// Endpoints; ports.cpp.
+std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port);
+std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
+                                          TimeNs accept_latency);
+std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port);
+std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
+                                      bool stamp_guard);
+
+}  // namespace spikeloop::music

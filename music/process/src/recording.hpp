@@ -1,0 +1,24 @@
+// Recorders for whatever a process puts out.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "spikeloop/core/graph.hpp"
+
+namespace spikeloop::music {
+
+/// A file being written; closing it twice is closing it once.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+  virtual void close() = 0;
+};
+
+/// For every connection into a sink of the graph: a recorder of the same output. The file is
+/// $SPIKELOOP_OUT/LABEL.h5 (the working directory when that is not set).
+std::unique_ptr<Recording> attach_recorders(GraphDescription& description,
+                                            const std::string& label);
+
+}  // namespace spikeloop::music

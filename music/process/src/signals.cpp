@@ -1,0 +1,122 @@
+#include "spikeloop/process/signals.hpp"
+
+#include <pthread.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace spikeloop::music {
+namespace {
+
+constexpr int kTerminated = 128 + SIGTERM;
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+struct Hooks {
+  std::mutex mutex;
+  std::vector<const std::function<void()>*> actions;
+};
+
+// Never destroyed: a signal may come while the program leaves main().
+Hooks& hooks() {
+  static auto* const all = new Hooks;
+  return *all;
+}
+
+[[noreturn]] void terminate_now() {
+  auto& all = hooks();
+  const std::lock_guard lock(all.mutex);
+  for (auto action = all.actions.rbegin(); action != all.actions.rend(); ++action) {
+    try {
+      (**action)();
+    } catch (...) {
+      // One hook that fails must not keep the others from running.
+    }
+  }
+  ::_exit(kTerminated);
+}
+
+sigset_t our_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGUSR1);
+  sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGHUP);
+  return set;
+}
+
+}  // namespace
+
+bool stop_requested() {
+  return stop.load(std::memory_order_relaxed);
+}
+
+void request_stop() {
+  stop.store(true, std::memory_order_relaxed);
+}
+
+TerminationHook::TerminationHook(std::function<void()> action) : action_(std::move(action)) {
+  auto& all = hooks();
+  const std::lock_guard lock(all.mutex);
+  all.actions.push_back(&action_);
+}
+
+TerminationHook::~TerminationHook() {
+  auto& all = hooks();
+  const std::lock_guard lock(all.mutex);
+  std::erase(all.actions, &action_);
+}
+
+struct SignalThread::Impl {
+  pid_t parent = getppid();
+  std::atomic<bool> ending{false};
+  std::thread thread;
+
+  void wait() {
+    const sigset_t set = our_signals();
+    for (;;) {
+      int number = 0;
+      if (sigwait(&set, &number) != 0) {
+        continue;
+      }
+      if (ending.load()) {
+        return;
+      }
+      if (number == SIGUSR1) {
+        request_stop();
+      } else if (number == SIGTERM || getppid() != parent) {
+        terminate_now();
+      }
+    }
+  }
+};
+
+SignalThread::SignalThread() : impl_(std::make_unique<Impl>()) {
+  const sigset_t set = our_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  impl_->thread = std::thread([this] { impl_->wait(); });
+  // Programs end with mpirun, even when it is killed. The kernel sends this when the thread of the
+  // parent that forked us ends, which need not be the parent's end: hence a signal of its own, and
+  // a look at who the parent is.
+  prctl(PR_SET_PDEATHSIG, SIGHUP);
+  if (getppid() != impl_->parent) {
+    pthread_kill(impl_->thread.native_handle(), SIGHUP);
+  }
+}
+
+SignalThread::~SignalThread() {
+  impl_->ending.store(true);
+  prctl(PR_SET_PDEATHSIG, 0);
+  pthread_kill(impl_->thread.native_handle(), SIGUSR1);
+  impl_->thread.join();
+  // They stay blocked: a signal that comes while the program ends must not change its exit code.
+}
+
+}  // namespace spikeloop::music

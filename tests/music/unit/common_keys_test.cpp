@@ -1,0 +1,115 @@
+#include "spikeloop/process/common_keys.hpp"
+
+#include <gtest/gtest.h>
+
+namespace spikeloop::music {
+namespace {
+
+CommonKeys parse(const std::map<std::string, std::string>& texts,
+                 const CommonDefaults& defaults = {}) {
+  WrittenValues written;
+  for (const auto& [name, text] : texts) {
+    written[name] = {text, {"loop.music", 7, 3}};
+  }
+  return parse_common_keys(written, defaults);
+}
+
+std::string error_of(const std::map<std::string, std::string>& texts) {
+  try {
+    parse(texts);
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CommonKeys, HaveTheDefaultsOfTheOlderPrograms) {
+  const auto keys = parse({});
+  EXPECT_FALSE(keys.stoptime.has_value());
+  EXPECT_EQ(keys.music_timestep, 1'000'000);
+  EXPECT_TRUE(keys.barrier);
+  EXPECT_EQ(keys.seed, 1u);
+  EXPECT_EQ(keys.dialect, Dialect::rma);
+  EXPECT_FALSE(keys.strict);
+  EXPECT_FALSE(keys.pace);
+  EXPECT_EQ(keys.rtf, 1.0);
+  EXPECT_FALSE(keys.unpaced);
+  EXPECT_TRUE(keys.stamp_guard);
+  EXPECT_EQ(keys.accept_latency, 0);
+  EXPECT_FALSE(keys.record);
+}
+
+TEST(CommonKeys, AreReadAsWritten) {
+  const auto keys = parse({{"stoptime", "2.5"},
+                           {"music_timestep", "0.0005"},
+                           {"barrier", "false"},
+                           {"seed", "42"},
+                           {"dialect", "ma"},
+                           {"strict", "true"},
+                           {"pace", "true"},
+                           {"rtf", "0.5"},
+                           {"sync", "unpaced"},
+                           {"stamp_guard", "false"},
+                           {"accept_latency", "0.0009"},
+                           {"record", "true"}});
+  EXPECT_EQ(keys.stoptime, 2'500'000'000);
+  EXPECT_EQ(keys.music_timestep, 500'000);
+  EXPECT_FALSE(keys.barrier);
+  EXPECT_EQ(keys.seed, 42u);
+  EXPECT_EQ(keys.dialect, Dialect::ma);
+  EXPECT_TRUE(keys.strict);
+  EXPECT_TRUE(keys.pace);
+  EXPECT_EQ(keys.rtf, 0.5);
+  EXPECT_TRUE(keys.unpaced);
+  EXPECT_FALSE(keys.stamp_guard);
+  EXPECT_EQ(keys.accept_latency, 900'000);
+  EXPECT_TRUE(keys.record);
+}
+
+TEST(CommonKeys, TakeUnits) {
+  EXPECT_EQ(parse({{"stoptime", "3 min"}}).stoptime, 180 * kNsPerSecond);
+  EXPECT_EQ(parse({{"music_timestep", "2 ms"}}).music_timestep, 2'000'000);
+}
+
+TEST(CommonKeys, LetTheSourceOfAJobPaceByDefault) {
+  EXPECT_TRUE(parse({}, {.pace = true}).pace);
+  EXPECT_FALSE(parse({{"pace", "false"}}, {.pace = true}).pace);
+}
+
+TEST(CommonKeys, AcceptOneTickOnlyInTheDialectWhoseProgramDid) {
+  const CommonDefaults decoder{.accept_one_tick = true};
+  EXPECT_EQ(parse({{"music_timestep", "0.002"}}, decoder).accept_latency, 2'000'000);
+  EXPECT_EQ(parse({{"dialect", "ma"}}, decoder).accept_latency, 0);
+  EXPECT_EQ(parse({{"dialect", "auto"}}, decoder).accept_latency, 0);
+  EXPECT_EQ(parse({{"accept_latency", "0"}}, decoder).accept_latency, 0);
+}
+
+TEST(CommonKeys, SayWhatIsWrongAndWhatToWrite) {
+  EXPECT_EQ(error_of({{"barrier", "yes"}}),
+            "loop.music:7:3: key 'barrier': 'yes' is not a truth value; write true or false");
+  EXPECT_EQ(error_of({{"sync", "lockstep"}}),
+            "loop.music:7:3: key 'sync': 'lockstep' is not in this version; write realtime or "
+            "unpaced");
+  EXPECT_EQ(error_of({{"sync", "sim_time"}}),
+            "loop.music:7:3: key 'sync': 'sim_time' is not in this version; write realtime or "
+            "unpaced");
+  EXPECT_EQ(error_of({{"seed", "-1"}}),
+            "loop.music:7:3: key 'seed': -1 is out of bounds; write a value of at least 0");
+  EXPECT_EQ(error_of({{"stoptime", "-1"}}),
+            "loop.music:7:3: key 'stoptime': -1 is out of bounds; write a value of at least 0 s");
+  EXPECT_NE(
+      error_of({{"music_timestep", "0.0000000015"}}).find("loop.music:7:3: key 'music_timestep': "),
+      std::string::npos);
+}
+
+TEST(CommonKeys, AreDeclaredForHelp) {
+  const auto declared = common_parameters({.pace = true});
+  ASSERT_EQ(declared.size(), 12u);
+  for (const auto& parameter : declared) {
+    EXPECT_FALSE(parameter.text.empty()) << parameter.name;
+    EXPECT_TRUE(parameter.default_value.has_value()) << parameter.name;
+  }
+}
+
+}  // namespace
+}  // namespace spikeloop::music
