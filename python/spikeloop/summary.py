@@ -1,0 +1,66 @@
+"""Prints the table of a run folder's summary.json.
+
+    /usr/bin/python3 -m spikeloop.summary RUN_FOLDER
+"""
+
+import json
+import pathlib
+import sys
+
+# key, label, unit, format
+ROWS = (
+    ("simulated_s", "simulated time", "s", "{:.1f}"),
+    ("wall_s", "wall time", "s", "{:.1f}"),
+    ("real_time_factor", "real-time factor", "", "{:.3f}"),
+    ("collisions", "collisions", "", "{:d}"),
+    ("distance_m", "distance driven", "m", "{:.1f}"),
+    ("mean_speed_m_s", "mean speed", "m/s", "{:.2f}"),
+    ("coverage", "free cells visited", "%", "{:.0f}"),
+    ("spikes", "spikes of the network", "", "{:,d}"),
+    ("scans", "laser scans", "", "{:,d}"),
+    ("commands", "commands sent", "", "{:,d}"),
+    ("latency_median_ms", "sensor to command, median", "ms", "{:.2f}"),
+    ("latency_p99_ms", "sensor to command, p99", "ms", "{:.2f}"),
+)
+
+
+def value_text(key, value, pattern):
+    """The value as the table shows it; '-' for what the run did not measure."""
+    if value is None:
+        return "-"
+    if key == "coverage":
+        value = 100 * value
+    return pattern.format(int(value) if pattern.endswith("d}") else value)
+
+
+def table(summary):
+    """The lines of the table: label, value, unit."""
+    lines = []
+    for key, label, unit, pattern in ROWS:
+        if key in summary:
+            lines.append(f"  {label:<27}{value_text(key, summary[key], pattern):>10} {unit}".rstrip())
+    return lines
+
+
+def read_summary(folder):
+    """The contents of FOLDER/summary.json; SystemExit with a sentence when it cannot be read."""
+    path = pathlib.Path(folder) / "summary.json"
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SystemExit(f"cannot read '{path}': {error.strerror}; was the run made with --out?")
+    except json.JSONDecodeError as error:
+        raise SystemExit(f"'{path}' is not JSON: {error}")
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        raise SystemExit("usage: python3 -m spikeloop.summary RUN_FOLDER")
+    folder = pathlib.Path(arguments[0])
+    print("\n".join(table(read_summary(folder))))
+    made = sorted(p.name for p in folder.iterdir() if p.suffix in (".png", ".json", ".h5", ".csv"))
+    print(f"\nin {folder}/: {', '.join(made)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
