@@ -66,6 +66,10 @@ Lock::Lock() : guard_(library_mutex()) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+Lock::~Lock() {
+  H5Eclear2(H5E_DEFAULT);
+}
+
 std::string reason() {
   Innermost found;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit_error, &found);
@@ -186,6 +190,7 @@ void Attributes::write(const char* name, const std::string& text) const {
 
 void Attributes::write(const char* name, const std::vector<std::string>& texts) const {
   std::vector<const char*> pointers;
+  pointers.reserve(texts.size());
   for (const auto& text : texts) {
     pointers.push_back(text.c_str());
   }
@@ -234,6 +239,7 @@ std::vector<std::string> Attributes::texts(const char* name) const {
   const Handle type = text_type();
   check(H5Aread(attribute.get(), type.get(), pointers.data()), "read", path_);
   std::vector<std::string> result;
+  result.reserve(pointers.size());
   for (char* pointer : pointers) {
     result.emplace_back(pointer == nullptr ? "" : pointer);
   }

@@ -17,6 +17,9 @@ namespace spikeloop::record::hdf5 {
 class Lock {
  public:
   Lock();
+  ~Lock();  ///< forgets the errors: a thread that ends with some leaks them
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
 
  private:
   std::lock_guard<std::mutex> guard_;
