@@ -1,0 +1,61 @@
+// Mapping files: which channel goes to which field of a command message.
+//
+//   {"message_type": "Twist", "mapping": {"linear.x": 0, "angular.z": 1}, "min": -1, "max": 1}
+//
+// A field may be an object instead of a channel:
+//   "linear.x": {"channel": 0, "scale": 0.5, "offset": 0, "min": -0.5, "max": 0.5}
+// Its value is scale * channel + offset, then limited. The file's "min" and "max" hold for fields
+// that have none of their own; without any there is no limit.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/config/message_type.hpp"
+
+namespace spikeloop {
+
+/// field = limit(scale * channel + offset)
+struct CommandField {
+  std::string field;          ///< path in the message, "linear.x"
+  std::uint32_t channel = 0;  ///< counts from 0
+  double scale = 1;
+  double offset = 0;
+  std::optional<double> minimum{};  ///< none: no limit
+  std::optional<double> maximum{};
+};
+
+struct CommandMapping {
+  std::string file;           ///< for messages
+  std::string message_type;   ///< "geometry_msgs/Twist"
+  bool all_channels = false;  ///< a Float64MultiArray of all channels, in order; no fields
+  std::vector<CommandField> fields{};
+};
+
+struct MappingOptions {
+  /// Relative paths start here, or else in the current directory.
+  std::filesystem::path base_directory{};
+  /// False reads as the older programs did, with a warning in the log: a missing file or one that
+  /// is no JSON gives a Float64MultiArray of all channels; unknown keys and fields with channel -1
+  /// are left out; a message without mapping is all zero.
+  bool strict = true;
+};
+
+/// Parses the text of a mapping file; `file` only names it in messages.
+/// @throws ConfigurationError with file, key, value and remedy.
+CommandMapping parse_mapping(std::string_view text, const std::string& file,
+                             const MappingOptions& options = {});
+
+/// @throws ConfigurationError as `parse_mapping`, and when there is no such file; FileError when it
+/// cannot be read.
+CommandMapping read_mapping(const std::string& name, const MappingOptions& options = {});
+
+/// @throws ConfigurationError naming field and channel when a channel is not below the port's
+/// width.
+void check_channels(const CommandMapping& mapping, std::uint32_t width);
+
+}  // namespace spikeloop

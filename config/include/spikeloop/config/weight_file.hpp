@@ -1,0 +1,49 @@
+// Weight tables as text: a short form, or a JSON file.
+//
+//   uniform            every weight is 1 / inputs         uniform:0.01      every weight is 0.01
+//   one_to_one         output i reads input i             one_to_one:2      ... with weight 2
+//   readout.json       [[0.1, 0.2], [0.3, 0.4]]: one row an output, one column an input
+//                      {"rows": 2, "columns": 1000, "entries": [[0, 17, 0.5], [1, 999, -1]]}:
+//                      [row, column, weight], both counting from 0, what is not named is 0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/weights.hpp"
+
+namespace spikeloop {
+
+struct WeightOptions {
+  /// Relative paths start here, or else in the current directory.
+  std::filesystem::path base_directory{};
+  /// False reads as the older programs did, with a warning in the log: a missing file or one that
+  /// is no JSON gives 1 / inputs; missing weights are 0, surplus ones are left out.
+  bool strict = true;
+  /// Widths of the output and input port, 0 when unknown. Not strict: the table is fitted to them.
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  std::uint64_t maximum_bytes = 1'000'000'000;
+};
+
+/// More rows or columns than any port can have.
+inline constexpr std::uint32_t kMaximumChannels = 16'777'216;
+
+/// Parses the text of a weight file; `file` only names it in messages.
+/// @throws ConfigurationError with file, row, column, value and remedy; rows and columns count from
+/// 0.
+WeightTable parse_weights(std::string_view text, const std::string& file,
+                          const WeightOptions& options = {});
+
+/// A short form, or the file of that name.
+/// @throws ConfigurationError as `parse_weights`, and when there is no such file; FileError when it
+/// cannot be read.
+WeightTable read_weights(const std::string& written, const WeightOptions& options = {});
+
+/// `read_weights` for `resolve`, which adds key and place to the messages.
+WeightLoader weight_loader(WeightOptions options);
+
+}  // namespace spikeloop

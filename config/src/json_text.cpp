@@ -1,0 +1,87 @@
+#include "json_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "music_text.hpp"
+#include "text_file.hpp"
+
+namespace spikeloop::json_text {
+
+std::string reason(const std::string& message) {
+  std::string_view rest = message;
+  if (const auto column = rest.find(", column "); column != std::string_view::npos) {
+    rest.remove_prefix(std::min(rest.size(), rest.find(": ", column) + 2));
+  } else if (const auto bracket = rest.find("] "); bracket != std::string_view::npos) {
+    rest.remove_prefix(bracket + 2);
+  }
+  if (const auto dash = rest.find(" - ");
+      rest.starts_with("syntax error while parsing ") && dash != std::string_view::npos) {
+    rest.remove_prefix(dash + 3);
+  }
+  return fmt::format("not JSON: {}", rest);
+}
+
+std::string not_text(std::string_view text) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    return "the file is empty";
+  }
+  constexpr std::size_t kLooked = 4096;
+  for (std::size_t i = 0; i < std::min(text.size(), kLooked); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c < 0x20 && c != '\t' && c != '\n' && c != '\r') {
+      return fmt::format("this is no text file (byte {} is 0x{:02x})", i, c);
+    }
+  }
+  return {};
+}
+
+nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
+  using json = nlohmann::ordered_json;
+  if (const auto problem = not_text(text); !problem.empty()) {
+    throw ConfigurationError(Location{file}, problem + "; write a JSON object");
+  }
+  std::vector<std::set<std::string>> keys;
+  std::string twice;
+  const auto watch = [&](int, json::parse_event_t event, json& parsed) {
+    if (event == json::parse_event_t::object_start) {
+      keys.emplace_back();
+    } else if (event == json::parse_event_t::object_end) {
+      keys.pop_back();
+    } else if (event == json::parse_event_t::key) {
+      const auto key = parsed.get<std::string>();
+      if (!keys.back().insert(key).second && twice.empty()) {
+        twice = key;
+      }
+    }
+    return true;
+  };
+  json value;
+  try {
+    value = json::parse(text, watch, true, true);
+  } catch (const json::parse_error& error) {
+    throw ConfigurationError(locate(text, error.byte == 0 ? 0 : error.byte - 1, file),
+                             reason(error.what()));
+  } catch (const json::exception& error) {
+    throw ConfigurationError(Location{file}, reason(error.what()));
+  }
+  if (!twice.empty()) {
+    throw ConfigurationError(
+        Location{file},
+        fmt::format("the key '{}' stands there twice; remove one", music_text::shown(twice)));
+  }
+  return value;
+}
+
+std::string shown(const nlohmann::ordered_json& value) {
+  if (value.is_structured()) {  // may be nested deeper than the stack allows to print
+    return value.is_array() ? "an array" : "an object";
+  }
+  return music_text::shown(
+      value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+}  // namespace spikeloop::json_text

@@ -1,0 +1,237 @@
+#include "spikeloop/config/mapping_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "json_text.hpp"
+#include "music_text.hpp"
+#include "spikeloop/config/data_file.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "text_file.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using json_text::shown;
+
+constexpr const char* kArray = "std_msgs/Float64MultiArray";
+constexpr const char* kExample =
+    "{\"message_type\": \"Twist\", \"mapping\": {\"linear.x\": 0, \"angular.z\": 1}}";
+
+class MappingReader {
+ public:
+  MappingReader(const Json& json, const std::string& file, bool strict)
+      : json_(json), strict_(strict) {
+    mapping_.file = file;
+  }
+
+  CommandMapping read() {
+    if (!json_.is_object()) {
+      fail(fmt::format("the file holds {}, no object; write {}", shown(json_), kExample));
+    }
+    check_keys(json_, {"message_type", "mapping", "min", "max"}, "");
+    read_message_type();
+    read_limits(json_, "", minimum_, maximum_);
+    if (json_.contains("mapping")) {
+      read_fields(json_["mapping"]);
+    } else if (mapping_.message_type == kArray) {
+      read_all_channels();
+    } else {
+      complain(fmt::format("'mapping' is missing; write {}", kExample), "every field is 0");
+    }
+    return std::move(mapping_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw ConfigurationError(Location{mapping_.file}, message);
+  }
+  /// An error when strict, else a warning that says what is done.
+  void complain(const std::string& message, const std::string& consequence) const {
+    if (strict_) {
+      fail(message);
+    }
+    log::warning("{}: {}; {}", mapping_.file, message, consequence);
+  }
+
+  void check_keys(const Json& object, const std::vector<std::string>& known,
+                  const std::string& of) const {
+    for (const auto& item : object.items()) {
+      if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
+        complain(fmt::format("unknown key '{}{}'{}", of, music_text::shown(item.key()),
+                             did_you_mean(item.key(), known)),
+                 "it is ignored");
+      }
+    }
+  }
+
+  void read_message_type() {
+    if (!json_.contains("message_type")) {
+      fail(fmt::format("'message_type' is missing; write {}", kExample));
+    }
+    const Json& type = json_["message_type"];
+    if (!type.is_string()) {
+      fail(fmt::format("'message_type' is {}, no text; write {}", shown(type), kExample));
+    }
+    try {
+      mapping_.message_type = canonical_message_type(type.get<std::string>());
+    } catch (const ConfigurationError& error) {
+      fail(fmt::format("'message_type': {}", error.what()));
+    }
+  }
+
+  double number(const Json& object, const std::string& key, const std::string& of) const {
+    const Json& value = object[key];
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      fail(fmt::format("'{}{}' is {}, no finite number; write a number", of, key, shown(value)));
+    }
+    return value.get<double>();
+  }
+
+  void read_limits(const Json& object, const std::string& of, std::optional<double>& minimum,
+                   std::optional<double>& maximum) const {
+    if (object.contains("min")) {
+      minimum = number(object, "min", of);
+    }
+    if (object.contains("max")) {
+      maximum = number(object, "max", of);
+    }
+    if (minimum && maximum && *minimum > *maximum) {
+      fail(
+          fmt::format("'{0}min' is {1} and '{0}max' is {2}; write a minimum that is not above the "
+                      "maximum",
+                      of, *minimum, *maximum));
+    }
+  }
+
+  void read_all_channels() {
+    mapping_.all_channels = true;
+    if (minimum_ || maximum_) {
+      complain(
+          "'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, or "
+          "map "
+          "every element: {\"mapping\": {\"data[0]\": 0}}",
+          "they are ignored");
+    }
+  }
+
+  void read_fields(const Json& fields) {
+    if (!fields.is_object()) {
+      fail(fmt::format("'mapping' is {}, no object; write {}", shown(fields), kExample));
+    }
+    if (mapping_.message_type == kArray && !strict_) {
+      complain("'mapping' does not hold for a Float64MultiArray; remove it",
+               "all channels are sent");
+      mapping_.all_channels = true;
+      return;
+    }
+    for (const auto& item : fields.items()) {
+      read_field(item.key(), item.value());
+    }
+    if (minimum_ == 0.0 && maximum_ == 0.0) {
+      log::warning("{}: 'min' and 'max' are both 0; every field is 0", mapping_.file);
+    }
+  }
+
+  void read_field(const std::string& name, const Json& value) {
+    const std::string of = fmt::format("mapping.{}", music_text::shown(name));
+    CommandField field{name};
+    field.minimum = minimum_;
+    field.maximum = maximum_;
+    if (!value.is_object()) {
+      if (const auto channel = read_channel(value, of)) {
+        field.channel = *channel;
+        mapping_.fields.push_back(field);
+      }
+      return;
+    }
+    check_keys(value, {"channel", "scale", "offset", "min", "max"}, of + ".");
+    if (!value.contains("channel")) {
+      fail(fmt::format("'{}' has no channel; write {{\"channel\": 0}}", of));
+    }
+    field.scale = value.contains("scale") ? number(value, "scale", of + ".") : 1.0;
+    field.offset = value.contains("offset") ? number(value, "offset", of + ".") : 0.0;
+    read_limits(value, of + ".", field.minimum, field.maximum);
+    if (const auto channel = read_channel(value["channel"], of + ".channel")) {
+      field.channel = *channel;
+      mapping_.fields.push_back(field);
+    }
+  }
+
+  std::optional<std::uint32_t> read_channel(const Json& value, const std::string& of) const {
+    const double number = value.is_number() ? value.get<double>() : std::nan("");
+    if (number == -1.0) {
+      complain(fmt::format("'{}' is -1, no channel; remove the field", of), "the field is 0");
+      return std::nullopt;
+    }
+    if (!(number >= 0 && number <= 2147483647.0 && number == std::floor(number))) {
+      fail(fmt::format("'{}' is {}, no channel; write a whole number from 0", of, shown(value)));
+    }
+    return static_cast<std::uint32_t>(number);
+  }
+
+  const Json& json_;
+  bool strict_;
+  CommandMapping mapping_;
+  std::optional<double> minimum_;
+  std::optional<double> maximum_;
+};
+
+CommandMapping array_instead(const std::string& file, const std::string& reason) {
+  log::warning("{}; all channels are sent as a Float64MultiArray", reason);
+  return {file, kArray, true};
+}
+
+}  // namespace
+
+CommandMapping parse_mapping(std::string_view text, const std::string& file,
+                             const MappingOptions& options) {
+  Json json;
+  try {
+    json = json_text::parse(text, file);
+  } catch (const ConfigurationError& error) {
+    if (options.strict) {
+      throw;
+    }
+    return array_instead(file, error.what());
+  }
+  return MappingReader(json, file, options.strict).read();
+}
+
+CommandMapping read_mapping(const std::string& name, const MappingOptions& options) {
+  const auto path = find_data_file(name, options.base_directory);
+  if (!path) {
+    std::error_code ignored;
+    const std::string message = fmt::format(
+        "there is no mapping file '{}' in '{}'{}; write its path", music_text::shown(name),
+        std::filesystem::current_path(ignored).string(),
+        options.base_directory.empty() ? ""
+                                       : fmt::format(" or '{}'", options.base_directory.string()));
+    if (options.strict) {
+      throw ConfigurationError(message);
+    }
+    return array_instead(name, message);
+  }
+  constexpr std::uint64_t kLimit = 16'000'000;
+  return parse_mapping(read_text_file(*path, kLimit, "mapping file"), path->string(), options);
+}
+
+void check_channels(const CommandMapping& mapping, std::uint32_t width) {
+  for (const auto& field : mapping.fields) {
+    if (field.channel >= width) {
+      throw ConfigurationError(
+          Location{mapping.file},
+          fmt::format("'mapping.{}' reads channel {}, but the port has {} (0 to {}); write one of "
+                      "these or widen the connection",
+                      music_text::shown(field.field), field.channel, width,
+                      width == 0 ? 0 : width - 1));
+    }
+  }
+}
+
+}  // namespace spikeloop

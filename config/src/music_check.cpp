@@ -1,0 +1,214 @@
+// Finds in a parsed file what MUSIC would crash on, hang at or abort for.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "music_text.hpp"
+#include "spikeloop/config/music_file.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+using music_text::shown;
+using PortName = std::pair<std::string, std::string>;  // application, port
+
+class Checker {
+ public:
+  explicit Checker(const MusicFile& file) : file_(file), labels_(file.labels()) {
+    known_.insert(labels_.begin(), labels_.end());
+    for (const auto& connection : file.connections) {
+      connected_.insert(connection.from_app);
+      connected_.insert(connection.to_app);
+    }
+  }
+
+  std::vector<MusicProblem> run() {
+    if (file_.sections.empty()) {
+      add({file_.path},
+          "the file has no application; write '[label]', np=1, binary=program and its connections");
+      return std::move(problems_);
+    }
+    for (const auto& section : file_.sections) {
+      check_section(section);
+    }
+    for (const auto& connection : file_.connections) {
+      check_connection(connection);
+    }
+    if (problems_.empty()) {
+      check_size();
+    }
+    std::stable_sort(problems_.begin(), problems_.end(), [](const auto& a, const auto& b) {
+      return std::tie(a.where.line, a.where.column) < std::tie(b.where.line, b.where.column);
+    });
+    return std::move(problems_);
+  }
+
+ private:
+  void add(const Location& where, std::string message) {
+    problems_.push_back({where, std::move(message)});
+  }
+
+  void check_section(const MusicSection& section) {
+    const std::string label = shown(section.label);
+    if (section.label.find_first_not_of("0123456789") == std::string::npos &&
+        file_.find_key(section, "binary") == nullptr) {
+      add(section.where, fmt::format("'[{0}]' on a line of its own is a section for MUSIC; write a "
+                                     "width on the connection's line: 'A.out -> B.in [{0}]'",
+                                     label));
+      return;
+    }
+    if (section.keys.empty()) {  // global keys do not count for MUSIC's assertion
+      add(section.where,
+          fmt::format("the section '[{}]' has no key of its own, and MUSIC would abort; "
+                      "write np=1 and binary=program",
+                      label));
+      return;
+    }
+    const auto processes = music_text::read_processes(file_, section);
+    if (const auto* problem = std::get_if<MusicProblem>(&processes)) {
+      problems_.push_back(*problem);
+    }
+    const MusicKey* binary = file_.find_key(section, "binary");
+    if (binary == nullptr) {
+      add(section.where,
+          fmt::format("the section '[{}]' has no binary; write binary=program", label));
+    } else if (binary->value.empty()) {
+      add(binary->where, fmt::format("binary of '[{}]' is empty; write binary=program", label));
+    }
+    if (!connected_.contains(section.label)) {
+      add(section.where,
+          fmt::format("the application '{0}' has no connection, and MUSIC would hang; "
+                      "write '{0}.out -> B.in [width]' or remove the section",
+                      label));
+    }
+  }
+
+  void check_connection(const MusicConnection& c) {
+    const bool known = check_application(c.from_app, c) & check_application(c.to_app, c);
+    if (!known) {
+      return;
+    }
+    if (c.width && *c.width == 0) {
+      add(c.where,
+          fmt::format("the connection '{}' has width 0; write at least 1", shown(describe(c))));
+    }
+    if (c.from_app == c.to_app) {
+      add(c.where, fmt::format("the connection '{}' joins an application to itself, which MUSIC "
+                               "refuses; write two applications",
+                               shown(describe(c))));
+      return;
+    }
+    check_directions(c);
+    check_receiver(c);
+  }
+
+  bool check_application(const std::string& app, const MusicConnection& c) {
+    if (known_.contains(app)) {
+      return true;
+    }
+    add(c.where, fmt::format("unknown application '{}' in '{}'{}", shown(app), shown(describe(c)),
+                             did_you_mean(app, labels_)));
+    return false;
+  }
+
+  void check_directions(const MusicConnection& c) {
+    const PortName from{c.from_app, c.from_port};
+    const PortName to{c.to_app, c.to_port};
+    outputs_.emplace(from, c.where.line);
+    inputs_.emplace(to, c.where.line);
+    for (const auto& [port, others] : {std::pair{from, &inputs_}, std::pair{to, &outputs_}}) {
+      if (const auto other = others->find(port); other != others->end()) {
+        add(c.where, fmt::format("the port '{}.{}' is both an output and an input (line {}); write "
+                                 "two ports",
+                                 shown(port.first), shown(port.second), other->second));
+      }
+    }
+  }
+
+  void check_receiver(const MusicConnection& c) {
+    const auto [first, is_new] = receivers_.emplace(PortName{c.to_app, c.to_port}, &c);
+    if (is_new) {
+      return;
+    }
+    const MusicConnection& other = *first->second;
+    if (other.from_app == c.from_app && other.from_port == c.from_port) {
+      add(c.where,
+          fmt::format("the connection '{}' stands in line {} already, and MUSIC would hang; "
+                      "remove one",
+                      shown(describe(c)), other.where.line));
+    } else {
+      add(c.where,
+          fmt::format("the input '{}.{}' has two senders, '{}.{}' (line {}) and '{}.{}', and "
+                      "MUSIC would hang; write an input for each",
+                      shown(c.to_app), shown(c.to_port), shown(other.from_app),
+                      shown(other.from_port), other.where.line, shown(c.from_app),
+                      shown(c.from_port)));
+    }
+  }
+
+  /// No application's configuration is longer: everything counted, every character escaped.
+  std::size_t size_bound() const {
+    std::size_t size = 64;
+    const auto add_keys = [&](const std::vector<MusicKey>& keys) {
+      for (const auto& key : keys) {
+        size += key.name.size() + 2 * key.value.size() + 2;
+      }
+    };
+    add_keys(file_.globals);
+    for (const auto& section : file_.sections) {
+      add_keys(section.keys);
+      size += 3 * section.label.size() + 16;
+    }
+    for (const auto& c : file_.connections) {
+      size +=
+          2 * (c.from_app.size() + c.from_port.size() + c.to_app.size() + c.to_port.size()) + 128;
+    }
+    return size;
+  }
+
+  void check_size() {
+    if (size_bound() < kEnvironmentLimit) {
+      return;
+    }
+    for (const auto& section : file_.sections) {
+      const std::size_t size = std::string_view("_MUSIC_CONFIG_=").size() +
+                               music_environment(file_, section.label).size() + 1;
+      if (size > kEnvironmentLimit) {
+        add(section.where,
+            fmt::format("the configuration of '{}' has {} bytes, but MUSIC passes it on in one "
+                        "environment string of at most {}; write long values to files and name "
+                        "the files",
+                        shown(section.label), size, kEnvironmentLimit));
+        return;
+      }
+    }
+  }
+
+  const MusicFile& file_;
+  std::vector<std::string> labels_;
+  std::set<std::string_view> known_;
+  std::set<std::string_view> connected_;
+  std::map<PortName, int> outputs_;  // with the line of the first use
+  std::map<PortName, int> inputs_;
+  std::map<PortName, const MusicConnection*> receivers_;
+  std::vector<MusicProblem> problems_;
+};
+
+}  // namespace
+
+std::vector<MusicProblem> find_structure_problems(const MusicFile& file) {
+  return Checker(file).run();
+}
+
+void check_structure(const MusicFile& file) {
+  const auto problems = find_structure_problems(file);
+  if (!problems.empty()) {
+    throw ConfigurationError(problems.front().where, problems.front().message);
+  }
+}
+
+}  // namespace spikeloop

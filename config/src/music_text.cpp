@@ -1,0 +1,45 @@
+#include "music_text.hpp"
+
+#include <fmt/format.h>
+
+namespace spikeloop::music_text {
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kLimit = 60;
+  std::string result(text.substr(0, kLimit));
+  for (char& c : result) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      c = '?';
+    }
+  }
+  return text.size() > kLimit ? result + "..." : result;
+}
+
+// The launcher writes "label:...:port:...:key=value": labels and ports without escapes, keys too.
+std::string unportable_name(std::string_view kind, std::string_view name) {
+  const std::string_view reserved = kind == "key" ? "=\\" : ":\\";
+  const auto found = name.find_first_of(reserved);
+  if (found == std::string_view::npos) {
+    return {};
+  }
+  return fmt::format(
+      "the {} '{}' contains '{}', which MUSIC loses on the way to the program; "
+      "write letters, digits and '_'",
+      kind, shown(name), name[found]);
+}
+
+std::string no_entry_message(std::string_view line) {
+  std::string remedy = fmt::format("write '{}=value', or '#' before a comment", shown(line));
+  if (line.starts_with(";") || line.starts_with("//") || line.starts_with("%")) {
+    remedy = "write '#' before a comment";
+  } else if (line.find_first_of("<>") != std::string_view::npos) {
+    remedy = "write a connection as 'A.out -> B.in [width]'";
+  } else if (const auto colon = line.find(':'); colon != std::string_view::npos && colon > 0) {
+    remedy = fmt::format("write '{}=...' with '='", shown(line.substr(0, colon)));
+  } else if (line.ends_with("]")) {
+    remedy = "write '[label]' for a section and 'A.out -> B.in [width]' for a connection";
+  }
+  return fmt::format("'{}' is no section, no key and no connection; {}", shown(line), remedy);
+}
+
+}  // namespace spikeloop::music_text

@@ -1,0 +1,79 @@
+#include "spikeloop/config/parameter_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace spikeloop {
+
+namespace {
+
+using Row = std::array<std::string, 5>;
+
+std::string type_text(const ParameterDescription& parameter) {
+  switch (parameter.type) {
+    case ParameterType::number:
+      return parameter.unit.empty() || parameter.unit == "1" ? "number" : parameter.unit;
+    case ParameterType::integer:
+      return "integer";
+    case ParameterType::boolean:
+      return "true|false";
+    case ParameterType::text:
+      return "text";
+    case ParameterType::choice:
+      return "choice";
+    case ParameterType::weights:
+      return "weights";
+  }
+  return {};
+}
+
+std::string bounds_text(const ParameterDescription& parameter) {
+  if (parameter.type == ParameterType::choice) {
+    return fmt::format("{}", fmt::join(parameter.choices, "|"));
+  }
+  const bool low = std::isfinite(parameter.minimum);
+  const bool high = std::isfinite(parameter.maximum);
+  if (low && high) {
+    return fmt::format("{} .. {}", parameter.minimum, parameter.maximum);
+  }
+  return low    ? fmt::format(">= {}", parameter.minimum)
+         : high ? fmt::format("<= {}", parameter.maximum)
+                : std::string();
+}
+
+std::string default_text(const ParameterDescription& parameter) {
+  if (!parameter.default_value) {
+    return "required";
+  }
+  return parameter.default_value->empty() ? "\"\"" : *parameter.default_value;
+}
+
+}  // namespace
+
+std::string parameter_text(const std::vector<ParameterDescription>& parameters) {
+  std::vector<Row> rows;
+  std::array<std::size_t, 5> widths{};
+  for (const auto& parameter : parameters) {
+    rows.push_back({parameter.name, type_text(parameter), default_text(parameter),
+                    bounds_text(parameter), parameter.text});
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      widths[i] = std::max(widths[i], rows.back()[i].size());
+    }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += widths[i] == 0 ? "" : fmt::format("  {:<{}}", row[i], widths[i]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,23 @@
+// Reads whole text files and tells where in them a byte stands.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop {
+
+/// The bytes of a regular file.
+/// @throws FileError when it cannot be read or is no regular file (a pipe would never end);
+/// ConfigurationError when it is longer than `limit` bytes; `kind` names what was expected.
+std::string read_text_file(const std::filesystem::path& path, std::uint64_t limit,
+                           std::string_view kind);
+
+/// Line and column (in characters) of a byte; "\n", "\r\n" and a lone "\r" end a line.
+Location locate(std::string_view text, std::size_t offset, const std::string& file);
+
+}  // namespace spikeloop

@@ -1,0 +1,201 @@
+#include "spikeloop/config/weight_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "json_text.hpp"
+#include "music_text.hpp"
+#include "spikeloop/config/data_file.hpp"
+#include "spikeloop/core/log.hpp"
+#include "text_file.hpp"
+#include "weight_table_reader.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+using music_text::shown;
+
+/// Not strict: what the older programs take when they cannot read the file.
+WeightTable uniform_instead(const std::string& reason) {
+  log::warning("{}; every weight is 1 / inputs", reason);
+  return WeightTable::uniform();
+}
+
+std::uint32_t longest_row(const std::vector<std::uint64_t>& row_begin) {
+  std::uint64_t longest = 0;
+  for (std::size_t i = 1; i < row_begin.size(); ++i) {
+    longest = std::max(longest, row_begin[i] - row_begin[i - 1]);
+  }
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(longest, kMaximumChannels + 1));
+}
+
+void check_even(const std::vector<std::uint64_t>& row_begin, const std::string& file) {
+  for (std::size_t i = 2; i < row_begin.size(); ++i) {
+    const auto length = row_begin[i] - row_begin[i - 1];
+    if (length != row_begin[1]) {
+      throw ConfigurationError(
+          Location{file},
+          fmt::format("row {} has {} weights, but row 0 has {}; write one weight an "
+                      "input in every row",
+                      i - 1, length, row_begin[1]));
+    }
+  }
+}
+
+/// Rows of the wanted length: missing weights are 0, surplus ones are left out.
+WeightTable fitted(const std::vector<double>& values, const std::vector<std::uint64_t>& row_begin,
+                   std::uint32_t rows, std::uint32_t columns, const std::string& file) {
+  std::vector<double> result(std::size_t{rows} * columns, 0.0);
+  std::string first_odd;
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    const std::uint64_t begin = i + 1 < row_begin.size() ? row_begin[i] : 0;
+    const std::uint64_t length = i + 1 < row_begin.size() ? row_begin[i + 1] - begin : 0;
+    const std::uint64_t used = std::min<std::uint64_t>(length, columns);
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(begin), used,
+                result.begin() + static_cast<std::ptrdiff_t>(std::size_t{i} * columns));
+    if (length != columns && first_odd.empty()) {
+      first_odd = fmt::format("row {} has {} of {} weights", i, length, columns);
+    }
+  }
+  if (first_odd.empty() && row_begin.size() - 1 > rows) {
+    first_odd = fmt::format("there are {} of {} rows", row_begin.size() - 1, rows);
+  }
+  if (!first_odd.empty()) {
+    log::warning("{}: {}; missing weights are 0, surplus ones are left out", file, first_odd);
+  }
+  return WeightTable::dense(rows, columns, std::move(result));
+}
+
+WeightTable dense_table(WeightTableReader& reader, const std::string& file,
+                        const WeightOptions& options) {
+  const auto& row_begin = reader.row_begin();
+  const std::size_t rows = row_begin.size() - 1;
+  const std::uint32_t columns = longest_row(row_begin);
+  if (rows == 0 || columns == 0) {
+    throw ConfigurationError(Location{file},
+                             "the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an "
+                             "output, or 'uniform' in place of the file");
+  }
+  if (rows > kMaximumChannels || columns > kMaximumChannels) {
+    throw ConfigurationError(Location{file},
+                             fmt::format("the table has {} rows of up to {} weights; at most {} "
+                                         "of each are possible",
+                                         rows, columns, kMaximumChannels));
+  }
+  if (options.strict) {
+    check_even(row_begin, file);
+    return WeightTable::dense(static_cast<std::uint32_t>(rows), columns,
+                              std::move(reader.values()));
+  }
+  return fitted(reader.values(), row_begin,
+                options.rows == 0 ? static_cast<std::uint32_t>(rows) : options.rows,
+                options.columns == 0 ? columns : options.columns, file);
+}
+
+/// The table, or what is wrong with the JSON.
+std::optional<WeightTable> read_table(std::string_view text, const std::string& file,
+                                      const WeightOptions& options, ConfigurationError& problem) {
+  const std::string not_text = json_text::not_text(text);
+  if (!not_text.empty()) {
+    problem = ConfigurationError(Location{file},
+                                 not_text + "; write [[0.1, 0.2], [0.3, 0.4]], one row an output");
+    return std::nullopt;
+  }
+  WeightTableReader reader(text, file);
+  nlohmann::json::sax_parse(text.begin(), text.end(), &reader, nlohmann::json::input_format_t::json,
+                            true, true);
+  if (!reader.error().reason.empty()) {
+    const Location where = locate(text, reader.error().offset, file);
+    problem = ConfigurationError(where, reader.error().reason);
+    if (options.strict || !reader.finished()) {
+      return std::nullopt;
+    }
+    log::warning("{}: text after the end of the table is left out", where.text());
+  }
+  return reader.is_sparse() ? reader.sparse_table() : dense_table(reader, file, options);
+}
+
+std::optional<double> short_form_weight(std::string_view text) {
+  while (!text.empty() && music_text::is_space(text.front())) {
+    text.remove_prefix(1);
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// "uniform", "uniform:0.01", "one_to_one", "one_to_one:2"; nothing for a path.
+std::optional<WeightTable> short_form(const std::string& written) {
+  const auto colon = written.find(':');
+  const std::string name = written.substr(0, colon);
+  if (name != "uniform" && name != "one_to_one") {
+    return std::nullopt;
+  }
+  if (colon == std::string::npos) {
+    return name == "uniform" ? WeightTable::uniform() : WeightTable::one_to_one();
+  }
+  const auto weight = short_form_weight(std::string_view(written).substr(colon + 1));
+  if (!weight) {
+    throw ConfigurationError(fmt::format("the weight in '{}' is no finite number; write '{}:0.5'",
+                                         shown(written), name));
+  }
+  return name == "uniform" ? WeightTable::uniform(*weight) : WeightTable::one_to_one(*weight);
+}
+
+std::string missing_text(const std::string& written, const WeightOptions& options) {
+  std::error_code ignored;
+  const std::string slip = nearest(written, {"uniform", "one_to_one"});
+  return fmt::format(
+      "there is no weight file '{}' in '{}'{}; write its path, 'uniform' or "
+      "'one_to_one'{}",
+      shown(written), std::filesystem::current_path(ignored).string(),
+      options.base_directory.empty() ? ""
+                                     : fmt::format(" or '{}'", options.base_directory.string()),
+      slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
+}
+
+}  // namespace
+
+WeightTable parse_weights(std::string_view text, const std::string& file,
+                          const WeightOptions& options) {
+  ConfigurationError problem("");
+  if (auto table = read_table(text, file, options, problem)) {
+    return std::move(*table);
+  }
+  if (options.strict) {
+    throw problem;
+  }
+  return uniform_instead(problem.what());
+}
+
+WeightTable read_weights(const std::string& written, const WeightOptions& options) {
+  if (auto table = short_form(written)) {
+    return std::move(*table);
+  }
+  const auto path = find_data_file(written, options.base_directory);
+  if (!path) {
+    const std::string message = missing_text(written, options);
+    if (options.strict) {
+      throw ConfigurationError(message);
+    }
+    return uniform_instead(message);
+  }
+  return parse_weights(read_text_file(*path, options.maximum_bytes, "weight file"), path->string(),
+                       options);
+}
+
+WeightLoader weight_loader(WeightOptions options) {
+  return [options = std::move(options)](const WrittenValue& written) {
+    return read_weights(written.text, options);
+  };
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,287 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "spikeloop/config/music_file.hpp"
+#include "tests/config/helpers.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop {
+namespace {
+
+using test::message_of;
+
+MusicFile parse(std::string_view text) {
+  return parse_music(text, "f");
+}
+
+/// The global value of `k` in "k=...".
+std::string value_of(const std::string& text) {
+  const MusicFile file = parse(text);
+  const MusicKey* key = find_key(file.globals, "k");
+  return key == nullptr ? "no key" : key->value;
+}
+
+std::string error(std::string_view text) {
+  return message_of([&] { parse(text); });
+}
+
+TEST(MusicParser, ReadsTheVehicle) {
+  const MusicFile file = read_music_file(test::data_path_of("vehicle.music"));
+  EXPECT_EQ(file.labels(),
+            (std::vector<std::string>{"scan", "halves", "spikes", "brain", "readout", "wheels"}));
+  EXPECT_EQ(find_key(file.globals, "music_timestep")->value, "0.01");
+  EXPECT_EQ(find_key(file.globals, "music_timestep")->where.line, 4);
+  const MusicSection& brain = file.section("brain");
+  EXPECT_EQ(brain.where.line, 24);
+  EXPECT_EQ(find_key(brain.keys, "args")->value, "--resolution 0.1 --name \"brain one\"");
+  EXPECT_EQ(find_key(brain.keys, "args")->where.column, 3);
+  EXPECT_EQ(file.find_key(brain, "rtf")->value, "1");
+  EXPECT_EQ(file.find_key(brain, "rmf"), nullptr);
+  EXPECT_EQ(file.processes(brain), 2);
+  EXPECT_EQ(file.total_processes(), 7);
+  ASSERT_EQ(file.connections.size(), 5u);
+  EXPECT_EQ(describe(file.connections[4]), "readout.out -> wheels.in");
+  EXPECT_EQ(file.connections[0].width, 8u);
+  EXPECT_EQ(file.connections[4].where.line, 44);
+  EXPECT_NO_THROW(check_structure(file));
+}
+
+TEST(MusicParser, ReadsReopenedSectionsContinuedValuesAndTwoByteLineEnds) {
+  const MusicFile file = read_music_file(test::data_path_of("camera.music"));
+  EXPECT_EQ(file.labels(), (std::vector<std::string>{"camera one", "code"}));
+  EXPECT_EQ(find_key(file.globals, "stoptime")->value, "12.5");
+  const MusicSection& camera = file.section("camera one");
+  EXPECT_EQ(find_key(camera.keys, "args")->value, "-a # \r\n  -b");
+  EXPECT_EQ(find_key(camera.keys, "ros_topic")->value, "/camera\\raw:8");
+  EXPECT_EQ(find_key(camera.keys, "ros_topic")->where.line, 13);
+  EXPECT_EQ(file.processes(camera), 1);
+  ASSERT_EQ(file.connections.size(), 2u);
+  EXPECT_EQ(describe(file.connections[0]), "camera one.out -> code.in");
+  EXPECT_EQ(file.connections[0].width, 1024u);
+  EXPECT_EQ(file.connections[0].processing, Processing::table);
+  EXPECT_EQ(file.connections[1].width, std::nullopt);
+  EXPECT_NO_THROW(check_structure(file));
+}
+
+TEST(MusicParser, ValuesFollowTheGrammar) {
+  EXPECT_EQ(value_of("k=a"), "a");
+  EXPECT_EQ(value_of("k="), "");
+  EXPECT_EQ(value_of("k =  a b\t \n"), "a b");
+  EXPECT_EQ(value_of("k=a#b"), "a");
+  EXPECT_EQ(value_of("k=#b"), "");
+  EXPECT_EQ(value_of("k=a;b"), "a;b");
+  EXPECT_EQ(value_of("k=a\\#b"), "a#b");
+  EXPECT_EQ(value_of("k=a\\\nb"), "a\nb");
+  EXPECT_EQ(value_of("k=a\\\r\nb"), "a\r\nb");
+  EXPECT_EQ(value_of("k=a\\ "), "a");  // escaped or not, blanks at the end go
+  EXPECT_EQ(value_of("k=\"a # b\nc\" # d"), "a # b\nc");
+  EXPECT_EQ(value_of("k=\" \\\"\\x\\\\ \""), " \"x\\ ");
+  EXPECT_EQ(value_of("k=a \"b\""), "a \"b\"");
+  EXPECT_EQ(value_of("k=a=b"), "a=b");
+  EXPECT_EQ(value_of("k=a\rz=b"), "a");
+  EXPECT_EQ(value_of("k=a\nk=b"), "b");
+  EXPECT_EQ(value_of("[s]\nk=a\n[]\nk=b"), "b");
+  EXPECT_EQ(value_of("# k=b\n\n \tk=\xC3\xA4"), "\xC3\xA4");
+}
+
+TEST(MusicParser, KeysAndLabelsFollowTheGrammar) {
+  const MusicFile file = parse("a\\#b-c < d = 1\n[ l\\]#\t] # c\nx\\->y=2");
+  EXPECT_EQ(file.globals.at(0).name, "a#b-c < d");
+  EXPECT_EQ(file.sections.at(0).label, "l]#");
+  EXPECT_EQ(file.sections.at(0).keys.at(0).name, "x->y");
+}
+
+TEST(MusicParser, DuplicateKeysKeepTheFirstPlaceAndTheLastValue) {
+  const MusicFile file = parse("a=1\nb=2\na=3");
+  ASSERT_EQ(file.globals.size(), 2u);
+  EXPECT_EQ(file.globals[0], (MusicKey{"a", "3", {}}));
+  EXPECT_EQ(file.globals[0].where.line, 3);
+}
+
+TEST(MusicParser, ConnectionsTakeTheirSectionsApplication) {
+  const auto one = [](const std::string& text) { return parse("[S]\n" + text).connections.at(0); };
+  EXPECT_EQ(describe(one("out->B.in")), "S.out -> B.in");
+  EXPECT_EQ(describe(one("in<-B.out")), "B.out -> S.in");
+  EXPECT_EQ(describe(one("A.out -> in")), "A.out -> S.in");
+}
+
+TEST(MusicParser, ConnectionsSplitAtTheFirstDotAndKnowOptions) {
+  const auto one = [](const std::string& text) { return parse("[S]\n" + text).connections.at(0); };
+  EXPECT_EQ(describe(one("A .b.c\t-> .in")), "A.b.c -> S.in");
+  EXPECT_EQ(one("a->B.in[]").width, std::nullopt);
+  EXPECT_EQ(one("a->B.in[ 007 ]").width, 7u);
+  EXPECT_EQ(one("a->B.in[10 # c").width, 10u);
+  EXPECT_EQ(one("a->B.in[2147483647]").width, 2147483647u);
+  EXPECT_EQ(one("a->B.in[10,]").communication, Communication::point_to_point);
+  EXPECT_EQ(one("a->B.in[,COLLECTIVE # c").communication, Communication::collective);
+  EXPECT_EQ(one("a->B.in[1, point - to-point,table]").processing, Processing::table);
+  EXPECT_EQ(one("a->B.in[1,,tree]").processing, Processing::tree);
+}
+
+TEST(MusicParser, TextAfterAWidthIsReadAsANewLine) {
+  const MusicFile file = parse("A.a->B.b[1] C.c->D.d[2] k=3\n");
+  EXPECT_EQ(file.connections.size(), 2u);
+  EXPECT_EQ(file.connections[1].where.column, 13);
+  EXPECT_EQ(file.globals.at(0), (MusicKey{"k", "3", {}}));
+  EXPECT_EQ(error("A.a->B.b[1] junk"),
+            "f:1:13: 'junk' is no section, no key and no connection; write 'junk=value', or '#' "
+            "before a comment");
+}
+
+TEST(MusicParser, ColumnsCountCharacters) {
+  EXPECT_THAT(error("k=\"\xC3\xA4\xE2\x82\xAC\" x"), testing::StartsWith("f:1:8: "));
+}
+
+TEST(MusicParser, LinesCountAllLineEnds) {
+  EXPECT_THAT(error("a=1\nb=2\r\nc=3\rjunk"), testing::StartsWith("f:4:1: "));
+}
+
+struct Case {
+  std::string text;
+  std::string message;
+};
+
+TEST(MusicParser, RefusesWhatMusicAbortsFor) {
+  const Case cases[] = {
+      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is no whole number; write '[10]'"},
+      {"A.a->B.b[-3]", "f:1:10: the width '-3' is no whole number; write '[10]'"},
+      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is no whole number; write '[10]'"},
+      {"A.a->B.b[10", "f:1:10: the width '[10' has no ']'; write '[10]'"},
+      {"A.a->B.b[\n", "f:1:10: the width '[' has no ']'; write '[10]'"},
+      {"A.a->B.b[10 20]", "f:1:10: two numbers in a width, '10' and '2'; write one, '[10]'"},
+      {"A.a->B.b[1,tree", "f:1:12: no ']' after 'tree'; write '[10, point-to-point, tree]'"},
+      {"A.a->B.b[1,,tree,x]",
+       "f:1:13: a fourth option in the width's brackets; write at most '[10, point-to-point, "
+       "tree]'"},
+      {"A.a->B.b[99999999999]",
+       "f:1:1: the width 99999999999 is too large; write at most 2147483647"},
+      {"A.a->B.b[2147483648]",
+       "f:1:1: the width 2147483648 is too large; write at most 2147483647"},
+      {"A.a->B.b[10, foo]",
+       "f:1:1: unknown communication 'foo'; known: point-to-point, collective"},
+      {"A.a->B.b[10, colective]",
+       "f:1:1: unknown communication 'colective'; did you mean 'collective'?"},
+      {"A.a->B.b[10, collective, foo]", "f:1:1: unknown processing 'foo'; known: tree, table"},
+      {"A.a->B.b[10,, tabel]", "f:1:1: unknown processing 'tabel'; did you mean 'table'?"},
+      {"[A\n", "f:1:1: the section '[A' has no ']'; write '[A]'"},
+      {"[", "f:1:1: the section '[' has no ']'; write '[label]'"},
+      {"[A\\\n]", "f:1:1: the section '[A' has no ']'; write '[A]'"},
+      {"[A] x",
+       "f:1:5: text after the section '[A]'; write it on the next line, or '#' before a comment"},
+      {"\n k=\"a\nb",
+       "f:2:4: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
+       "'\\\"' for a quote inside"},
+      {"k=\"a\\",
+       "f:1:3: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
+       "'\\\"' for a quote inside"},
+      {"k=\"a\nb\" c",
+       "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' for a quote inside the "
+       "value, or '#' before a comment"},
+      {"k=a\\",
+       "f:1:1: the value of 'k' ends with a backslash at the end of the file; write '\\\\' for a "
+       "backslash"},
+      {"k\\\n=a",
+       "f:1:1: the key 'k' ends with a backslash; only a value may go on in the next line, write "
+       "the key on one line"},
+      {"out -> B.in",
+       "f:1:1: the sender application of port 'out' is missing; before the first section write "
+       "'application.out'"},
+      {"A.out -> in",
+       "f:1:1: the receiver application of port 'in' is missing; before the first section write "
+       "'application.in'"},
+  };
+  for (const auto& [text, message] : cases) {
+    EXPECT_EQ(error(text), message) << text;
+  }
+}
+
+TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
+  const std::string no = "' is no section, no key and no connection; ";
+  const Case cases[] = {
+      {"junk", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
+      {"junk # c", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
+      {"; c", "f:1:1: '; c" + no + "write '#' before a comment"},
+      {"// c", "f:1:1: '// c" + no + "write '#' before a comment"},
+      {"np: 1", "f:1:1: 'np: 1" + no + "write 'np=...' with '='"},
+      {"A.out > B.in",
+       "f:1:1: 'A.out > B.in" + no + "write a connection as 'A.out -> B.in [width]'"},
+      {"A]", "f:1:1: 'A]" + no +
+                 "write '[label]' for a section and 'A.out -> B.in [width]' for a connection"},
+      {"=5", "f:1:1: no key before '='; write 'key=value'"},
+      {"A.out => B.in", "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->'"},
+      {"A.a -> B.b -> C.c [1]",
+       "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own"},
+      {"A.out -> B.in 10", "f:1:1: 'in 10' is no name of a port; write 'A.out -> B.in [width]'"},
+      {"A.out -> B.in]", "f:1:1: 'in]' is no name of a port; write 'A.out -> B.in [width]'"},
+      {"A.out -> B.in=3", "f:1:1: 'in=3' is no name of a port; write 'A.out -> B.in [width]'"},
+      {"-> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
+      {"A. -> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
+      {"A.out ->", "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
+      {"A.out -> # B.in",
+       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
+      {"A.out -> [1]", "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
+      {"[a:b]",
+       "f:1:1: the label 'a:b' contains ':', which MUSIC loses on the way to the program; write "
+       "letters, digits and '_'"},
+      {"A.out -> B:c.in",
+       "f:1:1: the label 'B:c' contains ':', which MUSIC loses on the way to the program; write "
+       "letters, digits and '_'"},
+      {"A.o\\\\x -> B.in",
+       "f:1:1: the port 'o\\x' contains '\\', which MUSIC loses on the way to the program; write "
+       "letters, digits and '_'"},
+      {"a\\=b=1",
+       "f:1:1: the key 'a=b' contains '=', which MUSIC loses on the way to the program; write "
+       "letters, digits and '_'"},
+      {"\xEF\xBB\xBFnp=1",
+       "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC takes for a part of the "
+       "first line; save it as UTF-8 without byte order mark"},
+      {std::string("\xFF\xFEn\0", 4),
+       "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark"},
+      {std::string("a=1\nb\0", 6),
+       "f:2:2: a zero byte: this is no text file; give the path of a .music file"},
+  };
+  for (const auto& [text, message] : cases) {
+    EXPECT_EQ(error(text), message) << text;
+  }
+}
+
+TEST(MusicParser, LongAndUnprintableTextIsShortenedInMessages) {
+  const std::string message = error(std::string(200, 'x') + "\x01");
+  EXPECT_THAT(message, testing::HasSubstr("'" + std::string(60, 'x') + "...'"));
+  EXPECT_THAT(error("a\x01"
+                    "b"),
+              testing::HasSubstr("'a?b'"));
+}
+
+TEST(MusicFile, SaysWhenItCannotBeRead) {
+  const test::TemporaryDirectory directory;
+  const auto read = [&](const std::string& name) {
+    return message_of([&] { read_music_file(directory.path() / name); });
+  };
+  const std::string at = directory.path().string();
+  EXPECT_EQ(read("none"), "cannot open '" + at + "/none': No such file or directory");
+  EXPECT_EQ(read(""), "cannot read '" + at + "/': Is a directory");
+  EXPECT_EQ(message_of([] { read_music_file("/dev/null"); }),
+            "cannot read '/dev/null': not a regular file; write the path of a .music file");
+  directory.write("huge", std::string(5'000'000, ' '));
+  EXPECT_EQ(read("huge"),
+            at + "/huge: the file has 5 MB, more than the 4 MB that a .music file may have");
+}
+
+TEST(MusicFile, FindsAndSets) {
+  MusicFile file = parse("g=1\n[encoder]\nk=2\ng=3");
+  EXPECT_EQ(message_of([&] { file.section("encodr"); }),
+            "f: there is no section '[encodr]'; did you mean 'encoder'?");
+  set_key(file.section("encoder").keys, "k", "5");
+  set_key(file.section("encoder").keys, "new", "6");
+  EXPECT_EQ(file.find_key(file.section("encoder"), "k")->value, "5");
+  EXPECT_EQ(file.find_key(file.section("encoder"), "new")->value, "6");
+  EXPECT_EQ(file.find_key(file.section("encoder"), "g")->value, "3");
+  EXPECT_EQ(std::as_const(file).find_section("x"), nullptr);
+}
+
+}  // namespace
+}  // namespace spikeloop

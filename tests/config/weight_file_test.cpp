@@ -1,0 +1,324 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "spikeloop/config/weight_file.hpp"
+#include "tests/config/helpers.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop {
+namespace {
+
+using test::message_of;
+using testing::ElementsAre;
+using Kind = WeightTable::Kind;
+
+WeightOptions lax(std::uint32_t rows = 0, std::uint32_t columns = 0) {
+  WeightOptions options;
+  options.strict = false;
+  options.rows = rows;
+  options.columns = columns;
+  return options;
+}
+
+std::string error(const std::string& text) {
+  return message_of([&] { parse_weights(text, "w"); });
+}
+
+TEST(WeightFile, ReadsShortForms) {
+  EXPECT_EQ(read_weights("uniform").kind, Kind::uniform);
+  EXPECT_TRUE(read_weights("uniform").values.empty());
+  EXPECT_THAT(read_weights("uniform:0.01").values, ElementsAre(0.01));
+  EXPECT_EQ(read_weights("one_to_one").kind, Kind::one_to_one);
+  EXPECT_EQ(read_weights("one_to_one").resized(3, 3).at(2, 2), 1.0);
+  EXPECT_THAT(read_weights("one_to_one: -2e-1").values, ElementsAre(-0.2));
+  for (const std::string text :
+       {"uniform:", "uniform:x", "uniform:1x", "uniform:nan", "uniform:inf"}) {
+    EXPECT_EQ(message_of([&] { read_weights(text); }),
+              "the weight in '" + text + "' is no finite number; write 'uniform:0.5'");
+  }
+}
+
+TEST(WeightFile, ReadsDenseTables) {
+  const WeightTable table = parse_weights(test::data_text("readout.json"), "w");
+  EXPECT_EQ(table.kind, Kind::dense);
+  EXPECT_EQ(table.rows, 2u);
+  EXPECT_EQ(table.columns, 2u);
+  EXPECT_THAT(table.values, ElementsAre(0.5, -0.25, 0.1, 2.0));
+  EXPECT_EQ(parse_weights(" /* c */ [[1,2,3]] ", "w").columns, 3u);
+  EXPECT_EQ(parse_weights("\xEF\xBB\xBF[[1]]", "w").columns, 1u);
+}
+
+TEST(WeightFile, ReadsSparseTables) {
+  const WeightTable table = parse_weights(test::data_text("sparse.json"), "w");
+  EXPECT_EQ(table.kind, Kind::sparse);
+  EXPECT_EQ(table.rows, 2u);
+  EXPECT_EQ(table.columns, 1000u);
+  EXPECT_THAT(table.row_start, ElementsAre(0u, 2u, 3u));
+  EXPECT_THAT(table.column, ElementsAre(3u, 17u, 999u));
+  EXPECT_THAT(table.values, ElementsAre(2.0, 0.5, -1.5));
+  EXPECT_EQ(table.at(0, 4), 0.0);
+  EXPECT_EQ(parse_weights(R"({"entries": [], "columns": 2, "rows": 3})", "w").row_start.size(), 4u);
+}
+
+/// A sparse file and a dense file of the same random table give the same weights.
+TEST(WeightFile, SparseAndDenseFilesAgree) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 50; ++round) {
+    const auto rows = 1 + random() % 6;
+    const auto columns = 1 + random() % 9;
+    std::vector<std::string> entries;
+    std::string dense = "[";
+    for (std::size_t i = 0; i < rows; ++i) {
+      dense += i == 0 ? "[" : ",[";
+      for (std::size_t j = 0; j < columns; ++j) {
+        const int weight = random() % 3 == 0 ? static_cast<int>(random() % 100) - 50 : 0;
+        dense += (j == 0 ? "" : ",") + std::to_string(weight);
+        if (weight != 0) {
+          entries.push_back("[" + std::to_string(i) + "," + std::to_string(j) + "," +
+                            std::to_string(weight) + "]");
+        }
+      }
+      dense += "]";
+    }
+    dense += "]";
+    std::shuffle(entries.begin(), entries.end(), random);
+    std::string sparse = "{\"entries\":[";
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      sparse += (i == 0 ? "" : ",") + entries[i];
+    }
+    sparse +=
+        "],\"rows\":" + std::to_string(rows) + ",\"columns\":" + std::to_string(columns) + "}";
+    const WeightTable a = parse_weights(dense, "w").compressed();
+    const WeightTable b = parse_weights(sparse, "w");
+    ASSERT_EQ(a.row_start, b.row_start) << dense << sparse;
+    ASSERT_EQ(a.column, b.column);
+    ASSERT_EQ(a.values, b.values);
+  }
+}
+
+struct Case {
+  std::string text;
+  std::string message;
+};
+
+TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
+  const std::string rows = "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output";
+  const std::string nothing =
+      "w: the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an output, or "
+      "'uniform' "
+      "in place of the file";
+  const Case cases[] = {
+      {"", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
+      {" \n", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
+      {std::string("\x89PNG\0", 5),
+       "w: this is no text file (byte 4 is 0x00); write [[0.1, 0.2], [0.3, 0.4]], one row an "
+       "output"},
+      {"[]", nothing},
+      {"[[],[]]", nothing},
+      {"0.5",
+       "w: the table is the number 0.5; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one "
+       "row an output"},
+      {"true",
+       "w: the table is true; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one row an "
+       "output"},
+      {"[1, 2]", "w: row 0 is the number 1; " + rows},
+      {"[[1], null]", "w: row 1 is null; " + rows},
+      {"[[1], {}]", "w: row 1 is an object; " + rows},
+      {"[[1, 2], [3, \"x\"]]", "w: row 1, column 1 is the text \"x\"; write a finite number"},
+      {"[[1, false]]", "w: row 0, column 1 is false; write a finite number"},
+      {"[[1, [2]]]", "w: row 0, column 1 is an array; write a finite number"},
+      {"[[1, 2], [3]]",
+       "w: row 1 has 1 weights, but row 0 has 2; write one weight an input in every row"},
+      {"[[1], [2], [3, 4]]",
+       "w: row 2 has 2 weights, but row 0 has 1; write one weight an input in every row"},
+      {"[[1, NaN]]", "w:1:6: row 0, column 1 is NaN; write a finite number"},
+      {"[[1,\n-Infinity]]", "w:2:2: row 0, column 1 is Infinity; write a finite number"},
+      {"[[1, nan]]", "w:1:6: row 0, column 1 is nan; write a finite number"},
+  };
+  for (const auto& [text, message] : cases) {
+    EXPECT_EQ(error(text), message) << text;
+  }
+}
+
+TEST(WeightFile, NamesLineAndColumnOfBrokenJson) {
+  EXPECT_THAT(error("[[1, 2],\n [3, x]]"),
+              testing::StartsWith("w:2:6: not JSON: invalid literal; last read: "));
+  EXPECT_THAT(error("[[1, 2]\n"), testing::StartsWith("w:2:1: not JSON: unexpected end of input"));
+  EXPECT_THAT(error("[[1, 2]] 3"),
+              testing::StartsWith("w:1:10: not JSON: unexpected number literal"));
+  EXPECT_THAT(error("[[1e999]]"), testing::EndsWith("not JSON: number overflow parsing '1e999'"));
+}
+
+TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
+  const auto sparse = [](const std::string& entries) {
+    return "{\"rows\": 2, \"columns\": 3, \"entries\": " + entries + "}";
+  };
+  const std::string range = ", but the table has 2 rows and 3 columns; both count from 0";
+  const Case cases[] = {
+      {"{}",
+       "w: the key 'rows' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
+       "0.5]]}"},
+      {"{\"rows\": 2, \"columns\": 3}",
+       "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
+       "0.5]]}"},
+      {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'?"},
+      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' stands there twice; remove one"},
+      {"{\"rows\": 0}", "w: 'rows' is 0; write a number from 1 to 16777216"},
+      {"{\"columns\": 16777217}", "w: 'columns' is 16777217; write a number from 1 to 16777216"},
+      {"{\"rows\": 1.5}", "w: 'rows' is the number 1.5; write a whole number"},
+      {"{\"rows\": [2]}", "w: 'rows' is an array; write a whole number"},
+      {sparse("3"), "w: 'entries' is the number 3; write an array of [row, column, weight]"},
+      {sparse("[3]"), "w: entry 0 is the number 3; write [row, column, weight]"},
+      {sparse("[[0, 0, 1], [0, 0]]"),
+       "w: entry 1 has 2 of three items; write [row, column, weight]"},
+      {sparse("[[0, 0, 1, 1]]"),
+       "w: entry 0 has more than three items; write [row, column, weight]"},
+      {sparse("[[0, 0, \"x\"]]"), "w: entry 0, item 2 is the text \"x\"; write a finite number"},
+      {sparse("[[0, 0, NaN]]"), "w:1:46: entry 0, item 2 is NaN; write a finite number"},
+      {sparse("[[-1, 0, 1]]"), "w: the row of entry 0 is -1; write a whole number from 0"},
+      {sparse("[[0, 0.5, 1]]"), "w: the column of entry 0 is 0.5; write a whole number from 0"},
+      {sparse("[[2, 0, 1]]"), "w: entry 0 is at row 2, column 0" + range},
+      {sparse("[[0, 0, 1], [1, 3, 1]]"), "w: entry 1 is at row 1, column 3" + range},
+      {sparse("[[1, 2, 1], [0, 0, 1], [1, 2, 3]]"),
+       "w: row 1, column 2 has two weights; write one entry"},
+  };
+  for (const auto& [text, message] : cases) {
+    EXPECT_EQ(error(text), message) << text;
+  }
+}
+
+TEST(WeightFile, IsLookedForBesideItsConfigurationAndHere) {
+  const test::TemporaryDirectory directory;
+  directory.write("here.json", "[[7]]");
+  WeightOptions options;
+  options.base_directory = directory.path();
+  EXPECT_THAT(read_weights("here.json", options).values, ElementsAre(7.0));
+  EXPECT_THAT(read_weights((directory.path() / "here.json").string()).values, ElementsAre(7.0));
+  const std::string name = "spikeloop-config-test-" + std::to_string(::getpid()) + ".json";
+  std::ofstream(name) << "[[8]]";
+  EXPECT_THAT(read_weights(name, options).values, ElementsAre(8.0));
+  std::filesystem::remove(name);
+
+  const std::string here = std::filesystem::current_path().string();
+  EXPECT_EQ(message_of([&] { read_weights("none.json", options); }),
+            "there is no weight file 'none.json' in '" + here + "' or '" +
+                directory.path().string() + "'; write its path, 'uniform' or 'one_to_one'");
+  EXPECT_EQ(message_of([&] { read_weights("unifrom"); }),
+            "there is no weight file 'unifrom' in '" + here +
+                "'; write its path, 'uniform' or 'one_to_one'; did you mean 'uniform'?");
+  EXPECT_EQ(message_of([&] { read_weights("", options); }).substr(0, 26),
+            "there is no weight file ''");
+}
+
+TEST(WeightFile, SaysWhenAFileCannotBeRead) {
+  const test::TemporaryDirectory directory;
+  const std::string file = directory.write("w.json", std::string(2'500'000, ' '));
+  WeightOptions options;
+  options.maximum_bytes = 2'000'000;
+  EXPECT_EQ(message_of([&] { read_weights(file, options); }),
+            file + ": the file has 2 MB, more than the 2 MB that a weight file may have");
+  EXPECT_EQ(message_of([&] { read_weights(directory.path().string()); }),
+            "cannot read '" + directory.path().string() + "': Is a directory");
+}
+
+TEST(WeightFile, LoaderLeavesTheKeyToResolve) {
+  ParameterDescription parameter;
+  parameter.name = "weights";
+  parameter.type = ParameterType::weights;
+  WrittenValues written{{"weights", {test::data_path_of("readout.json"), {"f", 3, 1}}}};
+  const auto table = resolve({parameter}, written, weight_loader({})).weights("weights");
+  EXPECT_EQ(table.rows, 2u);
+  written["weights"].text = "uniform:";
+  EXPECT_EQ(message_of([&] { resolve({parameter}, written, weight_loader({})); }),
+            "f:3:1: key 'weights': the weight in 'uniform:' is no finite number; write "
+            "'uniform:0.5'");
+}
+
+TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
+  for (const std::string text : {"", "[[1,", "[[1, NaN]]"}) {
+    test::LogCapture log;
+    const WeightTable table = parse_weights(text, "w", lax());
+    EXPECT_EQ(table.kind, Kind::uniform) << text;
+    EXPECT_EQ(table.resized(1, 4).at(0, 3), 0.25);
+    ASSERT_EQ(log.messages.size(), 1u);
+    EXPECT_THAT(log.messages[0], testing::EndsWith("; every weight is 1 / inputs"));
+  }
+  test::LogCapture log;
+  EXPECT_EQ(read_weights("none.json", lax()).kind, Kind::uniform);
+  EXPECT_THAT(log.messages.at(0), testing::StartsWith("there is no weight file 'none.json' in "));
+}
+
+TEST(WeightFile, OlderProgramsFitATableToThePorts) {
+  const std::string what = "; missing weights are 0, surplus ones are left out";
+  {
+    test::LogCapture log;
+    const WeightTable table = parse_weights("[[1, 2, 3], [4]]", "w", lax());
+    EXPECT_THAT(table.values, ElementsAre(1, 2, 3, 4, 0, 0));
+    EXPECT_THAT(log.messages, ElementsAre("w: row 1 has 1 of 3 weights" + what));
+  }
+  {
+    test::LogCapture log;
+    const WeightTable table = parse_weights("[[1, 2, 3]]", "w", lax(2, 2));
+    EXPECT_EQ(table.rows, 2u);
+    EXPECT_THAT(table.values, ElementsAre(1, 2, 0, 0));
+    EXPECT_THAT(log.messages, ElementsAre("w: row 0 has 3 of 2 weights" + what));
+  }
+  {
+    test::LogCapture log;
+    EXPECT_THAT(parse_weights("[[1], [2]]", "w", lax(1, 1)).values, ElementsAre(1));
+    EXPECT_THAT(log.messages, ElementsAre("w: there are 2 of 1 rows" + what));
+  }
+  {
+    test::LogCapture log;
+    EXPECT_THAT(parse_weights("[[1]] x", "w", lax(1, 1)).values, ElementsAre(1));
+    EXPECT_THAT(log.messages, ElementsAre("w:1:7: text after the end of the table is left out"));
+  }
+  test::LogCapture log;
+  EXPECT_THAT(parse_weights("[[1, 2], [3, 4]]", "w", lax(2, 2)).values, ElementsAre(1, 2, 3, 4));
+  EXPECT_TRUE(log.messages.empty());
+}
+
+TEST(WeightFile, MutatedFilesAreReadOrRefused) {
+  const std::vector<std::string> texts = {test::data_text("halves.json"),
+                                          test::data_text("readout.json"),
+                                          test::data_text("sparse.json")};
+  std::mt19937 random(11);
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = texts[random() % texts.size()];
+    for (unsigned k = 0; k < 1 + random() % 4; ++k) {
+      const std::size_t at = random() % text.size();
+      const std::string pieces[] = {"[", "]", "{", "}", ",", "\"", "NaN", "-", "1e400", "\n", "99"};
+      if (random() % 2 == 0) {
+        text.insert(at, pieces[random() % std::size(pieces)]);
+      } else {
+        text[at] = static_cast<char>(random() % 256);
+      }
+    }
+    for (const bool strict : {true, false}) {
+      WeightOptions options;
+      options.strict = strict;
+      try {
+        const WeightTable table = parse_weights(text, "w", options);
+        if (table.kind == Kind::dense) {
+          ASSERT_EQ(table.values.size(), std::size_t{table.rows} * table.columns);
+        }
+      } catch (const ConfigurationError&) {
+      }
+    }
+  }
+}
+
+TEST(WeightFile, DeepNestingIsRefused) {
+  EXPECT_EQ(error(std::string(1'000'000, '[')),
+            "w: row 0, column 0 is an array; write a finite number");
+}
+
+}  // namespace
+}  // namespace spikeloop
