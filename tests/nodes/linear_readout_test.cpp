@@ -94,12 +94,12 @@ TEST(LinearReadout, EqualsTheDirectSumWhenTicksAreLongerThanTau) {
 }
 
 TEST(LinearReadout, DoesNotDriftOverManyTicks) {
-  // A tau of many ticks: an error of 1 ulp a tick would show.
-  expect_direct_sum({.tau = 3.0,
+  // 400,000 ticks within one tau: half a unit in the last place a tick would make 2e-11.
+  expect_direct_sum({.tau = 100.0,
                      .tick = kMs / 10,
-                     .length = 10 * kNsPerSecond,
-                     .spikes_per_tick = 0.5,
-                     .check_every = kNsPerSecond},
+                     .length = 40 * kNsPerSecond,
+                     .spikes_per_tick = 3,
+                     .check_every = 10 * kNsPerSecond},
                     random_weights(2, 10, 3));
   expect_direct_sum({.tau = 0.03,
                      .tick = kMs,
