@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 #include <utility>
 
 namespace spikeloop {
@@ -153,7 +152,7 @@ class ForeignNode : public Node {
   void step(const Step& step) override {
     ErrorText error{};
     if (class_.step(node_, &step.plain(), error.data(), error.size()) != 0) {
-      throw std::runtime_error(reason(error));  // the graph adds the node's name
+      throw NodeError(class_.name, reason(error));
     }
   }
 

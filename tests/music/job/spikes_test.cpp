@@ -42,9 +42,9 @@ Schedule busy_schedule(long long tick_ns, int ticks, int width) {
   return schedule;
 }
 
-class SpikesEitherOrder : public testing::TestWithParam<bool> {};
+class EitherOrder : public testing::TestWithParam<bool> {};
 
-TEST_P(SpikesEitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
+TEST_P(EitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
   const auto schedule = busy_schedule(kMs, 200, 10);
   Job job;
   job.global("stoptime=0.2");
@@ -58,10 +58,9 @@ TEST_P(SpikesEitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
   expect_clean(job.run());
   EXPECT_EQ(job.events("sink"), schedule.expected);
 }
-INSTANTIATE_TEST_SUITE_P(Sections, SpikesEitherOrder, testing::Values(true, false),
-                         [](const auto& test) {
-                           return test.param ? "DownstreamFirst" : "UpstreamFirst";
-                         });
+INSTANTIATE_TEST_SUITE_P(Sections, EitherOrder, testing::Values(true, false), [](const auto& test) {
+  return test.param ? "DownstreamFirst" : "UpstreamFirst";
+});
 
 TEST(Spikes, BothEndsOfAnIntervalBelongWhereTheyAreStamped) {
   Schedule schedule;

@@ -1,0 +1,84 @@
+#include "console.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace spikeloop::app {
+namespace {
+
+constexpr std::chrono::milliseconds kTerminalEvery{100};
+constexpr std::chrono::seconds kFileEvery{5};
+
+}  // namespace
+
+std::string progress_text(const launch::Progress& progress) {
+  const std::string total = progress.total_s ? fmt::format(" of {:g}", *progress.total_s) : "";
+  return fmt::format("{:.1f}{} s, real-time factor {:.2f}, {} overrun{}", progress.simulated_s,
+                     total, progress.real_time_factor(), progress.overruns,
+                     progress.overruns == 1 ? "" : "s");
+}
+
+Console::Console(Volume volume) : volume_(volume), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void Console::clear() {
+  if (shown_) {
+    std::fputs("\r\x1b[K", stderr);
+    shown_ = false;
+  }
+}
+
+void Console::write(const std::string& text) {
+  clear();
+  fmt::print(stderr, "{}\n", text);
+}
+
+void Console::line(const launch::ProgramLine& line) {
+  const bool own = line.label == "mpirun";
+  if (volume_ == Volume::quiet || (own && volume_ != Volume::verbose)) {
+    return;
+  }
+  clear();
+  const bool labelled = line.text.starts_with(line.label + ": ");
+  std::FILE* stream = line.error ? stderr : stdout;
+  fmt::print(stream, "{}{}\n", labelled ? "" : line.label + ": ", line.text);
+  std::fflush(stream);
+}
+
+void Console::progress(const launch::Progress& progress) {
+  const auto now = std::chrono::steady_clock::now();
+  const bool soon =
+      last_ && (terminal_ ? now - *last_ < kTerminalEvery : now - *last_ < kFileEvery);
+  if (volume_ == Volume::quiet || soon) {
+    return;
+  }
+  last_ = now;
+  if (terminal_) {
+    clear();
+    fmt::print(stderr, "{}", progress_text(progress));
+    std::fflush(stderr);
+    shown_ = true;
+  } else {
+    write("spikeloop: " + progress_text(progress));
+  }
+}
+
+void Console::log(log::Level level, std::string_view message) {
+  if (level == log::Level::warning) {
+    write(fmt::format("spikeloop: warning: {}", message));
+  } else if (volume_ != Volume::quiet) {
+    write(fmt::format("spikeloop: {}", message));
+  }
+}
+
+void Console::end(const launch::JobResult& result, const launch::Progress& progress) {
+  if (result.exit_code != 0) {
+    write("spikeloop: " + result.reason);
+  } else if (volume_ != Volume::quiet) {
+    write("spikeloop: finished: " + progress_text(progress));
+  }
+  clear();
+}
+
+}  // namespace spikeloop::app

@@ -1,0 +1,39 @@
+// What `spikeloop run` shows: programs' lines, warnings, how far the run is.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/job.hpp"
+
+namespace spikeloop::app {
+
+/// "12.3 of 60 s, real-time factor 0.99, 3 overruns"
+std::string progress_text(const launch::Progress& progress);
+
+/// On a terminal one line is written over and over again; else one is added every 5 s.
+class Console {
+ public:
+  enum class Volume { quiet, normal, verbose };
+  explicit Console(Volume volume);
+
+  void line(const launch::ProgramLine& line);
+  void progress(const launch::Progress& progress);
+  void log(log::Level level, std::string_view message);
+  /// The last line of the run.
+  void end(const launch::JobResult& result, const launch::Progress& progress);
+
+ private:
+  /// Makes room for a whole line where the progress line stands.
+  void clear();
+  void write(const std::string& text);
+
+  Volume volume_;
+  bool terminal_;
+  bool shown_ = false;
+  std::optional<std::chrono::steady_clock::time_point> last_;
+};
+
+}  // namespace spikeloop::app

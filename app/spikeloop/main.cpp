@@ -1,0 +1,97 @@
+// The program `spikeloop`: runs closed loops between robots and spiking neural networks.
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "run_command.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace {
+
+constexpr int kUsageError = 2;
+
+int fail(const std::string& message, int exit_code) {
+  fmt::print(stderr, "spikeloop: {}\n", message);
+  return exit_code;
+}
+
+/// The first argument is no option and no command; empty when all is well.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(command->get_name());
+  }
+  if (word.empty() || word.front() == '-' ||
+      std::find(known.begin(), known.end(), word) != known.end()) {
+    return "";
+  }
+  if (word.ends_with(".music")) {
+    return fmt::format("'{0}' is a file, not a command; write: spikeloop run {0}", word);
+  }
+  return fmt::format("unknown command '{}'{}", word, spikeloop::did_you_mean(word, known));
+}
+
+/// With "did you mean" for an option.
+std::string unexpected(const CLI::App& app) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) {
+        known.push_back("--" + name);
+      }
+    }
+  }
+  const auto rest = app.remaining(true);
+  const std::string word = rest.empty() ? "" : rest.front().substr(0, rest.front().find('='));
+  const std::string suggestion = spikeloop::nearest(word, known);
+  return fmt::format("{} '{}'; {}",
+                     word.starts_with('-') ? "unknown option" : "unexpected argument", word,
+                     suggestion.empty() ? "see spikeloop run --help"
+                                        : fmt::format("did you mean '{}'?", suggestion));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Spikeloop: closed loops between robots and spiking neural networks", "spikeloop");
+  app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
+  app.require_subcommand(1);
+  std::function<int()> action;
+  spikeloop::app::add_run_command(app, action);
+  if (argc == 1) {
+    fmt::print("{}", app.help());
+    return 0;
+  }
+  if (const std::string message = unknown_command(app, argc, argv); !message.empty()) {
+    return fail(message, kUsageError);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    return fail(unexpected(app), kUsageError);
+  } catch (const CLI::Success& wanted) {
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    return fail(std::string(error.what()) + "; see spikeloop run --help", kUsageError);
+  }
+  return action();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Whoever reads our output may stop reading: that must not end a job without stopping it.
+  signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const spikeloop::Error& error) {
+    return fail(error.what(), error.exit_code());
+  } catch (const std::exception& error) {
+    return fail(error.what(), 1);
+  }
+}

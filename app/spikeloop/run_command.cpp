@@ -1,0 +1,118 @@
+#include "run_command.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "console.hpp"
+#include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/job.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+struct RunArguments {
+  std::string file;
+  launch::JobOptions job;
+  double start_timeout_s = 60;
+  bool no_pace = false;
+  bool quiet = false;
+  bool verbose = false;
+  bool dry_run = false;
+};
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
+  spikeloop run loop.music --seed 7 --record --out run2
+  spikeloop run loop.music --dry-run      what would be started, and how
+
+The programs run in the directory of FILE. Keys that FILE has are never changed, save by the options
+that say so. SIGUSR1 ends the programs' loops; so does Ctrl-C here: whatever is left after 2 s is
+ended, and killed 1 s later; a second Ctrl-C kills at once.
+
+Exit codes:
+  0  finished              2  the file or an option cannot be run as written
+  3  a partner (program, ROS master) is missing or silent        4  a file could not be read or written
+  5  a node failed         130, 143  stopped by Ctrl-C, by SIGTERM
+  128 + N  a program was killed by signal N; else the code of the first program that failed)";
+
+void add_options(CLI::App& command, RunArguments& arguments) {
+  auto& job = arguments.job;
+  command.add_option("FILE", arguments.file, "MUSIC configuration file")->required();
+  command
+      .add_option("--duration", job.run.duration_s,
+                  "Simulated time in s: stoptime of every section")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--seed", job.run.seed, "Seed of the random numbers of every section");
+  command
+      .add_option("--real-time-factor", job.run.real_time_factor,
+                  "Simulated time over wall time (rtf) of every section, and of the robot")
+      ->check(CLI::PositiveNumber);
+  auto* out = command.add_option(
+      "--out", job.folder, "Run folder: summary.json, effective.music, mpirun.log, recordings");
+  command
+      .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
+      ->needs(out);
+  command.add_flag("--roscore", job.roscore, "Start a ROS master of our own when none answers");
+  command.add_flag("--robot", job.robot, "Start spikeloop-robot unless /scan is published already");
+  command
+      .add_option("--robot-arg", job.robot_arguments,
+                  "Passed on to spikeloop-robot; may be repeated: --robot-arg=--world=arena.xml")
+      ->allow_extra_args(false);
+  command.add_flag("--no-pace", arguments.no_pace,
+                   "Do not connect sensor adapter and command adapter by a pace connection");
+  command
+      .add_option("--start-timeout", arguments.start_timeout_s,
+                  "Longest time in s until every program of ours has ticked")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_flag("--dry-run", arguments.dry_run, "Print the file that would be run, and how");
+  auto* quiet = command.add_flag("-q,--quiet", arguments.quiet, "Show only warnings and failures");
+  command.add_flag("-v,--verbose", arguments.verbose, "Show mpirun's own output, too")
+      ->excludes(quiet);
+}
+
+int run(RunArguments& arguments) {
+  arguments.job.run.pace = !arguments.no_pace;
+  arguments.job.start_timeout =
+      std::chrono::milliseconds(static_cast<std::int64_t>(arguments.start_timeout_s * 1000));
+  launch::Job job(read_music_file(arguments.file), arguments.job);
+  if (arguments.dry_run) {
+    for (const std::string& warning : job.effective().warnings) {
+      fmt::print("# warning: {}\n", warning);
+    }
+    fmt::print("# {}\n{}", job.command(), to_text(job.effective().file));
+    return 0;
+  }
+  Console console(arguments.quiet     ? Console::Volume::quiet
+                  : arguments.verbose ? Console::Volume::verbose
+                                      : Console::Volume::normal);
+  log::set_sink(
+      [&console](log::Level level, std::string_view message) { console.log(level, message); });
+  launch::Progress last;
+  const launch::JobResult result =
+      job.run({[&](const launch::Progress& progress) {
+                 last = progress;
+                 console.progress(progress);
+               },
+               [&console](const launch::ProgramLine& line) { console.line(line); }});
+  log::set_sink({});
+  console.end(result, last);
+  return result.exit_code;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand("run", "Run a .music file");
+  const auto arguments = std::make_shared<RunArguments>();
+  add_options(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace spikeloop::app

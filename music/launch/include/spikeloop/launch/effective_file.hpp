@@ -1,0 +1,48 @@
+// The file that a job really runs: the user's, with what the launcher knows better than a user
+// should have to.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/config/music_file.hpp"
+
+namespace spikeloop::launch {
+
+/// What the command line says of a run. It holds over whatever the file says.
+struct RunOptions {
+  std::optional<double> duration_s;        ///< `stoptime` of every section
+  std::optional<std::uint64_t> seed;       ///< `seed` of every section
+  std::optional<double> real_time_factor;  ///< `rtf` of every section
+  bool record = false;                     ///< `record=true` in our sections
+  bool pace = true;                        ///< add the pace connection
+};
+
+struct EffectiveFile {
+  MusicFile file;
+  std::vector<std::string> warnings;
+};
+
+/// Adds to a file whose structure has been checked, never changing a key that it has (the options
+/// aside):
+/// - sections downstream-first (MUSIC.md: any other order costs a tick of wall time a hop);
+/// - `SENSOR.pace -> COMMAND.pace [1]` from the first ros_sensor_adapter that reaches a
+///   ros_command_adapter, so that nobody runs far ahead and the age of data is measured;
+///   `pipeline_ticks` for the latter: the ticks that data are older there than the pace value;
+/// - `pace`: exactly one process waits for the clock: the first ros_sensor_adapter, or else our
+///   program that lies furthest upstream;
+/// - `stamp_guard=false` where all receivers of a sender's spikes are ours;
+/// - `accept_latency`: 0, but in a cycle so much that MUSIC's rule holds, that the acceptable
+///   latencies add up to at least the ticks around the cycle.
+EffectiveFile make_effective(MusicFile file, const RunOptions& options);
+
+/// The tick of a section: `music_timestep`, 1 ms by default; when it cannot be read, too, because
+/// the program itself says so better.
+std::int64_t tick_of(const MusicFile& file, const MusicSection& section);
+
+/// The smallest `stoptime` of any section in seconds; none: the job runs until it is stopped.
+std::optional<double> total_time(const MusicFile& file);
+
+}  // namespace spikeloop::launch

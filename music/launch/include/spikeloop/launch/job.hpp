@@ -1,0 +1,81 @@
+// A `.music` job from its start to its end: nothing of it outlives the Job, or the launcher.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/config/music_file.hpp"
+#include "spikeloop/launch/effective_file.hpp"
+
+namespace spikeloop::launch {
+
+struct JobOptions {
+  RunOptions run{};
+  /// Run folder: effective.music, mpirun.log, summary.json, what programs record. Empty: none.
+  std::string folder{};
+  /// For every program of ours to tick for the first time.
+  std::chrono::milliseconds start_timeout{60'000};
+  bool roscore = false;  ///< start a ROS master when none answers
+  bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
+  std::vector<std::string> robot_arguments{};
+};
+
+/// How far the simulation is.
+struct Progress {
+  double simulated_s = 0;
+  double wall_s = 0;
+  std::optional<double> total_s;  ///< none: runs until it is stopped
+  std::uint64_t overruns = 0;
+
+  double real_time_factor() const { return wall_s > 0 ? simulated_s / wall_s : 0; }
+};
+
+/// A line that a program printed.
+struct ProgramLine {
+  std::string label;   ///< section, "robot" or "mpirun"
+  bool error = false;  ///< on standard error
+  std::string text;
+};
+
+/// Called while the job runs; may be left out.
+struct JobEvents {
+  std::function<void(const Progress&)> progress{};
+  std::function<void(const ProgramLine&)> line{};
+};
+
+struct JobResult {
+  /// 0; 130 and 143 after SIGINT and SIGTERM; else that of the first failure: 2 configuration,
+  /// 3 a partner is missing or silent, 4 file, 5 node, 128 + n for a program killed by signal n,
+  /// or the code that the program gave.
+  int exit_code = 0;
+  std::string reason;      ///< one line
+  nlohmann::json summary;  ///< the contents of summary.json
+};
+
+class Job {
+ public:
+  /// @throws ConfigurationError for a file that MUSIC would not survive.
+  Job(const MusicFile& file, JobOptions options);
+
+  /// The file that is run.
+  const EffectiveFile& effective() const { return effective_; }
+  /// As one would type it, with the run folder as place of Open MPI's session files.
+  std::string command() const;
+
+  /// Runs the job to its end. SIGINT and SIGTERM stop it: every program of ours leaves its loop;
+  /// whatever is left after 2 s is ended, and killed 1 s later; a second signal kills at once.
+  /// What goes wrong is in the result; warnings go to the log.
+  /// @throws FileError when the run folder cannot be written.
+  JobResult run(const JobEvents& events = {});
+
+ private:
+  JobOptions options_;
+  EffectiveFile effective_;
+  std::string directory_;
+};
+
+}  // namespace spikeloop::launch

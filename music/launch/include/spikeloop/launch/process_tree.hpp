@@ -1,0 +1,72 @@
+// A program and everything it starts, which never outlives us.
+#pragma once
+
+#include <sys/types.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::launch {
+
+using status::Descriptor;
+
+struct ProgramStart {
+  std::vector<std::string> arguments;              ///< the program, searched in PATH, and its own
+  std::map<std::string, std::string> environment;  ///< added to ours
+  std::string directory;                           ///< to run in; empty: ours
+  /// Removed with everything in it when we die before the program does.
+  std::string scratch;
+};
+
+/// Between us and the program stands a keeper: a forked process that adopts whatever the tree
+/// orphans, and that ends the tree when it is told to, when the program has ended, or when we have
+/// died, by whatever signal. mpirun alone does not do this: it can hang, and when it is killed the
+/// programs that have not reached MPI_Init live on.
+///
+/// The tree stands in process groups of its own, so Ctrl-C does not reach it.
+class ProcessTree {
+ public:
+  /// @throws TransportError when the program cannot be started, with the reason.
+  explicit ProcessTree(const ProgramStart& start);
+  /// Kills what is left.
+  ~ProcessTree();
+  ProcessTree(const ProcessTree&) = delete;
+  ProcessTree& operator=(const ProcessTree&) = delete;
+
+  pid_t pid() const { return pid_; }
+  /// Sends a signal to the program alone.
+  void signal(int number) const;
+  /// SIGTERM to every process of the tree, SIGKILL to those left after one second.
+  void end();
+  /// SIGKILL to every process of the tree.
+  void kill();
+
+  /// Reads news of the keeper; returns whether the tree, and not only the program, has gone.
+  bool gone();
+  /// The program's status as of waitpid, once it has ended; see exit_code().
+  std::optional<int> status() const { return status_; }
+  /// Readable when gone() may have changed.
+  int fd() const { return keeper_.get(); }
+  /// Its standard output and standard error; do not wait.
+  int out() const { return out_.get(); }
+  int err() const { return err_.get(); }
+
+ private:
+  void order(char command) const;
+
+  pid_t pid_ = -1;
+  pid_t keeper_pid_ = -1;
+  std::optional<int> status_;
+  Descriptor keeper_;
+  Descriptor out_;
+  Descriptor err_;
+};
+
+/// As a shell says it: 128 + n after signal n.
+int exit_code(int wait_status);
+
+}  // namespace spikeloop::launch

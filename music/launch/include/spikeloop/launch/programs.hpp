@@ -1,0 +1,39 @@
+// What the launcher knows of the programs that sections name: all of it is one table.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "spikeloop/config/music_file.hpp"
+
+namespace spikeloop::launch {
+
+enum class Kind { continuous, events };
+
+/// One of our programs.
+struct Program {
+  std::string_view name;         ///< as the last part of `binary`
+  std::optional<Kind> input{};   ///< none: has no MUSIC input
+  std::optional<Kind> output{};  ///< none: has no MUSIC output
+  bool source = false;           ///< waits for the wall clock unless told otherwise
+  bool ros = false;              ///< needs a ROS master
+  bool measures_age = false;     ///< has the input `pace`
+};
+
+/// Null for a foreign program. The program spikeloop-node is known by its key `node`.
+const Program* find_program(const MusicFile& file, const MusicSection& section);
+/// Null for a foreign program or a label that no section has.
+const Program* find_program(const MusicFile& file, std::string_view label);
+
+/// The last part of the section's `binary`; empty when it has none.
+std::string program_name(const MusicSection& section);
+
+/// As the sender's table entry says, else as the receiver's; between foreign programs: false.
+bool is_continuous(const MusicFile& file, const MusicConnection& connection);
+
+/// Whether every section's program is one of ours: then SIGUSR1 stops the job cleanly.
+bool all_ours(const MusicFile& file);
+bool needs_ros(const MusicFile& file);
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,48 @@
+// What the launcher asks a ROS 1 master, over XML-RPC.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace spikeloop::launch {
+
+inline constexpr const char* kDefaultMasterUri = "http://localhost:11311";
+
+struct MasterAddress {
+  std::string host;
+  std::uint16_t port = 0;
+};
+
+/// "http://HOST:PORT" with or without a '/' at the end.
+/// @throws ConfigurationError that says what to write.
+MasterAddress parse_master_uri(std::string_view uri);
+
+/// ROS_MASTER_URI, or the default.
+std::string master_uri();
+
+class RosMaster {
+ public:
+  /// @throws ConfigurationError as parse_master_uri.
+  explicit RosMaster(const std::string& uri);
+
+  const std::string& uri() const { return uri_; }
+  /// Whether a master answers there.
+  bool answers() const;
+  /// Whether any node publishes this topic; false, too, when the master does not answer.
+  bool publishes(const std::string& topic) const;
+
+ private:
+  /// The answer's text; nothing when there was none within two seconds.
+  std::optional<std::string> call(const std::string& method, const std::string& arguments) const;
+
+  std::string uri_;
+  MasterAddress address_;
+};
+
+/// A port of this machine that nobody listens on at the moment.
+std::uint16_t free_port();
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,89 @@
+#include "crew.hpp"
+
+#include <unistd.h>
+
+namespace spikeloop::launch {
+namespace {
+
+/// At most 1 MB, so that one program's output does not keep the others waiting. Returns false at
+/// the end of the output.
+bool read_output(int fd, TaggedOutput& output) {
+  char buffer[65536];
+  for (int i = 0; i < 16; ++i) {
+    const auto size = ::read(fd, buffer, sizeof buffer);
+    if (size <= 0) {
+      return size < 0;
+    }
+    output.feed({buffer, static_cast<std::size_t>(size)});
+  }
+  return true;
+}
+
+}  // namespace
+
+Member::Member(const ProgramStart& start, const TaggedOutput::Handler& handler)
+    : handler_(handler),
+      tree_(start),
+      out_(false, [this](const OutputLine& line) { handle(line); }),
+      err_(true, [this](const OutputLine& line) { handle(line); }) {}
+
+void Member::handle(const OutputLine& line) {
+  if (!line.text.empty()) {
+    (line.error ? last_error_ : last_out_) = line.text;
+  }
+  handler_(line);
+}
+
+void Member::read() {
+  if (gone_) {
+    return;
+  }
+  gone_ = tree_.gone();
+  out_open_ = out_open_ && read_output(tree_.out(), out_);
+  err_open_ = err_open_ && read_output(tree_.err(), err_);
+  if (gone_) {
+    out_.finish();
+    err_.finish();
+  }
+}
+
+Member& Crew::start(const ProgramStart& start, const TaggedOutput::Handler& handler) {
+  members_.push_back(std::make_unique<Member>(start, handler));
+  return *members_.back();
+}
+
+void Member::add_files(std::vector<pollfd>& files) const {
+  if (!gone_) {
+    files.push_back({tree_.fd(), POLLIN, 0});
+    // A pipe that the program has closed would always be ready.
+    files.push_back({out_open_ ? tree_.out() : -1, POLLIN, 0});
+    files.push_back({err_open_ ? tree_.err() : -1, POLLIN, 0});
+  }
+}
+
+void Crew::turn(Milliseconds most) {
+  std::vector<pollfd> files{{receiver_.fd(), POLLIN, 0}, {signals_.fd(), POLLIN, 0}};
+  for (const auto& member : members_) {
+    member->add_files(files);
+  }
+  poll(files.data(), files.size(), static_cast<int>(most.count()));
+  for (const auto& member : members_) {
+    member->read();
+  }
+  while (const auto message = receiver_.next(Milliseconds{0})) {
+    events_.message(*message);
+  }
+  while (const auto number = signals_.next()) {
+    events_.signal(*number);
+  }
+}
+
+bool Crew::turn_until(const std::function<bool()>& condition, Milliseconds most) {
+  const auto deadline = Clock::now() + most;
+  while (!condition() && Clock::now() < deadline) {
+    turn(Milliseconds{20});
+  }
+  return condition();
+}
+
+}  // namespace spikeloop::launch

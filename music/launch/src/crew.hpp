@@ -1,0 +1,74 @@
+// Every program that runs for a job, and one place to wait for news of all of them.
+#pragma once
+
+#include <poll.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "signal_watch.hpp"
+#include "spikeloop/launch/mpirun.hpp"
+#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::launch {
+
+using Milliseconds = std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+/// A program with its output cut into lines.
+class Member {
+ public:
+  Member(const ProgramStart& start, const TaggedOutput::Handler& handler);
+
+  ProcessTree& tree() { return tree_; }
+  bool gone() const { return gone_; }
+  /// Passes on what it has printed. When its tree has gone, unfinished lines too.
+  void read();
+  /// The last line it wrote, of standard error if there was any.
+  const std::string& last_words() const { return last_error_.empty() ? last_out_ : last_error_; }
+  /// What to poll for news of it.
+  void add_files(std::vector<pollfd>& files) const;
+
+ private:
+  void handle(const OutputLine& line);
+
+  TaggedOutput::Handler handler_;
+  ProcessTree tree_;
+  TaggedOutput out_;
+  TaggedOutput err_;
+  std::string last_out_;
+  std::string last_error_;
+  bool out_open_ = true;
+  bool err_open_ = true;
+  bool gone_ = false;
+};
+
+struct CrewEvents {
+  std::function<void(const nlohmann::json&)> message;
+  std::function<void(int)> signal;
+};
+
+class Crew {
+ public:
+  Crew(status::Receiver& receiver, CrewEvents events)
+      : receiver_(receiver), events_(std::move(events)) {}
+
+  /// @throws TransportError when it cannot be started.
+  Member& start(const ProgramStart& start, const TaggedOutput::Handler& handler);
+  /// Waits for news, at most so long, and passes all of it on.
+  void turn(Milliseconds most);
+  /// Turns until the condition holds or the time is over; returns the condition.
+  bool turn_until(const std::function<bool()>& condition, Milliseconds most);
+
+ private:
+  status::Receiver& receiver_;
+  CrewEvents events_;
+  SignalWatch signals_;
+  std::vector<std::unique_ptr<Member>> members_;
+};
+
+}  // namespace spikeloop::launch

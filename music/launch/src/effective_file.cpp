@@ -1,0 +1,234 @@
+#include "spikeloop/launch/effective_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cycles.hpp"
+#include "spikeloop/config/order.hpp"
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+constexpr TimeNs kDefaultTick = 1'000'000;
+constexpr const char* kPacePort = "pace";
+
+/// The text a program reads back as the same number.
+std::string seconds_text(TimeNs time) {
+  return fmt::format("{}", to_seconds(time));
+}
+
+void set_everywhere(MusicFile& file, const char* name, const std::string& value) {
+  set_key(file.globals, name, value);
+  for (MusicSection& section : file.sections) {
+    std::erase_if(section.keys, [name](const MusicKey& key) { return key.name == name; });
+  }
+}
+
+/// Adds a key that neither the section nor the file's global part has.
+void add_key(const MusicFile& file, MusicSection& section, const char* name,
+             const std::string& value) {
+  if (file.find_key(section, name) == nullptr) {
+    set_key(section.keys, name, value);
+  }
+}
+
+void apply_options(MusicFile& file, const RunOptions& options) {
+  if (options.duration_s) {
+    set_everywhere(file, "stoptime", fmt::format("{}", *options.duration_s));
+  }
+  if (options.seed) {
+    set_everywhere(file, "seed", fmt::format("{}", *options.seed));
+  }
+  if (options.real_time_factor) {
+    set_everywhere(file, "rtf", fmt::format("{}", *options.real_time_factor));
+  }
+  for (MusicSection& section : file.sections) {
+    if (options.record && find_program(file, section) != nullptr) {
+      set_key(section.keys, "record", "true");
+    }
+  }
+}
+
+IsContinuous continuity(const MusicFile& file) {
+  return [&file](const MusicConnection& connection) { return is_continuous(file, connection); };
+}
+
+/// The first ros_sensor_adapter from which data come to `label`; null when none does.
+const MusicSection* first_source_of(const MusicFile& file, const std::string& label) {
+  for (const MusicSection& section : file.sections) {
+    const Program* program = find_program(file, section);
+    if (program != nullptr && program->source &&
+        data_path(file, section.label, label, continuity(file))) {
+      return &section;
+    }
+  }
+  return nullptr;
+}
+
+bool has_pace_connection(const MusicFile& file, const std::string& label) {
+  return std::any_of(file.connections.begin(), file.connections.end(), [&](const auto& connection) {
+    return connection.to_app == label && connection.to_port == kPacePort;
+  });
+}
+
+std::vector<std::string> age_measuring(const MusicFile& file) {
+  std::vector<std::string> labels;
+  for (const MusicSection& section : file.sections) {
+    const Program* program = find_program(file, section);
+    if (program != nullptr && program->measures_age) {
+      labels.push_back(section.label);
+    }
+  }
+  return labels;
+}
+
+void add_pace_connections(MusicFile& file) {
+  std::vector<MusicConnection> added;
+  for (const std::string& label : age_measuring(file)) {
+    const MusicSection* source = first_source_of(file, label);
+    if (source != nullptr && !has_pace_connection(file, label)) {
+      MusicConnection connection;
+      connection.from_app = source->label;
+      connection.from_port = kPacePort;
+      connection.to_app = label;
+      connection.to_port = kPacePort;
+      connection.width = 1;
+      added.push_back(connection);
+    }
+  }
+  file.connections.insert(file.connections.end(), added.begin(), added.end());
+}
+
+/// The data's way, without the pace connections beside it.
+MusicFile without_pace(MusicFile file) {
+  std::erase_if(file.connections,
+                [](const auto& connection) { return connection.to_port == kPacePort; });
+  return file;
+}
+
+void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
+  const MusicFile data = without_pace(file);
+  for (const std::string& label : age_measuring(file)) {
+    const MusicSection* source = first_source_of(data, label);
+    if (source == nullptr || !has_pace_connection(file, label)) {
+      continue;
+    }
+    const auto path = data_path(data, source->label, label, continuity(data));
+    std::int64_t ticks = std::max(0, path->continuous_hops - 1);
+    for (const std::size_t i : path->connections) {
+      const MusicConnection& hop = data.connections[i];
+      const auto latency = latencies.by_label.find(hop.to_app);
+      if (!is_continuous(data, hop) && latency != latencies.by_label.end()) {
+        ticks += latency->second / tick_of(data, data.section(hop.to_app));
+      }
+    }
+    add_key(file, file.section(label), "pipeline_ticks", fmt::format("{}", ticks));
+  }
+}
+
+/// Ours that wait unless told otherwise, in the order of the file.
+std::vector<std::string> sources(const MusicFile& file) {
+  std::vector<std::string> labels;
+  for (const MusicSection& section : file.sections) {
+    const Program* program = find_program(file, section);
+    if (program != nullptr && program->source) {
+      labels.push_back(section.label);
+    }
+  }
+  return labels;
+}
+
+std::vector<std::string> furthest_upstream_first(const MusicFile& file) {
+  std::vector<std::string> labels = downstream_first(file);
+  std::erase_if(labels,
+                [&file](const auto& label) { return find_program(file, label) == nullptr; });
+  std::reverse(labels.begin(), labels.end());
+  return labels;
+}
+
+void choose_pacer(MusicFile& file) {
+  const auto written = [&file](const std::string& label) {
+    return file.find_key(file.section(label), "pace");
+  };
+  bool chosen = false;
+  for (const std::string& label : file.labels()) {
+    const MusicKey* key = find_program(file, label) == nullptr ? nullptr : written(label);
+    chosen = chosen || (key != nullptr && key->value == "true");
+  }
+  const auto candidates = sources(file);
+  for (const std::string& label : candidates.empty() ? furthest_upstream_first(file) : candidates) {
+    if (written(label) == nullptr && (!chosen || !candidates.empty())) {
+      set_key(file.section(label).keys, "pace", chosen ? "false" : "true");
+      chosen = true;
+    }
+  }
+}
+
+void set_stamp_guards(MusicFile& file) {
+  for (MusicSection& section : file.sections) {
+    const Program* program = find_program(file, section);
+    if (program == nullptr || program->output != Kind::events) {
+      continue;
+    }
+    const bool foreign =
+        std::any_of(file.connections.begin(), file.connections.end(), [&](const auto& connection) {
+          return connection.from_app == section.label &&
+                 find_program(file, connection.to_app) == nullptr;
+        });
+    if (!foreign) {
+      add_key(file, section, "stamp_guard", "false");
+    }
+  }
+}
+
+void set_latencies(MusicFile& file, const Latencies& latencies) {
+  for (const auto& [label, latency] : latencies.by_label) {
+    add_key(file, file.section(label), "accept_latency", seconds_text(latency));
+  }
+}
+
+}  // namespace
+
+TimeNs tick_of(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* key = file.find_key(section, "music_timestep");
+  try {
+    return key == nullptr ? kDefaultTick : tick_from_seconds(parse_quantity(key->value, "s"));
+  } catch (const ConfigurationError&) {
+    return kDefaultTick;
+  }
+}
+
+std::optional<double> total_time(const MusicFile& file) {
+  std::optional<double> smallest;
+  for (const MusicSection& section : file.sections) {
+    const MusicKey* key = file.find_key(section, "stoptime");
+    try {
+      if (key != nullptr) {
+        const double time = parse_quantity(key->value, "s");
+        smallest = std::min(smallest.value_or(time), time);
+      }
+    } catch (const ConfigurationError&) {
+      continue;  // the program itself reports it
+    }
+  }
+  return smallest;
+}
+
+EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
+  apply_options(file, options);
+  if (options.pace) {
+    add_pace_connections(file);
+  }
+  choose_pacer(file);
+  set_stamp_guards(file);
+  const Latencies latencies = choose_latencies(file);
+  set_latencies(file, latencies);
+  add_pipeline_ticks(file, latencies);
+  return {order_downstream_first(std::move(file)), latencies.warnings};
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,51 @@
+#include "folders.hpp"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::launch {
+
+namespace fs = std::filesystem;
+
+Scratch::Scratch() {
+  // Short, because Open MPI puts Unix sockets, whose paths end at 107 characters, below it.
+  std::string name =
+      access("/dev/shm", W_OK | X_OK) == 0 ? "/dev/shm/spikeloop-XXXXXX" : "/tmp/spikeloop-XXXXXX";
+  if (mkdtemp(name.data()) == nullptr) {
+    throw FileError("make", name, errno);
+  }
+  path_ = name;
+}
+
+Scratch::~Scratch() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+std::string make_folder(const std::string& path) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(path, error);
+  fs::create_directories(whole, error);
+  if (error) {
+    throw FileError("make the folder", path, error.value());
+  }
+  return whole.lexically_normal().string();
+}
+
+void write_text(const std::string& path, std::string_view text) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    throw FileError("write", path, errno);
+  }
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,31 @@
+// Where a job keeps its files.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace spikeloop::launch {
+
+/// A directory that is removed with everything in it: sockets, session files, shared memory. In
+/// memory where the machine has such a place.
+class Scratch {
+ public:
+  /// @throws FileError
+  Scratch();
+  ~Scratch();
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// Makes a directory and those above it; returns its absolute path. @throws FileError
+std::string make_folder(const std::string& path);
+
+/// @throws FileError
+void write_text(const std::string& path, std::string_view text);
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,52 @@
+#include "spikeloop/launch/job.hpp"
+
+#include <filesystem>
+
+#include "job_run.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+EffectiveFile checked(const MusicFile& file, const RunOptions& options) {
+  check_structure(file);
+  return make_effective(file, options);
+}
+
+std::string directory_of(const MusicFile& file) {
+  std::error_code ignored;
+  return std::filesystem::absolute(file.path, ignored).parent_path().string();
+}
+
+}  // namespace
+
+Job::Job(const MusicFile& file, JobOptions options)
+    : options_(std::move(options)),
+      effective_(checked(file, options_.run)),
+      directory_(directory_of(file)) {}
+
+std::string Job::command() const {
+  const std::string folder = options_.folder.empty() ? "." : options_.folder;
+  return shell_text(mpirun_command(effective_.file, folder + "/effective.music", folder));
+}
+
+JobResult Job::run(const JobEvents& events) {
+  for (const std::string& warning : effective_.warnings) {
+    log::warning("{}", warning);
+  }
+  JobRun run(effective_, options_, directory_, events);
+  try {
+    check_programs(effective_.file, directory_);
+    run.run();
+  } catch (const Error& error) {
+    run.fail(error.exit_code(), error.what());
+  }
+  JobResult result = run.result();
+  if (!options_.folder.empty()) {
+    write_text(options_.folder + "/summary.json", result.summary.dump(2) + "\n");
+  }
+  return result;
+}
+
+}  // namespace spikeloop::launch

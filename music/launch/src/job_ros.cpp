@@ -1,0 +1,126 @@
+// The part of a run that has to do with ROS: a master, a robot.
+#include <fmt/format.h>
+#include <signal.h>
+
+#include "job_run.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/programs.hpp"
+#include "spikeloop/launch/ros_master.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+constexpr const char* kScanTopic = "/scan";
+constexpr Milliseconds kRosStart{30'000};
+constexpr Milliseconds kHelperGrace{3'000};
+/// Somebody else may take a port between our look and roscore's.
+constexpr int kPortsTried = 3;
+
+std::string last_line(const Member& member) {
+  return member.last_words().empty() ? "" : "; its last line: " + member.last_words();
+}
+
+}  // namespace
+
+bool JobRun::start_ros() {
+  if (!needs_ros(effective_.file) && !options_.robot && !options_.roscore) {
+    return true;
+  }
+  const RosMaster master(master_uri());
+  ros_environment_["ROS_MASTER_URI"] = master.uri();
+  ros_environment_["ROS_LOG_DIR"] = folder_ + "/ros";
+  if (!master.answers()) {
+    if (!options_.roscore) {
+      throw TransportError(
+          fmt::format("no ROS master answers at {}; start one (roscore), write its address into "
+                      "ROS_MASTER_URI, or let us start one of our own: --roscore",
+                      master.uri()));
+    }
+    if (!start_roscore()) {
+      return false;
+    }
+  }
+  return !options_.robot || start_robot();
+}
+
+bool JobRun::start_roscore() {
+  // All programs run on this machine, whose name need not be known to any name server.
+  ros_environment_["ROS_HOSTNAME"] = "localhost";
+  std::string last;
+  for (int attempt = 0; attempt < kPortsTried; ++attempt) {
+    const std::string port = std::to_string(free_port());
+    const RosMaster master("http://localhost:" + port);
+    ros_environment_["ROS_MASTER_URI"] = master.uri();
+    ProgramStart start;
+    start.arguments = {"roscore", "-p", port};
+    roscore_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
+      log_ << "roscore: " << line.text << std::endl;
+    });
+    crew_.turn_until([&] { return outcome_.has_value() || roscore_->gone() || master.answers(); },
+                     kRosStart);
+    if (outcome_) {
+      return false;
+    }
+    if (!roscore_->gone() && master.answers()) {
+      log::info("ROS master at {}", master.uri());
+      return true;
+    }
+    last = last_line(*roscore_);
+    end_helper(roscore_);
+  }
+  throw TransportError(
+      fmt::format("roscore has not begun to answer within {} s{}", kRosStart.count() / 1000, last));
+}
+
+bool JobRun::start_robot() {
+  const RosMaster master(ros_environment_["ROS_MASTER_URI"]);
+  if (master.publishes(kScanTopic)) {
+    log::info("{} is published already: no robot is started", kScanTopic);
+    return true;
+  }
+  ProgramStart start;
+  start.arguments = {"spikeloop-robot", "--out", folder_};
+  if (options_.run.seed) {
+    start.arguments.insert(start.arguments.end(), {"--seed", std::to_string(*options_.run.seed)});
+  }
+  if (options_.run.real_time_factor) {
+    start.arguments.insert(
+        start.arguments.end(),
+        {"--real-time-factor", fmt::format("{}", *options_.run.real_time_factor)});
+  }
+  start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
+                         options_.robot_arguments.end());
+  robot_ = &crew_.start(with_environment(start),
+                        [this](const OutputLine& line) { take_line("robot", line); });
+  crew_.turn_until([&] { return outcome_ || robot_->gone() || master.publishes(kScanTopic); },
+                   kRosStart);
+  if (state_.failure()) {
+    fail(state_.failure()->exit_code, state_.failure()->message);
+  } else if (robot_->gone()) {
+    fail(1, fmt::format("robot: ended with exit code {}{}",
+                        exit_code(robot_->tree().status().value_or(1)), last_line(*robot_)));
+  } else if (!outcome_ && !master.publishes(kScanTopic)) {
+    fail(3, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
+                        kRosStart.count() / 1000, last_line(*robot_)));
+  }
+  return !outcome_;
+}
+
+void JobRun::end_helper(Member* helper) {
+  if (helper == nullptr || helper->gone()) {
+    return;
+  }
+  helper->tree().signal(SIGINT);
+  if (!crew_.turn_until([helper] { return helper->gone(); }, kHelperGrace)) {
+    helper->tree().end();
+    crew_.turn_until([helper] { return helper->gone(); }, kHelperGrace);
+  }
+}
+
+void JobRun::end_helpers() {
+  end_helper(robot_);
+  end_helper(roscore_);
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,199 @@
+#include "job_run.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <string.h>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using std::chrono::seconds;
+
+/// How long programs may take to leave their loops and finalize.
+constexpr seconds kStopGrace{2};
+/// A program that fails takes the others with it by MPI_Abort; this is for those that could not.
+constexpr seconds kFailureGrace{3};
+/// mpirun can hang when all is done.
+constexpr seconds kEndGrace{10};
+/// Foreign programs may have files to write.
+constexpr seconds kForeignEndGrace{60};
+
+}  // namespace
+
+JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
+               const std::string& directory, const JobEvents& events)
+    : effective_(effective),
+      options_(options),
+      directory_(directory),
+      events_(events),
+      folder_(options.folder.empty() ? scratch_.path() : make_folder(options.folder)),
+      file_(folder_ + "/effective.music"),
+      state_(effective.file),
+      receiver_(scratch_.path() + "/status"),
+      crew_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
+                        [this](int number) { take_signal(number); }}) {
+  write_text(file_, to_text(effective.file));
+  write_text(folder_ + "/mpirun.log", "");
+  log_.open(folder_ + "/mpirun.log");
+}
+
+void JobRun::fail(int exit_code, const std::string& reason) {
+  if (!outcome_) {
+    outcome_ = {exit_code, reason};
+  }
+}
+
+void JobRun::take_message(const nlohmann::json& message) {
+  if (state_.take(message) && events_.progress) {
+    events_.progress(state_.progress());
+  }
+}
+
+void JobRun::take_signal(int number) {
+  ++stop_signals_;
+  fail(128 + number, number == SIGINT
+                         ? "stopped by Ctrl-C"
+                         : fmt::format("stopped by signal {} ({})", number, strsignal(number)));
+  if (mpirun_ != nullptr && stop_signals_ > 1) {
+    mpirun_->tree().kill();
+  }
+}
+
+void JobRun::take_line(const std::string& label, const OutputLine& line) {
+  log_ << label << ": " << line.text << std::endl;
+  if (events_.line) {
+    events_.line({label, line.error, line.text});
+  }
+}
+
+ProgramStart JobRun::with_environment(ProgramStart start) const {
+  start.environment = program_environment();
+  start.environment.insert(ros_environment_.begin(), ros_environment_.end());
+  start.environment["SPIKELOOP_STATUS"] = scratch_.path() + "/status";
+  start.environment["SPIKELOOP_OUT"] = folder_;
+  start.scratch = scratch_.path();
+  return start;
+}
+
+void JobRun::start_programs() {
+  ProgramStart start;
+  start.arguments = mpirun_command(effective_.file, file_, scratch_.path());
+  start.directory = directory_;
+  mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
+    state_.take(line);
+    take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : "mpirun", line);
+  });
+  started_ = Clock::now();
+}
+
+void JobRun::run() {
+  try {
+    if (start_ros()) {
+      start_programs();
+      supervise();
+    }
+  } catch (...) {
+    end_helpers();
+    throw;
+  }
+  end_helpers();
+}
+
+void JobRun::supervise() {
+  while (!mpirun_->gone()) {
+    crew_.turn(Milliseconds{100});
+    watch_start();
+    watch_failures();
+    watch_robot();
+    watch_end();
+    watch_stop();
+  }
+  crew_.turn(Milliseconds{0});
+  const int code = exit_code(mpirun_->tree().status().value_or(1));
+  const bool ended_by_us = reported_since_ && !state_.failure() && code != 0;
+  if (state_.failure() || (code != 0 && !ended_by_us)) {
+    const Failure failure = state_.explain(code);
+    fail(failure.exit_code, failure.message);
+  }
+}
+
+void JobRun::watch_start() {
+  if (outcome_ || Clock::now() - started_ < options_.start_timeout) {
+    return;
+  }
+  const std::string late = state_.what_is_late();
+  if (!late.empty()) {
+    fail(3, fmt::format(
+                "the job has not begun within {:g} s; {}. A program that does not call "
+                "MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs barrier=false "
+                "in the file; one that starts slowly needs a longer --start-timeout",
+                std::chrono::duration<double>(options_.start_timeout).count(), late));
+    mpirun_->tree().end();
+  }
+}
+
+void JobRun::watch_failures() {
+  if (!failed_since_ && state_.failure()) {
+    failed_since_ = Clock::now();
+  }
+  if (failed_since_ && Clock::now() - *failed_since_ > kFailureGrace) {
+    mpirun_->tree().end();
+  }
+}
+
+void JobRun::watch_robot() {
+  if (robot_ != nullptr && robot_->gone() && !outcome_ && !reported_since_) {
+    fail(1, fmt::format(
+                "robot: ended before the job, with exit code {}{}",
+                exit_code(robot_->tree().status().value_or(1)),
+                robot_->last_words().empty() ? "" : "; its last line: " + robot_->last_words()));
+  }
+}
+
+void JobRun::watch_end() {
+  if (!reported_since_ && state_.all_reported()) {
+    reported_since_ = Clock::now();
+  }
+  const auto grace = all_ours(effective_.file) ? kEndGrace : kForeignEndGrace;
+  if (reported_since_ && Clock::now() - *reported_since_ > grace) {
+    log::warning("mpirun has not ended {} s after the last report: it is ended now", grace.count());
+    reported_since_ = Clock::now();
+    mpirun_->tree().end();
+  }
+}
+
+void JobRun::watch_stop() {
+  if (outcome_ && !stopping_since_ && !state_.failure()) {
+    stopping_since_ = Clock::now();
+    begin_stop();
+  }
+  if (stopping_since_ && Clock::now() - *stopping_since_ > kStopGrace) {
+    mpirun_->tree().end();
+  }
+}
+
+void JobRun::begin_stop() {
+  if (all_ours(effective_.file)) {
+    mpirun_->tree().signal(SIGUSR1);
+    return;
+  }
+  // A foreign program may not know what to do with it: NEST dies.
+  for (const pid_t pid : state_.pids()) {
+    ::kill(pid, SIGUSR1);
+  }
+}
+
+JobResult JobRun::result() const {
+  JobResult result;
+  result.exit_code = outcome_ ? outcome_->exit_code : 0;
+  result.reason = outcome_ ? outcome_->message : "finished";
+  result.summary = state_.summary();
+  result.summary["exit_code"] = result.exit_code;
+  result.summary["exit_reason"] = result.reason;
+  return result;
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,74 @@
+// One run of a job: starts what it needs, watches all of it, ends all of it.
+#pragma once
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "crew.hpp"
+#include "folders.hpp"
+#include "job_state.hpp"
+#include "spikeloop/launch/job.hpp"
+
+namespace spikeloop::launch {
+
+class JobRun {
+ public:
+  /// The references must outlive it. @throws FileError
+  JobRun(const EffectiveFile& effective, const JobOptions& options, const std::string& directory,
+         const JobEvents& events);
+
+  /// @throws Error when something cannot be started.
+  void run();
+  JobResult result() const;
+  void fail(int exit_code, const std::string& reason);
+
+ private:
+  void take_message(const nlohmann::json& message);
+  void take_signal(int number);
+  /// Shows a line and writes it to mpirun.log.
+  void take_line(const std::string& label, const OutputLine& line);
+  ProgramStart with_environment(ProgramStart start) const;
+
+  // Each returns whether the job goes on.
+  bool start_ros();
+  bool start_roscore();
+  bool start_robot();
+  void start_programs();
+
+  void supervise();
+  void watch_start();
+  void watch_failures();
+  void watch_robot();
+  void watch_end();
+  void watch_stop();
+  /// Asks every program of ours to leave its loop.
+  void begin_stop();
+  void end_helpers();
+  void end_helper(Member* helper);
+
+  const EffectiveFile& effective_;
+  const JobOptions& options_;
+  const std::string& directory_;
+  const JobEvents& events_;
+  Scratch scratch_;
+  std::string folder_;  ///< scratch when there is no run folder
+  std::string file_;    ///< the effective file
+  std::ofstream log_;
+  JobState state_;
+  status::Receiver receiver_;
+  Crew crew_;
+  std::map<std::string, std::string> ros_environment_;
+  Member* roscore_ = nullptr;
+  Member* robot_ = nullptr;
+  Member* mpirun_ = nullptr;
+  std::optional<Failure> outcome_;  ///< none while all is well
+  int stop_signals_ = 0;
+  Clock::time_point started_{};
+  std::optional<Clock::time_point> stopping_since_;
+  std::optional<Clock::time_point> failed_since_;
+  std::optional<Clock::time_point> reported_since_;
+};
+
+}  // namespace spikeloop::launch

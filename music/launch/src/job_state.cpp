@@ -1,0 +1,213 @@
+#include "job_state.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <string.h>
+
+#include <algorithm>
+
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using nlohmann::json;
+
+/// Nothing that a process sends may end the launcher.
+template <typename T>
+T value_of(const json& message, const char* key, T otherwise) {
+  const auto found = message.find(key);
+  try {
+    return found == message.end() ? otherwise : found->get<T>();
+  } catch (const json::exception&) {
+    return otherwise;
+  }
+}
+
+json object_of(const json& message, const char* key) {
+  const auto found = message.find(key);
+  return found != message.end() && found->is_object() ? *found : json::object();
+}
+
+std::string label_that_paces(const MusicFile& file) {
+  for (const MusicSection& section : file.sections) {
+    const MusicKey* pace = file.find_key(section, "pace");
+    if (find_program(file, section) != nullptr && pace != nullptr && pace->value == "true") {
+      return section.label;
+    }
+  }
+  return "";
+}
+
+std::string list(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace
+
+JobState::JobState(const MusicFile& file) : file_(file), pacer_(label_that_paces(file)) {
+  for (const MusicSection& section : file.sections) {
+    Process& process = processes_[section.label];
+    process.program = program_name(section);
+    process.ours = find_program(file, section) != nullptr;
+    order_.push_back(section.label);
+  }
+  progress_.total_s = total_time(file);
+}
+
+bool JobState::take(const json& message) {
+  const std::string type = message.at("type");
+  const std::string label = message.at("process");
+  Process& process = processes_[label];
+  if (std::find(order_.begin(), order_.end(), label) == order_.end()) {
+    order_.push_back(label);
+  }
+  if (type == "started") {
+    process.started = true;
+    process.pid = value_of<pid_t>(message, "pid", 0);
+  } else if (type == "first_tick") {
+    process.ticked = true;
+  } else if (type == "progress") {
+    process.ticked = true;
+    return take_progress(label, message);
+  } else if (type == "report") {
+    process.ticked = process.reported = true;
+    process.counters = object_of(message, "counters");
+    process.summary = object_of(message, "summary");
+  } else if (type == "failure" && !failure_) {
+    failure_ = {std::max(1, value_of(message, "exit_code", 1)),
+                fmt::format("{}: {}", label, value_of(message, "message", std::string("failed")))};
+  }
+  return false;
+}
+
+bool JobState::take_progress(const std::string& label, const json& message) {
+  const bool by_pacer = label == pacer_;
+  if (processes_[label].program.empty() || (pacer_heard_ && !by_pacer)) {
+    return false;
+  }
+  pacer_heard_ = pacer_heard_ || by_pacer;
+  progress_.simulated_s = value_of(message, "simulated_s", progress_.simulated_s);
+  progress_.wall_s = value_of(message, "wall_s", progress_.wall_s);
+  progress_.overruns = value_of(message, "overruns", progress_.overruns);
+  return true;
+}
+
+void JobState::take(const OutputLine& line) {
+  if (music_error_.empty() && line.text.find("Error in MUSIC library") != std::string::npos) {
+    music_error_ = line.text;
+  }
+  if (line.rank) {
+    if (line.error && !line.text.empty()) {
+      last_words_[*line.rank] = line.text;
+    }
+    return;
+  }
+  diagnosis_.read(line.text);
+  if (line.text.find_first_not_of("- ") != std::string::npos) {
+    last_words_of_mpirun_ = line.text;
+  }
+}
+
+std::vector<pid_t> JobState::pids() const {
+  std::vector<pid_t> found;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (!process.program.empty() && process.pid > 1) {
+      found.push_back(process.pid);
+    }
+  }
+  return found;
+}
+
+std::string JobState::what_is_late() const {
+  std::vector<std::string> silent;
+  std::vector<std::string> waiting;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (process.program.empty() || process.ticked || !(process.ours || process.started)) {
+      continue;
+    }
+    (process.started ? waiting : silent)
+        .push_back(fmt::format("'{}' ({})", label, process.program));
+  }
+  std::vector<std::string> parts;
+  if (!silent.empty()) {
+    parts.push_back("not started: " + list(silent));
+  }
+  if (!waiting.empty()) {
+    parts.push_back("started, but still without a first tick: " + list(waiting));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+bool JobState::all_reported() const {
+  bool any = false;
+  for (const auto& [label, process] : processes_) {
+    const bool expected = !process.program.empty() && (process.ours || process.started);
+    if (expected && !process.reported) {
+      return false;
+    }
+    any = any || expected;
+  }
+  return any;
+}
+
+std::string JobState::named(int rank) const {
+  const std::string label = label_of_rank(file_, rank);
+  const auto process = processes_.find(label);
+  return process == processes_.end() ? fmt::format("rank {}", rank)
+                                     : fmt::format("'{}' ({})", label, process->second.program);
+}
+
+Failure JobState::explain(int mpirun_exit_code) const {
+  if (failure_) {
+    return *failure_;
+  }
+  const int otherwise = mpirun_exit_code == 0 ? 1 : mpirun_exit_code;
+  if (!music_error_.empty()) {
+    return {diagnosis_.exit_code().value_or(otherwise), music_error_};
+  }
+  const auto rank = diagnosis_.rank();
+  if (!rank) {
+    return {otherwise,
+            fmt::format(
+                "mpirun ended with exit code {}{}", mpirun_exit_code,
+                last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
+  }
+  const auto words = last_words_.find(*rank);
+  const std::string last = words == last_words_.end() ? "" : "; its last line: " + words->second;
+  if (const auto number = diagnosis_.signal()) {
+    return {128 + *number, fmt::format("{} was killed by signal {} ({}){}", named(*rank), *number,
+                                       strsignal(*number), last)};
+  }
+  if (const auto code = diagnosis_.exit_code()) {
+    return {*code, fmt::format("{} ended with exit code {}{}", named(*rank), *code, last)};
+  }
+  return {otherwise, fmt::format("{} ended without MUSIC's finalize{}", named(*rank), last)};
+}
+
+json JobState::summary() const {
+  json result = json::object();
+  json processes = json::object();
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    result.update(process.summary);
+    json& entry = processes[label];
+    entry["reported"] = process.reported;
+    entry["counters"] = process.counters;
+    entry["summary"] = process.summary;
+    if (!process.program.empty()) {
+      entry["program"] = process.program;
+    }
+  }
+  result["file"] = file_.path;
+  result["simulated_s"] = progress_.simulated_s;
+  result["wall_s"] = progress_.wall_s;
+  result["real_time_factor"] = progress_.real_time_factor();
+  result["overruns"] = progress_.overruns;
+  result["processes"] = std::move(processes);
+  return result;
+}
+
+}  // namespace spikeloop::launch

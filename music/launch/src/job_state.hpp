@@ -1,0 +1,71 @@
+// What the processes of a job have told so far.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "crew.hpp"
+#include "spikeloop/launch/job.hpp"
+
+namespace spikeloop::launch {
+
+struct Failure {
+  int exit_code = 1;
+  std::string message;
+};
+
+class JobState {
+ public:
+  explicit JobState(const MusicFile& file);
+
+  /// Takes a datagram. Returns true when there is new progress.
+  bool take(const nlohmann::json& message);
+  /// Takes a line that a program printed under mpirun, or mpirun itself.
+  void take(const OutputLine& line);
+
+  const Progress& progress() const { return progress_; }
+  /// The first failure that a process reported.
+  const std::optional<Failure>& failure() const { return failure_; }
+  /// Process ids of those that have reported.
+  std::vector<pid_t> pids() const;
+  /// Why the job has not begun; empty when everybody whose news we expect has ticked.
+  std::string what_is_late() const;
+  /// Everybody whose report we expect has sent it.
+  bool all_reported() const;
+  /// What mpirun's end means.
+  Failure explain(int mpirun_exit_code) const;
+  /// Without the outcome: file, times, what the reports say.
+  nlohmann::json summary() const;
+
+ private:
+  struct Process {
+    std::string program;  ///< empty: not of this file
+    bool ours = false;    ///< or has reported: we expect the other messages, too
+    bool started = false;
+    bool ticked = false;
+    bool reported = false;
+    pid_t pid = 0;
+    nlohmann::json counters = nlohmann::json::object();
+    nlohmann::json summary = nlohmann::json::object();
+  };
+
+  bool take_progress(const std::string& label, const nlohmann::json& message);
+  std::string named(int rank) const;
+
+  const MusicFile& file_;
+  std::string pacer_;  ///< label of the process that waits for the clock; empty: unknown
+  std::vector<std::string> order_;
+  std::map<std::string, Process> processes_;
+  Progress progress_;
+  bool pacer_heard_ = false;
+  std::optional<Failure> failure_;
+  std::string music_error_;
+  std::string last_words_of_mpirun_;
+  std::map<int, std::string> last_words_;  ///< by rank, of standard error
+  MpirunDiagnosis diagnosis_;
+};
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,210 @@
+#include "keeper.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+
+#include "descendants.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kGrace{1000};
+/// A process in uninterruptible sleep cannot be killed: then we give up.
+constexpr std::chrono::seconds kPatience{10};
+constexpr int kLookEveryMs = 20;
+
+/// The standard ones lead nowhere from here on.
+void close_all_but(const std::vector<int>& kept) {
+  const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (int fd = 0; fd <= 2; ++fd) {
+    dup2(nowhere, fd);
+  }
+  for (int fd = 3; fd < static_cast<int>(sysconf(_SC_OPEN_MAX)) && fd < 4096; ++fd) {
+    if (std::find(kept.begin(), kept.end(), fd) == kept.end()) {
+      close(fd);
+    }
+  }
+}
+
+void reset_signals() {
+  for (int number = 1; number < NSIG; ++number) {
+    signal(number, SIG_DFL);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// In the forked child: becomes the program, or returns when it cannot.
+void become(const ProgramStart& start, const KeeperFiles& files, pid_t keeper) {
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != keeper) {
+    _exit(143);
+  }
+  dup2(files.out, 1);
+  dup2(files.err, 2);
+  if (!start.directory.empty() && chdir(start.directory.c_str()) != 0) {
+    return;
+  }
+  for (const auto& [name, value] : start.environment) {
+    setenv(name.c_str(), value.c_str(), 1);
+  }
+  std::vector<char*> arguments;
+  for (const auto& argument : start.arguments) {
+    arguments.push_back(const_cast<char*>(argument.c_str()));
+  }
+  arguments.push_back(nullptr);
+  reset_signals();
+  execvp(arguments[0], arguments.data());
+}
+
+class Keeper {
+ public:
+  Keeper(const ProgramStart& start, const KeeperFiles& files) : start_(start), files_(files) {
+    sigset_t every;
+    sigfillset(&every);
+    sigprocmask(SIG_SETMASK, &every, nullptr);
+    sigset_t child;
+    sigemptyset(&child);
+    sigaddset(&child, SIGCHLD);
+    signals_ = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    prctl(PR_SET_NAME, "spikeloop-keep");
+  }
+
+  void run() {
+    if (!start_program()) {
+      return;
+    }
+    while (true) {
+      wait_for_news();
+      reap();
+      obey();
+      if (ending_ && (end_some() || Clock::now() - ending_since_ > kPatience)) {
+        break;
+      }
+    }
+    if (orphaned_ && !start_.scratch.empty()) {
+      std::error_code ignored;
+      std::filesystem::remove_all(start_.scratch, ignored);
+    }
+  }
+
+ private:
+  void tell(KeeperNews::Kind kind, int value) const {
+    const KeeperNews news{kind, value};
+    send(files_.owner, &news, sizeof news, MSG_NOSIGNAL);
+  }
+
+  bool start_program() {
+    int failure[2];
+    if (pipe2(failure, O_CLOEXEC) != 0) {
+      tell(KeeperNews::Kind::cannot_start, errno);
+      return false;
+    }
+    const pid_t keeper = getpid();
+    program_ = fork();
+    if (program_ == 0) {
+      become(start_, files_, keeper);
+      const int reason = errno;
+      [[maybe_unused]] const auto written = write(failure[1], &reason, sizeof reason);
+      _exit(127);
+    }
+    close(failure[1]);
+    close(files_.out);
+    close(files_.err);
+    int reason = 0;
+    const bool failed = program_ < 0 || read(failure[0], &reason, sizeof reason) == sizeof reason;
+    close(failure[0]);
+    tell(failed ? KeeperNews::Kind::cannot_start : KeeperNews::Kind::started,
+         failed ? reason : program_);
+    return !failed;
+  }
+
+  void wait_for_news() const {
+    pollfd files[2] = {{signals_, POLLIN, 0}, {orphaned_ ? -1 : files_.owner, POLLIN, 0}};
+    poll(files, 2, ending_ ? kLookEveryMs : -1);
+    signalfd_siginfo ignored;
+    while (read(signals_, &ignored, sizeof ignored) > 0) {
+    }
+  }
+
+  void reap() {
+    int status = 0;
+    for (pid_t ended = waitpid(-1, &status, WNOHANG); ended > 0;
+         ended = waitpid(-1, &status, WNOHANG)) {
+      if (ended == program_) {
+        tell(KeeperNews::Kind::ended, status);
+        begin_ending();
+      }
+    }
+  }
+
+  void obey() {
+    char command = 0;
+    while (!orphaned_) {
+      const auto size = recv(files_.owner, &command, 1, MSG_DONTWAIT);
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
+        return;
+      }
+      orphaned_ = size <= 0;
+      begin_ending();
+      killing_ = killing_ || (size > 0 && command == kKillTree);
+    }
+  }
+
+  void begin_ending() {
+    if (!ending_) {
+      ending_ = true;
+      ending_since_ = Clock::now();
+      for (const pid_t process : descendants(getpid())) {
+        ::kill(process, SIGTERM);
+        ::kill(process, SIGCONT);
+      }
+    }
+  }
+
+  /// Returns whether nothing is left.
+  bool end_some() const {
+    const auto left = descendants(getpid());
+    if (killing_ || Clock::now() - ending_since_ > kGrace) {
+      for (const pid_t process : left) {
+        ::kill(process, SIGKILL);
+      }
+    }
+    return left.empty();
+  }
+
+  const ProgramStart& start_;
+  KeeperFiles files_;
+  int signals_ = -1;
+  pid_t program_ = -1;
+  bool orphaned_ = false;
+  bool ending_ = false;
+  bool killing_ = false;
+  Clock::time_point ending_since_{};
+};
+
+}  // namespace
+
+void keep(const ProgramStart& start, const KeeperFiles& files) {
+  setpgid(0, 0);
+  close_all_but({files.owner, files.out, files.err});
+  Keeper(start, files).run();
+  _exit(0);
+}
+
+}  // namespace spikeloop::launch

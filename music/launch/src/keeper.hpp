@@ -1,0 +1,30 @@
+// The process between us and a program: starts it, reports on it, ends its tree.
+#pragma once
+
+#include <sys/types.h>
+
+#include "spikeloop/launch/process_tree.hpp"
+
+namespace spikeloop::launch {
+
+/// What a keeper tells; `value` is a process id, an errno, a wait status.
+struct KeeperNews {
+  enum class Kind : int { started, cannot_start, ended };
+  Kind kind;
+  int value;
+};
+
+inline constexpr char kEndTree = 't';
+inline constexpr char kKillTree = 'k';
+
+/// Descriptors that the keeper goes on with; everything else is closed.
+struct KeeperFiles {
+  int owner;  ///< its end of the socket pair
+  int out;    ///< the program's standard output
+  int err;
+};
+
+/// Runs in the forked process and never returns.
+[[noreturn]] void keep(const ProgramStart& start, const KeeperFiles& files);
+
+}  // namespace spikeloop::launch

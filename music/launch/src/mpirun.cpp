@@ -1,0 +1,286 @@
+#include "spikeloop/launch/mpirun.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_program(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
+}
+
+void need(const std::string& program, const std::string& path, const char* package) {
+  if (find_executable(program, "", path).empty()) {
+    throw TransportError(fmt::format(
+        "cannot find '{}' in PATH; install it (Debian: apt install {})", program, package));
+  }
+}
+
+/// Names of our own programs, to suggest one.
+std::vector<std::string> own_programs() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(own_directory(), ignored)) {
+    names.push_back(entry.path().filename());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void check_program(const MusicFile& file, const MusicSection& section, const std::string& directory,
+                   const std::string& path) {
+  const MusicKey* binary = find_key(section.keys, "binary");
+  const MusicKey* wd = file.find_key(section, "wd");
+  const std::string from = wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
+  if (binary == nullptr || !find_executable(binary->value, from, path).empty()) {
+    return;
+  }
+  if (binary->value.find('/') != std::string::npos) {
+    throw ConfigurationError(
+        binary->where,
+        fmt::format("section '{}': there is no program '{}', seen from '{}'; write a "
+                    "path from there, or a name that is in PATH",
+                    section.label, binary->value, from));
+  }
+  const std::string suggestion = nearest(binary->value, own_programs());
+  throw ConfigurationError(
+      binary->where,
+      fmt::format(
+          "section '{}': there is no program '{}' in PATH; {}", section.label, binary->value,
+          suggestion.empty() ? fmt::format("install it, or write its path (./{})", binary->value)
+                             : fmt::format("did you mean '{}'?", suggestion)));
+}
+
+/// The number that follows `words`, if `line` has them.
+std::optional<int> number_after(std::string_view line, std::string_view words) {
+  const auto place = line.find(words);
+  if (place == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::string rest(line.substr(place + words.size()));
+  char* end = nullptr;
+  const long number = std::strtol(rest.c_str(), &end, 10);
+  return end == rest.c_str() ? std::nullopt : std::optional(static_cast<int>(number));
+}
+
+/// "[1,RANK]<stdout>:" or "[1,RANK]<stderr>:" at the begin of `text`.
+struct Tag {
+  int rank = -1;
+  bool error = false;
+  std::size_t size = 0;
+};
+std::optional<Tag> read_tag(std::string_view text) {
+  std::size_t i = 1;
+  const auto digits = [&] {
+    const std::size_t begin = i;
+    while (i < text.size() && i < begin + 9 && text[i] >= '0' && text[i] <= '9') {
+      ++i;
+    }
+    return std::string(text.substr(begin, i - begin));
+  };
+  if (text.empty() || text[0] != '[' || digits().empty() || i >= text.size() || text[i++] != ',') {
+    return std::nullopt;
+  }
+  const std::string rank = digits();
+  const std::string_view rest = text.substr(i);
+  const bool out = rest.starts_with("]<stdout>:");
+  if (rank.empty() || !(out || rest.starts_with("]<stderr>:"))) {
+    return std::nullopt;
+  }
+  return Tag{std::stoi(rank), !out, i + std::string_view("]<stdout>:").size()};
+}
+
+/// Place of the next tag in `text`, or its size.
+std::size_t find_tag(std::string_view text) {
+  std::size_t place = text.find('[');
+  while (place != std::string_view::npos && !read_tag(text.substr(place))) {
+    place = text.find('[', place + 1);
+  }
+  return std::min(place, text.size());
+}
+
+/// "[HOST:PROCESS] ...": Open MPI speaks from inside a program, mostly of its crash.
+bool is_mpi_speaking(std::string_view text) {
+  const auto colon = text.find(':');
+  const auto end = text.find("] ");
+  if (!text.starts_with('[') || end == std::string_view::npos || colon == 1 || colon + 1 >= end) {
+    return false;
+  }
+  const std::string_view process = text.substr(colon + 1, end - colon - 1);
+  return text.substr(0, colon).find(' ') == std::string_view::npos &&
+         process.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string own_directory() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
+}
+
+std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
+                                        const std::string& scratch) {
+  // Waiting programs spin: without yielding and free placement they starve each other.
+  return {"mpirun",
+          "-np",
+          std::to_string(file.total_processes()),
+          "--oversubscribe",
+          "--bind-to",
+          "none",
+          "--mca",
+          "mpi_yield_when_idle",
+          "1",
+          "--mca",
+          "orte_tmpdir_base",
+          scratch,
+          "--mca",
+          "btl_vader_backing_directory",
+          scratch,
+          "--tag-output",
+          "music",
+          path};
+}
+
+std::map<std::string, std::string> program_environment() {
+  const char* path = std::getenv("PATH");
+  std::map<std::string, std::string> environment;
+  environment["PATH"] = own_directory() + (path == nullptr ? "" : fmt::format(":{}", path));
+  if (geteuid() == 0) {
+    environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
+    environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
+  }
+  return environment;
+}
+
+std::string find_executable(const std::string& program, const std::string& directory,
+                            const std::string& path) {
+  if (program.find('/') != std::string::npos) {
+    const fs::path whole = fs::path(directory) / program;
+    return is_program(whole) ? whole.string() : "";
+  }
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find(':', begin), path.size());
+    // An empty entry is the working directory.
+    const std::string entry = end == begin ? "." : path.substr(begin, end - begin);
+    const fs::path whole = fs::path(directory) / entry / program;
+    if (!program.empty() && is_program(whole)) {
+      return whole.string();
+    }
+    begin = end + 1;
+  }
+  return "";
+}
+
+void check_programs(const MusicFile& file, const std::string& directory) {
+  const std::string path = program_environment()["PATH"];
+  need("mpirun", path, "openmpi-bin");
+  need("music", path, "music-bin");
+  for (const MusicSection& section : file.sections) {
+    check_program(file, section, directory, path);
+  }
+}
+
+std::string label_of_rank(const MusicFile& file, int rank) {
+  for (const MusicSection& section : file.sections) {
+    const int processes = file.processes(section);
+    if (rank < processes) {
+      return section.label;
+    }
+    rank -= processes;
+  }
+  return "";
+}
+
+std::string shell_text(const std::vector<std::string>& arguments) {
+  std::vector<std::string> quoted;
+  for (const std::string& argument : arguments) {
+    const bool plain = !argument.empty() && argument.find_first_not_of(
+                                                "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwx"
+                                                "yz0123456789_-./=:,+@%") == std::string::npos;
+    std::string text = argument;
+    for (std::size_t i = text.find('\''); i != std::string::npos; i = text.find('\'', i + 4)) {
+      text.replace(i, 1, "'\\''");
+    }
+    quoted.push_back(plain ? text : fmt::format("'{}'", text));
+  }
+  return fmt::format("{}", fmt::join(quoted, " "));
+}
+
+void TaggedOutput::feed(std::string_view bytes) {
+  unfinished_ += bytes;
+  std::size_t begin = 0;
+  for (std::size_t end = unfinished_.find('\n'); end != std::string::npos;
+       end = unfinished_.find('\n', begin)) {
+    take_line(std::string_view(unfinished_).substr(begin, end - begin));
+    begin = end + 1;
+  }
+  unfinished_.erase(0, begin);
+}
+
+void TaggedOutput::take_line(std::string_view line) {
+  Source source{-1, error_};
+  while (true) {
+    const std::size_t size = find_tag(line);
+    pieces_[source] += line.substr(0, size);
+    line.remove_prefix(size);
+    const auto tag = read_tag(line);
+    if (!tag) {
+      break;
+    }
+    line.remove_prefix(tag->size);
+    // Nothing stood before the line's first tag.
+    if (source.rank == -1 && pieces_[source].empty()) {
+      pieces_.erase(source);
+    }
+    source = {tag->rank, tag->error};
+  }
+  flush(source);
+}
+
+void TaggedOutput::flush(const Source& source) {
+  std::string text = std::move(pieces_[source]);
+  pieces_.erase(source);
+  const bool own = source.rank < 0 || is_mpi_speaking(text);
+  handler_({own ? std::nullopt : std::optional(source.rank), source.error, std::move(text)});
+}
+
+void TaggedOutput::finish() {
+  if (!unfinished_.empty()) {
+    feed("\n");
+  }
+  while (!pieces_.empty()) {
+    flush(pieces_.begin()->first);
+  }
+}
+
+void MpirunDiagnosis::read(std::string_view line) {
+  if (signal_ || exit_code_) {
+    return;
+  }
+  if (const auto rank = number_after(line, "mpirun noticed that process rank ")) {
+    rank_ = rank;
+    signal_ = number_after(line, "exited on signal ");
+  } else if (const auto improper = number_after(line, "mpirun has exited due to process rank ")) {
+    rank_ = improper;
+  } else if (const auto aborted = number_after(line, "MPI_ABORT was invoked on rank ")) {
+    rank_ = aborted;
+  } else if (line.find("Process name: [[") != std::string_view::npos) {
+    rank_ = number_after(line.substr(line.find("],")), "],");
+  } else if (rank_) {
+    const auto code = number_after(line, "Exit code:");
+    exit_code_ = code ? code : number_after(line, "with errorcode ");
+  }
+}
+
+}  // namespace spikeloop::launch

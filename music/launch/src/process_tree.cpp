@@ -1,0 +1,128 @@
+#include "spikeloop/launch/process_tree.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "keeper.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+struct Pair {
+  Descriptor ours;
+  Descriptor theirs;
+};
+
+[[noreturn]] void fail(const ProgramStart& start, int reason) {
+  throw TransportError(
+      fmt::format("cannot start '{}': {}", start.arguments.at(0), std::strerror(reason)));
+}
+
+Pair make_pipe(const ProgramStart& start) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    fail(start, errno);
+  }
+  fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  return {Descriptor{ends[0]}, Descriptor{ends[1]}};
+}
+
+Pair make_socket_pair(const ProgramStart& start) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
+    fail(start, errno);
+  }
+  return {Descriptor{ends[0]}, Descriptor{ends[1]}};
+}
+
+KeeperNews first_news(int keeper) {
+  KeeperNews news{KeeperNews::Kind::cannot_start, ECHILD};
+  while (recv(keeper, &news, sizeof news, 0) < 0 && errno == EINTR) {
+  }
+  return news;
+}
+
+}  // namespace
+
+ProcessTree::ProcessTree(const ProgramStart& start) {
+  Pair keeper = make_socket_pair(start);
+  Pair out = make_pipe(start);
+  Pair err = make_pipe(start);
+  keeper_pid_ = fork();
+  if (keeper_pid_ == 0) {
+    keep(start, {keeper.theirs.get(), out.theirs.get(), err.theirs.get()});
+  }
+  if (keeper_pid_ < 0) {
+    fail(start, errno);
+  }
+  keeper.theirs.reset();
+  const KeeperNews news = first_news(keeper.ours.get());
+  if (news.kind != KeeperNews::Kind::started) {
+    waitpid(keeper_pid_, nullptr, 0);
+    fail(start, news.value);
+  }
+  pid_ = news.value;
+  keeper_ = std::move(keeper.ours);
+  out_ = std::move(out.ours);
+  err_ = std::move(err.ours);
+}
+
+ProcessTree::~ProcessTree() {
+  order(kKillTree);
+  while (!gone()) {
+    pollfd waiting{fd(), POLLIN, 0};
+    poll(&waiting, 1, -1);
+  }
+}
+
+void ProcessTree::signal(int number) const {
+  if (!status_) {
+    ::kill(pid_, number);
+  }
+}
+
+void ProcessTree::order(char command) const {
+  if (keeper_.get() >= 0) {
+    send(keeper_.get(), &command, 1, MSG_NOSIGNAL);
+  }
+}
+
+void ProcessTree::end() {
+  order(kEndTree);
+}
+
+void ProcessTree::kill() {
+  order(kKillTree);
+}
+
+bool ProcessTree::gone() {
+  while (keeper_.get() >= 0) {
+    KeeperNews news{};
+    const auto size = recv(keeper_.get(), &news, sizeof news, MSG_DONTWAIT);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
+      return false;
+    }
+    if (size > 0) {
+      status_ = news.value;
+    } else {
+      keeper_.reset();
+      waitpid(keeper_pid_, nullptr, 0);
+    }
+  }
+  return true;
+}
+
+int exit_code(int wait_status) {
+  return WIFSIGNALED(wait_status) ? 128 + WTERMSIG(wait_status) : WEXITSTATUS(wait_status);
+}
+
+}  // namespace spikeloop::launch

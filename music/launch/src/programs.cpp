@@ -1,0 +1,69 @@
+#include "spikeloop/launch/programs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+namespace spikeloop::launch {
+namespace {
+
+constexpr auto kContinuous = Kind::continuous;
+constexpr auto kEvents = Kind::events;
+
+/// The port `pace` of both ROS adapters is continuous, like their others.
+constexpr std::array kPrograms{
+    Program{.name = "ros_sensor_adapter", .output = kContinuous, .source = true, .ros = true},
+    Program{.name = "ros_command_adapter", .input = kContinuous, .ros = true, .measures_age = true},
+    Program{.name = "connect_adapter", .input = kContinuous, .output = kContinuous},
+    Program{.name = "rate_encoder", .input = kContinuous, .output = kEvents},
+    Program{.name = "poisson_encoder", .input = kContinuous, .output = kEvents},
+    Program{.name = "linear_readout_decoder", .input = kEvents, .output = kContinuous},
+    Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
+};
+
+}  // namespace
+
+std::string program_name(const MusicSection& section) {
+  const MusicKey* binary = find_key(section.keys, "binary");
+  return binary == nullptr ? "" : std::filesystem::path(binary->value).filename().string();
+}
+
+const Program* find_program(const MusicFile& file, const MusicSection& section) {
+  std::string name = program_name(section);
+  if (name == "spikeloop-node") {
+    const MusicKey* node = file.find_key(section, "node");
+    name = node == nullptr ? "" : node->value;
+  }
+  const auto found = std::find_if(kPrograms.begin(), kPrograms.end(),
+                                  [&name](const Program& program) { return program.name == name; });
+  return found == kPrograms.end() ? nullptr : &*found;
+}
+
+const Program* find_program(const MusicFile& file, std::string_view label) {
+  const MusicSection* section = file.find_section(label);
+  return section == nullptr ? nullptr : find_program(file, *section);
+}
+
+bool is_continuous(const MusicFile& file, const MusicConnection& connection) {
+  const Program* sender = find_program(file, connection.from_app);
+  if (sender != nullptr && sender->output) {
+    return sender->output == Kind::continuous;
+  }
+  const Program* receiver = find_program(file, connection.to_app);
+  return receiver != nullptr && receiver->input == Kind::continuous;
+}
+
+bool all_ours(const MusicFile& file) {
+  return std::all_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
+    return find_program(file, section) != nullptr;
+  });
+}
+
+bool needs_ros(const MusicFile& file) {
+  return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
+    const Program* program = find_program(file, section);
+    return program != nullptr && program->ros;
+  });
+}
+
+}  // namespace spikeloop::launch

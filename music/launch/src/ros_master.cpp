@@ -1,0 +1,189 @@
+#include "spikeloop/launch/ros_master.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <memory>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using status::Descriptor;
+
+constexpr std::chrono::milliseconds kPatience{2000};
+/// getPublishedTopics of a large robot is some 100 kB.
+constexpr std::size_t kLargestAnswer = 16u << 20;
+
+bool wait_for(int fd, short events, Clock::time_point deadline) {
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+    pollfd file{fd, events, 0};
+    const int ready = poll(&file, 1, static_cast<int>(std::max<long>(left.count(), 0)));
+    if (ready >= 0 || errno != EINTR) {
+      return ready > 0;
+    }
+  }
+}
+
+Descriptor connect_to(const addrinfo& address, Clock::time_point deadline) {
+  Descriptor fd{socket(address.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+  int error = 0;
+  if (connect(fd.get(), address.ai_addr, address.ai_addrlen) != 0) {
+    error = errno;
+    if (error == EINPROGRESS && wait_for(fd.get(), POLLOUT, deadline)) {
+      socklen_t size = sizeof error;
+      getsockopt(fd.get(), SOL_SOCKET, SO_ERROR, &error, &size);
+    }
+  }
+  return error == 0 ? std::move(fd) : Descriptor{};
+}
+
+Descriptor connect_to(const MasterAddress& address, Clock::time_point deadline) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found) !=
+      0) {
+    return Descriptor{};
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  Descriptor fd;
+  for (const addrinfo* entry = found; entry != nullptr && fd.get() < 0; entry = entry->ai_next) {
+    fd = connect_to(*entry, deadline);
+  }
+  return fd;
+}
+
+bool write_all(int fd, std::string_view text, Clock::time_point deadline) {
+  while (!text.empty()) {
+    const auto size = send(fd, text.data(), text.size(), MSG_NOSIGNAL);
+    if (size > 0) {
+      text.remove_prefix(static_cast<std::size_t>(size));
+    } else if (errno != EAGAIN || !wait_for(fd, POLLOUT, deadline)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Reads to the end of the connection, or to the end of the XML.
+std::string read_answer(int fd, Clock::time_point deadline) {
+  std::string answer;
+  char buffer[16384];
+  while (answer.size() < kLargestAnswer && answer.find("</methodResponse>") == std::string::npos &&
+         wait_for(fd, POLLIN, deadline)) {
+    const auto size = recv(fd, buffer, sizeof buffer, 0);
+    if (size <= 0) {
+      break;
+    }
+    answer.append(buffer, static_cast<std::size_t>(size));
+  }
+  return answer;
+}
+
+std::string text_value(std::string_view text) {
+  return fmt::format("<param><value><string>{}</string></value></param>", text);
+}
+
+}  // namespace
+
+MasterAddress parse_master_uri(std::string_view uri) {
+  const auto fail = [uri]() -> ConfigurationError {
+    return ConfigurationError(fmt::format(
+        "ROS_MASTER_URI is '{}', which is no master's address; write http://HOST:PORT, such as {}",
+        uri, kDefaultMasterUri));
+  };
+  constexpr std::string_view kScheme = "http://";
+  std::string_view rest = uri;
+  if (!rest.starts_with(kScheme)) {
+    throw fail();
+  }
+  rest.remove_prefix(kScheme.size());
+  if (rest.ends_with('/')) {
+    rest.remove_suffix(1);
+  }
+  const auto colon = rest.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) {
+    throw fail();
+  }
+  MasterAddress address{std::string(rest.substr(0, colon)), 0};
+  const std::string_view port = rest.substr(colon + 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  if (error != std::errc() || end != port.data() + port.size() || address.port == 0) {
+    throw fail();
+  }
+  return address;
+}
+
+std::string master_uri() {
+  const char* uri = std::getenv("ROS_MASTER_URI");
+  return uri == nullptr || *uri == '\0' ? kDefaultMasterUri : uri;
+}
+
+RosMaster::RosMaster(const std::string& uri) : uri_(uri), address_(parse_master_uri(uri)) {}
+
+std::optional<std::string> RosMaster::call(const std::string& method,
+                                           const std::string& arguments) const {
+  const auto deadline = Clock::now() + kPatience;
+  const Descriptor fd = connect_to(address_, deadline);
+  const std::string body = fmt::format(
+      "<?xml version=\"1.0\"?><methodCall><methodName>{}</methodName><params>{}{}</params>"
+      "</methodCall>",
+      method, text_value("/spikeloop"), arguments);
+  const std::string request = fmt::format(
+      "POST /RPC2 HTTP/1.0\r\nHost: {}:{}\r\nContent-Type: text/xml\r\nContent-Length: "
+      "{}\r\n\r\n{}",
+      address_.host, address_.port, body.size(), body);
+  if (fd.get() < 0 || !write_all(fd.get(), request, deadline)) {
+    return std::nullopt;
+  }
+  std::string answer = read_answer(fd.get(), deadline);
+  const bool whole = answer.find(" 200 ") < answer.find('\n') &&
+                     answer.find("</methodResponse>") != std::string::npos &&
+                     answer.find("<fault>") == std::string::npos;
+  return whole ? std::optional(std::move(answer)) : std::nullopt;
+}
+
+bool RosMaster::answers() const {
+  return call("getUri", "").has_value();
+}
+
+bool RosMaster::publishes(const std::string& topic) const {
+  auto answer = call("getPublishedTopics", text_value(""));
+  if (!answer) {
+    return false;
+  }
+  std::erase_if(*answer, [](unsigned char c) { return std::isspace(c) != 0; });
+  return answer->find(fmt::format(">{}<", topic)) != std::string::npos;
+}
+
+std::uint16_t free_port() {
+  const Descriptor fd{socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  socklen_t size = sizeof address;
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  if (bind(fd.get(), generic, size) != 0 || getsockname(fd.get(), generic, &size) != 0) {
+    throw TransportError(fmt::format("cannot find a free port (error {})", errno));
+  }
+  return ntohs(address.sin_port);
+}
+
+}  // namespace spikeloop::launch

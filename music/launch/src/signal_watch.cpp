@@ -1,0 +1,29 @@
+#include "signal_watch.hpp"
+
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+namespace spikeloop::launch {
+
+SignalWatch::SignalWatch() {
+  sigset_t watched;
+  sigemptyset(&watched);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    sigaddset(&watched, number);
+  }
+  pthread_sigmask(SIG_BLOCK, &watched, &before_);
+  fd_ = status::Descriptor{signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK)};
+}
+
+SignalWatch::~SignalWatch() {
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+std::optional<int> SignalWatch::next() const {
+  signalfd_siginfo info{};
+  return read(fd_.get(), &info, sizeof info) == sizeof info
+             ? std::optional(static_cast<int>(info.ssi_signo))
+             : std::nullopt;
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,160 @@
+// mpirun's command line and its output.
+#include "spikeloop/launch/mpirun.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr const char* kJob =
+    "[a]\nnp=1\nbinary=x\n[b]\nnp=3\nbinary=y\n[c]\nnp=1\nbinary=z\na.out -> b.in\nb.out -> c.in\n";
+
+TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
+  EXPECT_THAT(
+      mpirun_command(parse_music(kJob, "f"), "/run/x.music", "/s"),
+      ElementsAre("mpirun", "-np", "5", "--oversubscribe", "--bind-to", "none", "--mca",
+                  "mpi_yield_when_idle", "1", "--mca", "orte_tmpdir_base", "/s", "--mca",
+                  "btl_vader_backing_directory", "/s", "--tag-output", "music", "/run/x.music"));
+}
+
+TEST(MpirunCommand, FindsOurProgramsFirst) {
+  const auto environment = program_environment();
+  EXPECT_EQ(environment.at("PATH").find(own_directory() + ":"), 0u);
+  EXPECT_EQ(environment.contains("OMPI_ALLOW_RUN_AS_ROOT"), geteuid() == 0);
+}
+
+TEST(LabelOfRank, CountsTheProcessesOfEachSection) {
+  const MusicFile file = parse_music(kJob, "f");
+  std::vector<std::string> labels;
+  for (int rank = 0; rank < 6; ++rank) {
+    labels.push_back(label_of_rank(file, rank));
+  }
+  EXPECT_THAT(labels, ElementsAre("a", "b", "b", "b", "c", ""));
+}
+
+TEST(ShellText, QuotesWhatAShellWouldTakeApart) {
+  EXPECT_EQ(shell_text({"mpirun", "-np", "2", "a b", "it's", ""}),
+            "mpirun -np 2 'a b' 'it'\\''s' ''");
+}
+
+TEST(FindExecutable, LooksWhereExecvpLooks) {
+  const test::TemporaryDirectory directory;
+  const std::string program = directory.write("tool", "#!/bin/sh\n");
+  const std::string here = directory.path().string();
+  EXPECT_EQ(find_executable("tool", "/", here), "") << "not executable";
+  chmod(program.c_str(), 0755);
+  EXPECT_EQ(find_executable("tool", "/", "/nowhere:" + here), program);
+  EXPECT_EQ(find_executable("tool", here, "/nowhere:"), here + "/./tool");
+  EXPECT_EQ(find_executable("./tool", here, ""), here + "/./tool");
+  EXPECT_EQ(find_executable(program, "/", ""), program);
+  EXPECT_EQ(find_executable("tool", here, "/nowhere"), "");
+  EXPECT_EQ(find_executable("", here, here), "");
+}
+
+std::string problem(const std::string& text, const std::string& directory) {
+  try {
+    check_programs(parse_music(text, "loop.music"), directory);
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
+  EXPECT_EQ(problem("[a]\nbinary=sh\n", "/"), "");
+  EXPECT_EQ(problem("[a]\nbinary=mybrainx\n", "/"),
+            "loop.music:2:1: section 'a': there is no program 'mybrainx' in PATH; install it, or "
+            "write its path (./mybrainx)");
+  EXPECT_EQ(problem("[a]\nbinary=launch_testz\n", "/"),
+            "loop.music:2:1: section 'a': there is no program 'launch_testz' in PATH; did you mean "
+            "'launch_tests'?");
+  EXPECT_EQ(problem("[a]\nwd=sub\nbinary=./brain.py\n", "/home"),
+            "loop.music:3:1: section 'a': there is no program './brain.py', seen from '/home/sub'; "
+            "write a path from there, or a name that is in PATH");
+}
+
+TEST(CheckPrograms, SaysHowToInstallMpirun) {
+  const std::string before = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  std::string message;
+  try {
+    check_programs(parse_music("[a]\nbinary=sh\n", "f"), "/");
+  } catch (const TransportError& error) {
+    message = error.what();
+  }
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(message, "cannot find 'mpirun' in PATH; install it (Debian: apt install openmpi-bin)");
+}
+
+std::vector<std::string> lines_of(const std::vector<std::string>& pieces) {
+  std::vector<std::string> lines;
+  TaggedOutput output(true, [&lines](const OutputLine& line) {
+    lines.push_back((line.rank ? std::to_string(*line.rank) : "mpirun") +
+                    (line.error ? " err " : " out ") + line.text);
+  });
+  for (const std::string& piece : pieces) {
+    output.feed(piece);
+  }
+  output.finish();
+  return lines;
+}
+
+TEST(TaggedOutput, TellsProgramsFromMpirun) {
+  EXPECT_THAT(lines_of({"[1,0]<stdout>:one\n[1,12]<std", "err>:two\n---\n", "[1,0]<stdout>:\nx"}),
+              ElementsAre("0 out one", "12 err two", "mpirun err ---", "0 out ", "mpirun err x"));
+}
+
+TEST(TaggedOutput, JoinsWhatMpirunReadInPieces) {
+  EXPECT_THAT(lines_of({"[1,0]<stdout>:a long[1,0]<stdout>: line\n"}),
+              ElementsAre("0 out a long line"));
+  EXPECT_THAT(lines_of({"[1,0]<stdout>:be[1,1]<stdout>:whole\n[1,0]<stdout>:gin\n"}),
+              ElementsAre("1 out whole", "0 out begin"));
+  EXPECT_THAT(lines_of({"[1,0]<stdout>:no end"}), ElementsAre("0 out no end"));
+}
+
+TEST(TaggedOutput, LeavesBracketsOfProgramsAlone) {
+  EXPECT_THAT(lines_of({"[1,0]<stdout>:[ INFO] [1,2] [1,x]<stdout>:\n[vm:1] lost\n"}),
+              ElementsAre("0 out [ INFO] [1,2] [1,x]<stdout>:", "mpirun err [vm:1] lost"));
+}
+
+TEST(TaggedOutput, KnowsOpenMpiFromInsideAProgram) {
+  EXPECT_THAT(lines_of({"[1,0]<stderr>:[my-pc:123] Signal: Segmentation fault (11)\n",
+                        "[1,0]<stdout>:[ INFO] [16.5]: 3:4 a\n[1,0]<stdout>:[12:30] tea\n",
+                        "[1,0]<stdout>:[:12] a\n[1,0]<stdout>:[a:] b\n"}),
+              ElementsAre("mpirun err [my-pc:123] Signal: Segmentation fault (11)",
+                          "0 out [ INFO] [16.5]: 3:4 a", "mpirun out [12:30] tea", "0 out [:12] a",
+                          "0 out [a:] b"));
+}
+
+TEST(MpirunDiagnosis, ReadsWhoEndedFirst) {
+  MpirunDiagnosis killed;
+  killed.read("mpirun noticed that process rank 1 with PID 0 on node vm exited on signal 9 (Kil");
+  killed.read("mpirun noticed that process rank 2 with PID 0 on node vm exited on signal 15 (T");
+  EXPECT_EQ(killed.rank(), 1);
+  EXPECT_EQ(killed.signal(), 9);
+  MpirunDiagnosis left;
+  left.read("  Process name: [[16537,1],2]");
+  left.read("  Exit code:    7");
+  EXPECT_EQ(left.rank(), 2);
+  EXPECT_EQ(left.exit_code(), 7);
+  MpirunDiagnosis aborted;
+  aborted.read("MPI_ABORT was invoked on rank 3 in communicator MPI_COMM_WORLD");
+  aborted.read("with errorcode 5.");
+  EXPECT_EQ(aborted.rank(), 3);
+  EXPECT_EQ(aborted.exit_code(), 5);
+  MpirunDiagnosis improper;
+  improper.read("mpirun has exited due to process rank 4 with PID 0 on");
+  EXPECT_EQ(improper.rank(), 4);
+  EXPECT_FALSE(improper.exit_code());
+  EXPECT_FALSE(MpirunDiagnosis().rank());
+}
+
+}  // namespace
+}  // namespace spikeloop::launch

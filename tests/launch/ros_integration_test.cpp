@@ -1,0 +1,64 @@
+// A ROS master that the launcher finds missing, or starts and stops.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+
+#include "spikeloop/launch/ros_master.hpp"
+#include "tests/launch/launcher.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string closed_uri() {
+  return "http://127.0.0.1:" + std::to_string(launch::free_port());
+}
+
+TEST(RosMasterOfAJob, IsMissed) {
+  const TwoPrograms job("", "", "ros_sensor_adapter");
+  std::filesystem::create_symlink(SPIKELOOP_TEST_PROGRAM,
+                                  job.directory().path() / "ros_sensor_adapter");
+  Command command = job.command();
+  command.environment["PATH"] = job.directory().path().string() + ":" + getenv("PATH");
+  command.environment["ROS_MASTER_URI"] = closed_uri();
+  const Outcome outcome = run(command);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: no ROS master answers at " + command.environment["ROS_MASTER_URI"] +
+                "; start one (roscore), write its address into ROS_MASTER_URI, or let us start one "
+                "of our own: --roscore");
+}
+
+TEST(RosMasterOfAJob, IsStartedAndStopped) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Command command = job.command({"--roscore"});
+  command.environment["ROS_MASTER_URI"] = closed_uri();
+  Child child(command);
+  ASSERT_TRUE(child.wait_for("spikeloop: ROS master at http", 60s)) << child.output();
+  ASSERT_TRUE(child.wait_for("b: first tick", 60s)) << child.output();
+  std::string uri = child.output();
+  uri = uri.substr(uri.find("ROS master at ") + 14);
+  const launch::RosMaster master(uri.substr(0, uri.find('\n')));
+  EXPECT_TRUE(master.answers());
+  EXPECT_FALSE(master.publishes("/scan"));
+  child.signal(SIGINT);
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_FALSE(master.answers());
+}
+
+TEST(RosMasterOfAJob, DiesWithAKilledLauncher) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Command command = job.command({"--roscore"});
+  command.environment["ROS_MASTER_URI"] = closed_uri();
+  Child child(command);
+  ASSERT_TRUE(child.wait_for("b: first tick", 90s)) << child.output();
+  child.signal(SIGKILL);
+  EXPECT_EQ(child.wait().left_behind, 0);
+}
+
+}  // namespace
+}  // namespace spikeloop::test

@@ -1,0 +1,216 @@
+// Jobs of real MUSIC programs under the real mpirun: how they end, and that nothing outlives them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+
+#include "tests/launch/launcher.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Run, AJobThatEndsWell) {
+  const TwoPrograms job;
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("a: first tick\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("b: first tick\n"));
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: finished: 0.5 of 0.5 s, real-time factor 0.50, 3 overruns");
+  auto summary = job.summary();
+  EXPECT_EQ(summary["exit_code"], 0);
+  EXPECT_EQ(summary["exit_reason"], "finished");
+  EXPECT_EQ(summary["file"], job.file());
+  EXPECT_DOUBLE_EQ(summary["simulated_s"], 0.5);
+  EXPECT_DOUBLE_EQ(summary["wall_s"], 1.0);
+  EXPECT_DOUBLE_EQ(summary["real_time_factor"], 0.5);
+  EXPECT_EQ(summary["overruns"], 3);
+  EXPECT_EQ(summary["a_ticks"], 50);
+  EXPECT_EQ(summary["b_ticks"], 50);
+  EXPECT_EQ(summary["processes"]["b"]["counters"]["ticks"], 50);
+  EXPECT_EQ(summary["processes"]["b"]["program"], "rate_encoder");
+  EXPECT_EQ(summary["processes"]["b"]["reported"], true);
+}
+
+TEST(Run, TheRunFolderHasTheFileThatWasRunAndTheLog) {
+  const TwoPrograms job;
+  const Outcome outcome = run(job.command({"--duration", "0.2", "--seed", "9", "--quiet"}));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.text(), "");
+  const std::string effective = job.directory().read("run/effective.music");
+  EXPECT_LT(effective.find("[b]"), effective.find("[a]"));
+  EXPECT_THAT(effective, HasSubstr("stoptime=0.2"));
+  EXPECT_THAT(effective, HasSubstr("seed=9"));
+  EXPECT_THAT(job.directory().read("run/mpirun.log"), HasSubstr("a: first tick\n"));
+  EXPECT_DOUBLE_EQ(job.summary()["simulated_s"], 0.2);
+}
+
+TEST(Run, WithoutAFolderNothingIsWrittenBesideTheFile) {
+  const TwoPrograms job;
+  const Outcome outcome = run(launcher({"run", job.file()}));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_FALSE(std::filesystem::exists(job.folder()));
+}
+
+TEST(Run, AProgramThatFailsSaysWhy) {
+  const TwoPrograms job("", "behaviour=fail");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 5);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: b: weights.json: the weights are odd; write even ones");
+  EXPECT_THAT(outcome.err, HasSubstr("b: the weights are odd\n"));
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_EQ(job.summary()["exit_code"], 5);
+  EXPECT_EQ(job.summary()["exit_reason"], "b: weights.json: the weights are odd; write even ones");
+}
+
+TEST(Run, AProgramThatIsKilledIsNamed) {
+  const TwoPrograms job("", "behaviour=die");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: 'b' (rate_encoder) was killed by signal 9 (Killed)");
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, AForeignProgramThatExitsIsNamedWithItsLastLine) {
+  const TwoPrograms job("", "silent=yes\nbehaviour=exit", "./foreign");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 7);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: 'b' (foreign) ended with exit code 7; its last line: ValueError: no such "
+            "synapse");
+}
+
+TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
+  const TwoPrograms job("", "silent=yes\nbehaviour=leave", "./foreign");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(last_line(outcome.err),
+              StartsWith("spikeloop: 'b' (foreign) ended without MUSIC's finalize"));
+}
+
+TEST(Run, AnErrorOfMusicIsTheReason) {
+  const TwoPrograms job("timebase=-1", "");
+  const Outcome outcome = run(job.command());
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, AJobThatDoesNotBeginIsEnded) {
+  const TwoPrograms job("", "behaviour=never_tick");
+  const Outcome outcome = run(job.command({"--start-timeout", "2"}));
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: the job has not begun within 2 s; started, but still without a first tick: "
+            "'b' (rate_encoder), 'a' (poisson_encoder). A program that does not call "
+            "MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs barrier=false in "
+            "the file; one that starts slowly needs a longer --start-timeout");
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, AProgramThatDoesNotReportIsNamed) {
+  const TwoPrograms job("", "silent=yes\nbehaviour=never_tick");
+  const Outcome outcome = run(job.command({"--start-timeout", "2"}));
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("within 2 s; not started: 'b' (rate_encoder); started, but "
+                                     "still without a first tick: 'a' (poisson_encoder)."));
+}
+
+/// Waits until both programs tick, then sends the signals 0.3 s apart.
+Outcome interrupted(const Command& command, const std::vector<int>& signals) {
+  Child child(command);
+  EXPECT_TRUE(child.wait_for("a: first tick", 30s)) << child.output();
+  EXPECT_TRUE(child.wait_for("b: first tick", 30s)) << child.output();
+  for (const int number : signals) {
+    child.signal(number);
+    std::this_thread::sleep_for(300ms);
+  }
+  return child.wait();
+}
+
+TEST(Run, CtrlCEndsTheLoops) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  const Outcome outcome = interrupted(job.command(), {SIGINT});
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(last_line(outcome.err), "spikeloop: stopped by Ctrl-C");
+  EXPECT_EQ(outcome.left_behind, 0);
+  auto summary = job.summary();
+  EXPECT_EQ(summary["processes"]["a"]["reported"], true) << "the programs finalized";
+  EXPECT_EQ(summary["processes"]["b"]["reported"], true);
+  EXPECT_EQ(summary["exit_code"], 130);
+}
+
+TEST(Run, SigtermDoesTheSame) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  const Outcome outcome = interrupted(job.command(), {SIGTERM});
+  EXPECT_EQ(outcome.exit_code, 143);
+  EXPECT_EQ(last_line(outcome.err), "spikeloop: stopped by signal 15 (Terminated)");
+  EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true);
+}
+
+TEST(Run, CtrlCEndsThoseThatDoNotListen) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=stubborn");
+  const Outcome outcome = interrupted(job.command(), {SIGINT});
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, ASecondCtrlCKillsAtOnce) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=stubborn");
+  const Outcome outcome = interrupted(job.command(), {SIGINT, SIGINT});
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, ForeignProgramsGetNoSignalTheyMayNotKnow) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nsilent=yes\nbehaviour=stubborn",
+                        "./foreign");
+  const Outcome outcome = interrupted(job.command(), {SIGINT});
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, NothingOutlivesALauncherThatIsKilled) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=stubborn");
+  Child child(job.command());
+  ASSERT_TRUE(child.wait_for("a: first tick", 30s)) << child.output();
+  ASSERT_TRUE(child.wait_for("b: first tick", 30s)) << child.output();
+  const std::string scratch = scratch_of(child);
+  ASSERT_TRUE(std::filesystem::exists(scratch)) << scratch;
+  child.signal(SIGKILL);
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_FALSE(std::filesystem::exists(scratch));
+}
+
+TEST(Run, LeavesNoSharedMemoryBehind) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=stubborn");
+  Child child(job.command());
+  ASSERT_TRUE(child.wait_for("b: first tick", 30s)) << child.output();
+  const std::string scratch = scratch_of(child);
+  ASSERT_TRUE(std::filesystem::exists(scratch)) << scratch;
+  child.signal(SIGINT);
+  child.signal(SIGINT);
+  child.wait();
+  EXPECT_FALSE(std::filesystem::exists(scratch));
+}
+
+TEST(Run, AMissingProgramIsFoundBeforeAnythingStarts) {
+  const TwoPrograms job("", "", "rate_encodre");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(
+      last_line(outcome.err),
+      HasSubstr("/two.music:10:1: section 'b': there is no program 'rate_encodre' in PATH"));
+}
+
+}  // namespace
+}  // namespace spikeloop::test
