@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <utility>
 
 namespace spikeloop {
@@ -152,7 +153,7 @@ class ForeignNode : public Node {
   void step(const Step& step) override {
     ErrorText error{};
     if (class_.step(node_, &step.plain(), error.data(), error.size()) != 0) {
-      throw NodeError(class_.name, reason(error));
+      throw std::runtime_error(reason(error));  // the graph adds the node's name
     }
   }
 

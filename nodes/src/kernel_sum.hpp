@@ -14,8 +14,8 @@ namespace spikeloop {
 /// A contribution is stored as a * exp((s - r) / tau) relative to a reference time r that all
 /// outputs share, and y_i(t) is the stored sum times exp(-(t - r) / tau). Time passes without
 /// touching the sums; only once in 32 tau, when another contribution comes, r moves and the sums
-/// are scaled. Nothing accumulates with the number of ticks, and compensated addition (Neumaier
-/// 1974) keeps the number of spikes from doing so.
+/// are scaled. Nothing accumulates with the number of ticks, and compensated addition (the two-sum
+/// of Knuth) keeps the number of spikes from doing so.
 class KernelSum {
  public:
   KernelSum(std::uint32_t outputs, double tau_seconds)

@@ -69,7 +69,7 @@ class SpikeSchedule {
 
  private:
   static constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
-  static constexpr std::uint32_t kBlock = 64;
+  static constexpr std::uint32_t kBlock = 16;
 
   void change_rate(std::uint32_t channel, double rate, TimeNs now);
 

@@ -11,7 +11,6 @@ MOST_COLUMNS = 2000  # of the sensor's image: more than the picture has pixels
 MOST_TICKED_ROWS = 60  # of a raster drawn with ticks
 MOST_DOTS = 30_000  # a group's; more are drawn as density
 RATE_BIN_S = 0.01
-RATE_KERNEL_S = 0.05  # standard deviation of the Gaussian
 
 
 @dataclasses.dataclass
@@ -45,6 +44,7 @@ def draw(run, path, labels=None, begin_s=None, end_s=None):
     command = _found(find_command, run, labels.command, missing)
     if sensor is None and spikes is None and command is None:
         raise RunFolderError("nothing to draw beside the trajectory: " + "; ".join(missing))
+    _place_beams(run, sensor)
     window = _window(sensor, spikes, command, begin_s, end_s)
     panels = _panels(sensor, spikes, command, window)
     with style.styled():
@@ -144,8 +144,30 @@ def _draw_sensor(figure, axes, sensor, window):
     if "(°)" in label:
         axes.set_yticks(_angle_ticks(low, high))
     bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=14, fraction=0.03)
-    bar.set_label(f"reading ({sensor.unit})" if sensor.unit else "reading (normalised)")
+    bar.set_label(_reading(sensor))
     bar.outline.set_visible(False)
+
+
+def _reading(sensor):
+    if not _has_no_unit(sensor):
+        return f"reading ({sensor.unit})"
+    known = sensor.values[np.isfinite(sensor.values)]
+    return "reading (normalised)" if np.all(np.abs(known) <= 1) else "reading"
+
+
+def _place_beams(run, sensor):
+    """Takes the angles of the beams from the robot's world where the recording has none.
+
+    A scan longer than the sensor's port is cropped at its end, so the first beams are the same.
+    """
+    try:
+        laser = run.world().get("laser")
+    except RunFolderError:
+        return  # the trajectory's picture says so
+    if sensor is None or not laser or not 1 < sensor.width <= laser["beams"]:
+        return
+    for name in ("angle_min_rad", "angle_increment_rad"):
+        sensor.annotations.setdefault(name, laser[name])
 
 
 def _angles(sensor):
@@ -192,8 +214,9 @@ def _draw_raster(axes, streams, groups, window):
         times, places = group.times_s[shown], group.rows[shown]
         count += len(times)
         if rows <= MOST_TICKED_ROWS:
-            axes.vlines(times, places - 0.38, places + 0.38, color=colour, linewidth=0.7,
-                        alpha=_opacity(len(times), group.size))
+            sparse = len(times) < 200 * group.size
+            axes.vlines(times, places - 0.38, places + 0.38, color=colour,
+                        linewidth=1.1 if sparse else 0.7, alpha=_opacity(len(times), group.size))
         elif len(times) <= MOST_DOTS:
             axes.plot(times, places, linestyle="none", marker="o", markersize=1.6,
                       markeredgewidth=0, color=colour)
@@ -236,16 +259,21 @@ def _draw_density(axes, times, places, rows, colour, window):
                 extent=(*window, -0.5, rows - 0.5))
 
 
-def population_rate(group, window):
-    """Times (s) and the rate a neuron (spikes/s), smoothed with a Gaussian kernel.
+def kernel_width_s(window):
+    """Standard deviation of the rates' Gaussian: 50 ms, wider where that could not be seen."""
+    return float(np.clip(np.round((window[1] - window[0]) / 300, 2), 0.05, 1.0))
+
+
+def population_rate(group, window, kernel_s):
+    """Times (s) and the rate a neuron (spikes/s), smoothed with a Gaussian of deviation kernel_s.
 
     The kernel is normalised by the part of it that lies inside the window, so the rate does not
     sag at the ends.
     """
     bins = max(1, int(round((window[1] - window[0]) / RATE_BIN_S)))
     counts, edges = np.histogram(group.times_s, bins=bins, range=window)
-    reach = int(np.ceil(4 * RATE_KERNEL_S / RATE_BIN_S))
-    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) * RATE_BIN_S / RATE_KERNEL_S) ** 2)
+    reach = int(np.ceil(4 * kernel_s / RATE_BIN_S))
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) * RATE_BIN_S / kernel_s) ** 2)
     smooth = np.convolve(counts, kernel)[reach:reach + bins]
     inside = np.convolve(np.ones(bins), kernel)[reach:reach + bins]
     width_s = (window[1] - window[0]) / bins
@@ -253,12 +281,15 @@ def population_rate(group, window):
 
 
 def _draw_rates(axes, groups, window):
+    kernel_s = kernel_width_s(window)
     for group, colour in zip(groups, style.group_colours(len(groups))):
-        axes.plot(*population_rate(group, window), color=colour, linewidth=1.3, label=group.name)
+        axes.plot(*population_rate(group, window, kernel_s), color=colour, linewidth=1.3,
+                  label=group.name)
     axes.set_ylim(bottom=0)
     axes.margins(y=0.08)
     axes.set_ylabel("rate\n(spikes/s)")
-    axes.set_title("Mean rate of a neuron", loc="left")
+    axes.set_title(f"Mean rate of a neuron (Gaussian kernel, σ = {kernel_s * 1e3:.0f} ms)",
+                   loc="left")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncol=len(groups), borderaxespad=0.2,
                 handlelength=1.4)
 
@@ -280,12 +311,15 @@ def _draw_channel(axes, command, channel, window):
 
 
 def _name_and_unit(command, channel):
-    """A command of two channels without names is a Twist's speed ahead and yaw rate."""
+    """A command of two channels without names is a Twist's speed ahead and yaw rate, in SI units."""
     names = command.channels or (["linear.x", "angular.z"] if command.width == 2 else [])
     name = names[channel] if names else f"channel {channel}"
     units = [unit.strip() for unit in command.unit.split(",")]
-    unit = units[channel] if len(units) == command.width else command.unit
-    if not unit and not command.channels:
-        return name, "normalised"
+    if len(units) == command.width > 1:
+        return name, units[channel]
     by_name = {"linear": "m/s", "angular": "rad/s"}
-    return name, unit or by_name.get(name.split(".")[0], "1")
+    return name, by_name.get(name.split(".")[0], "1") if _has_no_unit(command) else command.unit
+
+
+def _has_no_unit(signal):
+    return signal.unit in ("", "1")

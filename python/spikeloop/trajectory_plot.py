@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon, Rectangle
+from matplotlib.transforms import offset_copy
 
 from . import style
 from .run_folder import RunFolderError
@@ -24,7 +25,7 @@ def draw(run, path):
     world = _optional(run.world, missing)
     summary = _optional(run.summary, missing)
     with style.styled():
-        figure = style.new_figure(8.0, 7.4)
+        figure = style.new_figure(8.0, _figure_height(world or {}))
         axes = figure.subplots()
         _draw_world(axes, world or {})
         lines = _draw_path(axes, track)
@@ -37,9 +38,18 @@ def draw(run, path):
         bar = figure.colorbar(lines, ax=axes, shrink=0.85, pad=0.02, aspect=35)
         bar.set_label("time (s)")
         bar.outline.set_visible(False)
-        _legend(axes, world or {}, collided)
+        _legend(figure, axes, world or {}, collided)
         style.save(figure, path)
     return missing
+
+
+def _figure_height(world):
+    """In inches: 7.4 for a square arena, less or more for others."""
+    arena = world.get("arena")
+    if not arena:
+        return 7.4
+    aspect = (arena["max_y_m"] - arena["min_y_m"]) / (arena["max_x_m"] - arena["min_x_m"])
+    return float(np.clip(2.4 + 5.0 * aspect, 3.5, 12.0))
 
 
 def _optional(read, missing):
@@ -144,7 +154,7 @@ def _title(track, summary, missing):
     return "  ·  ".join(parts)
 
 
-def _legend(axes, world, collided):
+def _legend(figure, axes, world, collided):
     def point(marker, fill, edge, size):
         return Line2D([], [], linestyle="none", marker=marker, markersize=size,
                       markerfacecolor=fill, markeredgecolor=edge, markeredgewidth=1.4)
@@ -155,6 +165,7 @@ def _legend(axes, world, collided):
         entries.append((Patch(facecolor=style.FILL, edgecolor=style.SOFT), "obstacle"))
     if collided:
         entries.append((point("X", style.VERMILLION, "white", 11), "collision"))
+    below = offset_copy(axes.transAxes, fig=figure, y=-0.62, units="inches")
     axes.legend([entry[0] for entry in entries], [entry[1] for entry in entries],
-                loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=len(entries),
-                columnspacing=2.0, handletextpad=0.5)
+                loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+                ncol=len(entries), columnspacing=2.0, handletextpad=0.5)

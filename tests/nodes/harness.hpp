@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/core/node.hpp"
@@ -128,6 +129,10 @@ class NodeHarness {
       }
     }
     return times;
+  }
+  /// The spikes since the last call, in the order in which they were emitted.
+  std::vector<Spike> take_spikes(std::size_t port = 0) {
+    return std::exchange(spike_outputs_[port].spikes, {});
   }
   std::size_t spike_count(std::size_t port = 0) const { return spike_outputs_[port].spikes.size(); }
 

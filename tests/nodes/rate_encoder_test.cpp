@@ -57,6 +57,22 @@ TEST(RateEncoder, ConstantInputGivesSpikesAtMultiplesOfTheInterval) {
   EXPECT_EQ(node.counter("spikes"), 45'000U);
 }
 
+TEST(RateEncoder, RoundingDoesNotAddUpOverMillionsOfSpikes) {
+  // An interval of 10000.9000810... ns: rounding each one up would be 0.3 s at the end.
+  NodeHarness node("rate_encoder", {1, 1}, {.keys = {{"rate_max", "99991"}}});
+  node.set_input({1.0});
+  std::int64_t k = 0;
+  while (node.time() < 30 * kNsPerSecond) {
+    node.step(10 * kMs);
+    for (const Spike& spike : node.take_spikes()) {
+      ++k;
+      const long double theory = static_cast<long double>(k) * 1e9L / 99991;
+      ASSERT_NEAR(static_cast<double>(static_cast<long double>(spike.time_ns) - theory), 0.0, 0.51);
+    }
+  }
+  EXPECT_EQ(k, 30 * 99991);
+}
+
 TEST(RateEncoder, RateIsLinearBetweenItsBounds) {
   NodeHarness node("rate_encoder", {3, 3}, {.keys = {{"rate_min", "20"}, {"rate_max", "60"}}});
   node.set_input({-1.0, 0.5, 1.0});

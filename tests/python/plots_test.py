@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import pathlib
 import tempfile
 import unittest
@@ -161,22 +162,60 @@ class RolesTest(Folder):
         self.assertEqual(spikes_plot.find_network(run)[0].label, "encoder")
 
 
+class AxesTest(Folder):
+    """What stands at the axes follows from what is known of the stream."""
+
+    def signal(self, width, unit, **more):
+        with fake_run.recording(self.folder / "x.h5", "x") as file:
+            fake_run.add_signal(file, "in", [0.0], np.ones((1, width)), unit, 1.0, **more)
+        return RunFolder(self.folder).signal("x")
+
+    def test_names_and_units_of_commands(self):
+        for arguments, expected in (
+                ((2, "1"), [("linear.x", "m/s"), ("angular.z", "rad/s")]),
+                ((2, "m/s,rad/s"), [("linear.x", "m/s"), ("angular.z", "rad/s")]),
+                ((3, "N"), [("channel 0", "N"), ("channel 1", "N"), ("channel 2", "N")]),
+                ((1, ""), [("channel 0", "1")])):
+            command = self.signal(*arguments)
+            self.assertEqual([spikes_plot._name_and_unit(command, channel)
+                              for channel in range(command.width)], expected)
+        command = self.signal(2, "", channels=("angular.z", "arm"))
+        self.assertEqual([spikes_plot._name_and_unit(command, channel) for channel in (0, 1)],
+                         [("angular.z", "rad/s"), ("arm", "1")])
+
+    def test_angles_come_from_the_recording_or_from_the_world(self):
+        beams = {"angle_min_rad": -np.pi / 2, "angle_increment_rad": np.pi / 4}
+        low, high, label = spikes_plot._angles(self.signal(5, "", **beams))
+        self.assertEqual(label.splitlines()[0], "beam angle (°)")
+        np.testing.assert_allclose((low, high), (-112.5, 112.5))
+        self.assertEqual(spikes_plot._angles(self.signal(5, "")), (-0.5, 4.5, "beam (index)"))
+        for count, known in ((7, True), (5, True), (4, False)):  # a longer scan was cropped
+            (self.folder / "world.json").write_text(json.dumps({"laser": {"beams": count, **beams}}))
+            sensor = self.signal(5, "")
+            spikes_plot._place_beams(RunFolder(self.folder), sensor)
+            self.assertEqual(sensor.annotations, beams if known else {})
+
+
 class RateTest(unittest.TestCase):
     def test_regular_spikes_have_their_rate_up_to_the_ends(self):
         for rate in (20.0, 100.0):
             times = np.arange(0.5 / rate, 10.0, 1.0 / rate)
             group = spikes_plot.Group("", np.repeat(times, 3), np.zeros(3 * len(times)), 3)
-            _, shown = spikes_plot.population_rate(group, (0.0, 10.0))
+            _, shown = spikes_plot.population_rate(group, (0.0, 10.0), 0.05)
             np.testing.assert_allclose(shown, rate, rtol=0.15)
             np.testing.assert_allclose(shown[50:-50], rate, rtol=1e-2)
 
     def test_a_single_spike_is_a_gaussian_of_area_one(self):
         group = spikes_plot.Group("", np.array([5.005]), np.zeros(1), 1)
-        times, shown = spikes_plot.population_rate(group, (0.0, 10.0))
-        sigma = spikes_plot.RATE_KERNEL_S
+        times, shown = spikes_plot.population_rate(group, (0.0, 10.0), 0.05)
+        sigma = 0.05
         expected = np.exp(-0.5 * ((times - 5.005) / sigma) ** 2) / (sigma * np.sqrt(2 * np.pi))
         np.testing.assert_allclose(shown, expected, atol=1e-3 * expected.max())
         self.assertAlmostEqual(shown.sum() * (times[1] - times[0]), 1.0, places=3)
+
+    def test_kernels_are_as_wide_as_can_be_seen(self):
+        self.assertEqual([spikes_plot.kernel_width_s((1.0, 1.0 + length))
+                          for length in (2.0, 60.0, 3600.0)], [0.05, 0.2, 1.0])
 
     def test_neurons_are_grouped_by_half(self):
         stream = Spikes("network", "out", np.arange(5.0), np.arange(5), 5, 5.0)

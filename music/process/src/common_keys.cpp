@@ -81,6 +81,16 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
              defaults.accept_one_tick
                  ? "acceptable latency of spike inputs; in dialect rma one tick unless written"
                  : "acceptable latency of spike inputs; a tick of it delays them by one tick"),
+      {"signal_delay",
+       ParameterType::integer,
+       "",
+       "0",
+       0,
+       1000,
+       {},
+       "whole ticks by which continuous inputs are delayed, beside the one that each hop costs; "
+       "the "
+       "delays and latencies around a closed loop must add up to a tick a hop"},
       boolean("record", false, "record what this program puts out to $SPIKELOOP_OUT/LABEL.h5"),
   };
 }
@@ -111,6 +121,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   keys.unpaced = parameters.text("sync") == "unpaced";
   keys.stamp_guard = parameters.boolean("stamp_guard");
   keys.accept_latency = latency(parameters, defaults, keys.dialect, keys.music_timestep);
+  keys.signal_delay = static_cast<int>(parameters.integer("signal_delay"));
   keys.record = parameters.boolean("record");
   return keys;
 }

@@ -39,8 +39,8 @@ std::string help_text(const ProgramText& text) {
     help += fmt::format("\nPorts:\n{}", text.ports);
   }
   if (!text.parameters.empty()) {
-    help += fmt::format("\nKeys of the section, with defaults:\n{}",
-                        parameter_text(text.parameters));
+    help +=
+        fmt::format("\nKeys of the section, with defaults:\n{}", parameter_text(text.parameters));
   }
   help +=
       fmt::format("\nKeys common to all programs, in the section or at the top of the file:\n{}",

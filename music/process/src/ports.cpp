@@ -24,11 +24,11 @@ class ContBuffer {
 
 class SignalSource : public Source {
  public:
-  SignalSource(MUSIC::Setup& setup, const EndpointPort& port)
+  SignalSource(MUSIC::Setup& setup, const EndpointPort& port, TimeNs delay)
       : port_(port), buffer_(port.width), block_(port.width) {
-    constexpr double kDelay = 0.0;
-    constexpr bool kInterpolate = false;
-    setup.publishContInput(port.name)->map(&buffer_.data, kDelay, kMaxBuffered, kInterpolate);
+    constexpr bool kInterpolate = false;  // whole ticks: exact
+    setup.publishContInput(port.name)->map(&buffer_.data, music_seconds(delay), kMaxBuffered,
+                                           kInterpolate);
   }
   std::vector<EndpointPort> ports() const override { return {port_}; }
 
@@ -128,8 +128,9 @@ class SpikeSink : public Sink {
 
 }  // namespace
 
-std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port) {
-  return std::make_unique<SignalSource>(setup, port);
+std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port,
+                                           TimeNs delay) {
+  return std::make_unique<SignalSource>(setup, port, delay);
 }
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
                                           TimeNs accept_latency) {

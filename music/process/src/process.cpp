@@ -114,7 +114,8 @@ std::uint32_t Process::width(const std::string& port) const {
 std::unique_ptr<Source> Process::signal_input(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::input);
   impl_->served.insert(port);
-  return make_signal_source(impl_->open_setup(), {port, PortKind::signal, width});
+  return make_signal_source(impl_->open_setup(), {port, PortKind::signal, width},
+                            common().signal_delay * common().music_timestep);
 }
 
 std::unique_ptr<Source> Process::spike_input(const std::string& port) {

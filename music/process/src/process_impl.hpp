@@ -48,7 +48,8 @@ struct Process::Impl {
 };
 
 /// Endpoints; ports.cpp.
-std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port);
+std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port,
+                                           TimeNs delay);
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
                                           TimeNs accept_latency);
 std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port);

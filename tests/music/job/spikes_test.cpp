@@ -42,9 +42,9 @@ Schedule busy_schedule(long long tick_ns, int ticks, int width) {
   return schedule;
 }
 
-class EitherOrder : public testing::TestWithParam<bool> {};
+class SpikesEitherOrder : public testing::TestWithParam<bool> {};
 
-TEST_P(EitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
+TEST_P(SpikesEitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
   const auto schedule = busy_schedule(kMs, 200, 10);
   Job job;
   job.global("stoptime=0.2");
@@ -58,9 +58,10 @@ TEST_P(EitherOrder, EverySpikePassesOnceWithoutSimulatedDelay) {
   expect_clean(job.run());
   EXPECT_EQ(job.events("sink"), schedule.expected);
 }
-INSTANTIATE_TEST_SUITE_P(Sections, EitherOrder, testing::Values(true, false), [](const auto& test) {
-  return test.param ? "DownstreamFirst" : "UpstreamFirst";
-});
+INSTANTIATE_TEST_SUITE_P(Sections, SpikesEitherOrder, testing::Values(true, false),
+                         [](const auto& test) {
+                           return test.param ? "DownstreamFirst" : "UpstreamFirst";
+                         });
 
 TEST(Spikes, BothEndsOfAnIntervalBelongWhereTheyAreStamped) {
   Schedule schedule;

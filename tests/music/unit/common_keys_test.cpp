@@ -36,6 +36,7 @@ TEST(CommonKeys, HaveTheDefaultsOfTheOlderPrograms) {
   EXPECT_FALSE(keys.unpaced);
   EXPECT_TRUE(keys.stamp_guard);
   EXPECT_EQ(keys.accept_latency, 0);
+  EXPECT_EQ(keys.signal_delay, 0);
   EXPECT_FALSE(keys.record);
 }
 
@@ -51,6 +52,7 @@ TEST(CommonKeys, AreReadAsWritten) {
                            {"sync", "unpaced"},
                            {"stamp_guard", "false"},
                            {"accept_latency", "0.0009"},
+                           {"signal_delay", "3"},
                            {"record", "true"}});
   EXPECT_EQ(keys.stoptime, 2'500'000'000);
   EXPECT_EQ(keys.music_timestep, 500'000);
@@ -63,6 +65,7 @@ TEST(CommonKeys, AreReadAsWritten) {
   EXPECT_TRUE(keys.unpaced);
   EXPECT_FALSE(keys.stamp_guard);
   EXPECT_EQ(keys.accept_latency, 900'000);
+  EXPECT_EQ(keys.signal_delay, 3);
   EXPECT_TRUE(keys.record);
 }
 
@@ -104,7 +107,7 @@ TEST(CommonKeys, SayWhatIsWrongAndWhatToWrite) {
 
 TEST(CommonKeys, AreDeclaredForHelp) {
   const auto declared = common_parameters({.pace = true});
-  ASSERT_EQ(declared.size(), 12u);
+  ASSERT_EQ(declared.size(), 13u);
   for (const auto& parameter : declared) {
     EXPECT_FALSE(parameter.text.empty()) << parameter.name;
     EXPECT_TRUE(parameter.default_value.has_value()) << parameter.name;

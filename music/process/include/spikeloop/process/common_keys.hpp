@@ -29,12 +29,13 @@ struct CommonKeys {
   bool barrier = true;  ///< MPI_Barrier on all programs between Setup and Runtime
   std::uint64_t seed = 1;
   Dialect dialect = Dialect::rma;
-  bool strict = false;      ///< what is only warned of becomes an error
-  bool pace = false;        ///< this process waits for the wall clock
-  double rtf = 1.0;         ///< real-time factor of the process that waits
-  bool unpaced = false;     ///< sync=unpaced: nobody waits
-  bool stamp_guard = true;  ///< keep outgoing spikes 1 us away from the begin of their interval
-  TimeNs accept_latency = 0;
+  bool strict = false;        ///< what is only warned of becomes an error
+  bool pace = false;          ///< this process waits for the wall clock
+  double rtf = 1.0;           ///< real-time factor of the process that waits
+  bool unpaced = false;       ///< sync=unpaced: nobody waits
+  bool stamp_guard = true;    ///< keep outgoing spikes 1 us away from the begin of their interval
+  TimeNs accept_latency = 0;  ///< of spike inputs
+  int signal_delay = 0;       ///< whole ticks by which MUSIC delays continuous inputs
   bool record = false;
 };
 

@@ -1,0 +1,91 @@
+#include "files.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::robot {
+namespace {
+
+std::string in_directory(const std::string& directory, const char* name) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) throw FileError("make directory", directory, error.value());
+  return (std::filesystem::path(directory) / name).string();
+}
+
+nlohmann::json describe(const vehicle::Obstacle& obstacle) {
+  nlohmann::json result{{"name", obstacle.name},
+                        {"x_m", obstacle.x_m},
+                        {"y_m", obstacle.y_m},
+                        {"theta_rad", obstacle.theta_rad}};
+  if (obstacle.shape == vehicle::Obstacle::Shape::box) {
+    result["shape"] = "box";
+    result["half_x_m"] = obstacle.half_x_m;
+    result["half_y_m"] = obstacle.half_y_m;
+  } else {
+    result["shape"] = "cylinder";
+    result["radius_m"] = obstacle.radius_m;
+  }
+  return result;
+}
+
+}  // namespace
+
+TrajectoryFile::TrajectoryFile(const std::string& directory)
+    : path_(in_directory(directory, "trajectory.csv")) {
+  errno = 0;
+  file_.open(path_);
+  if (!file_) throw FileError("write", path_, errno);
+  file_ << "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n";
+}
+
+void TrajectoryFile::write(const vehicle::Odometry& odometry, std::uint64_t collisions) {
+  file_ << fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", to_seconds(odometry.stamp),
+                       odometry.pose.x_m, odometry.pose.y_m, odometry.pose.theta_rad,
+                       odometry.linear_x_m_s, odometry.angular_z_rad_s, collisions);
+  if (odometry.stamp - flushed_ >= kNsPerSecond) {
+    file_.flush();
+    flushed_ = odometry.stamp;
+  }
+  check();
+}
+
+void TrajectoryFile::close() {
+  file_.close();
+  check();
+}
+
+void TrajectoryFile::check() const {
+  if (!file_) throw FileError("write", path_, errno != 0 ? errno : EIO);
+}
+
+void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
+                 const RunOptions& options) {
+  const auto& arena = vehicle.arena();
+  const auto start = vehicle.pose();
+  nlohmann::json world{
+      {"world", vehicle.world()},
+      {"seed", options.vehicle.seed},
+      {"arena",
+       {{"min_x_m", arena.min_x_m},
+        {"min_y_m", arena.min_y_m},
+        {"max_x_m", arena.max_x_m},
+        {"max_y_m", arena.max_y_m}}},
+      {"start", {{"x_m", start.x_m}, {"y_m", start.y_m}, {"theta_rad", start.theta_rad}}},
+      {"vehicle_radius_m", vehicle.radius_m()},
+      {"obstacles", nlohmann::json::array()}};
+  for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
+  const std::string path = in_directory(directory, "world.json");
+  errno = 0;
+  std::ofstream file(path);
+  file << world.dump(2) << '\n';
+  file.close();
+  if (!file) throw FileError("write", path, errno != 0 ? errno : EIO);
+}
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,34 @@
+// What a run leaves on disk: the path driven and the world it was driven in.
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "options.hpp"
+
+namespace spikeloop::robot {
+
+/// trajectory.csv: t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far).
+class TrajectoryFile {
+ public:
+  /// Makes the directory when there is none. @throws FileError.
+  explicit TrajectoryFile(const std::string& directory);
+  /// Is on disk within a second of simulated time. @throws FileError.
+  void write(const vehicle::Odometry& odometry, std::uint64_t collisions);
+  /// @throws FileError.
+  void close();
+
+ private:
+  void check() const;
+
+  std::string path_;
+  std::ofstream file_;
+  TimeNs flushed_ = 0;
+};
+
+/// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres.
+/// @throws FileError.
+void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
+                 const RunOptions& options);
+
+}  // namespace spikeloop::robot

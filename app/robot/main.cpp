@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+#include <ros/init.h>
+#include <signal.h>
+
+#include <atomic>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "run.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace {
+
+std::atomic<bool> stop = false;
+
+void ask_to_stop(int) {
+  stop = true;
+}
+
+void handle_signals() {
+  struct sigaction action {};
+  action.sa_handler = ask_to_stop;
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) ::sigaction(number, &action, nullptr);
+}
+
+int fail(const spikeloop::status::Sender& status, int exit_code, const std::string& message) {
+  fmt::print(stderr, "spikeloop-robot: {}\n", message);
+  status.failure(exit_code, message);
+  return exit_code;
+}
+
+// roslaunch adds arguments of its own, which only ROS understands.
+std::vector<std::string> own_arguments(int argc, char** argv) {
+  std::vector<std::string> own;
+  ros::removeROSArgs(argc, argv, own);
+  return own;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace spikeloop;
+  auto own = own_arguments(argc, argv);
+  std::vector<char*> pointers;
+  for (auto& argument : own) pointers.push_back(argument.data());
+  int exit_code = 0;
+  const auto options =
+      robot::parse_options(static_cast<int>(pointers.size()), pointers.data(), exit_code);
+  if (!options) return exit_code;
+
+  log::set_sink(
+      [](log::Level, std::string_view text) { fmt::print(stderr, "spikeloop-robot: {}\n", text); });
+  handle_signals();
+  const status::Sender status("robot");
+  try {
+    robot::run(argc, argv, *options, status, stop);
+  } catch (const Error& error) {
+    return fail(status, error.exit_code(), error.what());
+  } catch (const std::exception& error) {
+    return fail(status, 1, error.what());
+  }
+  return 0;
+}

@@ -1,0 +1,92 @@
+#include "messages.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace spikeloop::robot {
+namespace {
+
+using messages::Catalog;
+using messages::FieldValue;
+
+// Whole seconds and the nanoseconds after them, exactly.
+struct Stamp {
+  explicit Stamp(TimeNs time)
+      : secs(static_cast<double>(time / kNsPerSecond)),
+        nsecs(static_cast<double>(time % kNsPerSecond)) {}
+  double secs;
+  double nsecs;
+};
+
+FieldValue number(const double& value) {
+  return {std::span(&value, 1), {}};
+}
+FieldValue text(std::string_view value) {
+  return {{}, value};
+}
+
+}  // namespace
+
+Message::Message(const char* type, std::vector<std::string> paths)
+    : writer_(Catalog::builtin(), type, std::move(paths)) {}
+
+const std::vector<std::byte>& Message::write(std::span<const FieldValue> values) {
+  writer_.write(values, bytes_);
+  return bytes_;
+}
+
+ScanMessage::ScanMessage()
+    : Message(kScanType,
+              {"header.stamp.secs", "header.stamp.nsecs", "header.frame_id", "angle_min",
+               "angle_max", "angle_increment", "scan_time", "range_min", "range_max", "ranges"}) {}
+
+const std::vector<std::byte>& ScanMessage::write(const vehicle::LaserScan& scan) {
+  const Stamp stamp(scan.stamp);
+  const std::array<double, 6> numbers{scan.angle_min_rad,       scan.angle_max_rad,
+                                      scan.angle_increment_rad, scan.scan_time_s,
+                                      scan.range_min_m,         scan.range_max_m};
+  const std::vector<double> ranges(scan.ranges_m.begin(), scan.ranges_m.end());
+  return Message::write(std::array{number(stamp.secs), number(stamp.nsecs), text("laser"),
+                                   number(numbers[0]), number(numbers[1]), number(numbers[2]),
+                                   number(numbers[3]), number(numbers[4]), number(numbers[5]),
+                                   FieldValue{ranges, {}}});
+}
+
+OdometryMessage::OdometryMessage()
+    : Message(kOdometryType,
+              {"header.stamp.secs", "header.stamp.nsecs", "header.frame_id", "child_frame_id",
+               "pose.pose.position.x", "pose.pose.position.y", "pose.pose.orientation.z",
+               "pose.pose.orientation.w", "twist.twist.linear.x", "twist.twist.linear.y",
+               "twist.twist.angular.z"}) {}
+
+const std::vector<std::byte>& OdometryMessage::write(const vehicle::Odometry& odometry) {
+  const Stamp stamp(odometry.stamp);
+  const double half_turn = odometry.pose.theta_rad / 2;
+  const double z = std::sin(half_turn);
+  const double w = std::cos(half_turn);
+  return Message::write(std::array{number(stamp.secs), number(stamp.nsecs), text("odom"),
+                                   text("base_link"), number(odometry.pose.x_m),
+                                   number(odometry.pose.y_m), number(z), number(w),
+                                   number(odometry.linear_x_m_s), number(odometry.linear_y_m_s),
+                                   number(odometry.angular_z_rad_s)});
+}
+
+ClockMessage::ClockMessage() : Message(kClockType, {"clock.secs", "clock.nsecs"}) {}
+
+const std::vector<std::byte>& ClockMessage::write(TimeNs time) {
+  const Stamp stamp(time);
+  return Message::write(std::array{number(stamp.secs), number(stamp.nsecs)});
+}
+
+TwistReader::TwistReader()
+    : linear_(Catalog::builtin(), kTwistType, "linear.x"),
+      angular_(Catalog::builtin(), kTwistType, "angular.z") {}
+
+Command TwistReader::read(std::span<const std::byte> message) const {
+  std::vector<double> values;
+  linear_.read(message, values);
+  angular_.read(message, values);
+  return {values.at(0), values.at(1)};
+}
+
+}  // namespace spikeloop::robot

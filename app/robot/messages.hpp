@@ -1,0 +1,69 @@
+// The vehicle's data as ROS 1 messages.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::robot {
+
+inline constexpr const char* kScanType = "sensor_msgs/LaserScan";
+inline constexpr const char* kOdometryType = "nav_msgs/Odometry";
+inline constexpr const char* kClockType = "rosgraph_msgs/Clock";
+inline constexpr const char* kTwistType = "geometry_msgs/Twist";
+
+/// One message type with fixed fields in a fixed order. The bytes hold until the next write.
+class Message {
+ public:
+  Message(const char* type, std::vector<std::string> paths);
+
+ protected:
+  const std::vector<std::byte>& write(std::span<const messages::FieldValue> values);
+
+ private:
+  messages::MessageWriter writer_;
+  std::vector<std::byte> bytes_;
+};
+
+class ScanMessage : Message {
+ public:
+  ScanMessage();
+  const std::vector<std::byte>& write(const vehicle::LaserScan& scan);
+};
+
+/// Pose in frame "odom" (the arena's own), twist in "base_link".
+class OdometryMessage : Message {
+ public:
+  OdometryMessage();
+  const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
+};
+
+class ClockMessage : Message {
+ public:
+  ClockMessage();
+  const std::vector<std::byte>& write(TimeNs time);
+};
+
+struct Command {
+  double linear_m_s = 0;
+  double angular_rad_s = 0;
+};
+
+class TwistReader {
+ public:
+  TwistReader();
+  /// @throws TransportError when the message is too short.
+  Command read(std::span<const std::byte> message) const;
+
+ private:
+  messages::FieldReader linear_;
+  messages::FieldReader angular_;
+};
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,74 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace spikeloop::robot {
+namespace {
+
+constexpr const char* kDescription =
+    "A skid-steered vehicle with a laser in a simulated arena (MuJoCo), as a ROS 1 node.\n"
+    "Publishes sensor_msgs/LaserScan (20 Hz), nav_msgs/Odometry (50 Hz) and rosgraph_msgs/Clock\n"
+    "(100 Hz, all in simulated time); drives as geometry_msgs/Twist says (linear.x, angular.z).";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  spikeloop-robot                               the shipped arena, seed 1, until Ctrl-C\n"
+    "  spikeloop-robot --seed 3 --duration 60 --out run    one minute, path and world in run/\n"
+    "  spikeloop-robot --world lab.xml --real-time-factor 0.5    your world at half speed\n"
+    "  rostopic pub -r 10 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.3}, angular: {z: 0.5}}'\n"
+    "\n"
+    "Exit codes: 0 done or stopped, 2 wrong option or world, 3 no ROS master, 4 a file could not\n"
+    "be read or written, 5 the simulation failed.";
+
+void declare(CLI::App& app, RunOptions& options) {
+  app.set_version_flag("--version", std::string("spikeloop-robot ") + SPIKELOOP_VERSION);
+  app.footer(kExamples);
+  app.add_option("--world", options.vehicle.world, "MJCF file, or the name of a shipped one")
+      ->capture_default_str();
+  app.add_option("--seed", options.vehicle.seed, "places the obstacles and the start pose")
+      ->capture_default_str();
+  app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  app.add_option("--real-time-factor", options.real_time_factor,
+                 "simulated seconds in a second of the wall clock")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
+  app.add_option("--out", options.out, "directory for trajectory.csv and world.json");
+  app.add_option("--topic-prefix", options.topic_prefix, "before topics without a leading '/'")
+      ->capture_default_str();
+  app.add_option("--scan-topic", options.scan_topic, "sensor_msgs/LaserScan out")
+      ->capture_default_str();
+  app.add_option("--odom-topic", options.odometry_topic, "nav_msgs/Odometry out")
+      ->capture_default_str();
+  app.add_option("--clock-topic", options.clock_topic, "rosgraph_msgs/Clock out")
+      ->capture_default_str();
+  app.add_option("--cmd-topic", options.command_topic, "geometry_msgs/Twist in")
+      ->capture_default_str();
+  app.add_option("--node-name", options.node_name, "name of the ROS node")->capture_default_str();
+  app.add_option("--master-timeout", options.master_timeout_s, "seconds to wait for the ROS master")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+std::string RunOptions::topic(const std::string& name) const {
+  if (name.starts_with('/')) return name;
+  return topic_prefix.ends_with('/') ? topic_prefix + name : topic_prefix + "/" + name;
+}
+
+std::optional<RunOptions> parse_options(int argc, char** argv, int& exit_code) {
+  RunOptions options;
+  CLI::App app(kDescription, "spikeloop-robot");
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    exit_code = app.exit(error) == 0 ? 0 : 2;
+    return std::nullopt;
+  }
+  return options;
+}
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,33 @@
+// What the command line of spikeloop-robot says.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::robot {
+
+struct RunOptions {
+  vehicle::Options vehicle;
+  double duration_s = 0;  ///< 0: until stopped
+  double real_time_factor = 1;
+  std::string out;  ///< directory for trajectory.csv and world.json; empty: none
+  std::string scan_topic = "scan";
+  std::string odometry_topic = "odom";
+  std::string clock_topic = "/clock";
+  std::string command_topic = "cmd_vel";
+  std::string topic_prefix = "/";
+  std::string node_name = "spikeloop_robot";
+  double master_timeout_s = 10;
+
+  /// A topic's whole name: one that begins with '/' stands as it is, others follow the prefix.
+  std::string topic(const std::string& name) const;
+};
+
+/// Nothing to run when help or version was asked for or the command line is wrong; then
+/// `exit_code` says how to end.
+std::optional<RunOptions> parse_options(int argc, char** argv, int& exit_code);
+
+}  // namespace spikeloop::robot

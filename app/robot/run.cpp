@@ -1,0 +1,136 @@
+#include "run.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "files.hpp"
+#include "ros_link.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
+
+namespace spikeloop::robot {
+namespace {
+
+constexpr TimeNs kTick = 1'000'000;
+constexpr TimeNs kClockPeriod = 10'000'000;
+constexpr TimeNs kOdometryPeriod = 20'000'000;
+constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
+
+class Loop {
+ public:
+  Loop(const RunOptions& options, const status::Sender& status, vehicle::Vehicle& vehicle,
+       RosLink& ros)
+      : options_(options),
+        status_(status),
+        vehicle_(vehicle),
+        ros_(ros),
+        pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
+        scan_period_(whole_ticks(static_cast<double>(vehicle.scan().scan_time_s))) {
+    if (!options.out.empty()) {
+      write_world(options.out, vehicle, options);
+      trajectory_.emplace(options.out);
+    }
+  }
+
+  void run(const std::atomic<bool>& stop) {
+    const TimeNs end = options_.duration_s > 0 ? from_seconds(options_.duration_s)
+                                               : std::numeric_limits<TimeNs>::max();
+    pacer_->start();
+    status_.first_tick();
+    for (TimeNs t = 0; t < end && !stop; t += kTick) {
+      pacer_->wait_until(t);
+      publish(t);
+      if (const auto command = ros_.take_command()) {
+        vehicle_.command(command->linear_m_s, command->angular_rad_s);
+      }
+      vehicle_.step(kTick);
+      report_progress();
+      if (!ros_.alive()) {
+        finish();
+        throw TransportError(fmt::format(
+            "ROS has shut this node down after {}; does another node have the name '{}'?",
+            format_time(vehicle_.time()), options_.node_name));
+      }
+    }
+    publish(vehicle_.time());
+    finish();
+  }
+
+ private:
+  // At least one: a world may ask for more scans than there are ticks.
+  static TimeNs whole_ticks(double seconds) {
+    return std::max<TimeNs>(1, std::llround(seconds * 1e9 / static_cast<double>(kTick))) * kTick;
+  }
+
+  // Everything that is due at `t`, which no subscriber has to hear about at 0: ROS takes a stamp
+  // of zero for none.
+  void publish(TimeNs t) {
+    if (t % kOdometryPeriod == 0 && trajectory_) {
+      trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
+    }
+    if (t == 0) return;
+    if (t % kClockPeriod == 0) ros_.publish_clock(t);
+    if (t % scan_period_ == 0) {
+      ros_.publish(vehicle_.scan());
+      ++scans_;
+    }
+    if (t % kOdometryPeriod == 0) ros_.publish(vehicle_.odometry());
+  }
+
+  void report_progress() {
+    const TimeNs now = wall_now();
+    if (now - reported_ < kProgressPeriod) return;
+    reported_ = now;
+    const auto report = pacer_->report();
+    status_.progress(vehicle_.time(), report.wall_time, report.overruns,
+                     {{"collisions", vehicle_.statistics().collisions}});
+  }
+
+  void finish() {
+    if (trajectory_) trajectory_->close();
+    const auto result = vehicle_.statistics();
+    const auto pace = pacer_->report();
+    status_.report({{"commands", ros_.commands()},
+                    {"invalid_commands", result.invalid_commands},
+                    {"clamped_commands", result.clamped_commands},
+                    {"scans", scans_},
+                    {"overruns", pace.overruns}},
+                   {{"collisions", result.collisions},
+                    {"distance_m", result.distance_m},
+                    {"coverage", result.coverage},
+                    {"mean_speed_m_s", result.mean_speed_m_s}});
+    fmt::print(
+        "{} simulated in {:.1f} s: collisions {}, distance {:.2f} m, mean speed {:.3f} m/s, "
+        "coverage {:.1f} %, commands {} ({} invalid), overruns {}\n",
+        format_time(vehicle_.time()), to_seconds(pace.wall_time), result.collisions,
+        result.distance_m, result.mean_speed_m_s, 100 * result.coverage, ros_.commands(),
+        result.invalid_commands, pace.overruns);
+  }
+
+  const RunOptions& options_;
+  const status::Sender& status_;
+  vehicle::Vehicle& vehicle_;
+  RosLink& ros_;
+  std::unique_ptr<Pacer> pacer_;
+  TimeNs scan_period_;
+  std::optional<TrajectoryFile> trajectory_;
+  std::uint64_t scans_ = 0;
+  TimeNs reported_ = 0;
+};
+
+}  // namespace
+
+void run(int argc, char** argv, const RunOptions& options, const status::Sender& status,
+         const std::atomic<bool>& stop) {
+  vehicle::Vehicle vehicle(options.vehicle);
+  RosLink ros(argc, argv, options, stop);
+  if (stop) return;
+  Loop loop(options, status, vehicle, ros);
+  status.started();
+  loop.run(stop);
+}
+
+}  // namespace spikeloop::robot

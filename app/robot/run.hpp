@@ -1,0 +1,16 @@
+// The loop of spikeloop-robot: wait, publish, take the command, step.
+#pragma once
+
+#include <atomic>
+
+#include "options.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::robot {
+
+/// Runs until the duration has passed or `stop` becomes true, writes the files and reports.
+/// @throws Error of every kind.
+void run(int argc, char** argv, const RunOptions& options, const status::Sender& status,
+         const std::atomic<bool>& stop);
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,76 @@
+// A real roscore and a real robot for a test.
+#pragma once
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/child.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::robot {
+
+inline int free_port() {
+  const int file = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  ::bind(file, reinterpret_cast<sockaddr*>(&address), size);
+  ::getsockname(file, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(file);
+  return ntohs(address.sin_port);
+}
+
+class RobotJob {
+ public:
+  /// Starts a roscore; one that lost its port to somebody else is tried again.
+  void start_core() {
+    for (int attempt = 0; attempt < 5; ++attempt) {
+      uri_ = "http://127.0.0.1:" + std::to_string(free_port());
+      core_ = std::make_unique<test::Child>(
+          command({"roscore", "-p", uri_.substr(uri_.rfind(':') + 1)}));
+      if (core_->wait_for("started core service [/rosout]", std::chrono::seconds(60))) return;
+    }
+    throw std::runtime_error("roscore does not start: " + core_->output());
+  }
+  void set_master(const std::string& uri) { uri_ = uri; }
+
+  test::Command robot(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), SPIKELOOP_ROBOT);
+    return command(arguments);
+  }
+  test::Command probe(const std::string& seconds, const std::string& linear,
+                      const std::string& angular) const {
+    return command({"/usr/bin/python3", SPIKELOOP_PROBE, seconds, linear, angular});
+  }
+  test::Outcome run(const test::Command& command_line) const {
+    return test::Child(command_line).wait();
+  }
+  const test::TemporaryDirectory& directory() const { return directory_; }
+  std::string status_socket() const { return (directory_.path() / "status").string(); }
+
+ private:
+  test::Command command(const std::vector<std::string>& arguments) const {
+    const std::string home = directory_.path().string();
+    test::Command result;
+    result.arguments = arguments;
+    result.timeout = std::chrono::seconds(150);
+    result.environment = {{"ROS_MASTER_URI", uri_},
+                          {"ROS_HOSTNAME", "127.0.0.1"},
+                          {"ROS_HOME", home},
+                          {"ROS_LOG_DIR", home},
+                          {"SPIKELOOP_STATUS", status_socket()}};
+    result.directory = home;
+    return result;
+  }
+
+  test::TemporaryDirectory directory_;
+  std::string uri_;
+  std::unique_ptr<test::Child> core_;
+};
+
+}  // namespace spikeloop::robot
