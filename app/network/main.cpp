@@ -1,0 +1,129 @@
+// spikeloop-network: the built-in network as a MUSIC program.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "check.hpp"
+#include "spikeloop/neurons/network.hpp"
+#include "spikeloop/process/music_main.hpp"
+#include "spikeloop/process/node_program.hpp"
+
+namespace {
+
+using namespace spikeloop;
+
+constexpr const char* kExample =
+    "  [network]\n"
+    "  binary=spikeloop-network\n"
+    "  np=1\n"
+    "  network=brain.yaml\n"
+    "  encoder.out -> network.in [100]\n"
+    "  network.out -> decoder.in [102]\n"
+    "\n"
+    "and brain.yaml (docs/network-file.md has all keys):\n"
+    "  resolution: 0.1 ms\n"
+    "  populations:\n"
+    "    input: {model: input, size: 100}\n"
+    "    relay: {model: repeater, size: 100}\n"
+    "    motor: {model: iaf_psc_exp, size: 2, parameters: {tau_m: 10 ms, I_e: 300 pA}}\n"
+    "  connections:\n"
+    "    - {from: input, to: relay, rule: one_to_one, delay: 1 ms}\n"
+    "    - {from: relay, to: motor, rule: all_to_all, weight: 100 pA, delay: 1 ms}\n"
+    "  output: [relay, motor]\n";
+
+music::ProgramText program_text() {
+  music::ProgramText text;
+  const NodeDescription description = network_class().description;
+  text.name = "spikeloop-network";
+  text.summary = description.text;
+  text.ports =
+      "  in   spikes         the input populations, in the file's order\n"
+      "  out  spikes         the populations of the list `output`, in its order\n";
+  text.parameters = description.parameters;
+  text.example = kExample;
+  text.notes =
+      "spikeloop-network --check FILE.yaml  checks a network file and prints its tables.\n";
+  return text;
+}
+
+// The connection's width and the file's must be the same; both places are named.
+void check_width(const music::Process& process, const std::string& port, std::uint32_t wanted,
+                 const NetworkFile& network) {
+  const std::uint32_t width = process.width(port);
+  if (wanted == 0) {
+    throw ConfigurationError(
+        {network.path, 0, 0},
+        fmt::format("'{0}.{1}' is connected, but the network has no input population; write  {1}: "
+                    "{{model: input, size: {2}}}",
+                    process.label(), port, width));
+  }
+  if (width != wanted) {
+    throw ConfigurationError(
+        {network.path, 0, 0},
+        fmt::format("the network's port '{}' has {} channels, but the connection of '{}.{}' has "
+                    "the width {}; write [{}] there",
+                    port, wanted, process.label(), port, width, wanted));
+  }
+}
+
+void check(const music::Process& process, const NetworkFile& network) {
+  network.check_tick(process.common().music_timestep);
+  if (process.connected_input("in", PortKind::spikes)) {
+    check_width(process, "in", network.input_width(), network);
+  }
+  if (process.connected_output("out", PortKind::spikes)) {
+    check_width(process, "out", network.output_width(), network);
+  }
+}
+
+int body(music::Process& process) {
+  const Parameters parameters = process.read(network_class().description.parameters);
+  const NetworkFile network = read_network_file(parameters.text("network"));
+  check(process, network);
+  NodeClass node_class = network_class(network);
+  const Node* node = nullptr;
+  node_class.create = [&](const NodeSetup&) {
+    auto made = make_network(network);
+    node = made.get();
+    return made;
+  };
+  music::Process::LoopHooks hooks;
+  hooks.summary = [&node] {
+    nlohmann::json summary = nlohmann::json::object();
+    for (const Counter& counter : node->counters()) {
+      if (counter.name == "spikes") {
+        summary["spikes"] = counter.value;
+      }
+    }
+    return summary;
+  };
+  return music::run_node(process, node_class, parameters, hooks);
+}
+
+int check_file(const char* path) {
+  try {
+    std::fputs(describe(read_network_file(path)).c_str(), stdout);
+    return 0;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "spikeloop-network: %s\n", error.what());
+    return error.exit_code();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool asked = argc > 1 && std::string(argv[1]) == "--check";
+  if (asked && !music::started_by_music(argc, argv)) {
+    if (argc != 3) {
+      std::fprintf(stderr,
+                   "spikeloop-network: --check takes one file; write  spikeloop-network "
+                   "--check FILE.yaml\n");
+      return 2;
+    }
+    return check_file(argv[2]);
+  }
+  return music::music_main(argc, argv, program_text(), body);
+}

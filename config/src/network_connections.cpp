@@ -1,0 +1,301 @@
+#include "network_connections.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+
+namespace spikeloop::network_detail {
+
+namespace {
+
+constexpr std::uint64_t kMostSynapses = 100'000'000;
+constexpr std::uint64_t kMostBufferEntries = 20'000'000;
+const char* const kElsewhere = "; larger models belong in NEST, NEURON or Brian2";
+
+struct Synapse {
+  std::uint32_t source = 0;
+  std::uint32_t target = 0;
+  double weight = 0.0;
+};
+
+struct Ends {
+  const NetworkPopulation& from;
+  const NetworkPopulation& to;
+};
+
+std::string unit_of_weight(NeuronModel model) {
+  switch (model) {
+    case NeuronModel::iaf_psc_delta:
+      return "mV";
+    case NeuronModel::iaf_psc_exp:
+      return "pA";
+    default:
+      return "1";
+  }
+}
+
+// A repeater answers every spike with one spike, as NEST's parrot_neuron does: a weight other than
+// 1 would be ignored, so it is refused.
+void check_repeater_weight(const Ends& ends, double weight, const Location& where) {
+  if (ends.to.model == NeuronModel::repeater && weight != 1.0) {
+    throw ConfigurationError(
+        where, fmt::format("weight {} into repeater '{}': a repeater repeats every spike once, "
+                           "whatever its weight; write 1 or leave the weight out",
+                           weight, ends.to.name));
+  }
+}
+
+double read_weight(const Section& section, const Ends& ends) {
+  const std::string unit = unit_of_weight(ends.to.model);
+  if (unit == "1" && !section.has("weight")) {
+    return 1.0;
+  }
+  const double weight = section.quantity("weight", unit, "100 " + unit);
+  check_repeater_weight(ends, weight, section.where("weight"));
+  return weight;
+}
+
+TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
+  const TimeNs delay = section.time("delay", "1 ms");
+  if (resolution == 0) {
+    return delay;
+  }
+  if (delay < resolution) {
+    throw ConfigurationError(
+        section.where("delay"),
+        fmt::format("delay {} is below the resolution {}; write at least {}", format_time(delay),
+                    format_time(resolution), format_time(resolution)));
+  }
+  if (delay % resolution != 0) {
+    const TimeNs below = delay / resolution * resolution;
+    throw ConfigurationError(
+        section.where("delay"),
+        fmt::format("delay {} is not a multiple of the resolution {}; write {} or {}",
+                    format_time(delay), format_time(resolution), format_time(below),
+                    format_time(below + resolution)));
+  }
+  const auto steps = static_cast<std::uint64_t>(delay / resolution);
+  const std::uint64_t wide = ends.to.model == NeuronModel::repeater ? 1 : ends.to.size;
+  if (steps > kMostBufferEntries / wide) {
+    throw ConfigurationError(
+        section.where("delay"),
+        fmt::format("delay {} is {} steps of {} for each of {} targets, too much to buffer; write "
+                    "a shorter delay or a coarser resolution{}",
+                    format_time(delay), steps, format_time(resolution), ends.to.size, kElsewhere));
+  }
+  return delay;
+}
+
+void check_count(std::uint64_t synapses, const Location& where) {
+  if (synapses > kMostSynapses) {
+    throw ConfigurationError(
+        where, fmt::format("{} synapses are more than the {} this network takes{}", synapses,
+                           kMostSynapses, kElsewhere));
+  }
+}
+
+std::vector<Synapse> one_to_one(const Ends& ends, double weight, const Location& where) {
+  if (ends.from.size != ends.to.size) {
+    throw ConfigurationError(
+        where, fmt::format("rule one_to_one needs populations of one size, but '{}' has {} and "
+                           "'{}' has {}; write all_to_all, pairs or a weight file",
+                           ends.from.name, ends.from.size, ends.to.name, ends.to.size));
+  }
+  std::vector<Synapse> synapses(ends.from.size);
+  for (std::uint32_t i = 0; i < ends.from.size; ++i) {
+    synapses[i] = {i, i, weight};
+  }
+  return synapses;
+}
+
+std::vector<Synapse> all_to_all(const Ends& ends, double weight, const Location& where) {
+  check_count(std::uint64_t{ends.from.size} * ends.to.size, where);
+  std::vector<Synapse> synapses;
+  synapses.reserve(std::size_t{ends.from.size} * ends.to.size);
+  for (std::uint32_t i = 0; i < ends.from.size; ++i) {
+    for (std::uint32_t j = 0; j < ends.to.size; ++j) {
+      synapses.push_back({i, j, weight});
+    }
+  }
+  return synapses;
+}
+
+std::uint32_t read_index(const std::string& file, const YAML::Node& node,
+                         const NetworkPopulation& population) {
+  const std::string text = scalar(file, "pairs", node);
+  const std::uint64_t largest = population.size - 1;
+  std::uint64_t value = 0;
+  const bool digits = text.find_first_not_of("0123456789") == std::string::npos && text.size() < 11;
+  if (digits) {
+    value = std::stoull(text);
+  }
+  if (!digits || value > largest) {
+    throw ConfigurationError(
+        place(file, node),
+        fmt::format("pairs: '{}' is no member of '{}'; write a whole number from 0 to {}", text,
+                    population.name, largest));
+  }
+  return static_cast<std::uint32_t>(value);
+}
+
+Synapse read_pair(const std::string& file, const YAML::Node& node, const Ends& ends,
+                  double weight) {
+  if (!node.IsSequence() || node.size() < 2 || node.size() > 3) {
+    throw ConfigurationError(place(file, node),
+                             "pairs: an entry is not a pair; write [source, target] or [source, "
+                             "target, factor], for example [0, 1] or [0, 1, -0.5]");
+  }
+  Synapse synapse{read_index(file, node[0], ends.from), read_index(file, node[1], ends.to), weight};
+  if (node.size() == 3) {
+    const std::string factor = scalar(file, "pairs", node[2]);
+    try {
+      synapse.weight *= parse_quantity(factor, "1");
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(place(file, node[2]), fmt::format("pairs: {}", error.what()));
+    }
+    check_repeater_weight(ends, synapse.weight, place(file, node[2]));
+  }
+  return synapse;
+}
+
+std::vector<Synapse> pairs(const Section& section, const Ends& ends, double weight) {
+  const YAML::Node& list = section.at("pairs", "[[0, 0], [1, 0]]");
+  if (!list.IsSequence()) {
+    throw ConfigurationError(section.where("pairs"),
+                             "key 'pairs': expected a list; write  pairs: [[0, 0], [1, 0]]");
+  }
+  std::vector<Synapse> synapses;
+  for (const auto& entry : list) {
+    synapses.push_back(read_pair(section.file(), entry, ends, weight));
+  }
+  return synapses;
+}
+
+WeightTable load(const NetworkWeightLoader& load_weights, const std::string& path,
+                 const Location& where) {
+  try {
+    return load_weights(path);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(where, fmt::format("key 'rule': {}", error.what()));
+  }
+}
+
+std::vector<Synapse> from_file(const std::string& rule, const Section& section, const Ends& ends,
+                               double weight, const NetworkWeightLoader& load_weights) {
+  const Location where = section.where("rule");
+  // operator/ keeps an absolute rule as it is.
+  const auto path = (std::filesystem::path(section.file()).parent_path() / rule).string();
+  WeightTable table = load(load_weights, path, where);
+  const bool fits = (table.rows == 0 || table.rows == ends.to.size) &&
+                    (table.columns == 0 || table.columns == ends.from.size);
+  if (!fits) {
+    throw ConfigurationError(
+        where, fmt::format("'{}' has {} rows and {} columns, but '{}' has {} neurons and '{}' has "
+                           "{}; write one row a target and one column a source",
+                           rule, table.rows, table.columns, ends.to.name, ends.to.size,
+                           ends.from.name, ends.from.size));
+  }
+  table = table.resized(ends.to.size, ends.from.size).compressed();
+  check_count(table.column.size(), where);
+  std::vector<Synapse> synapses;
+  synapses.reserve(table.column.size());
+  for (std::uint32_t row = 0; row < table.rows; ++row) {
+    for (std::uint64_t k = table.row_start[row]; k < table.row_start[row + 1]; ++k) {
+      check_repeater_weight(ends, weight * table.values[k], where);
+      synapses.push_back({table.column[k], row, weight * table.values[k]});
+    }
+  }
+  return synapses;
+}
+
+std::vector<Synapse> apply_rule(const std::string& rule, const Section& section, const Ends& ends,
+                                const NetworkWeightLoader& load_weights) {
+  const double weight = read_weight(section, ends);
+  const Location where = section.where("rule");
+  if (rule != "pairs" && section.has("pairs")) {
+    throw ConfigurationError(
+        section.where("pairs"),
+        fmt::format("key 'pairs' is read with rule pairs only, but the rule is '{}'; write  rule: "
+                    "pairs",
+                    rule));
+  }
+  if (rule == "one_to_one") {
+    return one_to_one(ends, weight, where);
+  }
+  if (rule == "all_to_all") {
+    return all_to_all(ends, weight, where);
+  }
+  if (rule == "pairs") {
+    return pairs(section, ends, weight);
+  }
+  if (rule.ends_with(".json")) {
+    return from_file(rule, section, ends, weight, load_weights);
+  }
+  throw ConfigurationError(
+      where, fmt::format("unknown rule '{}'{}; write one_to_one, all_to_all, pairs or a weight "
+                         "file that ends in .json",
+                         rule, did_you_mean(rule, {"one_to_one", "all_to_all", "pairs"})));
+}
+
+// A counting sort by source; the order of one source's synapses stays.
+void group_by_source(const std::vector<Synapse>& synapses, std::uint32_t sources,
+                     NetworkProjection& projection) {
+  projection.row_start.assign(std::size_t{sources} + 1, 0);
+  for (const Synapse& synapse : synapses) {
+    ++projection.row_start[synapse.source + 1];
+  }
+  std::partial_sum(projection.row_start.begin(), projection.row_start.end(),
+                   projection.row_start.begin());
+  std::vector<std::uint64_t> next(projection.row_start.begin(), projection.row_start.end() - 1);
+  projection.target.resize(synapses.size());
+  projection.weight.resize(synapses.size());
+  for (const Synapse& synapse : synapses) {
+    const std::uint64_t k = next[synapse.source]++;
+    projection.target[k] = synapse.target;
+    projection.weight[k] = synapse.weight;
+  }
+}
+
+}  // namespace
+
+std::size_t find_population(const NetworkFile& network, const std::string& name,
+                            const Location& where, const std::string& what) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < network.populations.size(); ++i) {
+    if (network.populations[i].name == name) {
+      return i;
+    }
+    names.push_back(network.populations[i].name);
+  }
+  throw ConfigurationError(
+      where, fmt::format("{}: unknown population '{}'{}", what, name, did_you_mean(name, names)));
+}
+
+NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
+                                  const YAML::Node& node, const NetworkWeightLoader& load_weights) {
+  const Section section(network.path, fmt::format("connection {}", index + 1), node,
+                        {"from", "to", "rule", "weight", "delay", "pairs"});
+  NetworkProjection projection;
+  projection.where = section.where();
+  projection.from = find_population(network, section.text("from", "input"), section.where("from"),
+                                    section.what());
+  projection.to =
+      find_population(network, section.text("to", "relay"), section.where("to"), section.what());
+  const Ends ends{network.populations[projection.from], network.populations[projection.to]};
+  if (ends.to.model == NeuronModel::input) {
+    throw ConfigurationError(
+        section.where("to"),
+        fmt::format("{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
+                    "population of neurons or repeaters",
+                    section.what(), ends.to.name));
+  }
+  projection.delay = read_delay(section, ends, network.resolution);
+  projection.rule = section.text("rule", "one_to_one");
+  group_by_source(apply_rule(projection.rule, section, ends, load_weights), ends.from.size,
+                  projection);
+  return projection;
+}
+
+}  // namespace spikeloop::network_detail

@@ -1,0 +1,21 @@
+// From one entry of `connections` to synapses grouped by source.
+#pragma once
+
+#include <vector>
+
+#include "network_yaml.hpp"
+#include "spikeloop/config/network_file.hpp"
+
+namespace spikeloop::network_detail {
+
+/// Index of the population called `name`.
+/// @throws ConfigurationError with "did you mean".
+std::size_t find_population(const NetworkFile& network, const std::string& name,
+                            const Location& where, const std::string& what);
+
+/// @throws ConfigurationError: unknown population or rule, sizes that do not fit, a bad weight,
+/// delay or pair.
+NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
+                                  const YAML::Node& node, const NetworkWeightLoader& load_weights);
+
+}  // namespace spikeloop::network_detail

@@ -1,0 +1,101 @@
+#include "network_yaml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace spikeloop::network_detail {
+
+Location place(const std::string& file, const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  return mark.is_null() ? Location{file, 0, 0} : Location{file, mark.line + 1, mark.column + 1};
+}
+
+std::string scalar(const std::string& file, const std::string& key, const YAML::Node& node) {
+  if (!node.IsScalar() || node.Scalar().empty()) {
+    throw ConfigurationError(place(file, node),
+                             fmt::format("key '{}': expected one value, found {}", key,
+                                         node.IsMap()        ? "a map"
+                                         : node.IsSequence() ? "a list"
+                                                             : "nothing"));
+  }
+  return node.Scalar();
+}
+
+Section::Section(std::string file, std::string what, const YAML::Node& node,
+                 const std::vector<std::string>& known)
+    : file_(std::move(file)), what_(std::move(what)), where_(place(file_, node)) {
+  if (!node.IsMap()) {
+    throw ConfigurationError(
+        where_, fmt::format("{} must be a map; write  key: value  lines, for example  {}: ...",
+                            what_, known.empty() ? "name" : known.front()));
+  }
+  for (const auto& entry : node) {
+    const std::string key = scalar(file_, what_, entry.first);
+    const Location here = place(file_, entry.first);
+    if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
+      throw ConfigurationError(
+          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known)));
+    }
+    if (!entries_.emplace(key, entry.second).second) {
+      throw ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
+                                                 "the first is at {}",
+                                                 what_, key, key_places_[key].text()));
+    }
+    keys_.push_back(key);
+    key_places_[key] = here;
+  }
+}
+
+const YAML::Node& Section::at(const std::string& key, const std::string& example) const {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) {
+    throw ConfigurationError(
+        where_, fmt::format("{}: key '{}' is missing; write  {}: {}", what_, key, key, example));
+  }
+  return found->second;
+}
+
+std::string Section::text(const std::string& key, const std::string& example) const {
+  const YAML::Node& node = at(key, example);
+  if (node.IsNull()) {
+    throw ConfigurationError(where(key), fmt::format("{}: key '{}' has no value; write  {}: {}",
+                                                     what_, key, key, example));
+  }
+  return scalar(file_, key, node);
+}
+
+double Section::quantity(const std::string& key, const std::string& unit,
+                         const std::string& example) const {
+  const std::string written = text(key, example);
+  try {
+    return parse_quantity(written, unit);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(where(key), fmt::format("{}: key '{}': {}", what_, key, error.what()));
+  }
+}
+
+TimeNs Section::time(const std::string& key, const std::string& example) const {
+  constexpr double kLongestMs = 1e9;  // 11 days
+  const double nanoseconds = quantity(key, "ms", example) * 1e6;
+  const bool whole = std::abs(nanoseconds - std::round(nanoseconds)) < 1e-3;
+  if (!whole || nanoseconds < 1.0 || nanoseconds > kLongestMs * 1e6) {
+    throw ConfigurationError(where(key),
+                             fmt::format("{}: {} '{}' is not a whole number of nanoseconds from "
+                                         "1 ns to 1e9 ms; write for example {}",
+                                         what_, key, entries_.at(key).Scalar(), example));
+  }
+  return std::llround(nanoseconds);
+}
+
+Location Section::where(const std::string& key) const {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) {
+    return where_;
+  }
+  // What is not there has no place of its own.
+  return found->second.IsNull() ? key_places_.at(key) : place(file_, found->second);
+}
+
+}  // namespace spikeloop::network_detail

@@ -1,0 +1,34 @@
+// The built-in network: repeaters and integrate-and-fire neurons from a network file.
+//
+// iaf_psc_delta and iaf_psc_exp are integrated exactly on the grid (Rotter & Diesmann 1999,
+// Biol. Cybern. 81:381-402, eq. 3) with NEST's conventions: spikes that come in are rounded up to
+// the grid, act a delay later at the end of a step, and leave stamped with the end of the step in
+// which the membrane potential reached the threshold. Large models belong in NEST, NEURON or
+// Brian2.
+#pragma once
+
+#include <memory>
+
+#include "spikeloop/config/network_file.hpp"
+#include "spikeloop/core/node.hpp"
+#include "spikeloop/core/registry.hpp"
+
+namespace spikeloop {
+
+/// The node class `network`: port `in` (spikes), port `out` (spikes), parameter `network` (path of
+/// the network file). Its factory reads the file.
+NodeClass network_class();
+
+/// The same for a network that was read before: its ports have the file's widths, and there is no
+/// port `in` when it has no input population.
+NodeClass network_class(const NetworkFile& network);
+
+/// Makes the node of a network that was read before.
+/// Counters: spikes (that left by port `out`), late_spikes (that came in at or before the begin of
+/// their interval).
+std::unique_ptr<Node> make_network(NetworkFile network);
+
+/// Adds the node classes of this room.
+void register_neurons(Registry& registry);
+
+}  // namespace spikeloop

@@ -1,0 +1,63 @@
+// A network that advances over intervals: on the grid, or by events where there is no grid.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "spikeloop/config/network_file.hpp"
+#include "spikeloop/core/signal.hpp"
+
+namespace spikeloop::neurons {
+
+class Simulation {
+ public:
+  Simulation() = default;
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+  virtual ~Simulation() = default;
+
+  /// Advances over `interval`, which adjoins the last one; `input` is sorted by (time, channel).
+  /// Appends the spikes of port `out`. A spike whose time plus delay has passed acts as early in
+  /// the interval as it can.
+  virtual void advance(Interval interval, std::span<const Spike> input,
+                       std::vector<Spike>& output) = 0;
+};
+
+std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network);
+std::unique_ptr<Simulation> make_offgrid_simulation(const NetworkFile& network);
+
+/// Where the channels of the ports lie.
+class ChannelMap {
+ public:
+  explicit ChannelMap(const NetworkFile& network);
+
+  struct Member {
+    std::size_t population = 0;
+    std::uint32_t index = 0;
+  };
+  /// The member of an input population that a channel of port `in` is.
+  Member input(std::int32_t channel) const;
+  /// The first channel of a population on port `out`, -1 when it is not on it.
+  std::int32_t output_base(std::size_t population) const { return output_base_[population]; }
+
+ private:
+  std::vector<std::uint32_t> input_end_;  // behind the last channel of each input population
+  std::vector<std::size_t> input_population_;
+  std::vector<std::int32_t> output_base_;
+};
+
+/// The projections that leave each population, by its index.
+std::vector<std::vector<const NetworkProjection*>> outgoing(const NetworkFile& network);
+
+/// The synapses of source `index`.
+inline std::span<const std::uint32_t> targets(const NetworkProjection& p, std::uint32_t index) {
+  return std::span(p.target).subspan(p.row_start[index],
+                                     p.row_start[index + 1] - p.row_start[index]);
+}
+inline std::span<const double> weights(const NetworkProjection& p, std::uint32_t index) {
+  return std::span(p.weight).subspan(p.row_start[index],
+                                     p.row_start[index + 1] - p.row_start[index]);
+}
+
+}  // namespace spikeloop::neurons
