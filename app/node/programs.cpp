@@ -50,7 +50,7 @@ std::string class_list() {
 
 music::ProgramText text_of(const NodeProgram& program) {
   Registry registry;
-  fill_registry(registry);
+  register_nodes(registry);
   const auto& description = registry.find(program.node_class).description;
   music::ProgramText text;
   text.name = program.name;

@@ -25,8 +25,14 @@ void print(std::FILE* stream, const std::string& text) {
   std::fflush(stream);
 }
 
-// What the program does without MUSIC.
-int standalone(int argc, char** argv, const ProgramText& text) {
+void log_to_standard_error(const std::string& label) {
+  log::set_sink([label](log::Level level, std::string_view message) {
+    const char* kind = level == log::Level::warning ? "warning: " : "";
+    print(stderr, fmt::format("{}: {}{}\n", label, kind, message));
+  });
+}
+
+int answer(int argc, char** argv, const ProgramText& text) {
   if (argc < 2) {
     print(
         stderr,
@@ -58,11 +64,15 @@ int standalone(int argc, char** argv, const ProgramText& text) {
   return kUsage;
 }
 
-void log_to_standard_error(const std::string& label) {
-  log::set_sink([label](log::Level level, std::string_view message) {
-    const char* kind = level == log::Level::warning ? "warning: " : "";
-    print(stderr, fmt::format("{}: {}{}\n", label, kind, message));
-  });
+// What the program does without MUSIC.
+int standalone(int argc, char** argv, const ProgramText& text) {
+  log_to_standard_error(text.name);
+  try {
+    return answer(argc, argv, text);
+  } catch (const Error& error) {
+    print(stderr, fmt::format("{}: {}\n", text.name, error.what()));
+    return error.exit_code();
+  }
 }
 
 // Ends the whole job: a program that merely returned would leave the others hanging.

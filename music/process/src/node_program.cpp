@@ -29,6 +29,11 @@ class NodeProgram {
 
   GraphDescription describe(const NodeClass& node_class, const Parameters& parameters) {
     description_.nodes.push_back({process_.label(), &node_class, parameters, {}});
+    std::vector<std::string> names;
+    for (const auto& port : ports_) {
+      names.push_back(port.name);
+    }
+    process_.declare_ports(names);
     for (const auto& port : ports_) {
       port.direction == Direction::input ? add_input(port) : add_output(port);
     }

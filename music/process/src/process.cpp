@@ -97,6 +97,10 @@ Parameters Process::read(const std::vector<ParameterDescription>& declared,
   return resolve(declared, written(names), load_weights);
 }
 
+void Process::declare_ports(const std::vector<std::string>& names) const {
+  impl_->check_port_names(names);
+}
+
 bool Process::connected_input(const std::string& port, PortKind) const {
   return impl_->probe(port).isConnected();
 }
@@ -198,18 +202,21 @@ std::uint32_t Process::Impl::checked_width(const std::string& port, Direction di
   return static_cast<std::uint32_t>(width);
 }
 
-void Process::Impl::check_ports() {
-  if (!launched) {
-    return;
-  }
-  const std::vector<std::string> names(served.begin(), served.end());
+void Process::Impl::check_port_names(const std::vector<std::string>& names) const {
   for (const auto& use : file.ports(label)) {
-    if (!served.contains(use.port)) {
+    if (std::find(names.begin(), names.end(), use.port) == names.end()) {
       throw ConfigurationError(
           use.connection->where,
           fmt::format("'{}' has no port '{}'{}", label, use.port, did_you_mean(use.port, names)));
     }
   }
+}
+
+void Process::Impl::check_ports() const {
+  if (!launched) {
+    return;
+  }
+  check_port_names({served.begin(), served.end()});
   if (served.empty()) {
     throw ConfigurationError(fmt::format(
         "no port of '{}' is connected, and MUSIC would wait for ever; connect one, or leave the "

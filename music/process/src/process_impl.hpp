@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "job_file.hpp"
 #include "recording.hpp"
@@ -40,7 +41,9 @@ struct Process::Impl {
   /// @throws ConfigurationError as Process::signal_input() and its kin say.
   std::uint32_t checked_width(const std::string& port, Direction direction);
   /// Throws when MUSIC would hang: no port connected, or one that nothing serves.
-  void check_ports();
+  void check_ports() const;
+  /// Throws when the file connects a port that is not among these.
+  void check_port_names(const std::vector<std::string>& names) const;
   /// Warns of keys of the section that look like a slip of the pen; an error when strict.
   void check_keys(bool strict);
   /// "-> encoder.in [N]" with the program's label.

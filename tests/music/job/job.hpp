@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -47,6 +48,14 @@ class Job {
   Job& global(const std::string& line) {
     globals_ += line + "\n";
     return *this;
+  }
+
+  /// "FILE:LINE:1" of the first line with these words.
+  std::string place(const std::string& words) const {
+    const auto all = text();
+    const auto before = all.substr(0, all.find(words));
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    return (directory.path() / "job.music").string() + ":" + std::to_string(line) + ":1";
   }
 
   std::string text() const { return globals_ + sections_ + connections_; }

@@ -59,6 +59,9 @@ class Process {
   Parameters read(const std::vector<ParameterDescription>& declared,
                   const WeightLoader& load_weights = {}) const;
 
+  /// Says which ports this program has, before it opens any.
+  /// @throws ConfigurationError when the file connects another one: MUSIC would hang.
+  void declare_ports(const std::vector<std::string>& names) const;
   /// True when the file connects this port, in whichever direction.
   bool connected_input(const std::string& port, PortKind kind) const;
   bool connected_output(const std::string& port, PortKind kind) const;
