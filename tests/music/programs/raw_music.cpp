@@ -141,6 +141,7 @@ struct Program {
   }
 
   void step() {
+    static const std::vector<std::pair<double, int>> nothing;
     const int k = log.ticks;
     if (has_values_in) {
       log.begin("value");
@@ -149,10 +150,10 @@ struct Program {
       }
       log.end();
     }
-    if (to_show.contains(k)) {
+    if (!out.empty() && to_show.contains(k)) {
       std::copy(to_show[k].begin(), to_show[k].end(), out.begin());
     }
-    for (const auto& [time, id] : to_send[k]) {
+    for (const auto& [time, id] : spikes != nullptr ? to_send[k] : nothing) {
       if (log.wall) {
         log.begin("sent");
         log.end();

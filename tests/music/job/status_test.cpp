@@ -1,0 +1,107 @@
+// What a launcher hears from a process.
+#include <nlohmann/json.hpp>
+
+#include "job.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using nlohmann::json;
+
+// Runs the job as a launcher would; all messages of `process`.
+std::vector<json> messages_of(const Job& job, const std::string& process, int exit_code) {
+  const std::string path = (job.directory.path() / "status").string();
+  status::Receiver receiver(path);
+  auto command = job.command();
+  command.environment["SPIKELOOP_STATUS"] = path;
+  const auto outcome = test::run(command);
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.text();
+  std::vector<json> found;
+  while (const auto message = receiver.next(std::chrono::milliseconds(100))) {
+    if (message->at("process") == process) {
+      found.push_back(*message);
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> types(const std::vector<json>& messages) {
+  std::vector<std::string> result;
+  for (const auto& message : messages) {
+    if (message.at("type") != "progress") {
+      result.push_back(message.at("type"));
+    }
+  }
+  return result;
+}
+
+TEST(Status, TellsTheWholeLifeOfAProcess) {
+  Job job;
+  job.global("stoptime=0.05");
+  job.raw("sink")
+      .node("relay", "spike_relay")
+      .raw("source", "map_out=9\nspikes=" +
+                         job.directory.write("spikes.txt", "0 0.0005 0\n0 0.0006 7\n3 0.0035 1\n"))
+      .connect("source.spikes -> relay.in [2]")
+      .connect("relay.out -> sink.spikes_in [2]");
+  const auto messages = messages_of(job, "relay", 0);
+  EXPECT_EQ(types(messages), (std::vector<std::string>{"started", "first_tick", "report"}));
+  ASSERT_FALSE(messages.empty());
+  const auto& counters = messages.back().at("counters");
+  EXPECT_EQ(counters.at("ticks"), 50);
+  EXPECT_EQ(counters.at("in.events_outside_port"), 1);
+  EXPECT_EQ(counters.at("in.events_without_time"), 0);
+  EXPECT_EQ(counters.at("out.stamps_moved"), 0);
+  EXPECT_EQ(counters.at("relay.out->out.out.spikes"), 2);
+  EXPECT_EQ(counters.at("relay.out->out.out.late"), 0);
+  EXPECT_TRUE(messages.back().at("summary").is_object());
+}
+
+TEST(Status, CountsLateSpikesAndMovedStamps) {
+  Job job;
+  job.global("stoptime=0.011");
+  job.node("cell", "edge_spiker")
+      .node("relay", "spike_relay", "accept_latency=0.001\ndelay=0.001")
+      .raw("sink")
+      .connect("cell.out -> relay.in [2]")
+      .connect("relay.out -> sink.spikes_in [2]");
+  const auto relay = messages_of(job, "relay", 0);
+  ASSERT_FALSE(relay.empty());
+  EXPECT_EQ(relay.back().at("counters").at("in.in->relay.in.late"), 20);
+}
+
+TEST(Status, TellsOfTheTimeThatThePacingProcessKeeps) {
+  Job job;
+  job.global("stoptime=0.6");
+  job.node("end", "spike_relay").node("cell", "edge_spiker", "pace=true");
+  job.connect("cell.out -> end.in [2]");
+  const auto messages = messages_of(job, "cell", 0);
+  int progress = 0;
+  for (const auto& message : messages) {
+    if (message.at("type") == "progress") {
+      ++progress;
+      EXPECT_GT(message.at("simulated_s"), 0.0);
+      EXPECT_TRUE(message.contains("overruns"));
+    }
+  }
+  EXPECT_GE(progress, 2);
+  ASSERT_FALSE(messages.empty());
+  EXPECT_TRUE(messages.back().at("counters").contains("overruns"));
+}
+
+TEST(Status, TellsOfAFailureWithItsSentence) {
+  Job job;
+  job.global("stoptime=1000");
+  job.raw("sink")
+      .node("cell", "edge_spiker", "fail_at=0.01")
+      .connect("cell.out -> sink.spikes_in [2]");
+  const auto messages = messages_of(job, "cell", 5);
+  EXPECT_EQ(types(messages), (std::vector<std::string>{"started", "first_tick", "failure"}));
+  ASSERT_FALSE(messages.empty());
+  EXPECT_EQ(messages.back().at("exit_code"), 5);
+  EXPECT_EQ(messages.back().at("message"), "node 'cell': the cell has burst");
+}
+
+}  // namespace
+}  // namespace spikeloop::test
