@@ -60,5 +60,55 @@ TEST(RosMasterOfAJob, DiesWithAKilledLauncher) {
   EXPECT_EQ(child.wait().left_behind, 0);
 }
 
+/// A job with the real robot.
+Outcome run_with_robot(const TwoPrograms& job, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"--roscore", "--robot"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  Command command = job.command(arguments);
+  command.environment["ROS_MASTER_URI"] = closed_uri();
+  return run(command);
+}
+
+TEST(RobotOfAJob, DrivesAndReports) {
+  const TwoPrograms job("stoptime=2", "stoptime=2");
+  const Outcome outcome = run_with_robot(job, {"--seed", "3", "--real-time-factor", "0.5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+  auto summary = job.summary();
+  EXPECT_EQ(summary["processes"]["robot"]["reported"], true) << "it was asked to stop, not killed";
+  EXPECT_TRUE(summary["distance_m"].is_number());
+  EXPECT_TRUE(std::filesystem::exists(job.folder() + "/trajectory.csv"));
+}
+
+TEST(RobotOfAJob, FailsWithItsReason) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with_robot(job, {"--robot-arg=--world=nope.xml"});
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_EQ(last_line(outcome.err).find("spikeloop: robot: cannot find world 'nope.xml'"), 0u);
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(RobotOfAJob, ThatDoesNotKnowAnArgumentIsNamed) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with_robot(job, {"--robot-arg=--wrld=x"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(
+      last_line(outcome.err).find("spikeloop: robot: ended with exit code 2; its last line: "), 0u)
+      << outcome.err;
+  EXPECT_NE(outcome.text().find("--wrld=x"), std::string::npos);
+}
+
+TEST(RobotOfAJob, ThatEndsTakesTheJobWithIt) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  const Outcome outcome = run_with_robot(job, {"--robot-arg=--duration=2"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.text();
+  EXPECT_EQ(last_line(outcome.err)
+                .find("spikeloop: robot: ended before the job, with exit code 0; its last line: "),
+            0u)
+      << outcome.err;
+  EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true) << "the programs finalized";
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
 }  // namespace
 }  // namespace spikeloop::test

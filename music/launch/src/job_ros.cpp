@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
+
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -19,6 +21,22 @@ constexpr int kPortsTried = 3;
 
 std::string last_line(const Member& member) {
   return member.last_words().empty() ? "" : "; its last line: " + member.last_words();
+}
+
+/// The robot keeps the seed and the real-time factor of the sensor adapter, or of the first
+/// program.
+void add_robot_option(const MusicFile& file, const char* key, const char* option,
+                      std::vector<std::string>& arguments) {
+  const auto source = std::find_if(file.sections.begin(), file.sections.end(),
+                                   [&file](const MusicSection& section) {
+                                     const Program* program = find_program(file, section);
+                                     return program != nullptr && program->source;
+                                   });
+  const MusicKey* found =
+      file.find_key(source == file.sections.end() ? file.sections.front() : *source, key);
+  if (found != nullptr) {
+    arguments.insert(arguments.end(), {option, found->value});
+  }
 }
 
 }  // namespace
@@ -81,14 +99,8 @@ bool JobRun::start_robot() {
   }
   ProgramStart start;
   start.arguments = {"spikeloop-robot", "--out", folder_};
-  if (options_.run.seed) {
-    start.arguments.insert(start.arguments.end(), {"--seed", std::to_string(*options_.run.seed)});
-  }
-  if (options_.run.real_time_factor) {
-    start.arguments.insert(
-        start.arguments.end(),
-        {"--real-time-factor", fmt::format("{}", *options_.run.real_time_factor)});
-  }
+  add_robot_option(effective_.file, "seed", "--seed", start.arguments);
+  add_robot_option(effective_.file, "rtf", "--real-time-factor", start.arguments);
   start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
@@ -98,8 +110,9 @@ bool JobRun::start_robot() {
   if (state_.failure()) {
     fail(state_.failure()->exit_code, state_.failure()->message);
   } else if (robot_->gone()) {
-    fail(1, fmt::format("robot: ended with exit code {}{}",
-                        exit_code(robot_->tree().status().value_or(1)), last_line(*robot_)));
+    const int code = exit_code(robot_->tree().status().value_or(1));
+    fail(std::max(1, code),
+         fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
   } else if (!outcome_ && !master.publishes(kScanTopic)) {
     fail(3, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
                         kRosStart.count() / 1000, last_line(*robot_)));

@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <string.h>
 
+#include <algorithm>
+
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -144,13 +146,22 @@ void JobRun::watch_failures() {
   }
 }
 
+bool JobRun::robot_ended() const {
+  return robot_ != nullptr && robot_->gone();
+}
+
 void JobRun::watch_robot() {
-  if (robot_ != nullptr && robot_->gone() && !outcome_ && !reported_since_) {
-    fail(1, fmt::format(
-                "robot: ended before the job, with exit code {}{}",
-                exit_code(robot_->tree().status().value_or(1)),
-                robot_->last_words().empty() ? "" : "; its last line: " + robot_->last_words()));
+  if (!robot_ended() || outcome_ || reported_since_) {
+    return;
   }
+  if (state_.failure()) {
+    fail(state_.failure()->exit_code, state_.failure()->message);
+    return;
+  }
+  const int code = exit_code(robot_->tree().status().value_or(1));
+  const std::string& last = robot_->last_words();
+  fail(std::max(1, code), fmt::format("robot: ended before the job, with exit code {}{}", code,
+                                      last.empty() ? "" : "; its last line: " + last));
 }
 
 void JobRun::watch_end() {
@@ -166,7 +177,8 @@ void JobRun::watch_end() {
 }
 
 void JobRun::watch_stop() {
-  if (outcome_ && !stopping_since_ && !state_.failure()) {
+  // A program of the job that failed takes the others with it.
+  if (outcome_ && !stopping_since_ && (!state_.failure() || robot_ended())) {
     stopping_since_ = Clock::now();
     begin_stop();
   }

@@ -41,6 +41,7 @@ class JobRun {
   void watch_start();
   void watch_failures();
   void watch_robot();
+  bool robot_ended() const;
   void watch_end();
   void watch_stop();
   /// Asks every program of ours to leave its loop.
