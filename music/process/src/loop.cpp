@@ -28,9 +28,14 @@ class Progress {
     const TimeNs now = wall_now();
     if (now >= next_) {
       next_ = now + period_;
-      const auto report = pacer_.report();
-      sender_.progress(time, report.wall_time, report.overruns);
+      tell(time);
     }
+  }
+
+  // The run's length is what the last word says.
+  void tell(TimeNs time) const {
+    const auto report = pacer_.report();
+    sender_.progress(time, report.wall_time, report.overruns);
   }
 
  private:
@@ -103,6 +108,7 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
     time = end;
     progress.at(time);
   }
+  progress.tell(graph.time());
   const auto pace = pacer->report();
   if (hooks.after_loop) {
     hooks.after_loop();
