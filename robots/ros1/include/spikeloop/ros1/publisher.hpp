@@ -1,0 +1,36 @@
+// Command messages from components' values.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/ros1/session.hpp"
+
+namespace spikeloop::ros1 {
+
+class Publisher {
+ public:
+  /// @param fields a path a component; empty: all values together are the field `data`
+  /// @throws ConfigurationError: unknown type or fields, an impossible topic.
+  Publisher(Session& session, const std::string& topic, const std::string& message_type,
+            const std::vector<std::string>& fields);
+  ~Publisher();
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  /// One message with these values, all other fields zero. Does not wait: a thread of roscpp sends.
+  /// Safe to call from any thread, one at a time.
+  void publish(std::span<const double> values);
+  /// Leaves that thread time to hand what was published to the system, which then delivers it even
+  /// when this process dies.
+  void drain() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::ros1

@@ -1,0 +1,45 @@
+// A topic as a source: the newest message's channels, taken the moment it arrives.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/ros1/session.hpp"
+
+namespace spikeloop::ros1 {
+
+struct SensorSettings {
+  std::string topic;
+  std::string message_type;         ///< "sensor_msgs/LaserScan"
+  std::vector<std::string> fields;  ///< see messages::SensorConversion; usually empty
+  std::uint32_t width = 0;
+  bool strict = false;
+  std::optional<double> initial;  ///< every channel before the first message; none: no value
+};
+
+/// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
+/// this tick uses arrived, without value before the first.
+///
+/// Counters: messages, cropped, short_messages, invalid_readings, malformed, wrong_type.
+class Sensor : public Source {
+ public:
+  /// Subscribes, with TCP_NODELAY. @throws ConfigurationError as messages::SensorConversion, and
+  /// for an impossible topic.
+  Sensor(Session& session, const SensorSettings& settings);
+  ~Sensor() override;
+
+  std::vector<EndpointPort> ports() const override;
+  /// @throws TransportError when the topic has brought messages of another type or version and none
+  /// of the right one; ConfigurationError when `strict` and a message does not fit the port.
+  void receive(const Step& step) override;
+  std::vector<Counter> counters() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::ros1

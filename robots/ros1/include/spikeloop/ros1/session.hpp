@@ -1,0 +1,40 @@
+// This process as a ROS 1 node.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::ros1 {
+
+struct SessionSettings {
+  std::string node_name;
+  /// Adds a suffix of its own to the name: ROS 1 ends the older one of two nodes with the same
+  /// name.
+  bool unique_name = false;
+  std::string master_uri;  ///< empty: as master_uri() says
+  TimeNs master_timeout = 5 * kNsPerSecond;
+};
+
+/// Once a process: roscpp knows but one node. Its callbacks run in a thread of their own. Installs
+/// no signal handler. Block the signals you wait for before: roscpp starts threads.
+class Session {
+ public:
+  /// @throws TransportError without a master (see require_master), ConfigurationError for an
+  /// impossible node name, std::logic_error the second time.
+  explicit Session(const SessionSettings& settings);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  std::string node_name() const;  ///< "/ros_command_node_1700000000000000000"
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::ros1

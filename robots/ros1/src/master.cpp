@@ -1,0 +1,194 @@
+#include "spikeloop/ros1/master.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <thread>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
+
+namespace spikeloop::ros1 {
+namespace {
+
+constexpr TimeNs kRetry = 100'000'000;
+
+/// One question to the master; `reason()` says why there was no answer.
+class Probe {
+ public:
+  Probe(const MasterAddress& address, TimeNs deadline) : deadline_(deadline) {
+    if (open(address) && send_request(address) && receive_status()) {
+      reason_.clear();
+    }
+  }
+  ~Probe() { close_socket(); }
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
+
+  const std::string& reason() const { return reason_; }
+
+ private:
+  bool open(const MasterAddress& address) {
+    addrinfo hints{};
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_STREAM;
+    addrinfo* list = nullptr;
+    const int error =
+        ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &list);
+    if (error != 0) {
+      reason_ = fmt::format("no address for host '{}': {}", address.host, ::gai_strerror(error));
+      return false;
+    }
+    const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(list, ::freeaddrinfo);
+    for (const addrinfo* each = list; each != nullptr; each = each->ai_next) {
+      if (connect_to(*each)) {
+        return true;
+      }
+      close_socket();
+    }
+    return false;
+  }
+
+  bool connect_to(const addrinfo& address) {
+    socket_ = ::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (socket_ < 0) {
+      return fail(errno);
+    }
+    if (::connect(socket_, address.ai_addr, address.ai_addrlen) == 0) {
+      return true;
+    }
+    if (errno != EINPROGRESS) {
+      return fail(errno);
+    }
+    if (!wait(POLLOUT)) {
+      return false;
+    }
+    int error = 0;
+    socklen_t size = sizeof error;
+    ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size);
+    return error == 0 || fail(error);
+  }
+
+  bool send_request(const MasterAddress& address) {
+    const std::string_view body =
+        "<?xml version=\"1.0\"?><methodCall><methodName>getPid</methodName><params><param>"
+        "<value><string>/spikeloop</string></value></param></params></methodCall>";
+    const std::string request = fmt::format(
+        "POST / HTTP/1.0\r\nHost: {}:{}\r\nContent-Type: text/xml\r\n"
+        "Content-Length: {}\r\n\r\n{}",
+        address.host, address.port, body.size(), body);
+    // A few hundred bytes fit the empty buffer of a new connection.
+    const auto sent = ::send(socket_, request.data(), request.size(), MSG_NOSIGNAL);
+    return sent == static_cast<ssize_t>(request.size()) || fail(errno);
+  }
+
+  bool receive_status() {
+    std::string answer;
+    while (answer.find("\r\n") == std::string::npos && answer.size() < 1000) {
+      if (!wait(POLLIN)) {
+        return false;
+      }
+      char buffer[256];
+      const auto count = ::recv(socket_, buffer, sizeof buffer, 0);
+      if (count <= 0) {
+        break;
+      }
+      answer.append(buffer, static_cast<std::size_t>(count));
+    }
+    if (answer.starts_with("HTTP/") && answer.find(" 200 ") != std::string::npos) {
+      return true;
+    }
+    reason_ = "what answers there is no ROS master";
+    return false;
+  }
+
+  bool wait(short events) {
+    pollfd descriptor{socket_, events, 0};
+    const TimeNs left = std::max<TimeNs>(0, deadline_ - wall_now());
+    const timespec time{left / kNsPerSecond, left % kNsPerSecond};
+    if (::ppoll(&descriptor, 1, &time, nullptr) > 0) {
+      return true;
+    }
+    reason_ = "no answer";
+    return false;
+  }
+
+  bool fail(int error) {
+    reason_ = std::strerror(error);
+    return false;
+  }
+
+  void close_socket() {
+    if (socket_ >= 0) {
+      ::close(socket_);
+      socket_ = -1;
+    }
+  }
+
+  int socket_ = -1;
+  TimeNs deadline_;
+  std::string reason_;
+};
+
+}  // namespace
+
+std::string master_uri() {
+  const char* const uri = std::getenv("ROS_MASTER_URI");
+  return uri != nullptr && *uri != '\0' ? uri : "http://localhost:11311";
+}
+
+MasterAddress parse_master_uri(const std::string& uri) {
+  constexpr std::string_view kScheme = "http://";
+  std::string_view rest = uri;
+  MasterAddress address;
+  bool good = rest.starts_with(kScheme);
+  if (good) {
+    rest.remove_prefix(kScheme.size());
+    rest = rest.substr(0, rest.find('/'));
+    const auto colon = rest.rfind(':');
+    const std::string_view digits = colon == rest.npos ? rest.substr(0, 0) : rest.substr(colon + 1);
+    address.host = rest.substr(0, colon);
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, address.port);
+    good = !digits.empty() && error == std::errc{} && stop == end && !address.host.empty() &&
+           address.port != 0;
+  }
+  if (!good) {
+    throw ConfigurationError(
+        fmt::format("ROS_MASTER_URI is '{}', which is no address; write http://HOST:PORT, as in "
+                    "http://localhost:11311",
+                    uri));
+  }
+  return address;
+}
+
+void require_master(const std::string& uri, TimeNs timeout) {
+  const MasterAddress address = parse_master_uri(uri);
+  const TimeNs deadline = wall_now() + timeout;
+  while (true) {
+    const Probe probe(address, deadline);
+    if (probe.reason().empty()) {
+      return;
+    }
+    if (wall_now() + kRetry >= deadline) {
+      throw TransportError(
+          fmt::format("no ROS master answers at {} within {} ({}); start one with roscore, or set "
+                      "ROS_MASTER_URI to where it is",
+                      uri, format_time(timeout), probe.reason()));
+    }
+    std::this_thread::sleep_for(std::chrono::nanoseconds(kRetry));
+  }
+}
+
+}  // namespace spikeloop::ros1

@@ -1,0 +1,105 @@
+#include "spikeloop/ros1/publisher.hpp"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <ros/connection_manager.h>
+#include <sys/socket.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "session_impl.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+
+namespace spikeloop::ros1 {
+namespace {
+
+using topic_tools::ShapeShifter;
+
+constexpr auto kDrain = std::chrono::milliseconds(50);
+
+std::uint16_t local_port(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    return 0;
+  }
+  if (address.ss_family == AF_INET) {
+    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
+  }
+  return address.ss_family == AF_INET6
+             ? ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port)
+             : std::uint16_t{0};
+}
+
+/// roscpp sets TCP_NODELAY only where the subscriber asks for it, and drivers rarely do: a command
+/// that follows another one closely would then wait up to 40 ms for the other side's delayed
+/// acknowledgement. So we set it on every connection to roscpp's port.
+void send_without_delay() {
+  const auto port = static_cast<std::uint16_t>(ros::ConnectionManager::instance()->getTCPPort());
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const int descriptor = std::atoi(entry.path().filename().c_str());
+    if (local_port(descriptor) == port) {
+      const int on = 1;
+      ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    }
+  }
+}
+
+}  // namespace
+
+struct Publisher::Impl {
+  Impl(const std::string& message_type, std::vector<std::string> fields)
+      : all_in_data(fields.empty()),
+        writer(messages::Catalog::builtin(), message_type,
+               all_in_data ? std::vector<std::string>{"data"} : std::move(fields)) {
+    const auto& catalog = messages::Catalog::builtin();
+    const std::string& type = writer.type().name;
+    shifter.morph(catalog.md5(type), type, catalog.full_text(type), "");
+  }
+
+  bool all_in_data;
+  messages::MessageWriter writer;
+  ShapeShifter shifter;
+  std::vector<messages::FieldValue> values;
+  std::vector<std::byte> bytes;
+  ros::Publisher publisher;
+};
+
+Publisher::Publisher(Session& session, const std::string& topic, const std::string& message_type,
+                     const std::vector<std::string>& fields)
+    : impl_(std::make_unique<Impl>(message_type, fields)) {
+  check_topic(topic);
+  // The queue holds what is published before roscpp's thread runs: commands, then a zero.
+  constexpr std::uint32_t kQueue = 10;
+  impl_->publisher =
+      impl_->shifter.advertise(*session.impl().node, topic, kQueue, false,
+                               [](const ros::SingleSubscriberPublisher&) { send_without_delay(); });
+}
+
+Publisher::~Publisher() = default;
+
+void Publisher::publish(std::span<const double> values) {
+  impl_->values.clear();
+  if (impl_->all_in_data) {
+    impl_->values.push_back({values, {}});
+  } else {
+    for (const double& value : values) {
+      impl_->values.push_back({std::span(&value, 1), {}});
+    }
+  }
+  impl_->writer.write(impl_->values, impl_->bytes);
+  ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(impl_->bytes.data()),
+                                     static_cast<std::uint32_t>(impl_->bytes.size()));
+  impl_->shifter.read(stream);
+  impl_->publisher.publish(impl_->shifter);
+}
+
+void Publisher::drain() const {
+  std::this_thread::sleep_for(kDrain);
+}
+
+}  // namespace spikeloop::ros1
