@@ -149,6 +149,11 @@ void Watch::block_signals() {
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }
 
+void Watch::release_signals() {
+  const sigset_t set = watched_signals();
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
+
 Watch::Watch(TimeNs timeout, Actions actions)
     : impl_(std::make_unique<Impl>(timeout, std::move(actions))) {
   impl_->thread = std::thread([this] { impl_->run(); });

@@ -52,17 +52,17 @@ void send_without_delay() {
 }  // namespace
 
 struct Publisher::Impl {
-  Impl(const std::string& message_type, std::vector<std::string> fields)
-      : all_in_data(fields.empty()),
-        writer(messages::Catalog::builtin(), message_type,
-               all_in_data ? std::vector<std::string>{"data"} : std::move(fields)) {
+  Impl(const std::string& message_type, const std::vector<std::string>& fields)
+      : writer(messages::Catalog::builtin(), message_type, fields) {
     const auto& catalog = messages::Catalog::builtin();
+    one_array = fields.size() == 1 &&
+                !messages::compile_path(catalog, message_type, fields.front()).width().has_value();
     const std::string& type = writer.type().name;
     shifter.morph(catalog.md5(type), type, catalog.full_text(type), "");
   }
 
-  bool all_in_data;
   messages::MessageWriter writer;
+  bool one_array = false;
   ShapeShifter shifter;
   std::vector<messages::FieldValue> values;
   std::vector<std::byte> bytes;
@@ -84,7 +84,7 @@ Publisher::~Publisher() = default;
 
 void Publisher::publish(std::span<const double> values) {
   impl_->values.clear();
-  if (impl_->all_in_data) {
+  if (impl_->one_array) {
     impl_->values.push_back({values, {}});
   } else {
     for (const double& value : values) {

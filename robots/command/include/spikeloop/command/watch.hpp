@@ -22,6 +22,8 @@ class Watch {
   /// Call it first in main(), before any library has threads: a signal that some thread does not
   /// block never reaches the watch.
   static void block_signals();
+  /// Undoes it for the calling thread: a process that turns out to have nothing to stop.
+  static void release_signals();
 
   /// @param timeout wall time without a heartbeat after which the loop counts as silent
   Watch(TimeNs timeout, Actions actions);

@@ -13,7 +13,7 @@ namespace spikeloop::ros1 {
 
 class Publisher {
  public:
-  /// @param fields a path a component; empty: all values together are the field `data`
+  /// @param fields a path a value; a single path to a variable array, like `data`, takes all values
   /// @throws ConfigurationError: unknown type or fields, an impossible topic.
   Publisher(Session& session, const std::string& topic, const std::string& message_type,
             const std::vector<std::string>& fields);

@@ -1,0 +1,207 @@
+// ros_command_adapter: a continuous signal as command messages, and a robot that is never left
+// driving.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "command_sink.hpp"
+#include "programs.hpp"
+#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/config/message_type.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/process/signals.hpp"
+#include "spikeloop/ros1/publisher.hpp"
+
+namespace spikeloop {
+namespace {
+
+constexpr TimeNs kLeastInterval = 1'000'000;
+constexpr TimeNs kLeastWatchdog = 100'000'000;
+
+std::vector<ParameterDescription> command_parameters() {
+  auto parameters = connection_parameters("ros_command_node");
+  const auto number = [&](const char* name, const char* unit, const char* value, const char* text) {
+    parameters.push_back({.name = name,
+                          .unit = unit,
+                          .default_value = value,
+                          .minimum = 0,
+                          .maximum = 1e6,
+                          .text = text});
+  };
+  const auto words = [&](const char* name, const char* text) {
+    parameters.push_back(
+        {.name = name, .type = ParameterType::text, .default_value = "", .text = text});
+  };
+  words("message_mapping_filename", "File that says which channel goes to which field");
+  words("message_type", "Without a mapping file: FloatArray; with one, the file decides");
+  number("command_rate", "Hz", "10", "Commands are sent again that often, times rtf; 0: never");
+  number("command_update_rate", "Hz", "10", "Older spelling of command_rate");
+  number("deadband", "1", "0.01",
+         "Part of its range by which a field must move to be sent at once");
+  number("min_interval", "s", "0.001",
+         "Least time between two commands (wall); not given: one tick, at least 1 ms");
+  number("watchdog", "s", "0.1",
+         "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "
+         "0.1 s");
+  number("max_age", "s", "1",
+         "Data older than that stop the robot (needs the port pace); 0: never");
+  parameters.push_back({.name = "pipeline_ticks",
+                        .type = ParameterType::integer,
+                        .default_value = "0",
+                        .minimum = 0,
+                        .maximum = 1e6,
+                        .text = "Ticks that the data take longer than the pace"});
+  return parameters;
+}
+
+double command_rate(const Parameters& parameters) {
+  const bool older = parameters.given("command_update_rate");
+  if (older && parameters.given("command_rate")) {
+    throw ConfigurationError(
+        parameters.where("command_update_rate"),
+        "'command_rate' and 'command_update_rate' are two spellings of one key; leave out "
+        "'command_update_rate'");
+  }
+  return parameters.number(older ? "command_update_rate" : "command_rate");
+}
+
+CommandMapping all_channels() {
+  return {.file = "", .message_type = "std_msgs/Float64MultiArray", .all_channels = true};
+}
+
+CommandMapping read_command_mapping(const music::Process& process, const Parameters& parameters) {
+  const std::string& file = parameters.text("message_mapping_filename");
+  const bool strict = process.common().strict;
+  if (!file.empty()) {
+    return read_mapping(file, {.base_directory = process.file_directory(), .strict = strict});
+  }
+  const std::string& type = parameters.text("message_type");
+  const bool plain = !type.empty() && canonical_message_type(type) == "std_msgs/Float64MultiArray";
+  if (!plain) {
+    const std::string text = fmt::format(
+        "section '{}' has no message_mapping_filename, which says which channel goes to which "
+        "field; write it, or message_type=FloatArray to send all channels",
+        process.label());
+    if (strict) {
+      throw ConfigurationError(text);
+    }
+    log::warning("{}; a Float64MultiArray of all channels is sent", text);
+  }
+  return all_channels();
+}
+
+command::ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width) {
+  std::vector<command::Component> components;
+  if (mapping.all_channels) {
+    for (std::uint32_t channel = 0; channel < width; ++channel) {
+      components.push_back({.channel = channel});
+    }
+  }
+  for (const CommandField& field : mapping.fields) {
+    command::Component component{
+        .channel = field.channel, .scale = field.scale, .offset = field.offset};
+    component.minimum = field.minimum.value_or(component.minimum);
+    component.maximum = field.maximum.value_or(component.maximum);
+    components.push_back(component);
+  }
+  return command::ComponentMap(std::move(components));
+}
+
+std::vector<std::string> field_paths(const CommandMapping& mapping) {
+  if (mapping.all_channels) {
+    return {"data"};
+  }
+  std::vector<std::string> paths;
+  for (const CommandField& field : mapping.fields) {
+    paths.push_back(field.field);
+  }
+  return paths;
+}
+
+CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
+                                 const command::ComponentMap& map) {
+  const auto& keys = process.common();
+  const auto wall = [&](double simulated_s) { return from_seconds(simulated_s / keys.rtf); };
+  const TimeNs tick = wall(to_seconds(keys.music_timestep));
+  CommandSettings settings;
+  settings.gate.deadband = map.deadbands(parameters.number("deadband"));
+  settings.gate.min_interval = parameters.given("min_interval")
+                                   ? from_seconds(parameters.number("min_interval"))
+                                   : std::max(tick, kLeastInterval);
+  const double rate = command_rate(parameters);
+  settings.gate.period = rate > 0 ? wall(1 / rate) : 0;
+  // Fast ticks repeat commands themselves, with newer values.
+  settings.gate.grace = tick < settings.gate.period ? tick + tick / 2 : 0;
+  settings.watchdog = parameters.given("watchdog") ? from_seconds(parameters.number("watchdog"))
+                                                   : std::max(3 * tick, kLeastWatchdog);
+  settings.max_age = from_seconds(parameters.number("max_age"));
+  settings.pipeline_ticks = static_cast<std::size_t>(parameters.integer("pipeline_ticks"));
+  settings.width = process.width("in");
+  settings.with_pace = process.connected_input("pace", PortKind::signal);
+  return settings;
+}
+
+}  // namespace
+
+music::ProgramText command_text() {
+  music::ProgramText text;
+  text.name = "ros_command_adapter";
+  text.summary = "A continuous signal as command messages on a ROS 1 topic";
+  text.ports =
+      "  in         input   continuous  the numbers to send\n"
+      "  pace       input   continuous  [1] from ros_sensor_adapter: the age of the data\n";
+  text.parameters = command_parameters();
+  text.example =
+      "  [command]\n  binary=ros_command_adapter\n  np=1\n  ros_topic=/cmd_vel\n"
+      "  message_mapping_filename=twist.json\n  SENDER.out -> command.in [2]\n"
+      "\ntwist.json:\n"
+      "  {\"message_type\": \"Twist\", \"mapping\": {\"linear.x\": 0, \"angular.z\": 1},\n"
+      "   \"min\": -1, \"max\": 1}\n";
+  text.notes =
+      "A command that has moved by more than the deadband leaves at once. A zero command leaves "
+      "when\n"
+      "the run ends in whatever way, when no tick comes, when data are too old, and instead of a\n"
+      "command with NaN or infinity in it.\n";
+  return text;
+}
+
+int run_command(music::Process& process) {
+  const Parameters parameters = process.read(command_parameters());
+  const std::string topic = required_topic(process, parameters, "/cmd_vel");
+  const CommandMapping mapping = read_command_mapping(process, parameters);
+  const std::uint32_t width = process.width("in");
+  check_channels(mapping, width);
+  const auto in = process.signal_input("in");
+  const auto pace =
+      process.connected_input("pace", PortKind::signal) ? process.signal_input("pace") : nullptr;
+
+  command::ComponentMap map = component_map(mapping, width);
+  const CommandSettings settings = command_settings(process, parameters, map);
+  ros1::Session session(session_settings(parameters));
+  ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
+  CommandSink sink(settings, std::move(map),
+                   {[&](auto values) { publisher.publish(values); }, [&] { publisher.drain(); },
+                    [] { ::kill(::getpid(), SIGTERM); }});
+  const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
+
+  GraphDescription description;
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources = {{"in", in.get()}};
+  description.sinks = {{"topic", &sink}};
+  description.connections = {{"in.in", "topic.in", 0, 0, {}}};
+  if (pace) {
+    description.sources.push_back({"pace", pace.get()});
+    description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
+  }
+  process.attach_recorders(description);
+  Graph graph(std::move(description));
+  return process.run(graph, {.after_loop = [&] { sink.stop(command::StopReason::ended); },
+                             .summary = [&] { return sink.summary(); }});
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,58 @@
+// The end of a loop: channels in, commands out, a zero whatever happens.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+
+#include "spikeloop/command/age_meter.hpp"
+#include "spikeloop/command/command_channel.hpp"
+#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/command/watch.hpp"
+#include "spikeloop/core/endpoint.hpp"
+
+namespace spikeloop {
+
+struct CommandSettings {
+  std::uint32_t width = 0;
+  bool with_pace = false;
+  command::GateSettings gate;
+  TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
+  TimeNs max_age = 0;   ///< of the data; 0: any
+  std::size_t pipeline_ticks = 0;
+};
+
+/// Ports: `in` [width] and, where there is one, `pace` [1].
+class CommandSink : public Sink {
+ public:
+  /// What carries the commands.
+  struct Carrier {
+    command::CommandChannel::Publish publish;
+    std::function<void()> drain;        ///< waits until what was published is on its way
+    std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
+  };
+
+  CommandSink(const CommandSettings& settings, command::ComponentMap map, Carrier carrier);
+  /// An error on the way ends here: zero.
+  ~CommandSink() override;
+
+  std::vector<EndpointPort> ports() const override;
+  void send(const Step& step) override;
+  std::vector<Counter> counters() const override;
+
+  /// Zero, the last thing that leaves. Safe to call from any thread.
+  void stop(command::StopReason reason);
+  /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
+  nlohmann::json summary() const;
+
+ private:
+  TimeNs forward(const Step& step, TimeNs now);
+
+  CommandSettings settings_;
+  command::ComponentMap map_;
+  Carrier carrier_;
+  command::AgeMeter age_;
+  command::CommandChannel channel_;
+  command::Watch watch_;
+};
+
+}  // namespace spikeloop

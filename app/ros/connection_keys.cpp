@@ -1,0 +1,43 @@
+#include <fmt/format.h>
+
+#include "programs.hpp"
+
+namespace spikeloop {
+
+std::vector<ParameterDescription> connection_parameters(const std::string& default_node_name) {
+  return {{.name = "ros_topic",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "Topic; must be given"},
+          {.name = "ros_node_name",
+           .type = ParameterType::text,
+           .default_value = default_node_name,
+           .text = "Name of the ROS node; the default gets a suffix that makes it unique"},
+          {.name = "master_timeout",
+           .unit = "s",
+           .default_value = "5",
+           .minimum = 0,
+           .maximum = 86400,
+           .text = "How long to wait for the ROS master (ROS_MASTER_URI)"}};
+}
+
+ros1::SessionSettings session_settings(const Parameters& parameters) {
+  ros1::SessionSettings settings;
+  settings.node_name = parameters.text("ros_node_name");
+  settings.unique_name = !parameters.given("ros_node_name");
+  settings.master_timeout = from_seconds(parameters.number("master_timeout"));
+  return settings;
+}
+
+std::string required_topic(const music::Process& process, const Parameters& parameters,
+                           const std::string& example) {
+  const std::string& topic = parameters.text("ros_topic");
+  if (topic.empty()) {
+    throw ConfigurationError(
+        parameters.where("ros_topic"),
+        fmt::format("section '{}' has no ros_topic; write ros_topic={}", process.label(), example));
+  }
+  return topic;
+}
+
+}  // namespace spikeloop

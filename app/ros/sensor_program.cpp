@@ -1,0 +1,140 @@
+// ros_sensor_adapter: the newest message of a topic as a continuous signal.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "programs.hpp"
+#include "spikeloop/command/watch.hpp"
+#include "spikeloop/config/message_type.hpp"
+#include "spikeloop/ros1/sensor.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<ParameterDescription> sensor_parameters() {
+  auto parameters = connection_parameters("ros_sensor_node");
+  parameters.push_back(
+      {.name = "message_type",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "Laserscan, Twist, FloatArray, Odom or package/Type; must be given"});
+  parameters.push_back(
+      {.name = "fields",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "Other fields than the type's usual ones, as PATH,PATH,...: their numbers as they "
+               "are"});
+  parameters.push_back({.name = "initial",
+                        .type = ParameterType::text,
+                        .default_value = "none",
+                        .text = "Value of every channel before the first message; none: no value"});
+  parameters.push_back({.name = "sensor_update_rate",
+                        .unit = "Hz",
+                        .default_value = "30",
+                        .minimum = 0,
+                        .text = "Accepted for older files; messages are taken when they arrive"});
+  return parameters;
+}
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> parts;
+  std::istringstream stream(list);
+  for (std::string part; std::getline(stream, part, ',');) {
+    const auto first = part.find_first_not_of(' ');
+    const auto last = part.find_last_not_of(' ');
+    parts.push_back(first == std::string::npos ? "" : part.substr(first, last - first + 1));
+  }
+  return parts;
+}
+
+std::string message_type(const Parameters& parameters) {
+  const std::string& text = parameters.text("message_type");
+  const Location& where = parameters.where("message_type");
+  if (text.empty()) {
+    throw ConfigurationError(where,
+                             "message_type is missing; write message_type=Laserscan, Twist, "
+                             "FloatArray, Odom or package/Type");
+  }
+  if (!parameters.text("fields").empty()) {
+    return text;  // any type that has a definition
+  }
+  try {
+    return canonical_message_type(text);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(where, error.what());
+  }
+}
+
+std::optional<double> initial_value(const Parameters& parameters) {
+  const std::string& text = parameters.text("initial");
+  if (text == "none") {
+    return std::nullopt;
+  }
+  try {
+    return parse_quantity(text, "1");
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(parameters.where("initial"),
+                             fmt::format("initial: {}; or write initial=none", error.what()));
+  }
+}
+
+}  // namespace
+
+music::ProgramText sensor_text() {
+  music::ProgramText text;
+  text.name = "ros_sensor_adapter";
+  text.summary = "The newest message of a ROS 1 topic as a continuous signal";
+  text.ports =
+      "  out        output  continuous  the message's numbers\n"
+      "  pace       output  continuous  [1] when the newest message came (monotonic clock, s)\n";
+  text.parameters = sensor_parameters();
+  text.example =
+      "  [sensor]\n  binary=ros_sensor_adapter\n  np=1\n  ros_topic=/scan\n"
+      "  message_type=Laserscan\n  sensor.out -> RECEIVER.in [100]\n";
+  text.notes =
+      "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; nearer than range_min and -inf\n"
+      "are -1, beyond range_max and +inf are 1; NaN and 0 are no reading, the beam keeps its "
+      "value.\n"
+      "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: as it is. Odometry:\n"
+      "x[, y[, z]] in metres.\n";
+  text.defaults.pace = true;
+  return text;
+}
+
+int run_sensor(music::Process& process) {
+  command::Watch::release_signals();
+  process.set_defaults({.pace = true, .accept_one_tick = false});
+  const Parameters parameters = process.read(sensor_parameters());
+  ros1::SensorSettings settings;
+  settings.topic = required_topic(process, parameters, "/scan");
+  settings.message_type = message_type(parameters);
+  settings.fields = split(parameters.text("fields"));
+  settings.width = process.width("out");
+  settings.strict = process.common().strict;
+  settings.initial = initial_value(parameters);
+
+  const auto out = process.signal_output("out");
+  const auto pace =
+      process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
+  ros1::Session session(session_settings(parameters));
+  ros1::Sensor sensor(session, settings);
+
+  GraphDescription description;
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources = {{"topic", &sensor}};
+  description.sinks = {{"out", out.get()}};
+  description.connections = {{"topic.out", "out.out", 0, 0, {}}};
+  if (pace) {
+    description.sinks.push_back({"pace", pace.get()});
+    description.connections.push_back({"topic.pace", "pace.pace", 0, 0, {}});
+  }
+  process.attach_recorders(description);
+  Graph graph(std::move(description));
+  return process.run(graph, {.summary = [&] {
+                       return nlohmann::json{{"scans", sensor.counters().front().value}};
+                     }});
+}
+
+}  // namespace spikeloop
