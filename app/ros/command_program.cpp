@@ -25,12 +25,8 @@ constexpr TimeNs kLeastWatchdog = 100'000'000;
 std::vector<ParameterDescription> command_parameters() {
   auto parameters = connection_parameters("ros_command_node");
   const auto number = [&](const char* name, const char* unit, const char* value, const char* text) {
-    parameters.push_back({.name = name,
-                          .unit = unit,
-                          .default_value = value,
-                          .minimum = 0,
-                          .maximum = 1e6,
-                          .text = text});
+    parameters.push_back(
+        {.name = name, .unit = unit, .default_value = value, .minimum = 0, .text = text});
   };
   const auto words = [&](const char* name, const char* text) {
     parameters.push_back(
@@ -53,7 +49,6 @@ std::vector<ParameterDescription> command_parameters() {
                         .type = ParameterType::integer,
                         .default_value = "0",
                         .minimum = 0,
-                        .maximum = 1e6,
                         .text = "Ticks that the data take longer than the pace"});
   return parameters;
 }
@@ -200,8 +195,10 @@ int run_command(music::Process& process) {
   }
   process.attach_recorders(description);
   Graph graph(std::move(description));
-  return process.run(graph, {.after_loop = [&] { sink.stop(command::StopReason::ended); },
-                             .summary = [&] { return sink.summary(); }});
+  music::Process::LoopHooks hooks;
+  hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
+  hooks.summary = [&] { return sink.summary(); };
+  return process.run(graph, hooks);
 }
 
 }  // namespace spikeloop

@@ -56,6 +56,9 @@ TimeNs CommandSink::forward(const Step& step, TimeNs now) {
 }
 
 void CommandSink::stop(StopReason reason) {
+  if (stopped_.exchange(true)) {
+    return;
+  }
   watch_.rest();
   channel_.stop(reason, wall_now());
   carrier_.drain();

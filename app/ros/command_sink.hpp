@@ -1,6 +1,7 @@
 // The end of a loop: channels in, commands out, a zero whatever happens.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
@@ -50,6 +51,7 @@ class CommandSink : public Sink {
   CommandSettings settings_;
   command::ComponentMap map_;
   Carrier carrier_;
+  std::atomic<bool> stopped_{false};
   command::AgeMeter age_;
   command::CommandChannel channel_;
   command::Watch watch_;

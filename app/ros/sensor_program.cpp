@@ -132,9 +132,9 @@ int run_sensor(music::Process& process) {
   }
   process.attach_recorders(description);
   Graph graph(std::move(description));
-  return process.run(graph, {.summary = [&] {
-                       return nlohmann::json{{"scans", sensor.counters().front().value}};
-                     }});
+  music::Process::LoopHooks hooks;
+  hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
+  return process.run(graph, hooks);
 }
 
 }  // namespace spikeloop

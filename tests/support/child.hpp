@@ -227,6 +227,9 @@ class Child {
   }
 
   void kill_family() const {
+    if (!reaped_) {
+      ::kill(pid_, SIGKILL);  // it may not have become the command yet, and lacks the mark then
+    }
     for (int round = 0; round < 50; ++round) {
       const auto alive = family();
       if (alive.empty()) {

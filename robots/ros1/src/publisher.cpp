@@ -3,11 +3,15 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <ros/connection_manager.h>
+#include <ros/poll_manager.h>
 #include <sys/socket.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include "session_impl.hpp"
@@ -18,7 +22,7 @@ namespace {
 
 using topic_tools::ShapeShifter;
 
-constexpr auto kDrain = std::chrono::milliseconds(50);
+constexpr auto kLongestDrain = std::chrono::milliseconds(500);
 
 std::uint16_t local_port(int socket) {
   sockaddr_storage address{};
@@ -98,8 +102,19 @@ void Publisher::publish(std::span<const double> values) {
   impl_->publisher.publish(impl_->shifter);
 }
 
+// roscpp's network thread goes round: it takes what was published, then writes to the sockets that
+// are ready, then starts again. After two whole rounds everything is with the kernel.
 void Publisher::drain() const {
-  std::this_thread::sleep_for(kDrain);
+  const auto rounds = std::make_shared<std::atomic<int>>(0);
+  const auto& network = ros::PollManager::instance();
+  boost::signals2::connection listening = network->addPollThreadListener([rounds] { ++*rounds; });
+  const auto end = std::chrono::steady_clock::now() + kLongestDrain;
+  // The round that is under way when we come counts once more.
+  while (rounds->load() < 3 && std::chrono::steady_clock::now() < end) {
+    network->getPollSet().signal();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  network->removePollThreadListener(listening);
 }
 
 }  // namespace spikeloop::ros1

@@ -13,11 +13,11 @@ namespace spikeloop::ros1 {
 
 struct SensorSettings {
   std::string topic;
-  std::string message_type;         ///< "sensor_msgs/LaserScan"
-  std::vector<std::string> fields;  ///< see messages::SensorConversion; usually empty
+  std::string message_type;           ///< "sensor_msgs/LaserScan"
+  std::vector<std::string> fields{};  ///< see messages::SensorConversion; usually empty
   std::uint32_t width = 0;
   bool strict = false;
-  std::optional<double> initial;  ///< every channel before the first message; none: no value
+  std::optional<double> initial{};  ///< every channel before the first message; none: no value
 };
 
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that

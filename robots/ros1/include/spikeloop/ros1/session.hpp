@@ -13,7 +13,7 @@ struct SessionSettings {
   /// Adds a suffix of its own to the name: ROS 1 ends the older one of two nodes with the same
   /// name.
   bool unique_name = false;
-  std::string master_uri;  ///< empty: as master_uri() says
+  std::string master_uri{};  ///< empty: as master_uri() says
   TimeNs master_timeout = 5 * kNsPerSecond;
 };
 

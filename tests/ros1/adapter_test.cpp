@@ -1,0 +1,165 @@
+// The adapters in real jobs: what goes in, what comes out, and when.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "robot_job.hpp"
+
+namespace {
+
+using namespace spikeloop::test;
+using ros_peer::eventually;
+using ros_peer::Twist;
+using testing::DoubleNear;
+using testing::HasSubstr;
+
+class AdapterTest : public RobotJob {
+ protected:
+  std::string pass_through(const std::string& sensor_keys, const std::string& command_keys,
+                           int width = 2) {
+    return fmt::format(
+        "music_timestep=0.002\nstoptime=100\n"
+        "[command]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{3}\n"
+        "[sensor]\nbinary={1}\nnp=1\nros_topic=/in\n{2}\n"
+        "sensor.out -> command.in [{4}]\n",
+        binary("ros_command_adapter"), binary("ros_sensor_adapter"), sensor_keys, command_keys,
+        width);
+  }
+  std::string twist_keys() const {
+    return "message_mapping_filename=" + directory_.path().string() + "/twist.json\n";
+  }
+  void finish() {
+    child_->signal(SIGUSR1);
+    const auto outcome = child_->wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+    EXPECT_EQ(outcome.left_behind, 0);
+  }
+  /// Publishes until the last command is near this one.
+  bool reaches(double linear_x, double angular_z, const std::function<void()>& publish) {
+    return eventually(60, [&] {
+      publish();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const auto twists = robot_.twists();
+      return !twists.empty() && std::fabs(twists.back().linear_x - linear_x) < 1e-12 &&
+             std::fabs(twists.back().angular_z - angular_z) < 1e-12;
+    });
+  }
+};
+
+TEST_F(AdapterTest, scan_to_twist) {
+  publish_scans();
+  start(scan_to_twist("stoptime=100"));
+  ASSERT_TRUE(drives());
+  EXPECT_EQ(robot_.twists().back().linear_x, 0.5);
+  EXPECT_EQ(robot_.twists().back().angular_z, -0.5);
+  finish();
+}
+
+TEST_F(AdapterTest, a_change_leaves_at_once_and_rest_is_repeated) {
+  start(pass_through("message_type=Twist", twist_keys() + "command_rate=10"), 2);
+  ASSERT_TRUE(reaches(0.25, 0, [&] { robot_.publish_twist("/in", 0.25, 0); }));
+  // Nothing new for two seconds: ten repetitions a second.
+  const std::size_t before = robot_.twists().size();
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const std::size_t repeated = robot_.twists().size() - before;
+  EXPECT_GE(repeated, 10u);
+  EXPECT_LE(repeated, 22u);
+  // A change within the deadband of 1 % of [-1, 1] waits for its repetition, a larger one does not.
+  const auto begin = ros_peer::monotonic_now();
+  robot_.publish_twist("/in", 0.75, 0);
+  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().back().linear_x == 0.75; }));
+  const double ms = 1e-6 * static_cast<double>(robot_.twists().back().time_ns - begin);
+  std::printf("message in to command out: %.2f ms\n", ms);
+  finish();
+}
+
+TEST_F(AdapterTest, commands_keep_their_distance) {
+  start(pass_through("message_type=Twist",
+                     twist_keys() + "command_rate=0\nmin_interval=0.05\ndeadband=0"),
+        2);
+  double value = 0;
+  ASSERT_TRUE(eventually(60, [&] {
+    value = value > 0.9 ? 0.1 : value + 0.001;
+    robot_.publish_twist("/in", value, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    return robot_.twists().size() > 30;
+  }));
+  const auto twists = robot_.twists();
+  const double mean_ms = 1e-6 *
+                         static_cast<double>(twists.back().time_ns - twists.front().time_ns) /
+                         static_cast<double>(twists.size() - 1);
+  EXPECT_GE(mean_ms, 49);
+  finish();
+}
+
+TEST_F(AdapterTest, values_are_limited_and_faults_are_never_sent) {
+  start(pass_through("message_type=FloatArray", twist_keys()), 2);
+  ASSERT_TRUE(reaches(1, -0.5, [&] { robot_.publish_array("/in", {7, -0.5}); }));
+  ASSERT_TRUE(reaches(0, 0, [&] { robot_.publish_array("/in", {std::nan(""), -0.5}); }));
+  ASSERT_TRUE(reaches(0.5, -0.5, [&] { robot_.publish_array("/in", {0.5, -0.5}); }));
+  ASSERT_TRUE(reaches(0, 0, [&] { robot_.publish_array("/in", {HUGE_VAL, -0.5}); }));
+  finish();
+  for (const Twist& twist : robot_.twists()) {
+    EXPECT_TRUE(std::isfinite(twist.linear_x) && std::isfinite(twist.angular_z));
+  }
+}
+
+TEST_F(AdapterTest, no_command_before_the_first_message) {
+  start(pass_through("message_type=Twist", twist_keys()), 2);
+  ASSERT_TRUE(eventually(60, [&] { return robot_.publishers("/cmd_vel") == 1; }));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_TRUE(robot_.twists().empty());
+  finish();
+}
+
+// The older program's first LaserScan example wrote past its buffer: 100 beams on 20 channels.
+TEST_F(AdapterTest, all_channels_without_a_mapping_file_and_a_long_scan) {
+  robot_.listen_array("/cmd_vel");
+  child_ = std::make_unique<Child>(command(2, pass_through("message_type=Laserscan", "", 20)));
+  ASSERT_TRUE(eventually(60, [&] {
+    robot_.publish_scan("/in", std::vector<float>(100, 2.5f), 0.5f, 4.5f);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return !robot_.arrays().empty();
+  }));
+  EXPECT_EQ(robot_.arrays().front(), std::vector<double>(20, 0.0));
+  finish();
+  EXPECT_THAT(
+      child_->output(),
+      HasSubstr("sensor: warning: topic '/in': a sensor_msgs/LaserScan brought 100 values, "
+                "but the port has 20 channels: the last 80 are left out; write [100] in its "
+                "connection to have all"));
+  EXPECT_THAT(
+      child_->output(),
+      HasSubstr("command: warning: section 'command' has no message_mapping_filename, which "
+                "says which channel goes to which field; write it, or "
+                "message_type=FloatArray to send all channels; a Float64MultiArray of all "
+                "channels is sent"));
+}
+
+// Two command adapters with the older programs' fixed default name ended each other.
+TEST_F(AdapterTest, two_adapters_of_a_kind) {
+  start(
+      fmt::format("music_timestep=0.002\nstoptime=100\n"
+                  "[a]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{2}\n"
+                  "[b]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{2}\n"
+                  "[sensor]\nbinary={1}\nnp=1\nros_topic=/in\nmessage_type=Twist\n"
+                  "ros_node_name=my_sensor\n"
+                  "sensor.out -> a.in [2]\nsensor.out -> b.in [2]\n",
+                  binary("ros_command_adapter"), binary("ros_sensor_adapter"), twist_keys()));
+  ASSERT_TRUE(reaches(0.5, 0, [&] { robot_.publish_twist("/in", 0.5, 0); }));
+  EXPECT_TRUE(eventually(20, [&] { return robot_.publishers("/cmd_vel") == 2; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(robot_.publishers("/cmd_vel"), 2);
+  const auto nodes = robot_.nodes();
+  EXPECT_EQ(std::count(nodes.begin(), nodes.end(), "/my_sensor"), 1);
+  EXPECT_EQ(std::count_if(
+                nodes.begin(), nodes.end(),
+                [](const std::string& name) { return name.rfind("/ros_command_node_", 0) == 0; }),
+            2);
+  finish();
+}
+
+}  // namespace

@@ -1,0 +1,102 @@
+// What the adapters say when they cannot run.
+#include <gmock/gmock.h>
+
+#include "robot_job.hpp"
+
+namespace {
+
+using namespace spikeloop::test;
+using testing::HasSubstr;
+
+class ErrorTest : public RobotJob {
+ protected:
+  Outcome outcome_of(const std::string& sensor_keys, const std::string& command_keys,
+                     const std::string& global = "", int width = 2) {
+    Command job =
+        command(2, fmt::format("music_timestep=0.002\nstoptime=1\n{4}\n"
+                               "[command]\nbinary={0}\nnp=1\n{3}\n"
+                               "[sensor]\nbinary={1}\nnp=1\n{2}\nsensor.out -> command.in [{5}]\n",
+                               binary("ros_command_adapter"), binary("ros_sensor_adapter"),
+                               sensor_keys, command_keys, global, width));
+    job.environment["ROS_MASTER_URI"] = uri_.empty() ? core_.uri() : uri_;
+    return run(job);
+  }
+  const std::string sensor_ = "ros_topic=/in\nmessage_type=Twist\n";
+  const std::string command_ =
+      "ros_topic=/cmd_vel\nmessage_mapping_filename=" + directory_.path().string() +
+      "/twist.json\n";
+  std::string uri_;
+};
+
+TEST_F(ErrorTest, no_master) {
+  uri_ = "http://localhost:" + std::to_string(free_port());
+  const auto outcome = outcome_of(sensor_, command_, "master_timeout=0.5");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(outcome.text(), HasSubstr("no ROS master answers at " + uri_ +
+                                        " within 500 ms (Connection refused); start one with "
+                                        "roscore, or set ROS_MASTER_URI to where it is"));
+  EXPECT_FALSE(outcome.timed_out);
+}
+
+TEST_F(ErrorTest, missing_and_wrong_keys) {
+  EXPECT_THAT(outcome_of("message_type=Twist", command_).text(),
+              HasSubstr("section 'sensor' has no ros_topic; write ros_topic=/scan"));
+  EXPECT_THAT(outcome_of(sensor_, "").text(),
+              HasSubstr("section 'command' has no ros_topic; write ros_topic=/cmd_vel"));
+  EXPECT_THAT(outcome_of("ros_topic=/in", command_).text(),
+              HasSubstr("message_type is missing; write message_type=Laserscan, Twist, FloatArray, "
+                        "Odom or package/Type"));
+  EXPECT_THAT(outcome_of("ros_topic=/in\nmessage_type=Laserscam", command_).text(),
+              HasSubstr("Laserscam"));
+  EXPECT_THAT(outcome_of(sensor_ + "initial=many", command_).text(),
+              HasSubstr("; or write initial=none"));
+  EXPECT_THAT(
+      outcome_of(sensor_, command_ + "command_rate=10\ncommand_update_rate=20").text(),
+      HasSubstr("'command_rate' and 'command_update_rate' are two spellings of one key; leave out "
+                "'command_update_rate'"));
+}
+
+TEST_F(ErrorTest, widths_and_channels) {
+  // Defect 9 of the older program: a mapping index beyond the port was read out of bounds.
+  const auto narrow = outcome_of(sensor_, command_, "", 1);
+  EXPECT_EQ(narrow.exit_code, 2) << narrow.text();
+  EXPECT_THAT(narrow.text(), HasSubstr("angular.z"));
+  EXPECT_THAT(outcome_of(sensor_, command_, "strict=true", 3).text(),
+              HasSubstr("a geometry_msgs/Twist gives 2 values, but the port has 3 channels; write "
+                        "[2] in its connection"));
+}
+
+TEST_F(ErrorTest, strict_wants_a_mapping_file) {
+  EXPECT_THAT(
+      outcome_of(sensor_, "ros_topic=/cmd_vel", "strict=true").text(),
+      HasSubstr("section 'command' has no message_mapping_filename, which says which channel "
+                "goes to which field; write it, or message_type=FloatArray to send all "
+                "channels"));
+}
+
+TEST_F(ErrorTest, the_bare_program_has_no_direction) {
+  const auto outcome = run(command(
+      2,
+      fmt::format("stoptime=1\n[command]\nbinary={0}\nnp=1\n{2}\n[sensor]\nbinary={1}\nnp=1\n{3}\n"
+                  "sensor.out -> command.in [2]\n",
+                  binary("spikeloop-ros"), binary("ros_sensor_adapter"), command_, sensor_)));
+  EXPECT_THAT(outcome.text(),
+              HasSubstr("binary=spikeloop-ros does not say which way messages go; write "
+                        "binary=ros_sensor_adapter or binary=ros_command_adapter"));
+}
+
+TEST_F(ErrorTest, help_names_every_key) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> programs = {
+      {"ros_sensor_adapter", {"ros_topic", "message_type", "sensor_update_rate", "initial"}},
+      {"ros_command_adapter", {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel"}},
+      {"spikeloop-ros", {"ros_sensor_adapter", "ros_command_adapter"}}};
+  for (const auto& [program, words] : programs) {
+    const auto outcome = run({.arguments = {binary(program), "--help"}});
+    EXPECT_EQ(outcome.exit_code, 0);
+    for (const std::string& word : words) {
+      EXPECT_THAT(outcome.out, HasSubstr(word)) << program;
+    }
+  }
+}
+
+}  // namespace

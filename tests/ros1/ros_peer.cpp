@@ -1,0 +1,152 @@
+#include "ros_peer.hpp"
+
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_msgs/Float64MultiArray.h>
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <thread>
+
+namespace ros_peer {
+
+std::int64_t monotonic_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+bool eventually(double seconds, const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) {
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+struct Peer::Impl {
+  ros::CallbackQueue queue;
+  std::unique_ptr<ros::NodeHandle> node;
+  std::map<std::string, ros::Publisher> publishers;
+  std::map<std::string, ros::Subscriber> subscribers;
+  std::atomic<bool> ending{false};
+  std::thread thread;
+  mutable std::mutex mutex;
+  std::vector<Twist> twists;
+  std::vector<std::vector<double>> arrays;
+
+  template <typename Message>
+  void publish(const std::string& topic, const Message& message) {
+    auto& publisher = publishers[topic];
+    if (!publisher) {
+      publisher = node->advertise<Message>(topic, 10);
+    }
+    publisher.publish(message);
+  }
+};
+
+Peer::Peer(const std::string& master_uri) : impl_(new Impl) {
+  if (!ros::isInitialized()) {
+    ros::init(ros::M_string{{"__master", master_uri}}, "test_robot",
+              ros::init_options::NoSigintHandler | ros::init_options::NoRosout |
+                  ros::init_options::AnonymousName);
+  }
+  impl_->node.reset(new ros::NodeHandle);
+  impl_->node->setCallbackQueue(&impl_->queue);
+  impl_->thread = std::thread([this] {
+    while (!impl_->ending) {
+      impl_->queue.callAvailable(ros::WallDuration(0.05));
+    }
+  });
+}
+
+Peer::~Peer() {
+  impl_->ending = true;
+  impl_->thread.join();
+  impl_->subscribers.clear();
+  impl_->publishers.clear();
+}
+
+void Peer::publish_scan(const std::string& topic, const std::vector<float>& ranges, float range_min,
+                        float range_max) {
+  sensor_msgs::LaserScan scan;
+  scan.header.frame_id = "laser";
+  scan.range_min = range_min;
+  scan.range_max = range_max;
+  scan.ranges = ranges;
+  scan.intensities.assign(ranges.size(), 1.0f);
+  impl_->publish(topic, scan);
+}
+
+void Peer::publish_twist(const std::string& topic, double linear_x, double angular_z) {
+  geometry_msgs::Twist twist;
+  twist.linear.x = linear_x;
+  twist.angular.z = angular_z;
+  impl_->publish(topic, twist);
+}
+
+void Peer::publish_array(const std::string& topic, const std::vector<double>& data) {
+  std_msgs::Float64MultiArray array;
+  array.data = data;
+  impl_->publish(topic, array);
+}
+
+void Peer::publish_odometry(const std::string& topic, double x, double y, double z) {
+  nav_msgs::Odometry odometry;
+  odometry.pose.pose.position.x = x;
+  odometry.pose.pose.position.y = y;
+  odometry.pose.pose.position.z = z;
+  impl_->publish(topic, odometry);
+}
+
+int Peer::subscribers(const std::string& topic) const {
+  const auto found = impl_->publishers.find(topic);
+  return found == impl_->publishers.end() ? 0 : static_cast<int>(found->second.getNumSubscribers());
+}
+
+void Peer::listen_twist(const std::string& topic) {
+  impl_->subscribers[topic] = impl_->node->subscribe<geometry_msgs::Twist>(
+      topic, 1000, [this](const geometry_msgs::Twist::ConstPtr& twist) {
+        const std::lock_guard<std::mutex> lock(impl_->mutex);
+        impl_->twists.push_back({twist->linear.x, twist->angular.z, monotonic_now()});
+      });
+}
+
+void Peer::listen_array(const std::string& topic) {
+  impl_->subscribers[topic] = impl_->node->subscribe<std_msgs::Float64MultiArray>(
+      topic, 1000, [this](const std_msgs::Float64MultiArray::ConstPtr& array) {
+        const std::lock_guard<std::mutex> lock(impl_->mutex);
+        impl_->arrays.push_back(array->data);
+      });
+}
+
+std::vector<Twist> Peer::twists() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->twists;
+}
+
+std::vector<std::vector<double>> Peer::arrays() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->arrays;
+}
+
+int Peer::publishers(const std::string& topic) const {
+  const auto found = impl_->subscribers.find(topic);
+  return found == impl_->subscribers.end() ? 0 : static_cast<int>(found->second.getNumPublishers());
+}
+
+std::vector<std::string> Peer::nodes() const {
+  std::vector<std::string> names;
+  ros::master::getNodes(names);
+  return names;
+}
+
+}  // namespace ros_peer

@@ -1,0 +1,135 @@
+// Whatever dies, the robot gets a zero command. These are safety deadlines: they may be asserted.
+#include <cstdio>
+
+#include "robot_job.hpp"
+
+namespace {
+
+using namespace spikeloop::test;
+using ros_peer::eventually;
+using ros_peer::Twist;
+
+// The watchdog's 100 ms and 200 ms for a machine that does other things too.
+constexpr double kDeadlineMs = 300;
+
+class StopTest : public RobotJob {
+ protected:
+  /// Time in ms from `begin` to the first zero after it; no command but zero may follow the last.
+  double time_to_zero(std::int64_t begin, double limit_s) {
+    std::int64_t zero = 0;
+    eventually(limit_s, [&] {
+      for (const Twist& twist : robot_.twists()) {
+        if (twist.time_ns > begin && twist.is_zero()) {
+          zero = twist.time_ns;
+          return true;
+        }
+      }
+      return false;
+    });
+    return zero == 0 ? 1e9 : 1e-6 * static_cast<double>(zero - begin);
+  }
+
+  void expect_zero_since(std::int64_t begin, const char* what) {
+    const double ms = time_to_zero(begin, 10);
+    std::printf("%s: zero command after %.1f ms\n", what, ms);
+    EXPECT_LE(ms, kDeadlineMs) << what;
+    const auto outcome = child_->wait();
+    EXPECT_EQ(outcome.left_behind, 0) << what;
+    EXPECT_TRUE(eventually(2, [&] { return robot_.twists().back().is_zero(); })) << what << "\n"
+                                                                                 << outcome.text();
+  }
+
+  void run_until_it_drives(const std::string& global, const std::string& keys = "") {
+    publish_scans();
+    start(scan_to_twist(global, keys));
+    ASSERT_TRUE(drives());
+  }
+};
+
+TEST_F(StopTest, partner_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t partner = process("spikeloop-node");
+  ASSERT_GT(partner, 0);
+  const auto begin = ros_peer::monotonic_now();
+  kill(partner, SIGKILL);
+  expect_zero_since(begin, "partner killed");
+}
+
+TEST_F(StopTest, partner_stops_without_dying) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t partner = process("spikeloop-node");
+  ASSERT_GT(partner, 0);
+  const auto begin = ros_peer::monotonic_now();
+  kill(partner, SIGSTOP);
+  EXPECT_LE(time_to_zero(begin, 10), kDeadlineMs);
+  const std::size_t before = robot_.twists().size();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(robot_.twists().size(), before) << "nothing leaves while the loop is silent";
+  kill(partner, SIGCONT);
+  EXPECT_TRUE(eventually(20, [&] { return !robot_.twists().back().is_zero(); }))
+      << "commands resume with the ticks";
+  child_->signal(SIGUSR1);
+  child_->wait();
+}
+
+TEST_F(StopTest, mpirun_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = ros_peer::monotonic_now();
+  child_->signal(SIGKILL);
+  expect_zero_since(begin, "mpirun killed");
+}
+
+TEST_F(StopTest, sigterm_to_mpirun) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = ros_peer::monotonic_now();
+  child_->signal(SIGTERM);
+  expect_zero_since(begin, "SIGTERM to mpirun");
+}
+
+TEST_F(StopTest, sigint_to_mpirun) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = ros_peer::monotonic_now();
+  child_->signal(SIGINT);
+  expect_zero_since(begin, "SIGINT to mpirun");
+}
+
+TEST_F(StopTest, clean_stop) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = ros_peer::monotonic_now();
+  child_->signal(SIGUSR1);
+  expect_zero_since(begin, "SIGUSR1 to mpirun");
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST_F(StopTest, normal_end) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=2"));
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  ASSERT_TRUE(eventually(5, [&] { return robot_.twists().back().is_zero(); }));
+  const auto twists = robot_.twists();
+  const Twist* driving = nullptr;
+  for (const Twist& twist : twists) {
+    driving = twist.is_zero() ? driving : &twist;
+  }
+  ASSERT_NE(driving, nullptr);
+  const double ms = time_to_zero(driving->time_ns, 1);
+  std::printf("normal end: zero command %.1f ms after the last command\n", ms);
+  EXPECT_LE(ms, kDeadlineMs);
+}
+
+TEST_F(StopTest, data_too_old) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100", "max_age=0.4"));
+  stop_publishing();
+  const auto begin = ros_peer::monotonic_now();
+  EXPECT_LE(time_to_zero(begin, 20), 400 + kDeadlineMs);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_TRUE(robot_.twists().back().is_zero());
+  publish_scans();
+  EXPECT_TRUE(eventually(20, [&] { return !robot_.twists().back().is_zero(); }));
+  child_->signal(SIGUSR1);
+  child_->wait();
+}
+
+}  // namespace
