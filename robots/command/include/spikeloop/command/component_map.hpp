@@ -1,0 +1,36 @@
+// From a port's channels to the components of a command.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace spikeloop::command {
+
+/// value = limit(scale * channel + offset)
+struct Component {
+  std::uint32_t channel = 0;
+  double scale = 1;
+  double offset = 0;
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+};
+
+class ComponentMap {
+ public:
+  explicit ComponentMap(std::vector<Component> components);
+
+  /// The components' values; NaN stays NaN. Valid until the next call.
+  std::span<const double> map(std::span<const double> channels);
+  /// `fraction` of each component's range: its limits, or without them what a channel in [-1, 1]
+  /// gives.
+  std::vector<double> deadbands(double fraction) const;
+  std::size_t size() const { return components_.size(); }
+
+ private:
+  std::vector<Component> components_;
+  std::vector<double> values_;
+};
+
+}  // namespace spikeloop::command

@@ -1,0 +1,181 @@
+#include "spikeloop/messages/sensor_conversion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+
+namespace {
+
+using namespace spikeloop::messages;
+using testing::DoubleEq;
+using testing::ElementsAre;
+using testing::IsNan;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::nan("");
+
+std::vector<std::byte> message(std::string_view type, std::vector<std::string> paths,
+                               const std::vector<std::vector<double>>& numbers) {
+  std::vector<FieldValue> values;
+  for (const auto& each : numbers) {
+    values.push_back({each, {}});
+  }
+  std::vector<std::byte> bytes;
+  MessageWriter(Catalog::builtin(), type, std::move(paths)).write(values, bytes);
+  return bytes;
+}
+
+std::vector<std::byte> scan(const std::vector<double>& ranges, double least = 0.5,
+                            double most = 4.5) {
+  return message("LaserScan", {"range_min", "range_max", "ranges"}, {{least}, {most}, ranges});
+}
+
+SensorConversion conversion(std::string_view type, std::uint32_t width, bool strict = false,
+                            const std::vector<std::string>& fields = {}) {
+  return SensorConversion(Catalog::builtin(), type, fields, width, strict);
+}
+
+template <typename Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const spikeloop::ConfigurationError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SensorConversion, scan_is_scaled_to_one) {
+  auto c = conversion("sensor_msgs/LaserScan", 4);
+  EXPECT_TRUE(c.convert(scan({0.5, 1.5, 2.5, 4.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(-1.0, -0.5, 0.0, 1.0));
+}
+
+// REP 117: -inf too close, +inf nothing in range, NaN no reading.
+TEST(SensorConversion, readings_outside_the_range_mean_what_rep_117_says) {
+  auto c = conversion("LaserScan", 6);
+  EXPECT_TRUE(c.convert(scan({-kInf, 0.25, -2, kInf, 5, 2.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(-1.0, -1.0, -1.0, 1.0, 1.0, 0.0));
+  EXPECT_EQ(c.counts().invalid_readings, 0u);
+}
+
+TEST(SensorConversion, no_reading_keeps_the_beam_s_last_value) {
+  auto c = conversion("LaserScan", 3);
+  EXPECT_TRUE(c.convert(scan({kNan, 2.5, 0})));
+  EXPECT_THAT(c.channels(), ElementsAre(IsNan(), 0.0, IsNan()));
+  EXPECT_TRUE(c.convert(scan({1.5, kNan, 1.5})));
+  EXPECT_TRUE(c.convert(scan({0, kNan, 3.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5, 0.0, 0.5));
+  EXPECT_EQ(c.counts().invalid_readings, 2u + 1 + 2);
+  EXPECT_EQ(c.counts().messages, 3u);
+}
+
+TEST(SensorConversion, longer_scans_are_cropped_with_one_warning) {
+  auto c = conversion("LaserScan", 2);
+  EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5, 4.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5, 0.0));
+  EXPECT_EQ(c.take_warning(),
+            "a sensor_msgs/LaserScan brought 4 values, but the port has 2 channels: the last 2 are "
+            "left out; write [4] in its connection to have all");
+  EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5, 4.5})));
+  EXPECT_EQ(c.take_warning(), "");
+  EXPECT_EQ(c.counts().cropped, 2u);
+}
+
+TEST(SensorConversion, shorter_scans_leave_the_rest_as_it_was) {
+  auto c = conversion("LaserScan", 3);
+  EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5})));
+  EXPECT_TRUE(c.convert(scan({2.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(0.0, 0.0, 0.5));
+  EXPECT_EQ(
+      c.take_warning(),
+      "a sensor_msgs/LaserScan brought 1 values, but the port has 3 channels: the last 2 keep "
+      "their value; write [1] in its connection");
+  EXPECT_EQ(c.counts().short_messages, 1u);
+}
+
+TEST(SensorConversion, strict_names_both_widths) {
+  const auto text = [](std::size_t beams) {
+    return error_of(
+        [&] { conversion("LaserScan", 2, true).convert(scan(std::vector<double>(beams, 1.0))); });
+  };
+  EXPECT_EQ(text(3),
+            "a sensor_msgs/LaserScan brought 3 values, but the port has 2 channels; write "
+            "[3] in its connection");
+  EXPECT_EQ(text(1),
+            "a sensor_msgs/LaserScan brought 1 values, but the port has 2 channels; write "
+            "[1] in its connection");
+  EXPECT_EQ(text(2), "no error");
+  EXPECT_EQ(error_of([] { conversion("Twist", 3, true); }),
+            "a geometry_msgs/Twist gives 2 values, but the port has 3 channels; write [2] in its "
+            "connection");
+  EXPECT_EQ(error_of([] { conversion("Odometry", 2, true); }), "no error");
+}
+
+TEST(SensorConversion, malformed_messages_change_nothing) {
+  auto c = conversion("LaserScan", 1);
+  EXPECT_TRUE(c.convert(scan({1.5})));
+  auto cut = scan({2.5});
+  cut.resize(20);
+  EXPECT_FALSE(c.convert(cut));
+  EXPECT_EQ(c.take_warning(),
+            "a sensor_msgs/LaserScan could not be read and is left out: message of 20 bytes is "
+            "shorter than its type says (at byte 20)");
+  EXPECT_FALSE(c.convert(scan({2.5}, 4, 4)));
+  EXPECT_FALSE(c.convert(scan({2.5}, 4, kNan)));
+  EXPECT_EQ(c.take_warning(), "");
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5));
+  EXPECT_EQ(c.counts().malformed, 3u);
+  auto other = conversion("LaserScan", 1);
+  EXPECT_FALSE(other.convert(scan({2.5}, 4, 4)));
+  EXPECT_EQ(other.take_warning(),
+            "a sensor_msgs/LaserScan could not be read and is left out: its range_min 4 and "
+            "range_max 4 leave no range between them; the driver must set both");
+}
+
+TEST(SensorConversion, twist_is_limited) {
+  auto c = conversion("Twist", 2);
+  c.convert(message("Twist", {"linear.x", "linear.y", "angular.z"}, {{0.25}, {9}, {-3}}));
+  EXPECT_THAT(c.channels(), ElementsAre(0.25, -1.0));
+  auto narrow = conversion("Twist", 1);
+  narrow.convert(message("Twist", {"linear.x"}, {{0.25}}));
+  EXPECT_THAT(narrow.channels(), ElementsAre(0.25));
+  EXPECT_EQ(narrow.counts().cropped, 1u);
+}
+
+TEST(SensorConversion, arrays_and_positions_are_raw) {
+  auto c = conversion("Float64MultiArray", 3);
+  c.convert(message("Float64MultiArray", {"data"}, {{7, -3, kInf}}));
+  EXPECT_THAT(c.channels(), ElementsAre(7, -3, kInf));
+  const auto odometry = message("Odometry",
+                                {"pose.pose.position.x", "pose.pose.position.y",
+                                 "pose.pose.position.z", "twist.twist.angular.z"},
+                                {{10}, {20}, {30}, {0.5}});
+  for (const std::uint32_t width : {1u, 2u, 3u}) {
+    auto position = conversion("Odometry", width);
+    position.convert(odometry);
+    for (std::uint32_t i = 0; i < width; ++i) {
+      EXPECT_EQ(position.channels()[i], 10.0 * (i + 1));
+    }
+    EXPECT_EQ(position.counts().cropped, 0u);
+  }
+  auto chosen = conversion("Odometry", 2, true, {"twist.twist.angular.z", "pose.pose.position.x"});
+  chosen.convert(odometry);
+  EXPECT_THAT(chosen.channels(), ElementsAre(0.5, 10));
+}
+
+TEST(SensorConversion, types_without_a_rule_need_fields) {
+  EXPECT_EQ(error_of([] { conversion("std_msgs/Float64", 1); }),
+            "message type std_msgs/Float64 has no rule of its own that makes channels of it; write "
+            "fields=PATH,PATH,... with the fields to take");
+  auto c = conversion("std_msgs/Float64", 1, true, {"data"});
+  c.convert(message("std_msgs/Float64", {"data"}, {{42}}));
+  EXPECT_THAT(c.channels(), ElementsAre(42));
+}
+
+}  // namespace
