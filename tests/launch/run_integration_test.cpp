@@ -97,9 +97,12 @@ TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
 }
 
 TEST(Run, AnErrorOfMusicIsTheReason) {
-  const TwoPrograms job("timebase=-1", "");
+  const TwoPrograms job("input=yes", "output=yes\nb.out -> a.in [1]");
   const Outcome outcome = run(job.command());
-  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(last_line(outcome.err),
+              StartsWith("spikeloop: Error in MUSIC library: too short latency"));
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: warning: the cycle a -> b -> a lacks 2 ms"));
   EXPECT_EQ(outcome.left_behind, 0);
 }
 

@@ -65,7 +65,6 @@ bool JobRun::start_ros() {
 bool JobRun::start_roscore() {
   // All programs run on this machine, whose name need not be known to any name server.
   ros_environment_["ROS_HOSTNAME"] = "localhost";
-  std::string last;
   for (int attempt = 0; attempt < kPortsTried; ++attempt) {
     const std::string port = std::to_string(free_port());
     const RosMaster master("http://localhost:" + port);
@@ -84,11 +83,12 @@ bool JobRun::start_roscore() {
       log::info("ROS master at {}", master.uri());
       return true;
     }
-    last = last_line(*roscore_);
-    end_helper(roscore_);
+    if (!roscore_->gone()) {
+      throw TransportError(fmt::format("roscore has not begun to answer within {} s{}",
+                                       kRosStart.count() / 1000, last_line(*roscore_)));
+    }
   }
-  throw TransportError(
-      fmt::format("roscore has not begun to answer within {} s{}", kRosStart.count() / 1000, last));
+  throw TransportError("roscore ended before it answered" + last_line(*roscore_));
 }
 
 bool JobRun::start_robot() {

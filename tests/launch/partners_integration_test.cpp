@@ -1,0 +1,60 @@
+// mpirun and roscore that do not do what they should: scripts in their place.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "spikeloop/launch/ros_master.hpp"
+#include "tests/launch/launcher.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// The job with this script found before the program of that name.
+Outcome run_with(const TwoPrograms& job, const std::string& program, const std::string& script,
+                 const std::vector<std::string>& more = {}) {
+  const std::string path = job.directory().write(program, "#!/bin/sh\n" + script + "\n");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  Command command = job.command(more);
+  command.environment["PATH"] = job.directory().path().string() + ":" + getenv("PATH");
+  command.environment["REAL_PATH"] = getenv("PATH");
+  command.environment["ROS_MASTER_URI"] = "http://127.0.0.1:" + std::to_string(launch::free_port());
+  return run(command);
+}
+
+TEST(Mpirun, ThatDoesNotStartTheJobIsTheReason) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with(job, "mpirun", "echo 'no room for 2' >&2; exit 3");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: mpirun ended with exit code 3; its last line: no room for 2");
+}
+
+TEST(Mpirun, ThatHangsWhenAllIsDoneIsEnded) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with(
+      job, "mpirun", "PATH=$REAL_PATH mpirun \"$@\"; trap '' TERM; while :; do sleep 1; done");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: warning: mpirun has not ended 10 s after the last "
+                                     "report: it is ended now\n"));
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_EQ(job.summary()["exit_reason"], "finished");
+}
+
+TEST(Roscore, ThatEndsAtOnceIsTheReason) {
+  const TwoPrograms job;
+  const Outcome outcome =
+      run_with(job, "roscore", "echo 'no rosmaster' >&2; exit 1", {"--roscore"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: roscore ended before it answered; its last line: no rosmaster");
+}
+
+TEST(Roscore, ThatEndsWithoutAWordToo) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with(job, "roscore", "", {"--roscore"});
+  EXPECT_EQ(last_line(outcome.err), "spikeloop: roscore ended before it answered");
+}
+
+}  // namespace
+}  // namespace spikeloop::test

@@ -1,0 +1,128 @@
+// A keeper between us and a program: what it starts, reports and ends.
+#include "spikeloop/launch/process_tree.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "descendants.hpp"
+#include "spikeloop/core/error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+/// Everything it prints until it has gone.
+std::string output_of(ProcessTree& tree) {
+  std::string text;
+  char buffer[4096];
+  bool gone = false;
+  while (!gone) {
+    pollfd file{tree.fd(), POLLIN, 0};
+    poll(&file, 1, 1000);
+    gone = tree.gone();
+    for (auto size = read(tree.out(), buffer, sizeof buffer); size > 0;
+         size = read(tree.out(), buffer, sizeof buffer)) {
+      text.append(buffer, static_cast<std::size_t>(size));
+    }
+  }
+  return text;
+}
+
+ProgramStart shell(const std::string& script) {
+  ProgramStart start;
+  start.arguments = {"sh", "-c", script};
+  return start;
+}
+
+TEST(ProcessTree, RunsAProgramWithItsEnvironmentInItsDirectory) {
+  const test::TemporaryDirectory directory;
+  ProgramStart start = shell("echo $GREETING; pwd; echo oops >&2; exit 7");
+  start.environment["GREETING"] = "hello";
+  start.directory = directory.path().string();
+  ProcessTree tree(start);
+  EXPECT_EQ(output_of(tree), "hello\n" + start.directory + "\n");
+  EXPECT_EQ(exit_code(tree.status().value()), 7);
+}
+
+TEST(ProcessTree, SaysWhyAProgramCannotBeStarted) {
+  ProgramStart start;
+  start.arguments = {"/nowhere/tool"};
+  try {
+    ProcessTree tree(start);
+    ADD_FAILURE();
+  } catch (const TransportError& error) {
+    EXPECT_STREQ(error.what(), "cannot start '/nowhere/tool': No such file or directory");
+  }
+}
+
+TEST(ProcessTree, TellsTheSignalThatEndedIt) {
+  ProcessTree tree(shell("kill -SEGV $$"));
+  output_of(tree);
+  EXPECT_EQ(exit_code(tree.status().value()), 128 + SIGSEGV);
+}
+
+TEST(ProcessTree, EndsWhatTheProgramLeavesBehind) {
+  // A session of its own, an orphan, deaf to SIGTERM: the keeper adopts and kills it.
+  ProcessTree tree(
+      shell("setsid sh -c 'trap \"\" TERM; echo $$; sleep 1000; sleep 1000' & sleep 0.3"));
+  const pid_t orphan = std::stoi(output_of(tree));
+  EXPECT_EQ(exit_code(tree.status().value()), 0);
+  EXPECT_EQ(kill(orphan, 0), -1);
+}
+
+TEST(ProcessTree, EndAsksBeforeItKills) {
+  ProcessTree tree(shell("trap 'echo bye; exit 0' TERM; echo up; while :; do sleep 0.05; done"));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  tree.end();
+  EXPECT_EQ(output_of(tree), "up\nbye\n");
+}
+
+TEST(ProcessTree, KillDoesNotWait) {
+  ProcessTree tree(shell("trap '' TERM; echo up; while :; do sleep 0.05; done"));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  tree.kill();
+  output_of(tree);
+  EXPECT_EQ(exit_code(tree.status().value()), 128 + SIGKILL);
+}
+
+TEST(ProcessTree, ItsEndIsTheProgramsEnd) {
+  pid_t program = -1;
+  {
+    ProcessTree tree(shell("trap '' TERM; while :; do sleep 0.05; done"));
+    program = tree.pid();
+    EXPECT_EQ(kill(program, 0), 0);
+  }
+  EXPECT_EQ(kill(program, 0), -1);
+}
+
+TEST(ProcessTree, PassesASignalOn) {
+  ProcessTree tree(shell("trap 'echo one; exit 3' USR1; echo up; while :; do sleep 0.05; done"));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  tree.signal(SIGUSR1);
+  EXPECT_EQ(output_of(tree), "up\none\n");
+  EXPECT_EQ(exit_code(tree.status().value()), 3);
+}
+
+TEST(Descendants, AreFoundOverGenerations) {
+  ProcessTree tree(shell("sleep 1000 & sh -c 'sleep 1000; :' & echo up; wait"));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  // The shell's own child may need a moment to start its sleep.
+  for (int i = 0; i < 200 && descendants(tree.pid()).size() < 3; ++i) {
+    usleep(10'000);
+  }
+  EXPECT_EQ(descendants(tree.pid()).size(), 3u);
+  EXPECT_GE(descendants(getpid()).size(), 5u) << "keeper, shell and its three";
+}
+
+}  // namespace
+}  // namespace spikeloop::launch
