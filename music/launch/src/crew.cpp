@@ -70,10 +70,26 @@ void Crew::turn(Milliseconds most) {
   for (const auto& member : members_) {
     member->read();
   }
-  while (const auto message = receiver_.next(Milliseconds{0})) {
+  pass_on_messages();
+  pass_on_signals();
+}
+
+void Crew::pass_on_messages() {
+  while (true) {
+    const auto message = receiver_.next(Milliseconds{0});
+    if (!message) {
+      return;
+    }
     events_.message(*message);
   }
-  while (const auto number = signals_.next()) {
+}
+
+void Crew::pass_on_signals() {
+  while (true) {
+    const auto number = signals_.next();
+    if (!number) {
+      return;
+    }
     events_.signal(*number);
   }
 }

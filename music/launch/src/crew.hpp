@@ -65,6 +65,9 @@ class Crew {
   bool turn_until(const std::function<bool()>& condition, Milliseconds most);
 
  private:
+  void pass_on_messages();
+  void pass_on_signals();
+
   status::Receiver& receiver_;
   CrewEvents events_;
   SignalWatch signals_;

@@ -118,6 +118,9 @@ void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
       continue;
     }
     const auto path = data_path(data, source->label, label, continuity(data));
+    if (!path) {
+      continue;
+    }
     std::int64_t ticks = std::max(0, path->continuous_hops - 1);
     for (const std::size_t i : path->connections) {
       const MusicConnection& hop = data.connections[i];

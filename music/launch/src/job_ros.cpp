@@ -107,8 +107,8 @@ bool JobRun::start_robot() {
                         [this](const OutputLine& line) { take_line("robot", line); });
   crew_.turn_until([&] { return outcome_ || robot_->gone() || master.publishes(kScanTopic); },
                    kRosStart);
-  if (state_.failure()) {
-    fail(state_.failure()->exit_code, state_.failure()->message);
+  if (const auto& failure = state_.failure()) {
+    fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(std::max(1, code),

@@ -154,8 +154,8 @@ void JobRun::watch_robot() {
   if (!robot_ended() || outcome_ || reported_since_) {
     return;
   }
-  if (state_.failure()) {
-    fail(state_.failure()->exit_code, state_.failure()->message);
+  if (const auto& failure = state_.failure()) {
+    fail(failure->exit_code, failure->message);
     return;
   }
   const int code = exit_code(robot_->tree().status().value_or(1));

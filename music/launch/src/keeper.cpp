@@ -63,6 +63,7 @@ void become(const ProgramStart& start, const KeeperFiles& files, pid_t keeper) {
     setenv(name.c_str(), value.c_str(), 1);
   }
   std::vector<char*> arguments;
+  arguments.reserve(start.arguments.size() + 1);
   for (const auto& argument : start.arguments) {
     arguments.push_back(const_cast<char*>(argument.c_str()));
   }

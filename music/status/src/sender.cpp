@@ -109,13 +109,13 @@ void Sender::report(const json& counters, const json& summary) const {
   }
 }
 
-void Sender::failure(int exit_code, std::string_view text) const {
+void Sender::failure(int exit_code, std::string_view message) const {
   if (socket_.get() < 0) {
     return;
   }
-  json failure = message("failure");
+  json failure = this->message("failure");
   failure["exit_code"] = exit_code;
-  failure["message"] = std::string(text.substr(0, kLongestMessage));
+  failure["message"] = std::string(message.substr(0, kLongestMessage));
   send_text(socket_.get(), text_of(failure), kPatience);
 }
 
