@@ -23,5 +23,5 @@ cmake --build "$work/build" >"$work/build.log" 2>&1 || {
   exit 1
 }
 "$work/build/use_library"
-"$work/prefix/bin/spikeloop-node" --plugin "$work/build/libdoubler.so" --list | grep -w doubler
+SPIKELOOP_PLUGIN_PATH="$work/build" "$work/prefix/bin/spikeloop-node" --list | grep -w doubler
 echo "find_package(Spikeloop): a program and a plug-in were built and ran"
