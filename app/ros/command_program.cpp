@@ -111,6 +111,7 @@ std::vector<std::string> field_paths(const CommandMapping& mapping) {
     return {"data"};
   }
   std::vector<std::string> paths;
+  paths.reserve(mapping.fields.size());
   for (const CommandField& field : mapping.fields) {
     paths.push_back(field.field);
   }

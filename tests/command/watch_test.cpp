@@ -114,19 +114,31 @@ TEST_F(WatchTest, ticks_from_a_fast_loop_never_count_as_silence) {
   EXPECT_EQ(silent_, 0);
 }
 
+/// Without file descriptors while it lives.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    rlimit none = before_;
+    none.rlim_cur = 0;
+    setrlimit(RLIMIT_NOFILE, &none);
+  }
+  ~NoDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
 TEST_F(WatchTest, says_when_the_system_has_no_descriptors_left) {
-  rlimit before{};
-  getrlimit(RLIMIT_NOFILE, &before);
-  rlimit none = before;
-  none.rlim_cur = 0;
-  setrlimit(RLIMIT_NOFILE, &none);
   std::string message;
   try {
+    const NoDescriptors none;
     Watch watch(kMs, actions());
   } catch (const spikeloop::TransportError& error) {
     message = error.what();
   }
-  setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_EQ(message,
             "cannot watch the robot's commands: signalfd failed: Too many open files; raise the "
             "limit of open files (ulimit -n)");

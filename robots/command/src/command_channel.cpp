@@ -22,7 +22,7 @@ std::string_view stop_reason_name(StopReason reason) {
   return names[static_cast<std::size_t>(reason)];
 }
 
-CommandChannel::CommandChannel(GateSettings settings, Publish publish)
+CommandChannel::CommandChannel(const GateSettings& settings, Publish publish)
     : gate_(settings), publish_(std::move(publish)), zero_(settings.deadband.size(), 0.0) {}
 
 TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {

@@ -1,6 +1,5 @@
 #include "spikeloop/command/watch.hpp"
 
-#include <fmt/format.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -12,6 +11,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <string>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -30,10 +30,8 @@ sigset_t watched_signals() {
 
 int checked(int result, const char* action) {
   if (result < 0) {
-    throw TransportError(
-        fmt::format("cannot watch the robot's commands: {} failed: {}; raise the "
-                    "limit of open files (ulimit -n)",
-                    action, std::strerror(errno)));
+    throw TransportError(std::string("cannot watch the robot's commands: ") + action + " failed: " +
+                         std::strerror(errno) + "; raise the limit of open files (ulimit -n)");
   }
   return result;
 }

@@ -117,6 +117,7 @@ bool Catalog::contains(std::string_view name) const {
 
 std::vector<std::string> Catalog::names() const {
   std::vector<std::string> names;
+  names.reserve(definitions_.size());
   for (const auto& [name, definition] : definitions_) {
     names.push_back(name);
   }

@@ -71,6 +71,7 @@ class Compiler {
     const auto found = std::ranges::find(type.fields, name, &FieldLayout::name);
     if (found == type.fields.end()) {
       std::vector<std::string> names;
+      names.reserve(type.fields.size());
       for (const FieldLayout& field : type.fields) {
         names.push_back(field.name);
       }

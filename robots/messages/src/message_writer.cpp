@@ -122,7 +122,7 @@ bool overlap(const FieldPath& a, const FieldPath& b) {
 }  // namespace
 
 MessageWriter::MessageWriter(const Catalog& catalog, std::string_view type,
-                             std::vector<std::string> paths)
+                             const std::vector<std::string>& paths)
     : type_(catalog.layout(catalog.full_name(type))) {
   for (const std::string& text : paths) {
     FieldPath path = compile_path(catalog, type, text);

@@ -45,7 +45,8 @@ void send_without_delay() {
   const auto port = static_cast<std::uint16_t>(ros::ConnectionManager::instance()->getTCPPort());
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
-    const int descriptor = std::atoi(entry.path().filename().c_str());
+    const int descriptor =
+        static_cast<int>(std::strtol(entry.path().filename().c_str(), nullptr, 10));
     if (local_port(descriptor) == port) {
       const int on = 1;
       ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);

@@ -134,8 +134,9 @@ std::vector<EndpointPort> Sensor::ports() const {
 
 void Sensor::receive(const Step& step) {
   const SignalOutput out = step.signal_output(0);
-  if (impl_->settings.initial && !impl_->initial_sent) {
-    std::ranges::fill(out.values(), *impl_->settings.initial);
+  const std::optional<double>& initial = impl_->settings.initial;
+  if (initial && !impl_->initial_sent) {
+    std::ranges::fill(out.values(), *initial);
     out.commit();
     impl_->initial_sent = true;
   }

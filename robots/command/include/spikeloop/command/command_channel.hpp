@@ -35,7 +35,7 @@ class CommandChannel {
  public:
   using Publish = std::function<void(std::span<const double>)>;
 
-  CommandChannel(GateSettings settings, Publish publish);
+  CommandChannel(const GateSettings& settings, Publish publish);
 
   /// A tick's command. Returns when poll() should be called if nothing else comes.
   /// A command with a value that is not finite is never sent: it stops the robot.

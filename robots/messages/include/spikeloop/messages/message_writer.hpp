@@ -23,7 +23,8 @@ class MessageWriter {
   /// the elements that are named need.
   /// @throws ConfigurationError as compile_path; when two paths name the same field; when a path
   /// goes through a variable array without naming its elements.
-  MessageWriter(const Catalog& catalog, std::string_view type, std::vector<std::string> paths);
+  MessageWriter(const Catalog& catalog, std::string_view type,
+                const std::vector<std::string>& paths);
 
   /// Replaces `message` by the bytes in ROS 1's serialization. `values` runs parallel to the paths.
   /// Whole-number fields take the nearest value they can hold, NaN as 0.
