@@ -68,6 +68,7 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
                  const RunOptions& options) {
   const auto& arena = vehicle.arena();
   const auto start = vehicle.pose();
+  const auto scan = vehicle.scan();
   nlohmann::json world{
       {"world", vehicle.world()},
       {"seed", options.vehicle.seed},
@@ -78,6 +79,10 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
         {"max_y_m", arena.max_y_m}}},
       {"start", {{"x_m", start.x_m}, {"y_m", start.y_m}, {"theta_rad", start.theta_rad}}},
       {"vehicle_radius_m", vehicle.radius_m()},
+      {"laser",
+       {{"beams", scan.ranges_m.size()},
+        {"angle_min_rad", scan.angle_min_rad},
+        {"angle_increment_rad", scan.angle_increment_rad}}},
       {"obstacles", nlohmann::json::array()}};
   for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
   const std::string path = in_directory(directory, "world.json");

@@ -65,12 +65,7 @@ class FileRecording : public Recording {
     closed_ = true;
     const auto report = recorder_.close();
     if (!report.error.empty()) {
-      log::warning("{}: {}", path_, report.error);
-    }
-    const auto dropped = report.spikes_dropped + report.signals_dropped;
-    if (dropped > 0) {
-      log::warning("{}: the disk was too slow: {} spikes and {} signal rows are missing", path_,
-                   report.spikes_dropped, report.signals_dropped);
+      log::warning("{}", report.error);
     }
   }
 
