@@ -15,7 +15,7 @@ yaw rate (rad/s, counterclockwise); the mapping adds an offset and limits them. 
              + LEFT(|a|)                       and, where the way ahead is shut, to the left: a wall
                                                met head-on is as near on the right as on the left
 
-The offset and the larger limit to the left give the path its bias: it curls through the arena
+The offset gives the path its bias: it curls through the arena
 instead of running to and fro on one line.
 
 The profiles are piecewise linear between the angles of KNOTS. Their values were found by an evolution
@@ -36,15 +36,15 @@ BEAMS = 100
 RATE_MAX_HZ = 200.0
 
 KNOTS = np.radians([0, 10, 22, 40, 65, 90])
-OPEN = [-0.6175, 7.3128, 7.3678, 10.0189, 4.6900, -5.1257]
-LEFT = [-7.9444, -4.7976, -2.2797, 0.8268, -1.9418, 5.1609]
-SPEED = [10.1633, 7.2122, 5.7035, 0.1325, -0.7099, -7.3000]
+OPEN = [0.0535, 6.7418, 9.0907, 10.6982, 4.0499, -4.1708]
+LEFT = [-7.1823, -5.2706, -1.5658, 0.6077, -2.6186, 5.2929]
+SPEED = [10.4448, 7.7478, 6.1376, 0.1245, -0.5347, -7.5383]
 
 MAPPING = {
     "message_type": "Twist",
     "mapping": {
         "linear.x": {"channel": 0, "min": 0.0, "max": 0.8},
-        "angular.z": {"channel": 1, "offset": 0.1846, "min": -1.934, "max": 1.913},
+        "angular.z": {"channel": 1, "offset": 0.1978, "min": -2.1848, "max": 1.7378},
     },
 }
 
