@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples/braitenberg"
 LEAST_SPEED_M_S = 0.2
 LEAST_COVERAGE = 0.3
-STANDS_STILL_M_S = 0.02
+STANDS_STILL_M_S = 0.1
 
 
 def cut_encoder(folder):
