@@ -39,7 +39,7 @@ std::vector<ParameterDescription> command_parameters() {
   number("deadband", "1", "0.01",
          "Part of its range by which a field must move to be sent at once");
   number("min_interval", "s", "0.001",
-         "Least time between two commands (wall); not given: 0.9 ticks, at least 1 ms");
+         "Least time between two commands (wall); not given: one tick, at least 1 ms");
   number("watchdog", "s", "0.1",
          "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "
          "0.1 s");
@@ -125,11 +125,9 @@ CommandSettings command_settings(const music::Process& process, const Parameters
   const TimeNs tick = wall(to_seconds(keys.music_timestep));
   CommandSettings settings;
   settings.gate.deadband = map.deadbands(parameters.number("deadband"));
-  // A tenth less than a tick: with a whole one, a command that left late would make all later ones
-  // as late, because each would wait for its distance to the one before.
   settings.gate.min_interval = parameters.given("min_interval")
                                    ? from_seconds(parameters.number("min_interval"))
-                                   : std::max(tick - tick / 10, kLeastInterval);
+                                   : std::max(tick, kLeastInterval);
   const double rate = command_rate(parameters);
   settings.gate.period = rate > 0 ? wall(1 / rate) : 0;
   // Fast ticks repeat commands themselves, with newer values.
