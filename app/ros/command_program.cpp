@@ -39,7 +39,8 @@ std::vector<ParameterDescription> command_parameters() {
   number("deadband", "1", "0.01",
          "Part of its range by which a field must move to be sent at once");
   number("min_interval", "s", "0.001",
-         "Least time between two commands (wall); not given: one tick, at least 1 ms");
+         "Least time between two commands (wall); not given: one tick, at least 1 ms, less half a "
+         "tick's jitter");
   number("watchdog", "s", "0.1",
          "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "
          "0.1 s");
@@ -49,7 +50,7 @@ std::vector<ParameterDescription> command_parameters() {
                         .type = ParameterType::integer,
                         .default_value = "0",
                         .minimum = 0,
-                        .text = "Ticks that the data take longer than the pace"});
+                        .text = "Ticks that the data take longer than the pace, which waits for them"});
   return parameters;
 }
 
@@ -125,9 +126,12 @@ CommandSettings command_settings(const music::Process& process, const Parameters
   const TimeNs tick = wall(to_seconds(keys.music_timestep));
   CommandSettings settings;
   settings.gate.deadband = map.deadbands(parameters.number("deadband"));
-  settings.gate.min_interval = parameters.given("min_interval")
-                                   ? from_seconds(parameters.number("min_interval"))
-                                   : std::max(tick, kLeastInterval);
+  if (parameters.given("min_interval")) {
+    settings.gate.min_interval = from_seconds(parameters.number("min_interval"));
+  } else {
+    settings.gate.min_interval = std::max(tick, kLeastInterval);
+    settings.gate.tolerance = tick / 2;
+  }
   const double rate = command_rate(parameters);
   settings.gate.period = rate > 0 ? wall(1 / rate) : 0;
   // Fast ticks repeat commands themselves, with newer values.
@@ -135,7 +139,6 @@ CommandSettings command_settings(const music::Process& process, const Parameters
   settings.watchdog = parameters.given("watchdog") ? from_seconds(parameters.number("watchdog"))
                                                    : std::max(3 * tick, kLeastWatchdog);
   settings.max_age = from_seconds(parameters.number("max_age"));
-  settings.pipeline_ticks = static_cast<std::size_t>(parameters.integer("pipeline_ticks"));
   settings.width = process.width("in");
   settings.with_pace = process.connected_input("pace", PortKind::signal);
   return settings;
@@ -172,8 +175,11 @@ int run_command(music::Process& process) {
   const std::uint32_t width = process.width("in");
   check_channels(mapping, width);
   const auto in = process.signal_input("in");
+  // Delayed until the data of the same message are here: what it says is these data's age.
   const auto pace =
-      process.connected_input("pace", PortKind::signal) ? process.signal_input("pace") : nullptr;
+      process.connected_input("pace", PortKind::signal)
+          ? process.signal_input("pace", static_cast<int>(parameters.integer("pipeline_ticks")))
+          : nullptr;
 
   command::ComponentMap map = component_map(mapping, width);
   const CommandSettings settings = command_settings(process, parameters, map);

@@ -16,7 +16,6 @@ CommandSink::CommandSink(const CommandSettings& settings, command::ComponentMap 
     : settings_(settings),
       map_(std::move(map)),
       carrier_(std::move(carrier)),
-      age_(settings.pipeline_ticks),
       channel_(settings.gate, carrier_.publish),
       watch_(settings.watchdog,
              {[this](StopReason reason) { channel_.stop(reason, wall_now()); },

@@ -19,7 +19,6 @@ struct CommandSettings {
   command::GateSettings gate;
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
-  std::size_t pipeline_ticks = 0;
 };
 
 /// Ports: `in` [width] and, where there is one, `pace` [1].

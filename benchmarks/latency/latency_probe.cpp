@@ -36,7 +36,7 @@ struct Options {
   std::string command_topic = "/cmd_vel";
   int trials = 100;
   std::size_t beams = 1;
-  double low_s = 0.4;   // how long the range stays at its minimum before a step
+  double low_s = 0.4;   // how long the range stays at least at its minimum before a step
   double high_s = 0.3;  // and at its maximum after it
 };
 
@@ -160,8 +160,9 @@ double quantile(std::vector<double> sorted, double q) {
 
 // Latencies in ms; a step without an answer counts as lost.
 std::vector<double> measure(ScanPublisher& scans, CommandWatch& commands, const Options& options) {
+  // A second is many ticks: a shorter range would meet the same phase of a job's ticks again.
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> jitter(0.0, 0.1);
+  std::uniform_real_distribution<double> jitter(0.0, 1.0);
   std::vector<double> latencies;
   for (int i = 0; i < options.trials && ros::ok(); ++i) {
     const double low = options.low_s + jitter(random);
@@ -195,6 +196,7 @@ int run(const Options& options) {
   }
   const nlohmann::json result = {{"trials", options.trials},
                                  {"answered", latencies.size()},
+                                 {"latencies_ms", latencies},
                                  {"median_ms", quantile(latencies, 0.5)},
                                  {"p90_ms", quantile(latencies, 0.9)},
                                  {"p99_ms", quantile(latencies, 0.99)},

@@ -6,7 +6,8 @@
 Protocol: one channel, a scan at 20 Hz that steps from minimum to maximum at random moments, rate
 encoder with rate_max 1000 Hz, deadband 0, every program a process of its own. `--network` puts a
 repeater of the built-in network between encoder and decoder. The command adapter's own measurement
-(message arrived to command computed) is the share of encoder and MUSIC; the rest is ROS.
+(message arrived to command computed) is the share of encoder and MUSIC; the rest is ROS, and the
+time for which a command is held because the last one left less than half a tick ago.
 """
 
 import argparse

@@ -65,6 +65,20 @@ TEST(CommandGate, held_back_for_the_least_interval) {
   EXPECT_EQ(g.next_due(), kNever);
 }
 
+TEST(CommandGate, a_late_tick_does_not_hold_back_the_ones_that_follow) {
+  CommandGate g({.deadband = {0, 0}, .min_interval = 10 * kMs, .tolerance = 5 * kMs});
+  EXPECT_TRUE(offer(g, 1, 0, 0));
+  EXPECT_TRUE(offer(g, 2, 0, 14 * kMs));   // 4 ms late
+  EXPECT_TRUE(offer(g, 3, 0, 20 * kMs));   // on time
+  EXPECT_FALSE(offer(g, 4, 0, 21 * kMs));  // a burst
+  EXPECT_FALSE(offer(g, 5, 0, 22 * kMs));
+  EXPECT_EQ(g.next_due(), 25 * kMs);
+  EXPECT_TRUE(g.poll(25 * kMs));
+  EXPECT_EQ(g.current()[0], 5);
+  EXPECT_TRUE(offer(g, 6, 0, 30 * kMs));
+  EXPECT_FALSE(offer(g, 6, 0, 40 * kMs));  // nothing new
+}
+
 TEST(CommandGate, repeats_at_the_command_rate) {
   CommandGate g = gate(0.02, kMs, 100 * kMs);
   int sent = 0;

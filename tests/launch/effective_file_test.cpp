@@ -141,6 +141,7 @@ TEST(EffectiveFile, CountsTheTicksThatDataNeedBesideThePaceConnection) {
   EXPECT_EQ(value(effective("music_timestep=2 ms\n" + with("decoder", "accept_latency=0.002")),
                   "command", "pipeline_ticks"),
             "3");
+  EXPECT_EQ(value(effective(with("command", "signal_delay=2")), "command", "pipeline_ticks"), "4");
   EXPECT_EQ(value(effective(with("command", "pipeline_ticks=9")), "command", "pipeline_ticks"),
             "9");
 }

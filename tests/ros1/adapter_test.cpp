@@ -7,6 +7,7 @@
 #include <set>
 
 #include "robot_job.hpp"
+#include "spikeloop/record/reader.hpp"
 
 namespace {
 
@@ -105,6 +106,36 @@ TEST_F(AdapterTest, values_are_limited_and_faults_are_never_sent) {
   for (const Twist& twist : robot_.twists()) {
     EXPECT_TRUE(std::isfinite(twist.linear_x) && std::isfinite(twist.angular_z));
   }
+}
+
+// Two continuous hops: data arrive two ticks after their message was taken, and so must the pace.
+TEST_F(AdapterTest, the_pace_arrives_with_the_data_it_tells_the_age_of) {
+  robot_.listen_twist("/cmd_vel");
+  Command job = command(
+      3, fmt::format("music_timestep=0.002\nstoptime=100\n"
+                     "[command]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{3}\n"
+                     "record=true\npipeline_ticks=1\n"
+                     "[halves]\nbinary={1}\nnp=1\nweights_filename={4}/sum.json\n"
+                     "[sensor]\nbinary={2}\nnp=1\nros_topic=/in\nmessage_type=FloatArray\n"
+                     "sensor.out -> halves.in [4]\nhalves.out -> command.in [2]\n"
+                     "sensor.pace -> command.pace [1]\n",
+                     binary("ros_command_adapter"), binary("connect_adapter"),
+                     binary("ros_sensor_adapter"), twist_keys(), directory_.path().string()));
+  job.environment["SPIKELOOP_OUT"] = directory_.path().string();
+  child_ = std::make_unique<Child>(job);
+  double value = -1;
+  ASSERT_TRUE(eventually(60, [&] {
+    value += 1.0 / 1024;
+    robot_.publish_array("/in", {value, value, value, value});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return robot_.twists().size() > 60;
+  }));
+  finish();
+  const std::string file = directory_.path().string() + "/command.h5";
+  const auto data = spikeloop::record::read_signal(file, "in");
+  const auto pace = spikeloop::record::read_signal(file, "pace");
+  EXPECT_GT(data.times.size(), 50u);
+  EXPECT_EQ(data.times, pace.times);
 }
 
 TEST_F(AdapterTest, no_command_before_the_first_message) {

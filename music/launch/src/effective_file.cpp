@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cycles.hpp"
 #include "spikeloop/config/order.hpp"
@@ -110,6 +111,18 @@ MusicFile without_pace(MusicFile file) {
   return file;
 }
 
+/// The delay in ticks that one of our programs gives its continuous inputs.
+std::int64_t signal_delay(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* key = file.find_key(section, "signal_delay");
+  try {
+    return key == nullptr || find_program(file, section) == nullptr
+               ? 0
+               : std::llround(parse_quantity(key->value, "1"));
+  } catch (const ConfigurationError&) {
+    return 0;  // the program itself reports it
+  }
+}
+
 void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
   const MusicFile data = without_pace(file);
   for (const std::string& label : age_measuring(file)) {
@@ -124,9 +137,12 @@ void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
     std::int64_t ticks = std::max(0, path->continuous_hops - 1);
     for (const std::size_t i : path->connections) {
       const MusicConnection& hop = data.connections[i];
+      const MusicSection& to = data.section(hop.to_app);
       const auto latency = latencies.by_label.find(hop.to_app);
-      if (!is_continuous(data, hop) && latency != latencies.by_label.end()) {
-        ticks += latency->second / tick_of(data, data.section(hop.to_app));
+      if (is_continuous(data, hop)) {
+        ticks += signal_delay(data, to);
+      } else if (latency != latencies.by_label.end()) {
+        ticks += latency->second / tick_of(data, to);
       }
     }
     add_key(file, file.section(label), "pipeline_ticks", fmt::format("{}", ticks));

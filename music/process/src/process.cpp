@@ -115,11 +115,12 @@ std::uint32_t Process::width(const std::string& port) const {
   return impl_->checked_width(port, use == uses.end() ? Direction::input : use->direction);
 }
 
-std::unique_ptr<Source> Process::signal_input(const std::string& port) {
+std::unique_ptr<Source> Process::signal_input(const std::string& port,
+                                              std::optional<int> delay_ticks) {
   const auto width = impl_->checked_width(port, Direction::input);
   impl_->served.insert(port);
   return make_signal_source(impl_->open_setup(), {port, PortKind::signal, width},
-                            common().signal_delay * common().music_timestep);
+                            delay_ticks.value_or(common().signal_delay) * common().music_timestep);
 }
 
 std::unique_ptr<Source> Process::spike_input(const std::string& port) {

@@ -15,20 +15,14 @@ double percentile_ms(const std::vector<TimeNs>& sorted, double fraction) {
 
 }  // namespace
 
-AgeMeter::AgeMeter(std::size_t pipeline_ticks)
-    : delayed_(pipeline_ticks + 1, std::numeric_limits<double>::quiet_NaN()) {}
-
-std::optional<TimeNs> AgeMeter::update(double pace_seconds, TimeNs now) {
-  delayed_[next_] = pace_seconds;
-  next_ = (next_ + 1) % delayed_.size();
-  const double arrived = delayed_[next_];  // the oldest
-  if (!std::isfinite(arrived)) {
+std::optional<TimeNs> AgeMeter::update(double arrived_s, TimeNs now) {
+  if (!std::isfinite(arrived_s)) {
     return std::nullopt;
   }
-  const TimeNs age = std::max<TimeNs>(0, now - from_seconds(arrived));
+  const TimeNs age = std::max<TimeNs>(0, now - from_seconds(arrived_s));
   age_max_ = std::max(age_max_, age);
-  if (arrived != newest_) {
-    newest_ = arrived;
+  if (arrived_s != newest_) {
+    newest_ = arrived_s;
     if (latencies_.size() < kKept) {
       latencies_.push_back(age);
     } else {

@@ -33,7 +33,7 @@ TimeNs CommandGate::due() const {
     return std::numeric_limits<TimeNs>::min();
   }
   if (moved()) {
-    return last_time_ + settings_.min_interval;
+    return last_time_ + settings_.min_interval - settings_.tolerance;
   }
   return settings_.period == 0 ? kNever : last_time_ + settings_.period;
 }

@@ -30,7 +30,7 @@ struct EffectiveFile {
 /// - sections downstream-first (MUSIC.md: any other order costs a tick of wall time a hop);
 /// - `SENSOR.pace -> COMMAND.pace [1]` from the first ros_sensor_adapter that reaches a
 ///   ros_command_adapter, so that nobody runs far ahead and the age of data is measured;
-///   `pipeline_ticks` for the latter: the ticks that data are older there than the pace value;
+///   `pipeline_ticks` for the latter: the ticks by which the pace is delayed to arrive with the data;
 /// - `pace`: exactly one process waits for the clock: the first ros_sensor_adapter, or else our
 ///   program that lies furthest upstream;
 /// - `stamp_guard=false` where all receivers of a sender's spikes are ours;

@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,7 +77,9 @@ class Process {
   /// Across MUSIC no validity travels: an all-NaN block means "no value yet".
   /// Counters of a spike input: events_outside_port (dropped), events_without_time (dropped); of a
   /// spike output: stamps_moved (by the stamp guard).
-  std::unique_ptr<Source> signal_input(const std::string& port);
+  /// A signal arrives `delay_ticks` later; not given: the key `signal_delay`.
+  std::unique_ptr<Source> signal_input(const std::string& port,
+                                       std::optional<int> delay_ticks = std::nullopt);
   std::unique_ptr<Source> spike_input(const std::string& port);
   std::unique_ptr<Sink> signal_output(const std::string& port);
   std::unique_ptr<Sink> spike_output(const std::string& port);

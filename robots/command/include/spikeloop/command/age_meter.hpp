@@ -10,9 +10,8 @@
 
 namespace spikeloop::command {
 
-/// Every tick brings a pace value: the monotonic time in seconds at which the newest message that
-/// the sensor side used arrived; NaN before the first. The data take `pipeline_ticks` ticks longer
-/// than the pace, so a tick's command rests on the pace value of `pipeline_ticks` ticks ago.
+/// Every tick brings the pace value of the data behind its command: the monotonic time in seconds at
+/// which the newest message in them arrived; NaN before the first.
 class AgeMeter {
  public:
   struct Report {
@@ -24,15 +23,11 @@ class AgeMeter {
     double age_max_ms = std::numeric_limits<double>::quiet_NaN();
   };
 
-  explicit AgeMeter(std::size_t pipeline_ticks);
-
   /// The age of this tick's data; nothing before the first message's have come.
-  std::optional<TimeNs> update(double pace_seconds, TimeNs now);
+  std::optional<TimeNs> update(double arrived_s, TimeNs now);
   Report report() const;
 
  private:
-  std::vector<double> delayed_;  ///< ring of pace values
-  std::size_t next_ = 0;
   double newest_ = std::numeric_limits<double>::quiet_NaN();
   std::vector<TimeNs> latencies_;  ///< ring once it is full
   std::uint64_t messages_ = 0;

@@ -15,10 +15,13 @@ inline constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 /// All times are wall time.
 struct GateSettings {
   std::vector<double> deadband;  ///< a component: how far it may move without being sent
-  TimeNs min_interval = 0;       ///< two commands are never closer
+  TimeNs min_interval = 0;       ///< two commands are never closer, less `tolerance`
   TimeNs period = 0;             ///< sent again after that time at the latest; 0: only on movement
   /// poll() leaves repetitions that long to the next offer(), which may bring something newer.
   TimeNs grace = 0;
+  /// New values may leave that much sooner than `min_interval`. Ticks jitter and come in bursts:
+  /// without it one late command would hold back all that follow.
+  TimeNs tolerance = 0;
 };
 
 /// A command leaves at once when a component has moved by more than its deadband from the last one
