@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <ros/init.h>
 #include <signal.h>
 
 #include <atomic>
@@ -31,20 +30,13 @@ int fail(const spikeloop::status::Sender& status, int exit_code, const std::stri
   return exit_code;
 }
 
-// roslaunch adds arguments of its own, which only ROS understands.
-std::vector<std::string> own_arguments(int argc, char** argv) {
-  std::vector<std::string> own;
-  ros::removeROSArgs(argc, argv, own);
-  return own;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace spikeloop;
-  auto own = own_arguments(argc, argv);
+  ros1::CommandLine line = ros1::split_command_line(argc, argv);
   std::vector<char*> pointers;
-  for (auto& argument : own) pointers.push_back(argument.data());
+  for (auto& argument : line.own) pointers.push_back(argument.data());
   int exit_code = 0;
   const auto options =
       robot::parse_options(static_cast<int>(pointers.size()), pointers.data(), exit_code);
@@ -55,7 +47,7 @@ int main(int argc, char** argv) {
   handle_signals();
   const status::Sender status("robot");
   try {
-    robot::run(argc, argv, *options, status, stop);
+    robot::run(*options, line.ros, status, stop);
   } catch (const Error& error) {
     return fail(status, error.exit_code(), error.what());
   } catch (const std::exception& error) {

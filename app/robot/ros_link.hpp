@@ -1,5 +1,4 @@
-// The robot's end of ROS 1: three topics out, one in. Messages are bytes (see messages.hpp):
-// Debian's generated message headers are no C++20.
+// The robot's end of ROS 1: three topics out, one in.
 #pragma once
 
 #include <atomic>
@@ -8,16 +7,17 @@
 
 #include "messages.hpp"
 #include "options.hpp"
+#include "spikeloop/ros1/arguments.hpp"
 
 namespace spikeloop::robot {
 
 class RosLink {
  public:
-  /// Waits for the master, then advertises and subscribes. `argc` and `argv` may hold ROS's own
-  /// arguments (__name:=, remappings).
+  /// Waits for the master, then advertises and subscribes; does neither once `stop` is true.
   /// @throws TransportError when no master answers in time; ConfigurationError when
   /// ROS_MASTER_URI, a topic or the node's name is malformed.
-  RosLink(int argc, char** argv, const RunOptions& options, const std::atomic<bool>& stop);
+  RosLink(const RunOptions& options, const ros1::RosArguments& arguments,
+          const std::atomic<bool>& stop);
   ~RosLink();
 
   void publish(const vehicle::LaserScan& scan);

@@ -123,10 +123,10 @@ class Loop {
 
 }  // namespace
 
-void run(int argc, char** argv, const RunOptions& options, const status::Sender& status,
-         const std::atomic<bool>& stop) {
+void run(const RunOptions& options, const ros1::RosArguments& arguments,
+         const status::Sender& status, const std::atomic<bool>& stop) {
   vehicle::Vehicle vehicle(options.vehicle);
-  RosLink ros(argc, argv, options, stop);
+  RosLink ros(options, arguments, stop);
   if (stop) return;
   Loop loop(options, status, vehicle, ros);
   status.started();

@@ -4,13 +4,14 @@
 #include <atomic>
 
 #include "options.hpp"
+#include "spikeloop/ros1/arguments.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::robot {
 
 /// Runs until the duration has passed or `stop` becomes true, writes the files and reports.
 /// @throws Error of every kind.
-void run(int argc, char** argv, const RunOptions& options, const status::Sender& status,
-         const std::atomic<bool>& stop);
+void run(const RunOptions& options, const ros1::RosArguments& arguments,
+         const status::Sender& status, const std::atomic<bool>& stop);
 
 }  // namespace spikeloop::robot

@@ -88,4 +88,10 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
                             : fmt::format("; known: {}", fmt::join(candidates, ", "));
 }
 
+std::string unresolved_host(std::string_view host, std::string_view reason) {
+  return fmt::format(
+      "the host name '{0}' cannot be resolved ({1}); add the line '{2} {0}' to /etc/hosts", host,
+      reason, host == "localhost" ? "127.0.0.1" : "IP-ADDRESS");
+}
+
 }  // namespace spikeloop

@@ -73,6 +73,15 @@ TEST(DidYouMean, FindsSlipsAndListsOtherwise) {
   EXPECT_EQ(nearest("x", {"y", "abc"}), "y");
 }
 
+TEST(Errors, NameTheHostWithoutAnAddress) {
+  EXPECT_EQ(unresolved_host("localhost", "Name or service not known"),
+            "the host name 'localhost' cannot be resolved (Name or service not known); add the "
+            "line '127.0.0.1 localhost' to /etc/hosts");
+  EXPECT_EQ(unresolved_host("robot", "no answer"),
+            "the host name 'robot' cannot be resolved (no answer); add the line 'IP-ADDRESS robot' "
+            "to /etc/hosts");
+}
+
 TEST(WeightTable, TakesItsSizeFromThePortsAndAgreesInAllShapes) {
   const WeightTable dense = WeightTable::dense(2, 3, {1, 0, 2, 0, 0, 3}).resized(2, 3);
   const WeightTable sparse = dense.compressed();

@@ -47,7 +47,20 @@ TEST(Roscore, ThatEndsAtOnceIsTheReason) {
       run_with(job, "roscore", "echo 'no rosmaster' >&2; exit 1", {"--roscore"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: roscore ended before it answered; its last line: no rosmaster");
+            "spikeloop: roscore ended before it answered; it says: no rosmaster");
+}
+
+// Its last line is where its traceback is.
+TEST(Roscore, ThatGivesAReasonIsQuoted) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with(job, "roscore",
+                                   "echo 'RLException: Unable to contact my own server.' >&2\n"
+                                   "echo 'The traceback is in the log file' >&2; exit 1",
+                                   {"--roscore"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: roscore ended before it answered; it says: Unable to contact my own "
+            "server");
 }
 
 TEST(Roscore, ThatEndsWithoutAWordToo) {

@@ -1,4 +1,5 @@
 // A ROS master that the launcher finds missing, or starts and stops.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -29,6 +30,22 @@ TEST(RosMasterOfAJob, IsMissed) {
             "spikeloop: no ROS master answers at " + command.environment["ROS_MASTER_URI"] +
                 "; start one (roscore), write its address into ROS_MASTER_URI, or let us start one "
                 "of our own: --roscore");
+}
+
+TEST(RosMasterOfAJob, HasNoAddress) {
+  const TwoPrograms job("", "", "./ros_sensor_adapter");
+  std::filesystem::create_symlink(SPIKELOOP_TEST_PROGRAM,
+                                  job.directory().path() / "ros_sensor_adapter");
+  Command command = job.command();
+  command.environment["ROS_MASTER_URI"] = "http://no-such-host.invalid:11311";
+  const Outcome outcome = run(command);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(last_line(outcome.err),
+              testing::MatchesRegex(
+                  "spikeloop: no ROS master answers at http://no-such-host.invalid:11311: the host "
+                  "name 'no-such-host.invalid' cannot be resolved \\([^)]+\\); add the line "
+                  "'IP-ADDRESS no-such-host.invalid' to /etc/hosts, or write another address into "
+                  "ROS_MASTER_URI"));
 }
 
 TEST(RosMasterOfAJob, IsStartedAndStopped) {

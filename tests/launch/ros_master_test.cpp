@@ -2,6 +2,7 @@
 // is in the integration tests.
 #include "spikeloop/launch/ros_master.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -98,6 +99,16 @@ TEST(RosMaster, AnswersWhenItAnswersXmlRpc) {
 TEST(RosMaster, NobodyListens) {
   EXPECT_FALSE(RosMaster("http://127.0.0.1:" + std::to_string(free_port())).answers());
   EXPECT_FALSE(RosMaster("http://127.0.0.1:" + std::to_string(free_port())).publishes("/scan"));
+}
+
+TEST(RosMaster, SaysThatItsHostHasNoAddress) {
+  EXPECT_EQ(RosMaster("http://127.0.0.1:1").unresolved(), "");
+  const RosMaster nowhere("http://no-such-host.invalid:11311");
+  EXPECT_FALSE(nowhere.answers());
+  EXPECT_THAT(nowhere.unresolved(),
+              testing::MatchesRegex("the host name 'no-such-host.invalid' cannot be resolved "
+                                    "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' "
+                                    "to /etc/hosts"));
 }
 
 TEST(RosMaster, FindsATopicByItsWholeName) {

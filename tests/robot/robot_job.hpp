@@ -1,36 +1,22 @@
 // A real roscore and a real robot for a test.
 #pragma once
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/support/child.hpp"
+#include "tests/support/roscore.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::robot {
-
-inline int free_port() {
-  const int file = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  ::bind(file, reinterpret_cast<sockaddr*>(&address), size);
-  ::getsockname(file, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(file);
-  return ntohs(address.sin_port);
-}
 
 class RobotJob {
  public:
   /// Starts a roscore; one that lost its port to somebody else is tried again.
   void start_core() {
     for (int attempt = 0; attempt < 5; ++attempt) {
-      uri_ = "http://127.0.0.1:" + std::to_string(free_port());
+      uri_ = "http://127.0.0.1:" + std::to_string(test::free_port());
       core_ = std::make_unique<test::Child>(
           command({"roscore", "-p", uri_.substr(uri_.rfind(':') + 1)}));
       if (core_->wait_for("started core service [/rosout]", std::chrono::seconds(60))) return;

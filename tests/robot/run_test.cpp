@@ -127,35 +127,73 @@ void expect_failure(const RobotJob& job, std::vector<std::string> arguments, int
 
 TEST(RobotErrors, NoMaster) {
   RobotJob job;
-  job.set_master("http://127.0.0.1:" + std::to_string(free_port()));
+  job.set_master("http://127.0.0.1:" + std::to_string(test::free_port()));
   status::Receiver receiver(job.status_socket());
   const auto outcome = job.run(job.robot({"--master-timeout", "0.3"}));
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err,
               testing::MatchesRegex("spikeloop-robot: no ROS master answers at "
-                                    "http://127.0.0.1:[0-9]+ \\(ROS_MASTER_URI\\) within 0.3 s; "
-                                    "start roscore, or set ROS_MASTER_URI\n"));
+                                    "http://127.0.0.1:[0-9]+ within 300 ms \\(Connection "
+                                    "refused\\); start one with roscore, or set ROS_MASTER_URI to "
+                                    "where it is\n"));
   EXPECT_EQ((*receiver.next(std::chrono::milliseconds(100)))["exit_code"], 3);
+}
+
+TEST(RobotErrors, AMasterWithoutAnAddress) {
+  RobotJob job;
+  job.set_master("http://no-such-host.invalid:11311");
+  const auto outcome = job.run(job.robot({"--master-timeout", "0"}));
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err,
+              testing::MatchesRegex(
+                  "spikeloop-robot: no ROS master answers at http://no-such-host.invalid:11311 "
+                  "within 0 s: the host name 'no-such-host.invalid' cannot be resolved "
+                  "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to /etc/hosts, "
+                  "or set ROS_MASTER_URI to where the master is\n"));
+}
+
+TEST(RobotRun, CanBeStoppedWhileItWaitsForTheMaster) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    RobotJob job;
+    const test::SilentHost host;
+    job.set_master(host.uri());
+    test::Child robot(job.robot({"--master-timeout", "100"}));
+    ASSERT_TRUE(host.connected(std::chrono::seconds(60)));
+    const auto asked = std::chrono::steady_clock::now();
+    robot.signal(number);
+    const auto outcome = robot.wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+    EXPECT_EQ(outcome.text(), "");
+    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(20));
+  }
 }
 
 TEST(RobotErrors, AMalformedMaster) {
   RobotJob job;
   job.set_master("elsewhere");
-  expect_failure(job, {}, 2,
-                 "ROS_MASTER_URI is 'elsewhere'; write http://host:port, as in "
-                 "http://localhost:11311");
+  expect_failure(
+      job, {}, 2,
+      "ROS_MASTER_URI is 'elsewhere', which is no address; write http://HOST:PORT, as in "
+      "http://localhost:11311");
 }
 
 TEST(RobotErrors, Names) {
   RobotJob job;
   job.start_core();
   expect_failure(job, {"--scan-topic", "/my scan"}, 2,
-                 "'/my scan' is no name of a ROS topic (Character [ ] at element [3] is not valid "
-                 "in Graph Resource Name [/my scan].  Valid characters are a-z, A-Z, 0-9, / and "
-                 "_.); write letters, digits, '_' and '/'");
-  expect_failure(job, {"--node-name", "a/b"}, 2,
-                 "--node-name 'a/b': Invalid node name [a/b]: node names cannot contain /; write "
-                 "letters, digits and '_'");
+                 "'/my scan' is no name of a ROS topic; write letters, digits, '_' and '/', "
+                 "beginning with a letter or '/', as in /cmd_vel");
+  expect_failure(job, {"--cmd-topic", "a-b"}, 2,
+                 "'/a-b' is no name of a ROS topic; write letters, digits, '_' and '/', beginning "
+                 "with a letter or '/', as in /cmd_vel");
+  const std::string node =
+      "'a/b' is no name of a ROS node; write a letter followed by letters, digits and '_'";
+  expect_failure(job, {"--node-name", "a/b"}, 2, node);
+  expect_failure(job, {"__name:=a/b"}, 2, node);
+  expect_failure(job, {"/my scan:=/scan"}, 2,
+                 "an argument NAME:=VALUE for ROS has no name of ROS: Character [ ] at element [3] "
+                 "is not valid in Graph Resource Name [/my scan].  Valid characters are a-z, A-Z, "
+                 "0-9, / and _.");
 }
 
 TEST(RobotErrors, Files) {

@@ -97,6 +97,20 @@ TEST_F(Robot, TopicsCanBeRenamed) {
   EXPECT_TRUE(job_.run(list).says("['/left/wheels', ['/spikeloop_robot']]"));
 }
 
+// As roslaunch and users write them; ROS_MASTER_URI leads nowhere.
+TEST_F(Robot, UnderstandsTheArgumentsOfRos) {
+  test::Command command =
+      job_.robot({"__name:=left_robot", "/cmd_vel:=/left/wheels", "--seed", "2",
+                  "__master:=" + job_.probe("0", "0", "0").environment["ROS_MASTER_URI"]});
+  command.environment["ROS_MASTER_URI"] = "http://127.0.0.1:1";
+  test::Child robot(command);
+  drive("0", "0", "0.5");
+  test::Command list = job_.probe("0", "0", "0");
+  list.arguments = {"/usr/bin/python3", "-c",
+                    "import rosgraph; print(rosgraph.Master('/t').getSystemState())"};
+  EXPECT_TRUE(job_.run(list).says("['/left/wheels', ['/left_robot']]"));
+}
+
 TEST_F(Robot, ASecondNodeOfTheSameNameEndsTheFirst) {
   test::Child first(job_.robot({}));
   drive("0", "0", "0.2");

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <sys/socket.h>
+
+#include <atomic>
+#include <thread>
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -14,7 +16,10 @@ namespace {
 
 using namespace spikeloop;
 using namespace spikeloop::ros1;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::Pair;
 using testing::StartsWith;
 
 constexpr TimeNs kMs = 1'000'000;
@@ -40,9 +45,18 @@ TEST(Master, address) {
   }
 }
 
-TEST(Master, uri_comes_from_the_environment) {
+TEST(CommandLine, arguments_for_ros_are_told_by_their_sign) {
+  const char* const argv[] = {"robot", "--seed", "3", "__name:=left", "/scan:=/left/scan", "x="};
+  const CommandLine line = split_command_line(6, argv);
+  EXPECT_THAT(line.own, ElementsAre("robot", "--seed", "3", "x="));
+  EXPECT_THAT(line.ros, ElementsAre(Pair("/scan", "/left/scan"), Pair("__name", "left")));
+}
+
+TEST(Master, uri_comes_from_the_arguments_or_the_environment) {
   ::setenv("ROS_MASTER_URI", "http://robot:1234", 1);
   EXPECT_EQ(master_uri(), "http://robot:1234");
+  EXPECT_EQ(master_uri({{"__master", "http://other:1"}}), "http://other:1");
+  EXPECT_EQ(master_uri({{"__master", ""}}), "http://robot:1234");
   ::unsetenv("ROS_MASTER_URI");
   EXPECT_EQ(master_uri(), "http://localhost:11311");
 }
@@ -59,41 +73,59 @@ TEST(Master, nobody_there) {
 
 TEST(Master, no_such_host) {
   EXPECT_THAT(error_of([&] { require_master("http://no-such-host.invalid:11311", 100 * kMs); }),
-              HasSubstr("(no address for host 'no-such-host.invalid': "));
+              MatchesRegex("no ROS master answers at http://no-such-host.invalid:11311 within "
+                           "100 ms: the host name 'no-such-host.invalid' cannot be resolved "
+                           "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to "
+                           "/etc/hosts, or set ROS_MASTER_URI to where the master is"));
 }
 
 // Something listens but never answers: roscpp would hang.
 TEST(Master, silent_host) {
-  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&address), size), 0);
-  ASSERT_EQ(::listen(socket, 5), 0);
-  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  const std::string uri = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  const test::SilentHost host;
   const TimeNs begin = wall_now();
-  EXPECT_THAT(error_of([&] { require_master(uri, 300 * kMs); }), HasSubstr("(no answer)"));
+  EXPECT_THAT(error_of([&] { require_master(host.uri(), 300 * kMs); }), HasSubstr("(no answer)"));
   EXPECT_LT(wall_now() - begin, 3 * kNsPerSecond);
-  ::close(socket);
+}
+
+TEST(Master, waiting_can_be_cancelled) {
+  const test::SilentHost silent;
+  const std::string closed = "http://localhost:" + std::to_string(test::free_port());
+  for (const std::string& uri : {silent.uri(), closed}) {
+    std::atomic<bool> cancelled = false;
+    std::thread user([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      cancelled = true;
+    });
+    const TimeNs begin = wall_now();
+    EXPECT_FALSE(require_master(uri, 60 * kNsPerSecond, &cancelled)) << uri;
+    EXPECT_LT(wall_now() - begin, 10 * kNsPerSecond) << uri;
+    user.join();
+  }
 }
 
 TEST(Master, real_one_answers) {
   const test::RosCore core;
-  EXPECT_EQ(error_of([&] { require_master(core.uri(), 5 * kNsPerSecond); }), "no error");
+  EXPECT_TRUE(require_master(core.uri(), 5 * kNsPerSecond));
+  EXPECT_TRUE(require_master(core.uri(), 0)) << "it is asked once";
+  const std::atomic<bool> cancelled = true;
+  EXPECT_FALSE(require_master(core.uri(), 5 * kNsPerSecond, &cancelled));
 }
 
 TEST(Session, names) {
   const test::RosCore core;
-  for (const std::string name : {"", "1robot", "a/b", "a b"}) {
-    EXPECT_EQ(error_of([&] { Session({.node_name = name, .master_uri = core.uri()}); }),
-              "ros_node_name '" + name +
-                  "' is no name of a node; write a letter followed by letters, digits and '_'");
+  for (const std::string name : {"", "1robot", "a/b", "a b", "~a"}) {
+    const std::string text =
+        "'" + name +
+        "' is no name of a ROS node; write a letter followed by letters, digits and '_'";
+    EXPECT_EQ(error_of([&] { Session({.node_name = name, .master_uri = core.uri()}); }), text);
+    const SessionSettings with_argument{
+        .node_name = "robot", .master_uri = core.uri(), .arguments = {{"__name", name}}};
+    EXPECT_EQ(error_of([&] { const Session session(with_argument); }), text);
   }
   const Session session(
       {.node_name = "ros_command_node", .unique_name = true, .master_uri = core.uri()});
   EXPECT_THAT(session.node_name(), StartsWith("/ros_command_node_"));
+  EXPECT_TRUE(session.alive());
   EXPECT_THROW(Session({.node_name = "second", .master_uri = core.uri()}), std::logic_error);
 }
 

@@ -56,8 +56,8 @@ TEST_F(PublisherTest, errors) {
     return std::string("no error");
   };
   EXPECT_EQ(error_of("a b", "geometry_msgs/Twist", "linear.x"),
-            "ros_topic 'a b' is no name of a topic; write letters, digits, '_' and '/', as in "
-            "/cmd_vel");
+            "'a b' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with a "
+            "letter or '/', as in /cmd_vel");
   EXPECT_EQ(error_of("/a", "geometry_msgs/Twist", "linear.w"),
             "field path 'linear.w' of geometry_msgs/Twist: geometry_msgs/Vector3 has no field 'w'; "
             "did you mean 'x'?");

@@ -158,8 +158,8 @@ TEST_F(SensorTest, impossible_topic) {
     FAIL();
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
-                 "ros_topic 'my topic' is no name of a topic; write letters, digits, '_' and '/', "
-                 "as in /cmd_vel");
+                 "'my topic' is no name of a ROS topic; write letters, digits, '_' and '/', "
+                 "beginning with a letter or '/', as in /cmd_vel");
   }
 }
 

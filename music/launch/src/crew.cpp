@@ -28,9 +28,7 @@ Member::Member(const ProgramStart& start, const TaggedOutput::Handler& handler)
       err_(true, [this](const OutputLine& line) { handle(line); }) {}
 
 void Member::handle(const OutputLine& line) {
-  if (!line.text.empty()) {
-    (line.error ? last_error_ : last_out_) = line.text;
-  }
+  last_words_.take(line);
   handler_(line);
 }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "last_words.hpp"
 #include "signal_watch.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/process_tree.hpp"
@@ -28,8 +29,7 @@ class Member {
   bool gone() const { return gone_; }
   /// Passes on what it has printed. When its tree has gone, unfinished lines too.
   void read();
-  /// The last line it wrote, of standard error if there was any.
-  const std::string& last_words() const { return last_error_.empty() ? last_out_ : last_error_; }
+  const std::string& last_words() const { return last_words_.text(); }
   /// What to poll for news of it.
   void add_files(std::vector<pollfd>& files) const;
 
@@ -40,8 +40,7 @@ class Member {
   ProcessTree tree_;
   TaggedOutput out_;
   TaggedOutput err_;
-  std::string last_out_;
-  std::string last_error_;
+  LastWords last_words_;
   bool out_open_ = true;
   bool err_open_ = true;
   bool gone_ = false;

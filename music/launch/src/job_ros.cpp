@@ -23,6 +23,18 @@ std::string last_line(const Member& member) {
   return member.last_words().empty() ? "" : "; its last line: " + member.last_words();
 }
 
+/// What a roscore that does not answer said, and what to do when `master` has no address.
+std::string roscore_trouble(const Member& roscore, const RosMaster& master) {
+  std::string text;
+  if (!roscore.last_words().empty()) {
+    text = "; it says: " + roscore.last_words();
+  }
+  if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
+    text += "; " + unresolved;
+  }
+  return text;
+}
+
 /// The robot keeps the seed and the real-time factor of the sensor adapter, or of the first
 /// program.
 void add_robot_option(const MusicFile& file, const char* key, const char* option,
@@ -50,6 +62,12 @@ bool JobRun::start_ros() {
   ros_environment_["ROS_LOG_DIR"] = folder_ + "/ros";
   if (!master.answers()) {
     if (!options_.roscore) {
+      if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
+        throw TransportError(
+            fmt::format("no ROS master answers at {}: {}, or write another address into "
+                        "ROS_MASTER_URI",
+                        master.uri(), unresolved));
+      }
       throw TransportError(
           fmt::format("no ROS master answers at {}; start one (roscore), write its address into "
                       "ROS_MASTER_URI, or let us start one of our own: --roscore",
@@ -85,10 +103,15 @@ bool JobRun::start_roscore() {
     }
     if (!roscore_->gone()) {
       throw TransportError(fmt::format("roscore has not begun to answer within {} s{}",
-                                       kRosStart.count() / 1000, last_line(*roscore_)));
+                                       kRosStart.count() / 1000,
+                                       roscore_trouble(*roscore_, master)));
+    }
+    if (!master.unresolved().empty()) {
+      break;  // another port would not help
     }
   }
-  throw TransportError("roscore ended before it answered" + last_line(*roscore_));
+  throw TransportError("roscore ended before it answered" +
+                       roscore_trouble(*roscore_, RosMaster(ros_environment_["ROS_MASTER_URI"])));
 }
 
 bool JobRun::start_robot() {

@@ -54,17 +54,29 @@ Descriptor connect_to(const addrinfo& address, Clock::time_point deadline) {
   return error == 0 ? std::move(fd) : Descriptor{};
 }
 
-Descriptor connect_to(const MasterAddress& address, Clock::time_point deadline) {
+struct Addresses {
+  std::unique_ptr<addrinfo, void (*)(addrinfo*)> first{nullptr, freeaddrinfo};
+  int error = 0;  ///< getaddrinfo's
+};
+
+Addresses resolve(const MasterAddress& address) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found) !=
-      0) {
-    return Descriptor{};
+  Addresses result;
+  result.error =
+      getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
+  if (result.error == 0) {
+    result.first.reset(found);
   }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  return result;
+}
+
+Descriptor connect_to(const MasterAddress& address, Clock::time_point deadline) {
+  const Addresses found = resolve(address);
   Descriptor fd;
-  for (const addrinfo* entry = found; entry != nullptr && fd.get() < 0; entry = entry->ai_next) {
+  for (const addrinfo* entry = found.first.get(); entry != nullptr && fd.get() < 0;
+       entry = entry->ai_next) {
     fd = connect_to(*entry, deadline);
   }
   return fd;
@@ -162,6 +174,11 @@ std::optional<std::string> RosMaster::call(const std::string& method,
 
 bool RosMaster::answers() const {
   return call("getUri", "").has_value();
+}
+
+std::string RosMaster::unresolved() const {
+  const int error = resolve(address_).error;
+  return error == 0 ? "" : unresolved_host(address_.host, gai_strerror(error));
 }
 
 bool RosMaster::publishes(const std::string& topic) const {

@@ -1,12 +1,12 @@
 #include "spikeloop/ros1/master.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -23,11 +23,18 @@ namespace spikeloop::ros1 {
 namespace {
 
 constexpr TimeNs kRetry = 100'000'000;
+/// A single question has so much time, even with a timeout of zero.
+constexpr TimeNs kLeastPatience = 500'000'000;
 
-/// One question to the master; `reason()` says why there was no answer.
+bool is_set(const std::atomic<bool>* flag) {
+  return flag != nullptr && flag->load();
+}
+
+/// One question to the master.
 class Probe {
  public:
-  Probe(const MasterAddress& address, TimeNs deadline) : deadline_(deadline) {
+  Probe(const MasterAddress& address, TimeNs deadline, const std::atomic<bool>* cancelled)
+      : deadline_(deadline), cancelled_(cancelled) {
     if (open(address) && send_request(address) && receive_status()) {
       reason_.clear();
     }
@@ -36,7 +43,10 @@ class Probe {
   Probe(const Probe&) = delete;
   Probe& operator=(const Probe&) = delete;
 
+  /// Why there was no answer; empty: there was one.
   const std::string& reason() const { return reason_; }
+  /// The reason is that the host has no address.
+  bool unresolved() const { return unresolved_; }
 
  private:
   bool open(const MasterAddress& address) {
@@ -47,7 +57,8 @@ class Probe {
     const int error =
         ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &list);
     if (error != 0) {
-      reason_ = fmt::format("no address for host '{}': {}", address.host, ::gai_strerror(error));
+      unresolved_ = true;
+      reason_ = ::gai_strerror(error);
       return false;
     }
     const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(list, ::freeaddrinfo);
@@ -115,10 +126,12 @@ class Probe {
 
   bool wait(short events) {
     pollfd descriptor{socket_, events, 0};
-    const TimeNs left = std::max<TimeNs>(0, deadline_ - wall_now());
-    const timespec time{left / kNsPerSecond, left % kNsPerSecond};
-    if (::ppoll(&descriptor, 1, &time, nullptr) > 0) {
-      return true;
+    while (!is_set(cancelled_) && wall_now() < deadline_) {
+      const TimeNs left = std::clamp<TimeNs>(deadline_ - wall_now(), 0, kRetry);
+      const timespec time{left / kNsPerSecond, left % kNsPerSecond};
+      if (::ppoll(&descriptor, 1, &time, nullptr) > 0) {
+        return true;
+      }
     }
     reason_ = "no answer";
     return false;
@@ -138,12 +151,26 @@ class Probe {
 
   int socket_ = -1;
   TimeNs deadline_;
+  const std::atomic<bool>* cancelled_;
   std::string reason_;
+  bool unresolved_ = false;
 };
+
+std::string no_answer(const std::string& host, const Probe& probe) {
+  return probe.unresolved()
+             ? fmt::format(": {}, or set ROS_MASTER_URI to where the master is",
+                           unresolved_host(host, probe.reason()))
+             : fmt::format(" ({}); start one with roscore, or set ROS_MASTER_URI to where it is",
+                           probe.reason());
+}
 
 }  // namespace
 
-std::string master_uri() {
+std::string master_uri(const RosArguments& arguments) {
+  const auto argument = arguments.find("__master");
+  if (argument != arguments.end() && !argument->second.empty()) {
+    return argument->second;
+  }
   const char* const uri = std::getenv("ROS_MASTER_URI");
   return uri != nullptr && *uri != '\0' ? uri : "http://localhost:11311";
 }
@@ -173,22 +200,24 @@ MasterAddress parse_master_uri(const std::string& uri) {
   return address;
 }
 
-void require_master(const std::string& uri, TimeNs timeout) {
+bool require_master(const std::string& uri, TimeNs timeout, const std::atomic<bool>* cancelled) {
   const MasterAddress address = parse_master_uri(uri);
   const TimeNs deadline = wall_now() + timeout;
-  while (true) {
-    const Probe probe(address, deadline);
+  while (!is_set(cancelled)) {
+    const Probe probe(address, std::max(deadline, wall_now() + kLeastPatience), cancelled);
     if (probe.reason().empty()) {
-      return;
+      return true;
+    }
+    if (is_set(cancelled)) {
+      break;
     }
     if (wall_now() + kRetry >= deadline) {
-      throw TransportError(
-          fmt::format("no ROS master answers at {} within {} ({}); start one with roscore, or set "
-                      "ROS_MASTER_URI to where it is",
-                      uri, format_time(timeout), probe.reason()));
+      throw TransportError(fmt::format("no ROS master answers at {} within {}{}", uri,
+                                       format_time(timeout), no_answer(address.host, probe)));
     }
     std::this_thread::sleep_for(std::chrono::nanoseconds(kRetry));
   }
+  return false;
 }
 
 }  // namespace spikeloop::ros1

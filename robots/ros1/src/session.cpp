@@ -11,26 +11,52 @@
 
 namespace spikeloop::ros1 {
 
-void check_topic(const std::string& topic) {
+namespace {
+
+/// A '~' makes a name private to a node; roscpp wants none in these.
+bool is_name(const std::string& name, const char* unwanted) {
   std::string reason;
-  if (topic.empty() || !ros::names::validate(topic, reason)) {
+  return !name.empty() && name.find_first_of(unwanted) == std::string::npos &&
+         ros::names::validate(name, reason);
+}
+
+std::string checked_node_name(const SessionSettings& settings) {
+  const auto argument = settings.arguments.find("__name");
+  const std::string& name =
+      argument == settings.arguments.end() ? settings.node_name : argument->second;
+  if (!is_name(name, "~/")) {
     throw ConfigurationError(fmt::format(
-        "ros_topic '{}' is no name of a topic; write letters, digits, '_' and '/', as in /cmd_vel",
+        "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
+  }
+  return name;
+}
+
+void start_ros(const ros::M_string& arguments, const std::string& node_name,
+               std::uint32_t options) {
+  try {
+    ros::init(arguments, node_name, options);
+  } catch (const ros::InvalidNameException& error) {
+    throw ConfigurationError(
+        fmt::format("an argument NAME:=VALUE for ROS has no name of ROS: {}", error.what()));
+  }
+}
+
+}  // namespace
+
+void check_topic(const std::string& topic) {
+  if (!is_name(topic, "~")) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with a "
+        "letter or '/', as in /cmd_vel",
         topic));
   }
 }
 
 Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>()) {
   static std::atomic<bool> used{false};
-  const std::string uri = settings.master_uri.empty() ? master_uri() : settings.master_uri;
-  std::string reason;
-  if (settings.node_name.empty() || settings.node_name.find('/') != std::string::npos ||
-      !ros::names::validate(settings.node_name, reason)) {
-    throw ConfigurationError(fmt::format(
-        "ros_node_name '{}' is no name of a node; write a letter followed by letters, digits and "
-        "'_'",
-        settings.node_name));
-  }
+  const std::string uri =
+      settings.master_uri.empty() ? master_uri(settings.arguments) : settings.master_uri;
+  const std::string node_name = checked_node_name(settings);
   require_master(uri, settings.master_timeout);
   if (used.exchange(true)) {
     throw std::logic_error("a process has one ROS 1 session");
@@ -39,7 +65,9 @@ Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>
   if (settings.unique_name) {
     options |= ros::init_options::AnonymousName;
   }
-  ros::init(ros::M_string{{"__master", uri}}, settings.node_name, options);
+  ros::M_string arguments = settings.arguments;
+  arguments["__master"] = uri;
+  start_ros(arguments, node_name, options);
   // The master answered a moment ago; should it die now, calls fail rather than wait for ever.
   ros::master::setRetryTimeout(ros::WallDuration(to_seconds(settings.master_timeout)));
   impl_->node = std::make_unique<ros::NodeHandle>();
@@ -60,6 +88,10 @@ Session::~Session() {
 
 std::string Session::node_name() const {
   return ros::this_node::getName();
+}
+
+bool Session::alive() const {
+  return ros::ok();
 }
 
 }  // namespace spikeloop::ros1

@@ -64,4 +64,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
 /// "; did you mean 'tau'?" or, when nothing is near, "; known: a, b, c". Ends an error message.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
+/// "the host name 'robot' cannot be resolved (REASON); add the line 'IP-ADDRESS robot' to
+/// /etc/hosts", with the address of localhost, which bare containers have no line for.
+std::string unresolved_host(std::string_view host, std::string_view reason);
+
 }  // namespace spikeloop

@@ -31,6 +31,8 @@ class RosMaster {
   const std::string& uri() const { return uri_; }
   /// Whether a master answers there.
   bool answers() const;
+  /// Says that the host name has no address, and what to do; empty when it has one.
+  std::string unresolved() const;
   /// Whether any node publishes this topic; false, too, when the master does not answer.
   bool publishes(const std::string& topic) const;
 

@@ -1,10 +1,12 @@
 // The ROS 1 master: is there one?
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/ros1/arguments.hpp"
 
 namespace spikeloop::ros1 {
 
@@ -13,15 +15,17 @@ struct MasterAddress {
   std::uint16_t port = 0;
 };
 
-/// ROS_MASTER_URI, or http://localhost:11311 as everywhere in ROS 1.
-std::string master_uri();
+/// The argument __master, ROS_MASTER_URI, or http://localhost:11311 as everywhere in ROS 1.
+std::string master_uri(const RosArguments& arguments = {});
 
 /// @throws ConfigurationError when it is no http://host:port.
 MasterAddress parse_master_uri(const std::string& uri);
 
-/// Asks the master for its process id until it answers. roscpp itself would wait for ever, and in
-/// silence, so nothing of it is called before.
+/// Asks the master for its process id until it answers, once at least. roscpp itself would wait for
+/// ever, and in silence, so nothing of it is called before.
+/// @return false when `cancelled` became true before an answer
 /// @throws TransportError with address, reason and remedy when `timeout` (wall time) has passed.
-void require_master(const std::string& uri, TimeNs timeout);
+bool require_master(const std::string& uri, TimeNs timeout,
+                    const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace spikeloop::ros1

@@ -21,11 +21,9 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// One message with these values, all other fields zero. Does not wait: a thread of roscpp sends.
-  /// Safe to call from any thread, one at a time.
+  /// One message with these values, all other fields zero; as RawPublisher::publish.
   void publish(std::span<const double> values);
-  /// Leaves that thread time to hand what was published to the system, which then delivers it even
-  /// when this process dies.
+  /// As RawPublisher::drain.
   void drain() const;
 
  private:

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/ros1/arguments.hpp"
 
 namespace spikeloop::ros1 {
 
@@ -15,6 +16,7 @@ struct SessionSettings {
   bool unique_name = false;
   std::string master_uri{};  ///< empty: as master_uri() says
   TimeNs master_timeout = 5 * kNsPerSecond;
+  RosArguments arguments{};  ///< `__name` wins over `node_name`
 };
 
 /// Once a process: roscpp knows but one node. Its callbacks run in a thread of their own. Installs
@@ -22,13 +24,15 @@ struct SessionSettings {
 class Session {
  public:
   /// @throws TransportError without a master (see require_master), ConfigurationError for an
-  /// impossible node name, std::logic_error the second time.
+  /// impossible name of a node or in the arguments, std::logic_error the second time.
   explicit Session(const SessionSettings& settings);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   std::string node_name() const;  ///< "/ros_command_node_1700000000000000000"
+  /// False once ROS has shut the node down, as it does when another one takes its name.
+  bool alive() const;
 
   struct Impl;
   Impl& impl() { return *impl_; }

@@ -1,0 +1,108 @@
+#include "spikeloop/ros1/raw_publisher.hpp"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <ros/connection_manager.h>
+#include <ros/poll_manager.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "raw_message.hpp"
+#include "session_impl.hpp"
+#include "spikeloop/messages/catalog.hpp"
+
+namespace spikeloop::ros1 {
+namespace {
+
+constexpr auto kLongestDrain = std::chrono::milliseconds(500);
+
+std::uint16_t local_port(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    return 0;
+  }
+  if (address.ss_family == AF_INET) {
+    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
+  }
+  return address.ss_family == AF_INET6
+             ? ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port)
+             : std::uint16_t{0};
+}
+
+/// roscpp sets TCP_NODELAY only where the subscriber asks for it, and drivers rarely do: a command
+/// that follows another one closely would then wait up to 40 ms for the other side's delayed
+/// acknowledgement. So we set it on every connection to roscpp's port.
+void send_without_delay() {
+  const auto port = static_cast<std::uint16_t>(ros::ConnectionManager::instance()->getTCPPort());
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const int descriptor =
+        static_cast<int>(std::strtol(entry.path().filename().c_str(), nullptr, 10));
+    if (local_port(descriptor) == port) {
+      const int on = 1;
+      ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    }
+  }
+}
+
+bool begins_with_header(const messages::TypeLayout& type) {
+  return !type.fields.empty() && type.fields.front().message != nullptr &&
+         type.fields.front().message->name == "std_msgs/Header";
+}
+
+}  // namespace
+
+struct RawPublisher::Impl {
+  RawMessage message;
+  ros::Publisher publisher;
+};
+
+RawPublisher::RawPublisher(Session& session, const std::string& topic,
+                           const std::string& message_type)
+    : impl_(std::make_unique<Impl>()) {
+  check_topic(topic);
+  // The queue holds what is published before roscpp's thread runs: commands, then a zero.
+  constexpr std::uint32_t kQueue = 10;
+  const auto& catalog = messages::Catalog::builtin();
+  const std::string type = catalog.full_name(message_type);
+  ros::AdvertiseOptions options(
+      topic, kQueue, catalog.md5(type), type, catalog.full_text(type),
+      [](const ros::SingleSubscriberPublisher&) { send_without_delay(); });
+  options.has_header = begins_with_header(*catalog.layout(type));
+  impl_->publisher = session.impl().node->advertise(options);
+}
+
+RawPublisher::~RawPublisher() = default;
+
+void RawPublisher::publish(std::span<const std::byte> message) {
+  impl_->message.bytes.assign(message.begin(), message.end());
+  impl_->publisher.publish(impl_->message);
+}
+
+bool RawPublisher::has_subscribers() const {
+  return impl_->publisher.getNumSubscribers() != 0;
+}
+
+// roscpp's network thread goes round: it takes what was published, then writes to the sockets that
+// are ready, then starts again. After two whole rounds everything is with the kernel.
+void RawPublisher::drain() const {
+  const auto rounds = std::make_shared<std::atomic<int>>(0);
+  const auto& network = ros::PollManager::instance();
+  boost::signals2::connection listening = network->addPollThreadListener([rounds] { ++*rounds; });
+  const auto end = std::chrono::steady_clock::now() + kLongestDrain;
+  // The round that is under way when we come counts once more.
+  while (rounds->load() < 3 && std::chrono::steady_clock::now() < end) {
+    network->getPollSet().signal();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  network->removePollThreadListener(listening);
+}
+
+}  // namespace spikeloop::ros1
