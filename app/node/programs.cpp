@@ -12,13 +12,22 @@ namespace spikeloop {
 namespace {
 
 constexpr NodeProgram kPrograms[] = {
-    {"connect_adapter", "connect", "weights_filename", "connection_weights.dat", false,
+    {"connect_adapter", "connect", "weights", "weights_filename", "connection_weights.dat", false,
      "  weights=halves.json\n"},
-    {"rate_encoder", "rate_encoder", nullptr, nullptr, false, "  rate_min=1\n  rate_max=200\n"},
-    {"poisson_encoder", "poisson_encoder", nullptr, nullptr, false,
+    {"cont_cont_adapter", "connect", "weights", "weights_filename", "weights.json", false,
+     "  weights=halves.json\n"},
+    {"threshold_adapter", "threshold", nullptr, nullptr, nullptr, false, "  threshold=0.5\n"},
+    {"sigmoid_adapter", "sigmoid", nullptr, nullptr, nullptr, false, "  slope=4\n"},
+    {"argmax_adapter", "argmax", nullptr, nullptr, nullptr, false, ""},
+    {"discretize_adapter", "discretize", "grid", "grid_positions_filename", "grid_positions.json",
+     false, "  grid=places.json\n"},
+    {"rate_encoder", "rate_encoder", nullptr, nullptr, nullptr, false,
      "  rate_min=1\n  rate_max=200\n"},
-    {"linear_readout_decoder", "linear_readout", "weights_filename", "readout_weights.dat", true,
-     "  tau=0.03\n  weights=readout.json\n"},
+    {"poisson_encoder", "poisson_encoder", nullptr, nullptr, nullptr, false,
+     "  rate_min=1\n  rate_max=200\n"},
+    {"linear_readout_decoder", "linear_readout", "weights", "weights_filename",
+     "readout_weights.dat", true, "  tau=0.03\n  weights=readout.json\n"},
+    {"linear_decoder", "linear_readout", "weights", nullptr, "one_to_one", false, "  tau=0.03\n"},
 };
 
 std::string port_lines(const NodeDescription& description) {
@@ -29,6 +38,10 @@ std::string port_lines(const NodeDescription& description) {
                         port.kind == PortKind::signal ? "continuous" : "spikes", port.text);
   }
   return text;
+}
+
+bool is_grid(const NodeProgram& program) {
+  return std::string_view(program.node_class) == "discretize";
 }
 
 std::string example_of(const NodeProgram& program) {
@@ -58,34 +71,46 @@ music::ProgramText text_of(const NodeProgram& program) {
   text.ports = port_lines(description);
   text.parameters = description.parameters;
   text.example = example_of(program);
-  if (program.weights_key != nullptr) {
-    text.notes = fmt::format(
-        "{}=FILE is the older spelling of weights=FILE. With neither, dialect rma reads {}; "
-        "unless\n"
-        "strict=true, a file that is missing or not readable gives 1 / inputs, with a warning.\n",
-        program.weights_key, program.weights_file);
+  if (program.table != nullptr) {
+    for (ParameterDescription& parameter : text.parameters) {
+      if (parameter.name == program.table) {
+        parameter.default_value = program.default_table;
+      }
+    }
+  }
+  if (program.older_key != nullptr) {
+    text.notes = fmt::format("{}=FILE is the older spelling of {}=FILE.\n", program.older_key,
+                             program.table);
+    text.notes +=
+        is_grid(program)
+            ? ""
+            : "Unless strict=true, a file that is missing or not readable gives 1 / inputs, with a "
+              "warning.\n";
   }
   text.defaults.accept_one_tick = program.accept_one_tick;
   return text;
 }
 
-// The older programs' key, or the file they read when nothing is written.
+// What the older program's key says, or what it took when nothing was written.
 void add_older_spelling(WrittenValues& written, const WrittenValues& older,
-                        const NodeProgram& program, music::Dialect dialect) {
-  const auto found = older.find(program.weights_key);
-  if (found == older.end()) {
-    if (!written.contains("weights") && dialect == music::Dialect::rma) {
-      written["weights"] = {program.weights_file, {}};
+                        const NodeProgram& program) {
+  if (older.empty()) {
+    if (!written.contains(program.table)) {
+      written[program.table] = {program.default_table, {}};
     }
     return;
   }
-  if (written.contains("weights")) {
+  const WrittenValue& value = older.begin()->second;
+  if (written.contains(program.table)) {
     throw ConfigurationError(
-        found->second.where,
-        fmt::format("'weights' and '{0}' are two spellings of one key; leave out '{0}'",
-                    program.weights_key));
+        value.where, fmt::format("'{0}' and '{1}' are two spellings of one key; leave out '{1}'",
+                                 program.table, program.older_key));
   }
-  written["weights"] = found->second;
+  written[program.table] = value;
+}
+
+WrittenValues older_key(const music::Process& process, const NodeProgram& program) {
+  return program.older_key == nullptr ? WrittenValues{} : process.written({program.older_key});
 }
 
 std::uint32_t width_or_zero(const music::Process& process, const std::string& port) {
@@ -157,14 +182,20 @@ Parameters node_parameters(music::Process& process, const NodeClass& node_class)
   const auto& keys = process.common();
   WrittenValues written = process.written(names);
   if (const NodeProgram* program = find_node_program(process.program());
-      program != nullptr && program->weights_key != nullptr) {
-    add_older_spelling(written, process.written({program->weights_key}), *program, keys.dialect);
+      program != nullptr && program->table != nullptr) {
+    add_older_spelling(written, older_key(process, *program), *program);
   }
   WeightOptions options;
   options.base_directory = process.file_directory();
   options.strict = keys.strict;
   options.rows = width_or_zero(process, "out");
   options.columns = width_or_zero(process, "in");
+  if (node_class.description.name == "discretize") {
+    options.strict = true;  // no place cell can be guessed
+    options.what = "grid file";
+    options.short_forms = false;
+    options.columns *= 2;
+  }
   return resolve(declared, written, weight_loader(options));
 }
 

@@ -13,9 +13,9 @@ namespace spikeloop {
 struct NodeProgram {
   const char* name;
   const char* node_class;
-  /// The older programs' spelling of `weights`, and the file they read when it is not given.
-  const char* weights_key;
-  const char* weights_file;
+  const char* table;          ///< the parameter that is read from a file; null: none
+  const char* older_key;      ///< its spelling in the older program; null: none
+  const char* default_table;  ///< what the older program takes when it is not given
   bool accept_one_tick;  ///< the older program's acceptable latency
   const char* example;   ///< keys in the section
 };
@@ -34,7 +34,7 @@ music::ProgramText node_program_text(const std::string& name);
 const NodeClass& node_class_of(const music::Process& process, Registry& registry);
 
 /// Its parameters from the section's keys.
-/// @throws ConfigurationError as resolve(), and when `weights` is written in both spellings.
+/// @throws ConfigurationError as resolve(), and when the table is written in both spellings.
 Parameters node_parameters(music::Process& process, const NodeClass& node_class);
 
 }  // namespace spikeloop

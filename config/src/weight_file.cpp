@@ -152,14 +152,15 @@ std::optional<WeightTable> short_form(const std::string& written) {
 
 std::string missing_text(const std::string& written, const WeightOptions& options) {
   std::error_code ignored;
-  const std::string slip = nearest(written, {"uniform", "one_to_one"});
-  return fmt::format(
-      "there is no weight file '{}' in '{}'{}; write its path, 'uniform' or "
-      "'one_to_one'{}",
-      shown(written), std::filesystem::current_path(ignored).string(),
-      options.base_directory.empty() ? ""
-                                     : fmt::format(" or '{}'", options.base_directory.string()),
-      slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
+  const std::string slip =
+      options.short_forms ? nearest(written, {"uniform", "one_to_one"}) : std::string();
+  return fmt::format("there is no {} '{}' in '{}'{}; write its path{}{}", options.what,
+                     shown(written), std::filesystem::current_path(ignored).string(),
+                     options.base_directory.empty()
+                         ? ""
+                         : fmt::format(" or '{}'", options.base_directory.string()),
+                     options.short_forms ? ", 'uniform' or 'one_to_one'" : "",
+                     slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
 }
 
 }  // namespace
@@ -177,8 +178,10 @@ WeightTable parse_weights(std::string_view text, const std::string& file,
 }
 
 WeightTable read_weights(const std::string& written, const WeightOptions& options) {
-  if (auto table = short_form(written)) {
-    return std::move(*table);
+  if (options.short_forms) {
+    if (auto table = short_form(written)) {
+      return std::move(*table);
+    }
   }
   const auto path = find_data_file(written, options.base_directory);
   if (!path) {
@@ -188,7 +191,7 @@ WeightTable read_weights(const std::string& written, const WeightOptions& option
     }
     return uniform_instead(message);
   }
-  return parse_weights(read_text_file(*path, options.maximum_bytes, "weight file"), path->string(),
+  return parse_weights(read_text_file(*path, options.maximum_bytes, options.what), path->string(),
                        options);
 }
 

@@ -1,13 +1,12 @@
 #include "connect.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "input_policy.hpp"
 #include "lane_sum.hpp"
 #include "port_weights.hpp"
+#include "signal_function.hpp"
 
 namespace spikeloop {
 
@@ -62,61 +61,27 @@ class LinearMap {
   WeightTable table_;
 };
 
-class Connect final : public Node {
+class Connect final : public SignalFunction {
  public:
   explicit Connect(const NodeSetup& setup)
-      : policy_(setup),
-        map_(port_weights(setup, setup.widths[1], setup.widths[0])),
-        held_(setup.widths[0], 0.0) {}
-
-  void step(const Step& step) override {
-    const SignalInput input = step.signal_input();
-    const SignalOutput output = step.signal_output();
-    if (input.revision == revision_) {
-      return;
-    }
-    revision_ = input.revision;
-    if (!input.valid()) {
-      output.invalidate();
-      return;
-    }
-    for (std::size_t j = 0; j < held_.size(); ++j) {
-      const double value = policy_.treat(input.values[j], j);
-      if (!std::isnan(value)) {
-        held_[j] = value;
-      }
-    }
-    map_.apply(held_, output.values());
-    output.commit();
-    ++updates_;
-  }
-
-  std::vector<Counter> counters() const override {
-    std::vector<Counter> counters = {{"updates", updates_}};
-    policy_.append_counters(counters);
-    return counters;
-  }
+      : SignalFunction(setup), map_(port_weights(setup, setup.widths[1], setup.widths[0])) {}
 
  private:
-  InputPolicy policy_;
+  void apply(std::span<const double> x, std::span<double> y) const override { map_.apply(x, y); }
+
   LinearMap map_;
-  std::vector<double> held_;  // each channel's last good value
-  std::uint64_t revision_ = 0;
-  std::uint64_t updates_ = 0;
 };
 
 }  // namespace
 
 NodeClass connect_class() {
-  NodeDescription description;
+  NodeDescription description = signal_function_description({weights_parameter()});
   description.name = "connect";
   description.text = "Maps continuous signals linearly onto others";
   description.source = "Weidel et al. 2016, connect adapter";
   description.ports = {
       {"in", PortKind::signal, Direction::input, {}, "One value a column of the weights"},
       {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights"}};
-  description.parameters = {weights_parameter()};
-  append_finite_input_policy(description.parameters);
   return {description, [](const NodeSetup& setup) { return std::make_unique<Connect>(setup); }};
 }
 

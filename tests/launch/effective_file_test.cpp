@@ -328,8 +328,9 @@ TEST(TotalTime, IsTheSmallestOfAnySection) {
 TEST(Programs, AreKnownByTheLastPartOfTheBinary) {
   const MusicFile file = parse_music(
       "[a]\nbinary=/usr/bin/poisson_encoder\n[b]\nbinary=x\n[c]\nbinary=spikeloop-node\n"
-      "node=rate_encoder\n[d]\n",
+      "node=rate_encoder\n[d]\n[e]\nbinary=spikeloop-node\nnode=connect\n",
       "f");
+  EXPECT_EQ(find_program(file, "e")->output, Kind::continuous);
   EXPECT_EQ(find_program(file, "a")->name, "poisson_encoder");
   EXPECT_EQ(find_program(file, "b"), nullptr);
   EXPECT_EQ(find_program(file, "c")->name, "rate_encoder");

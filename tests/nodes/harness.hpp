@@ -33,6 +33,7 @@ inline NodeClass built_in(const std::string& name) {
 struct NodeOptions {
   std::map<std::string, std::string> keys{};
   std::optional<WeightTable> weights{};
+  std::string weights_key = "weights";
   std::string name = "node";
   std::uint64_t seed = 1;
 };
@@ -178,7 +179,7 @@ class NodeHarness {
       written[key] = {text, {"test.yaml", 7, 3}};
     }
     if (options.weights) {
-      written["weights"] = {"weights.json", {"test.yaml", 8, 3}};
+      written[options.weights_key] = {"weights.json", {"test.yaml", 8, 3}};
     }
     const auto load = [&](const WrittenValue& value) {
       return value.text == "uniform" ? WeightTable::uniform() : options.weights.value();

@@ -142,11 +142,12 @@ TEST(EncoderParameters, RatesHaveBounds) {
             "Hz");
 }
 
-TEST(Register, FourClassesWithTextsForTheReference) {
+TEST(Register, ClassesHaveTextsForTheReference) {
   Registry registry;
   register_nodes(registry);
-  EXPECT_EQ(registry.names(), (std::vector<std::string>{"connect", "linear_readout",
-                                                        "poisson_encoder", "rate_encoder"}));
+  EXPECT_EQ(registry.names(),
+            (std::vector<std::string>{"argmax", "connect", "discretize", "linear_readout",
+                                      "poisson_encoder", "rate_encoder", "sigmoid", "threshold"}));
   for (const std::string& name : registry.names()) {
     const NodeDescription& description = registry.find(name).description;
     EXPECT_FALSE(description.text.empty());

@@ -14,10 +14,38 @@ constexpr auto kEvents = Kind::events;
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter", .output = kContinuous, .source = true, .ros = true},
     Program{.name = "ros_command_adapter", .input = kContinuous, .ros = true, .measures_age = true},
-    Program{.name = "connect_adapter", .input = kContinuous, .output = kContinuous},
-    Program{.name = "rate_encoder", .input = kContinuous, .output = kEvents},
-    Program{.name = "poisson_encoder", .input = kContinuous, .output = kEvents},
-    Program{.name = "linear_readout_decoder", .input = kEvents, .output = kContinuous},
+    Program{
+        .name = "connect_adapter", .node = "connect", .input = kContinuous, .output = kContinuous},
+    Program{.name = "cont_cont_adapter",
+            .node = "connect",
+            .input = kContinuous,
+            .output = kContinuous},
+    Program{.name = "threshold_adapter",
+            .node = "threshold",
+            .input = kContinuous,
+            .output = kContinuous},
+    Program{
+        .name = "sigmoid_adapter", .node = "sigmoid", .input = kContinuous, .output = kContinuous},
+    Program{
+        .name = "argmax_adapter", .node = "argmax", .input = kContinuous, .output = kContinuous},
+    Program{.name = "discretize_adapter",
+            .node = "discretize",
+            .input = kContinuous,
+            .output = kContinuous},
+    Program{
+        .name = "rate_encoder", .node = "rate_encoder", .input = kContinuous, .output = kEvents},
+    Program{.name = "poisson_encoder",
+            .node = "poisson_encoder",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "linear_readout_decoder",
+            .node = "linear_readout",
+            .input = kEvents,
+            .output = kContinuous},
+    Program{.name = "linear_decoder",
+            .node = "linear_readout",
+            .input = kEvents,
+            .output = kContinuous},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
 };
 
@@ -29,13 +57,11 @@ std::string program_name(const MusicSection& section) {
 }
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
-  std::string name = program_name(section);
-  if (name == "spikeloop-node") {
-    const MusicKey* node = file.find_key(section, "node");
-    name = node == nullptr ? "" : node->value;
-  }
-  const auto found = std::find_if(kPrograms.begin(), kPrograms.end(),
-                                  [&name](const Program& program) { return program.name == name; });
+  const std::string name = program_name(section);
+  const MusicKey* node = name == "spikeloop-node" ? file.find_key(section, "node") : nullptr;
+  const auto found = std::find_if(kPrograms.begin(), kPrograms.end(), [&](const Program& program) {
+    return node == nullptr ? program.name == name : program.node == node->value;
+  });
   return found == kPrograms.end() ? nullptr : &*found;
 }
 

@@ -190,5 +190,70 @@ TEST(Signals, MissingWeightsAreTheMeanWithAWarningUnlessStrict) {
   }
 }
 
+// A signal through one of the programs of music-adapters; the values that come out at the end.
+std::vector<double> through(Job& job, const std::string& program, const std::string& keys,
+                            const std::string& values, int inputs, int outputs) {
+  job.global("stoptime=0.01");
+  job.raw("sink")
+      .ours("middle", program, keys)
+      .raw("source", "values=" + job.directory.write("values.txt", values))
+      .connect("source.values -> middle.in [" + std::to_string(inputs) + "]")
+      .connect("middle.out -> sink.values_in [" + std::to_string(outputs) + "]");
+  expect_clean(job.run());
+  return job.values("sink").back();
+}
+
+TEST(Family, MapsSignalsUnderItsNamesKeysAndFiles) {
+  Job threshold;
+  EXPECT_EQ(through(threshold, "threshold_adapter", "threshold=0.5\nis_heaviside=false\nscale=2",
+                    "0 0.25 0.75\n", 2, 2),
+            (std::vector<double>{0, 1.5}));
+  Job sigmoid;
+  EXPECT_EQ(through(sigmoid, "sigmoid_adapter", "scale=4\ny_offset=1", "0 0\n", 1, 1),
+            std::vector<double>{3});
+  Job argmax;
+  EXPECT_EQ(through(argmax, "argmax_adapter", "", "0 1 3 2\n", 3, 1), std::vector<double>{1});
+  Job discretize;
+  discretize.directory.write("grid_positions.json", "[[0, 0.5], [1, 0.5]]");
+  const auto cells = through(discretize, "discretize_adapter", "", "0 0\n", 1, 2);
+  EXPECT_EQ(cells[0], 1);
+  EXPECT_NEAR(cells[1], 2 * std::exp(-2) - 1, 1e-15);
+  Job matrix;
+  matrix.directory.write("weights.json", "[[1, 2]]");
+  EXPECT_EQ(through(matrix, "cont_cont_adapter", "", "0 0.25 0.5\n", 2, 1),
+            std::vector<double>{1.25});
+}
+
+TEST(Family, AGridThatIsMissingIsAnError) {
+  Job job;
+  job.global("stoptime=0.01");
+  job.raw("sink")
+      .ours("cells", "discretize_adapter", "grid_positions_filename=places.json")
+      .raw("source", "values=" + job.directory.write("values.txt", "0 0\n"))
+      .connect("source.values -> cells.in [1]")
+      .connect("cells.out -> sink.values_in [2]");
+  const auto outcome = job.run();
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(outcome.says("there is no grid file 'places.json'")) << outcome.text();
+}
+
+// music-adapters, linear decoder: each channel by itself, (1/tau) exp(-t/tau).
+TEST(Family, LinearDecoderFiltersEachChannel) {
+  Job job;
+  job.global("stoptime=0.03");
+  job.raw("sink")
+      .ours("decoder", "linear_decoder", "tau=0.02")
+      .raw("source", "spikes=" + job.directory.write("spikes.txt", "10 0.0105 1\n"))
+      .connect("source.spikes -> decoder.in [2]")
+      .connect("decoder.out -> sink.values_in [2]");
+  expect_clean(job.run());
+  const auto seen = job.values("sink");
+  for (std::size_t k = 1; k < seen.size(); ++k) {
+    const double t = static_cast<double>(k) * 1e-3;
+    EXPECT_EQ(seen[k][0], 0);
+    EXPECT_NEAR(seen[k][1], t < 0.0105 ? 0.0 : 50 * std::exp(-(t - 0.0105) / 0.02), 1e-9) << k;
+  }
+}
+
 }  // namespace
 }  // namespace spikeloop::test

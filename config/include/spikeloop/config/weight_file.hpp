@@ -27,6 +27,8 @@ struct WeightOptions {
   std::uint32_t rows = 0;
   std::uint32_t columns = 0;
   std::uint64_t maximum_bytes = 1'000'000'000;
+  std::string what = "weight file";  ///< the file's name in messages
+  bool short_forms = true;           ///< "uniform" and "one_to_one" are no files
 };
 
 /// More rows or columns than any port can have.

@@ -5,7 +5,8 @@
 
 namespace spikeloop {
 
-/// Adds `connect`, `rate_encoder`, `poisson_encoder` and `linear_readout`.
+/// Adds `connect`, `threshold`, `sigmoid`, `argmax`, `discretize`, `rate_encoder`,
+/// `poisson_encoder` and `linear_readout`.
 /// @throws ConfigurationError when a class of one of these names is already there.
 void register_nodes(Registry& registry);
 

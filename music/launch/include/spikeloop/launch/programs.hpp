@@ -14,6 +14,7 @@ enum class Kind { continuous, events };
 /// One of our programs.
 struct Program {
   std::string_view name;         ///< as the last part of `binary`
+  std::string_view node{};       ///< the class that it runs, if it runs one
   std::optional<Kind> input{};   ///< none: has no MUSIC input
   std::optional<Kind> output{};  ///< none: has no MUSIC output
   bool source = false;           ///< waits for the wall clock unless told otherwise

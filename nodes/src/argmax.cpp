@@ -1,0 +1,42 @@
+#include "argmax.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "signal_function.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+class Argmax final : public SignalFunction {
+ public:
+  explicit Argmax(const NodeSetup& setup) : SignalFunction(setup) {
+    if (setup.widths[1] != 1) {
+      throw ConfigurationError(
+          fmt::format("port 'out' has {} channels, but there is one result; write [1] in its "
+                      "connection",
+                      setup.widths[1]));
+    }
+  }
+
+ private:
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    y[0] = static_cast<double>(std::ranges::max_element(x) - x.begin());
+  }
+};
+
+}  // namespace
+
+NodeClass argmax_class() {
+  NodeDescription description = signal_function_description();
+  description.name = "argmax";
+  description.text = "The index of the largest channel";
+  description.source = "music-adapters, argmax adapter";
+  description.ports[1].text = "One channel: the index, counted from 0; of equal ones the first";
+  return {description, [](const NodeSetup& setup) { return std::make_unique<Argmax>(setup); }};
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,86 @@
+#include "discretize.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "signal_function.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+class Discretize final : public SignalFunction {
+ public:
+  explicit Discretize(const NodeSetup& setup) : SignalFunction(setup) {
+    try {
+      read(setup.parameters.weights("grid"), setup.widths[1], setup.widths[0]);
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(setup.parameters.where("grid"),
+                               fmt::format("key 'grid': {}", error.what()));
+    }
+  }
+
+ private:
+  struct Axis {
+    double centre;
+    double sigma;
+  };
+
+  void read(const WeightTable& table, std::uint32_t cells, std::uint32_t dimensions) {
+    if (table.kind != WeightTable::Kind::dense || table.rows != cells ||
+        table.columns != 2 * dimensions) {
+      throw ConfigurationError(
+          fmt::format("the grid has {} rows of {} numbers, but {} outputs and {} inputs need {} "
+                      "rows of {}: a row a place cell, its centre and then its widths (sigma)",
+                      table.rows, table.columns, cells, dimensions, cells, 2 * dimensions));
+    }
+    for (std::uint32_t i = 0; i < cells; ++i) {
+      for (std::uint32_t j = 0; j < dimensions; ++j) {
+        axes_.push_back({table.at(i, j), table.at(i, dimensions + j)});
+        const auto& [centre, sigma] = axes_.back();
+        if (!std::isfinite(centre) || !std::isfinite(sigma) || sigma <= 0) {
+          throw ConfigurationError(
+              fmt::format("row {} has centre {} and sigma {} on axis {}; write finite numbers, and "
+                          "sigma above 0",
+                          i, centre, sigma, j));
+        }
+      }
+    }
+  }
+
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    const Axis* axis = axes_.data();
+    for (double& value : y) {
+      double distance = 0;  // squared, in units of sigma
+      for (const double position : x) {
+        const double away = (position - axis->centre) / axis->sigma;
+        distance += away * away;
+        ++axis;
+      }
+      value = 2 * std::exp(-distance / 2) - 1;
+    }
+  }
+
+  std::vector<Axis> axes_;  // cell by cell
+};
+
+}  // namespace
+
+NodeClass discretize_class() {
+  NodeDescription description = signal_function_description(
+      {{.name = "grid",
+        .type = ParameterType::weights,
+        .text = "File of the place cells, a row a cell: its centre, then its widths (sigma)"}});
+  description.name = "discretize";
+  description.text = "A position as the activity of place cells with Gaussian fields";
+  description.source = "music-adapters, discretize adapter";
+  description.ports = {
+      {"in", PortKind::signal, Direction::input, {}, "One coordinate a channel"},
+      {"out", PortKind::signal, Direction::output, {}, "One place cell a row of the grid"}};
+  return {description, [](const NodeSetup& setup) { return std::make_unique<Discretize>(setup); }};
+}
+
+}  // namespace spikeloop
