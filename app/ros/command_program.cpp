@@ -46,11 +46,12 @@ std::vector<ParameterDescription> command_parameters() {
          "0.1 s");
   number("max_age", "s", "1",
          "Data older than that stop the robot (needs the port pace); 0: never");
-  parameters.push_back({.name = "pipeline_ticks",
-                        .type = ParameterType::integer,
-                        .default_value = "0",
-                        .minimum = 0,
-                        .text = "Ticks that the data take longer than the pace, which waits for them"});
+  parameters.push_back(
+      {.name = "pipeline_ticks",
+       .type = ParameterType::integer,
+       .default_value = "0",
+       .minimum = 0,
+       .text = "Ticks that the data take longer than the pace, which waits for them"});
   return parameters;
 }
 

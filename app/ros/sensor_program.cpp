@@ -7,6 +7,7 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/process/initial_key.hpp"
 #include "spikeloop/ros1/sensor.hpp"
 
 namespace spikeloop {
@@ -25,10 +26,7 @@ std::vector<ParameterDescription> sensor_parameters() {
        .default_value = "",
        .text = "Other fields than the type's usual ones, as PATH,PATH,...: their numbers as they "
                "are"});
-  parameters.push_back({.name = "initial",
-                        .type = ParameterType::text,
-                        .default_value = "none",
-                        .text = "Value of every channel before the first message; none: no value"});
+  parameters.push_back(music::initial_parameter());
   parameters.push_back({.name = "sensor_update_rate",
                         .unit = "Hz",
                         .default_value = "30",
@@ -66,19 +64,6 @@ std::string message_type(const Parameters& parameters) {
   }
 }
 
-std::optional<double> initial_value(const Parameters& parameters) {
-  const std::string& text = parameters.text("initial");
-  if (text == "none") {
-    return std::nullopt;
-  }
-  try {
-    return parse_quantity(text, "1");
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(parameters.where("initial"),
-                             fmt::format("initial: {}; or write initial=none", error.what()));
-  }
-}
-
 }  // namespace
 
 music::ProgramText sensor_text() {
@@ -112,7 +97,7 @@ int run_sensor(music::Process& process) {
   settings.fields = split(parameters.text("fields"));
   settings.width = process.width("out");
   settings.strict = process.common().strict;
-  settings.initial = initial_value(parameters);
+  settings.initial = music::initial_value(parameters);
 
   const auto out = process.signal_output("out");
   const auto pace =

@@ -1,0 +1,67 @@
+// cont_zmq_adapter: a continuous signal as the messages of a ZeroMQ publisher.
+#include <nlohmann/json.hpp>
+
+#include "programs.hpp"
+#include "spikeloop/zmq/publisher.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<ParameterDescription> parameters_of_command() {
+  return {{.name = "message_type",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "GymCommand or FloatArray; must be given"},
+          {.name = "zmq_addr",
+           .type = ParameterType::text,
+           .default_value = "tcp://127.0.0.1:5556",
+           .text = "Address to publish at: binds there"},
+          {.name = "min",
+           .unit = "1",
+           .default_value = "0",
+           .text = "GymCommand: lower end of the values' range, sent with them; must be given"},
+          {.name = "max",
+           .unit = "1",
+           .default_value = "0",
+           .text = "GymCommand: upper end of the values' range, sent with them; must be given"}};
+}
+
+}  // namespace
+
+music::ProgramText zmq_command_text() {
+  music::ProgramText text;
+  text.name = "cont_zmq_adapter";
+  text.summary = "A continuous signal as JSON messages of a ZeroMQ publisher, one a tick";
+  text.ports = "  in         input   continuous  the numbers to send\n";
+  text.parameters = parameters_of_command();
+  text.example =
+      "  [command]\n  binary=cont_zmq_adapter\n  np=1\n  message_type=GymCommand\n"
+      "  zmq_addr=tcp://*:5555\n  min=-1\n  max=1\n  SENDER.out -> command.in [1]\n";
+  text.notes =
+      "GymCommand: [{\"value\": x, \"ts\": s, \"max\": b, \"min\": a}, ...]; FloatArray: [x, "
+      "...].\n"
+      "Nothing is sent before the first value, nor a message with NaN or infinity in it.\n";
+  return text;
+}
+
+int run_zmq_command(music::Process& process) {
+  const Parameters parameters = process.read(parameters_of_command());
+  zmq::Publisher publisher(
+      {.address = parameters.text("zmq_addr"),
+       .message_type = required_type(process, parameters, "GymCommand or FloatArray"),
+       .minimum = parameters.number("min"),
+       .maximum = parameters.number("max"),
+       .width = process.width("in")});
+  const auto in = process.signal_input("in");
+  GraphDescription description;
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources = {{"in", in.get()}};
+  description.sinks = {{"socket", &publisher}};
+  description.connections = {{"in.in", "socket.in", 0, 0, {}}};
+  process.attach_recorders(description);
+  Graph graph(std::move(description));
+  return process.run(graph);
+}
+
+}  // namespace spikeloop

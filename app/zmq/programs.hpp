@@ -1,0 +1,19 @@
+// The two ZeroMQ adapters as MUSIC programs.
+#pragma once
+
+#include "spikeloop/process/music_main.hpp"
+
+namespace spikeloop {
+
+music::ProgramText zmq_sensor_text();
+int run_zmq_sensor(music::Process& process);
+
+music::ProgramText zmq_command_text();
+int run_zmq_command(music::Process& process);
+
+/// `message_type`, which must be given.
+/// @throws ConfigurationError naming the choices when it is missing
+const std::string& required_type(const music::Process& process, const Parameters& parameters,
+                                 const char* choices);
+
+}  // namespace spikeloop

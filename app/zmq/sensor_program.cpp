@@ -1,0 +1,75 @@
+// zmq_cont_adapter: the newest message of a ZeroMQ publisher as a continuous signal.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "programs.hpp"
+#include "spikeloop/process/initial_key.hpp"
+#include "spikeloop/zmq/subscriber.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<ParameterDescription> parameters_of_sensor() {
+  return {{.name = "message_type",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "GymObservation or FloatArray; must be given"},
+          {.name = "zmq_addr",
+           .type = ParameterType::text,
+           .default_value = "tcp://localhost:5555",
+           .text = "Address of the publisher, to connect to"},
+          music::initial_parameter()};
+}
+
+}  // namespace
+
+const std::string& required_type(const music::Process& process, const Parameters& parameters,
+                                 const char* choices) {
+  const std::string& type = parameters.text("message_type");
+  if (type.empty()) {
+    throw ConfigurationError(parameters.where("message_type"),
+                             fmt::format("section '{}' has no message_type; write message_type={}",
+                                         process.label(), choices));
+  }
+  return type;
+}
+
+music::ProgramText zmq_sensor_text() {
+  music::ProgramText text;
+  text.name = "zmq_cont_adapter";
+  text.summary = "The newest JSON message of a ZeroMQ publisher as a continuous signal";
+  text.ports = "  out        output  continuous  the message's numbers\n";
+  text.parameters = parameters_of_sensor();
+  text.example =
+      "  [observation]\n  binary=zmq_cont_adapter\n  np=1\n  message_type=GymObservation\n"
+      "  zmq_addr=tcp://localhost:5556\n  observation.out -> RECEIVER.in [4]\n";
+  text.notes =
+      "GymObservation: [{\"value\": v, \"min\": a, \"max\": b, \"ts\": s}, ...] becomes\n"
+      "2 (v - a) / (b - a) - 1, limited to [-1, 1]. FloatArray: [x, ...] as it is.\n";
+  text.defaults.pace = true;
+  return text;
+}
+
+int run_zmq_sensor(music::Process& process) {
+  process.set_defaults({.pace = true, .accept_one_tick = false});
+  const Parameters parameters = process.read(parameters_of_sensor());
+  zmq::Subscriber subscriber(
+      {.address = parameters.text("zmq_addr"),
+       .message_type = required_type(process, parameters, "GymObservation or FloatArray"),
+       .width = process.width("out"),
+       .strict = process.common().strict,
+       .initial = music::initial_value(parameters)});
+  const auto out = process.signal_output("out");
+  GraphDescription description;
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources = {{"socket", &subscriber}};
+  description.sinks = {{"out", out.get()}};
+  description.connections = {{"socket.out", "out.out", 0, 0, {}}};
+  process.attach_recorders(description);
+  Graph graph(std::move(description));
+  return process.run(graph);
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,87 @@
+#include "socket.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <chrono>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::zmq {
+namespace {
+
+constexpr int kLingerMs = 100;
+
+// ZeroMQ takes port 99999 for 34463.
+bool has_impossible_port(const std::string& address) {
+  const std::string port = address.substr(address.rfind(':') + 1);
+  return address.starts_with("tcp://") && !port.empty() &&
+         port.find_first_not_of("0123456789") == std::string::npos &&
+         (port.size() > 5 || std::stoi(port) > 65535);
+}
+
+[[noreturn]] void fail(const std::string& address, int error) {
+  const char* const reason = ::zmq_strerror(error);
+  if (error == EADDRINUSE || error == EACCES) {
+    throw TransportError(
+        fmt::format("cannot bind {}: {}; write another port in zmq_addr", address, reason));
+  }
+  throw ConfigurationError(
+      fmt::format("zmq_addr '{}' is no address ({}); write tcp://HOST:PORT, or tcp://*:PORT to "
+                  "publish on every interface",
+                  address, reason));
+}
+
+}  // namespace
+
+Socket::Socket(int type) : context_(::zmq_ctx_new()), socket_(::zmq_socket(context_, type)) {
+  if (socket_ == nullptr) {
+    throw TransportError(
+        fmt::format("cannot open a ZeroMQ socket: {}; raise the limit of open "
+                    "files (ulimit -n)",
+                    ::zmq_strerror(::zmq_errno())));
+  }
+  ::zmq_setsockopt(socket_, ZMQ_LINGER, &kLingerMs, sizeof kLingerMs);
+  if (type == ZMQ_SUB) {
+    ::zmq_setsockopt(socket_, ZMQ_SUBSCRIBE, "", 0);
+  }
+}
+
+Socket::~Socket() {
+  ::zmq_close(socket_);
+  ::zmq_ctx_term(context_);
+}
+
+void Socket::connect(const std::string& address) {
+  if (has_impossible_port(address) || ::zmq_connect(socket_, address.c_str()) != 0) {
+    fail(address, has_impossible_port(address) ? EINVAL : ::zmq_errno());
+  }
+}
+
+void Socket::bind(const std::string& address) {
+  if (has_impossible_port(address) || ::zmq_bind(socket_, address.c_str()) != 0) {
+    fail(address, has_impossible_port(address) ? EINVAL : ::zmq_errno());
+  }
+}
+
+std::optional<std::string> Socket::receive() {
+  zmq_msg_t message;
+  ::zmq_msg_init(&message);
+  std::optional<std::string> text;
+  if (::zmq_msg_recv(&message, socket_, ZMQ_DONTWAIT) >= 0) {
+    text.emplace(static_cast<const char*>(::zmq_msg_data(&message)), ::zmq_msg_size(&message));
+  }
+  ::zmq_msg_close(&message);
+  return text;
+}
+
+void Socket::send(const std::string& message) {
+  ::zmq_send(socket_, message.data(), message.size(), ZMQ_DONTWAIT);
+}
+
+double unix_time_s() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(since).count();
+}
+
+}  // namespace spikeloop::zmq

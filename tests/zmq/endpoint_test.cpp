@@ -1,0 +1,82 @@
+// What the two endpoints refuse.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/zmq/publisher.hpp"
+#include "spikeloop/zmq/subscriber.hpp"
+
+namespace spikeloop::zmq {
+namespace {
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Publisher, NeedsAnAddress) {
+  EXPECT_EQ(message_of([] {
+              Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
+            }),
+            "zmq_addr 'tcp://*:99999' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "tcp://*:PORT to publish on every interface");
+  EXPECT_EQ(message_of([] {
+              Publisher({"5555", "FloatArray", 0, 0, 1});
+            }),
+            "zmq_addr '5555' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "tcp://*:PORT to publish on every interface");
+}
+
+TEST(Publisher, SaysWhenItsPortIsTaken) {
+  int port = 40000 + ::getpid() % 20000;
+  std::unique_ptr<Publisher> first;
+  std::string address;
+  while (!first) {
+    address = "tcp://127.0.0.1:" + std::to_string(++port);
+    try {
+      first = std::make_unique<Publisher>(PublisherSettings{address, "FloatArray", 0, 0, 1});
+    } catch (const TransportError&) {
+      continue;  // somebody else's
+    }
+  }
+  EXPECT_EQ(message_of([&] {
+              Publisher({address, "FloatArray", 0, 0, 1});
+            }),
+            "cannot bind " + address + ": Address already in use; write another port in zmq_addr");
+}
+
+TEST(Publisher, AGymCommandNeedsARange) {
+  EXPECT_EQ(message_of([] {
+              Publisher({"tcp://127.0.0.1:1", "GymCommand", 1, 1, 1});
+            }),
+            "a GymCommand carries its range, but min is 1 and max 1; write min below max, as in "
+            "min=-1 and max=1");
+  EXPECT_EQ(message_of([] {
+              Publisher({"tcp://127.0.0.1:1", "Twist", 0, 0, 1});
+            }),
+            "message_type 'Twist' is not known; write message_type=GymCommand or FloatArray");
+}
+
+TEST(Subscriber, NeedsAnAddress) {
+  EXPECT_EQ(message_of([] {
+              Subscriber({"localhost:5555", "FloatArray", 1});
+            }),
+            "zmq_addr 'localhost:5555' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "tcp://*:PORT to publish on every interface");
+  EXPECT_EQ(message_of([] {
+              Subscriber({"tcp://localhost:5555", "", 1});
+            }),
+            "message_type '' is not known; write message_type=GymObservation or FloatArray");
+}
+
+}  // namespace
+}  // namespace spikeloop::zmq
