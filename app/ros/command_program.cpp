@@ -22,20 +22,22 @@ namespace {
 constexpr TimeNs kLeastInterval = 1'000'000;
 constexpr TimeNs kLeastWatchdog = 100'000'000;
 
-std::vector<ParameterDescription> command_parameters() {
-  auto parameters = connection_parameters("ros_command_node");
+std::vector<ParameterDescription> command_parameters(const RosProgram& program) {
+  auto parameters = connection_parameters(program);
   const auto number = [&](const char* name, const char* unit, const char* value, const char* text) {
     parameters.push_back(
         {.name = name, .unit = unit, .default_value = value, .minimum = 0, .text = text});
   };
-  const auto words = [&](const char* name, const char* text) {
+  const auto words = [&](const char* name, const char* value, const char* text) {
     parameters.push_back(
-        {.name = name, .type = ParameterType::text, .default_value = "", .text = text});
+        {.name = name, .type = ParameterType::text, .default_value = value, .text = text});
   };
-  words("message_mapping_filename", "File that says which channel goes to which field");
-  words("message_type", "Without a mapping file: FloatArray; with one, the file decides");
-  number("command_rate", "Hz", "10", "Commands are sent again that often, times rtf; 0: never");
-  number("command_update_rate", "Hz", "10", "Older spelling of command_rate");
+  words("message_mapping_filename", program.mapping_file,
+        "File that says which channel goes to which field");
+  words("message_type", "", "Without a mapping file: FloatArray; with one, the file decides");
+  number("command_rate", "Hz", program.command_rate,
+         "Commands are sent again that often, times rtf; 0: never");
+  number("command_update_rate", "Hz", program.command_rate, "Older spelling of command_rate");
   number("deadband", "1", "0.01",
          "Part of its range by which a field must move to be sent at once");
   number("min_interval", "s", "0.001",
@@ -147,20 +149,21 @@ CommandSettings command_settings(const music::Process& process, const Parameters
 
 }  // namespace
 
-music::ProgramText command_text() {
+music::ProgramText command_text(const RosProgram& program) {
   music::ProgramText text;
-  text.name = "ros_command_adapter";
+  text.name = program.name;
   text.summary = "A continuous signal as command messages on a ROS 1 topic";
   text.ports =
       "  in         input   continuous  the numbers to send\n"
       "  pace       input   continuous  [1] from ros_sensor_adapter: the age of the data\n";
-  text.parameters = command_parameters();
-  text.example =
-      "  [command]\n  binary=ros_command_adapter\n  np=1\n  ros_topic=/cmd_vel\n"
+  text.parameters = command_parameters(program);
+  text.example = fmt::format(
+      "  [command]\n  binary={}\n  np=1\n  ros_topic=/cmd_vel\n"
       "  message_mapping_filename=twist.json\n  SENDER.out -> command.in [2]\n"
       "\ntwist.json:\n"
-      "  {\"message_type\": \"Twist\", \"mapping\": {\"linear.x\": 0, \"angular.z\": 1},\n"
-      "   \"min\": -1, \"max\": 1}\n";
+      "  {{\"message_type\": \"Twist\", \"mapping\": {{\"linear.x\": 0, \"angular.z\": 1}},\n"
+      "   \"min\": -1, \"max\": 1}}\n",
+      program.name);
   text.notes =
       "A command that has moved by more than the deadband leaves at once. A zero command leaves "
       "when\n"
@@ -169,8 +172,8 @@ music::ProgramText command_text() {
   return text;
 }
 
-int run_command(music::Process& process) {
-  const Parameters parameters = process.read(command_parameters());
+int run_command(music::Process& process, const RosProgram& program) {
+  const Parameters parameters = process.read(command_parameters(program));
   const std::string topic = required_topic(process, parameters, "/cmd_vel");
   const CommandMapping mapping = read_command_mapping(process, parameters);
   const std::uint32_t width = process.width("in");

@@ -4,14 +4,14 @@
 
 namespace spikeloop {
 
-std::vector<ParameterDescription> connection_parameters(const std::string& default_node_name) {
+std::vector<ParameterDescription> connection_parameters(const RosProgram& program) {
   return {{.name = "ros_topic",
            .type = ParameterType::text,
-           .default_value = "",
-           .text = "Topic; must be given"},
+           .default_value = program.topic,
+           .text = *program.topic == '\0' ? "Topic; must be given" : "Topic"},
           {.name = "ros_node_name",
            .type = ParameterType::text,
-           .default_value = default_node_name,
+           .default_value = program.node_name,
            .text = "Name of the ROS node; the default gets a suffix that makes it unique"},
           {.name = "master_timeout",
            .unit = "s",

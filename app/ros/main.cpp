@@ -1,44 +1,71 @@
-// spikeloop-ros: a ROS 1 topic as a MUSIC program, under the name of one of its two adapters.
+// spikeloop-ros: a ROS 1 topic as a MUSIC program, under the name of one of its adapters.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 
+namespace spikeloop {
 namespace {
 
-using namespace spikeloop;
+constexpr RosProgram kPrograms[] = {
+    {.name = "ros_sensor_adapter", .sensor = true, .node_name = "ros_sensor_node"},
+    {.name = "ros_cont_adapter", .sensor = true, .node_name = "ros_sensor_node"},
+    {.name = "ros_command_adapter",
+     .sensor = false,
+     .node_name = "ros_command_node",
+     .command_rate = "10"},
+    {.name = "cont_ros_adapter",
+     .sensor = false,
+     .node_name = "cmd_out",
+     .topic = "/cmd_vel",
+     .command_rate = "20",
+     .mapping_file = "mapping.json"},
+};
 
 music::ProgramText general_text() {
   music::ProgramText text;
   text.name = "spikeloop-ros";
-  text.summary = "Connects ROS 1 topics with MUSIC, under one of two names";
+  text.summary = "Connects ROS 1 topics with MUSIC, under the name of an adapter";
   text.notes =
       "Write binary=ros_sensor_adapter (messages to channels) or binary=ros_command_adapter\n"
-      "(channels to messages); each answers --help.\n";
+      "(channels to messages); each answers --help. ros_cont_adapter and cont_ros_adapter are the\n"
+      "same programs with the defaults of ros-music-adapters.\n";
   return text;
 }
 
+music::ProgramText text_of(const RosProgram* program) {
+  if (program == nullptr) {
+    return general_text();
+  }
+  return program->sensor ? sensor_text(*program) : command_text(*program);
+}
+
 int run(music::Process& process) {
-  if (process.program() == "ros_sensor_adapter") {
-    return run_sensor(process);
+  const RosProgram* const program = find_ros_program(process.program());
+  if (program == nullptr) {
+    throw ConfigurationError(fmt::format(
+        "binary={} does not say which way messages go; write binary=ros_sensor_adapter or "
+        "binary=ros_command_adapter",
+        process.program()));
   }
-  if (process.program() == "ros_command_adapter") {
-    return run_command(process);
-  }
-  throw ConfigurationError(fmt::format(
-      "binary={} does not say which way messages go; write binary=ros_sensor_adapter or "
-      "binary=ros_command_adapter",
-      process.program()));
+  return program->sensor ? run_sensor(process, *program) : run_command(process, *program);
 }
 
 }  // namespace
 
+const RosProgram* find_ros_program(std::string_view name) {
+  const auto* const found = std::ranges::find(kPrograms, name, &RosProgram::name);
+  return found == std::end(kPrograms) ? nullptr : found;
+}
+
+}  // namespace spikeloop
+
 int main(int argc, char** argv) {
+  using namespace spikeloop;
   // Before MPI and roscpp start threads.
   command::Watch::block_signals();
   const std::string name = music::called_as(argc, argv);
-  const music::ProgramText text = name == "ros_sensor_adapter"    ? sensor_text()
-                                  : name == "ros_command_adapter" ? command_text()
-                                                                  : general_text();
-  return music::music_main(argc, argv, text, run);
+  return music::music_main(argc, argv, text_of(find_ros_program(name)), run);
 }

@@ -1,19 +1,34 @@
-// The two ROS 1 adapters as MUSIC programs.
+// The two ROS 1 adapters as MUSIC programs, each under the names that two older families gave it.
 #pragma once
+
+#include <string_view>
 
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/ros1/session.hpp"
 
 namespace spikeloop {
 
-music::ProgramText sensor_text();
-int run_sensor(music::Process& process);
+/// One name, and what the older program of this name took for keys that are not written.
+struct RosProgram {
+  const char* name;
+  bool sensor;  ///< messages to channels; else channels to messages
+  const char* node_name;
+  const char* topic = "";         ///< "": must be given
+  const char* command_rate = "";  ///< Hz
+  const char* mapping_file = "";  ///< "": none
+};
 
-music::ProgramText command_text();
-int run_command(music::Process& process);
+/// Null for another name.
+const RosProgram* find_ros_program(std::string_view name);
+
+music::ProgramText sensor_text(const RosProgram& program);
+int run_sensor(music::Process& process, const RosProgram& program);
+
+music::ProgramText command_text(const RosProgram& program);
+int run_command(music::Process& process, const RosProgram& program);
 
 /// Keys that both have.
-std::vector<ParameterDescription> connection_parameters(const std::string& default_node_name);
+std::vector<ParameterDescription> connection_parameters(const RosProgram& program);
 /// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
 /// second adapter does not end the first one.
 ros1::SessionSettings session_settings(const Parameters& parameters);

@@ -13,8 +13,8 @@
 namespace spikeloop {
 namespace {
 
-std::vector<ParameterDescription> sensor_parameters() {
-  auto parameters = connection_parameters("ros_sensor_node");
+std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
+  auto parameters = connection_parameters(program);
   parameters.push_back(
       {.name = "message_type",
        .type = ParameterType::text,
@@ -66,17 +66,18 @@ std::string message_type(const Parameters& parameters) {
 
 }  // namespace
 
-music::ProgramText sensor_text() {
+music::ProgramText sensor_text(const RosProgram& program) {
   music::ProgramText text;
-  text.name = "ros_sensor_adapter";
+  text.name = program.name;
   text.summary = "The newest message of a ROS 1 topic as a continuous signal";
   text.ports =
       "  out        output  continuous  the message's numbers\n"
       "  pace       output  continuous  [1] when the newest message came (monotonic clock, s)\n";
-  text.parameters = sensor_parameters();
-  text.example =
-      "  [sensor]\n  binary=ros_sensor_adapter\n  np=1\n  ros_topic=/scan\n"
-      "  message_type=Laserscan\n  sensor.out -> RECEIVER.in [100]\n";
+  text.parameters = sensor_parameters(program);
+  text.example = fmt::format(
+      "  [sensor]\n  binary={}\n  np=1\n  ros_topic=/scan\n"
+      "  message_type=Laserscan\n  sensor.out -> RECEIVER.in [100]\n",
+      program.name);
   text.notes =
       "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; nearer than range_min and -inf\n"
       "are -1, beyond range_max and +inf are 1; NaN and 0 are no reading, the beam keeps its "
@@ -87,10 +88,10 @@ music::ProgramText sensor_text() {
   return text;
 }
 
-int run_sensor(music::Process& process) {
+int run_sensor(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
   process.set_defaults({.pace = true, .accept_one_tick = false});
-  const Parameters parameters = process.read(sensor_parameters());
+  const Parameters parameters = process.read(sensor_parameters(program));
   ros1::SensorSettings settings;
   settings.topic = required_topic(process, parameters, "/scan");
   settings.message_type = message_type(parameters);

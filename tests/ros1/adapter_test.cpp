@@ -170,6 +170,24 @@ TEST_F(AdapterTest, all_channels_without_a_mapping_file_and_a_long_scan) {
                 "channels is sent"));
 }
 
+// The names and defaults of ros-music-adapters: topic /cmd_vel, mapping.json beside the job, and
+// the key command_rate, which its program did not read.
+TEST_F(AdapterTest, the_names_of_ros_music_adapters) {
+  directory_.write("mapping.json", R"({"message_type": "Twist", "mapping": {"linear.x": 0},
+                                       "min": -1, "max": 1})");
+  start(fmt::format("music_timestep=0.002\nstoptime=100\n"
+                    "[command]\nbinary={0}\nnp=1\ncommand_rate=20\n"
+                    "[sensor]\nbinary={1}\nnp=1\nros_topic=/in\nros_node_name=observations\n"
+                    "sensor_update_rate=30\nmessage_type=Float64MultiArray\n"
+                    "sensor.out -> command.in [1]\n",
+                    binary("cont_ros_adapter"), binary("ros_cont_adapter")),
+        2);
+  ASSERT_TRUE(reaches(0.5, 0, [&] { robot_.publish_array("/in", {0.5}); }));
+  const auto nodes = robot_.nodes();
+  EXPECT_EQ(std::count(nodes.begin(), nodes.end(), "/observations"), 1);
+  finish();
+}
+
 // Two command adapters with the older programs' fixed default name ended each other.
 TEST_F(AdapterTest, two_adapters_of_a_kind) {
   start(

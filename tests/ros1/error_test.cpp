@@ -89,6 +89,8 @@ TEST_F(ErrorTest, help_names_every_key) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> programs = {
       {"ros_sensor_adapter", {"ros_topic", "message_type", "sensor_update_rate", "initial"}},
       {"ros_command_adapter", {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel"}},
+      {"ros_cont_adapter", {"ros_topic", "message_type"}},
+      {"cont_ros_adapter", {"/cmd_vel ", "mapping.json ", "Hz       20 "}},
       {"spikeloop-ros", {"ros_sensor_adapter", "ros_command_adapter"}}};
   for (const auto& [program, words] : programs) {
     const auto outcome = run({.arguments = {binary(program), "--help"}});

@@ -14,6 +14,8 @@ constexpr auto kEvents = Kind::events;
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter", .output = kContinuous, .source = true, .ros = true},
     Program{.name = "ros_command_adapter", .input = kContinuous, .ros = true, .measures_age = true},
+    Program{.name = "ros_cont_adapter", .output = kContinuous, .source = true, .ros = true},
+    Program{.name = "cont_ros_adapter", .input = kContinuous, .ros = true, .measures_age = true},
     Program{.name = "zmq_cont_adapter", .output = kContinuous, .source = true},
     Program{.name = "cont_zmq_adapter", .input = kContinuous},
     Program{
