@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "command_map_node.hpp"
 #include "command_sink.hpp"
 #include "programs.hpp"
 #include "spikeloop/command/component_map.hpp"
@@ -142,7 +143,7 @@ CommandSettings command_settings(const music::Process& process, const Parameters
   settings.watchdog = parameters.given("watchdog") ? from_seconds(parameters.number("watchdog"))
                                                    : std::max(3 * tick, kLeastWatchdog);
   settings.max_age = from_seconds(parameters.number("max_age"));
-  settings.width = process.width("in");
+  settings.width = static_cast<std::uint32_t>(map.size());
   settings.with_pace = process.connected_input("pace", PortKind::signal);
   return settings;
 }
@@ -189,17 +190,19 @@ int run_command(music::Process& process, const RosProgram& program) {
   const CommandSettings settings = command_settings(process, parameters, map);
   ros1::Session session(session_settings(parameters));
   ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
-  CommandSink sink(settings, std::move(map),
-                   {[&](auto values) { publisher.publish(values); }, [&] { publisher.drain(); },
-                    [] { ::kill(::getpid(), SIGTERM); }});
+  const NodeClass fields = command_map_class(std::move(map));
+  CommandSink sink(settings, {[&](auto values) { publisher.publish(values); },
+                              [&] { publisher.drain(); }, [] { ::kill(::getpid(), SIGTERM); }});
   const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
 
   GraphDescription description;
   description.tick = process.common().music_timestep;
   description.seed = process.common().seed;
   description.sources = {{"in", in.get()}};
+  description.nodes = {{"fields", &fields, {}, {}}};
   description.sinks = {{"topic", &sink}};
-  description.connections = {{"in.in", "topic.in", 0, 0, {}}};
+  description.connections = {{"in.in", "fields.in", width, 0, {}},
+                             {"fields.out", "topic.command", settings.width, 0, {}}};
   if (pace) {
     description.sources.push_back({"pace", pace.get()});
     description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});

@@ -1,24 +1,51 @@
 #include "command_sink.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop {
 
 using command::StopReason;
 
-CommandSink::CommandSink(const CommandSettings& settings, command::ComponentMap map,
-                         Carrier carrier)
+namespace {
+
+std::string cause(StopReason reason, const CommandSettings& settings) {
+  switch (reason) {
+    case StopReason::no_value:
+      return "there is no value to send";
+    case StopReason::not_finite:
+      return "a command has a value that is no finite number";
+    case StopReason::stale:
+      return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
+    case StopReason::silent:
+      return fmt::format("no tick came for {}", format_time(settings.watchdog));
+    case StopReason::continued:
+      return "a program of the job has died, or this one had been stopped (SIGCONT)";
+    case StopReason::terminated:
+    case StopReason::ended:
+      break;
+  }
+  return "the run is over";
+}
+
+}  // namespace
+
+CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
     : settings_(settings),
-      map_(std::move(map)),
       carrier_(std::move(carrier)),
       channel_(settings.gate, carrier_.publish),
       watch_(settings.watchdog,
-             {[this](StopReason reason) { channel_.stop(reason, wall_now()); },
+             {[this](StopReason reason) {
+                channel_.stop(reason, wall_now());
+                announce(wall_now());
+              },
               [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted}) {}
 
 CommandSink::~CommandSink() {
@@ -26,7 +53,7 @@ CommandSink::~CommandSink() {
 }
 
 std::vector<EndpointPort> CommandSink::ports() const {
-  std::vector<EndpointPort> ports = {{"in", PortKind::signal, settings_.width}};
+  std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width}};
   if (settings_.with_pace) {
     ports.push_back({"pace", PortKind::signal, 1});
   }
@@ -34,7 +61,9 @@ std::vector<EndpointPort> CommandSink::ports() const {
 }
 
 void CommandSink::send(const Step& step) {
-  watch_.heartbeat(forward(step, wall_now()));
+  const TimeNs now = wall_now();
+  watch_.heartbeat(forward(step, now));
+  announce(now);
 }
 
 TimeNs CommandSink::forward(const Step& step, TimeNs now) {
@@ -45,19 +74,38 @@ TimeNs CommandSink::forward(const Step& step, TimeNs now) {
         age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
   }
   const SignalInput in = step.signal_input(0);
-  if (!in.valid()) {
+  // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.
+  if (!in.valid() || (settings_.with_pace && !age)) {
     return channel_.stop(StopReason::no_value, now);
   }
   if (settings_.max_age != 0 && age && *age > settings_.max_age) {
     return channel_.stop(StopReason::stale, now);
   }
-  return channel_.command(map_.map(in.values), now);
+  return channel_.command(in.values, now);
+}
+
+void CommandSink::announce(TimeNs now) {
+  const std::optional<StopReason> reason = channel_.stopped_by();
+  const std::lock_guard lock(announcing_);
+  if (reason == announced_ || (announced_at_ != 0 && now - announced_at_ < kNsPerSecond)) {
+    return;
+  }
+  announced_ = reason;
+  announced_at_ = now;
+  if (!reason) {
+    log::warning("the robot is driven again");
+  } else if (*reason < StopReason::terminated) {
+    log::warning("the robot is stopped: {}", cause(*reason, settings_));
+  }
 }
 
 void CommandSink::stop(StopReason reason) {
-  if (stopped_.exchange(true)) {
+  // Whoever comes second waits: its process may end at once, and the zero must be on its way.
+  const std::lock_guard lock(stopping_);
+  if (stopped_) {
     return;
   }
+  stopped_ = true;
   watch_.rest();
   channel_.stop(reason, wall_now());
   carrier_.drain();

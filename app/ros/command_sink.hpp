@@ -1,27 +1,27 @@
 // The end of a loop: channels in, commands out, a zero whatever happens.
 #pragma once
 
-#include <atomic>
 #include <functional>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 #include "spikeloop/command/age_meter.hpp"
 #include "spikeloop/command/command_channel.hpp"
-#include "spikeloop/command/component_map.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
 namespace spikeloop {
 
 struct CommandSettings {
-  std::uint32_t width = 0;
+  std::uint32_t width = 0;  ///< fields of the command
   bool with_pace = false;
   command::GateSettings gate;
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
 };
 
-/// Ports: `in` [width] and, where there is one, `pace` [1].
+/// Ports: `command` [width] and, where there is one, `pace` [1].
 class CommandSink : public Sink {
  public:
   /// What carries the commands.
@@ -31,7 +31,7 @@ class CommandSink : public Sink {
     std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
   };
 
-  CommandSink(const CommandSettings& settings, command::ComponentMap map, Carrier carrier);
+  CommandSink(const CommandSettings& settings, Carrier carrier);
   /// An error on the way ends here: zero.
   ~CommandSink() override;
 
@@ -46,11 +46,16 @@ class CommandSink : public Sink {
 
  private:
   TimeNs forward(const Step& step, TimeNs now);
+  /// Tells the user when the robot is stopped or driven again, at most once a second.
+  void announce(TimeNs now);
 
   CommandSettings settings_;
-  command::ComponentMap map_;
   Carrier carrier_;
-  std::atomic<bool> stopped_{false};
+  std::mutex stopping_;
+  bool stopped_ = false;
+  std::mutex announcing_;
+  std::optional<command::StopReason> announced_;
+  TimeNs announced_at_ = 0;
   command::AgeMeter age_;
   command::CommandChannel channel_;
   command::Watch watch_;

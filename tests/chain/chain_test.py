@@ -27,6 +27,9 @@ def run_job(programs, folder, tick_ms, duration_s):
     for path in EXAMPLE.iterdir():
         if path.is_file():
             shutil.copy(path, folder)
+    # Without the example's offset and limits: the commands are the sums themselves.
+    (folder / "mapping.json").write_text(json.dumps(
+        {"message_type": "Twist", "mapping": {"linear.x": 0, "angular.z": 1}}))
     job = folder / "braitenberg.music"
     text = job.read_text()
     assert "music_timestep=0.001" in text
@@ -65,7 +68,7 @@ def check(out, tick_ms):
         assert file["spikes/out"].attrs["dropped"] == 0
         spike_times_ns = file["spikes/out/timestamps_ns"][:]
         channels = file["spikes/out/node_ids"][:].astype(int)
-    times_ns, values = signal(out / "command.h5", "in")
+    times_ns, values = signal(out / "command.h5", "command")
     weights = np.array(json.loads((EXAMPLE / "readout_weights.json").read_text()))
     tick_ns = round(tick_ms * 1e6)
     # A sink's row is stamped with the end of the interval in which it was received; the value is the

@@ -98,6 +98,21 @@ TEST_F(CommandChannelTest, requests_from_outside_always_send_a_zero) {
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(0, 0), ElementsAre(0, 0)));
 }
 
+// mpirun sends SIGCONT when a program has died, and SIGTERM a second later: in between, the loop
+// may go on ticking.
+TEST_F(CommandChannelTest, after_a_continue_nothing_leaves_until_mpirun_would_have_ended_the_job) {
+  const double forward[] = {1.0, 0.0};
+  channel_.command(forward, 0);
+  channel_.stop(StopReason::continued, 10 * kMs);
+  EXPECT_EQ(channel_.stopped_by(), StopReason::continued);
+  EXPECT_EQ(channel_.command(forward, 20 * kMs), kNever);
+  EXPECT_EQ(channel_.command(forward, kContinuedPause + 9 * kMs), kNever);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(1, 0), ElementsAre(0, 0)));
+  channel_.command(forward, kContinuedPause + 10 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(1, 0));
+  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+}
+
 TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
   for (const StopReason reason : {StopReason::terminated, StopReason::ended}) {
     std::vector<std::vector<double>> sent;

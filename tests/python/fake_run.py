@@ -124,7 +124,7 @@ def make(folder, duration_s=60.0, neurons=20, seed=3):
     with recording(folder / "network.h5", "network") as file:
         add_spikes(file, "out", *_spikes(random, rows, commands, neurons), neurons, duration_s)
     with recording(folder / "command.h5", "command") as file:
-        add_signal(file, "in", rows[:, 0] + 2 * TICK_S, commands, "m/s,rad/s", duration_s,
+        add_signal(file, "command", rows[:, 0] + 2 * TICK_S, commands, "m/s,rad/s", duration_s,
                    channels=("linear.x", "angular.z"))
 
 

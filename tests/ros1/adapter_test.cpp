@@ -132,10 +132,80 @@ TEST_F(AdapterTest, the_pace_arrives_with_the_data_it_tells_the_age_of) {
   }));
   finish();
   const std::string file = directory_.path().string() + "/command.h5";
-  const auto data = spikeloop::record::read_signal(file, "in");
+  const auto data = spikeloop::record::read_signal(file, "command");
   const auto pace = spikeloop::record::read_signal(file, "pace");
   EXPECT_GT(data.times.size(), 50u);
   EXPECT_EQ(data.times, pace.times);
+}
+
+// A decoder gives 0 before the first spike; a mapping's offset would make a command of it.
+TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
+  directory_.write("turn.json", R"({"message_type": "Twist",
+                                    "mapping": {"angular.z": {"channel": 0, "offset": 0.2}}})");
+  robot_.listen_twist("/cmd_vel");
+  child_ = std::make_unique<Child>(command(
+      4, fmt::format("music_timestep=0.002\nstoptime=100\n"
+                     "[command]\nbinary={0}/ros_command_adapter\nnp=1\nros_topic=/cmd_vel\n"
+                     "message_mapping_filename=turn.json\npipeline_ticks=1\n"
+                     "[decoder]\nbinary={0}/linear_readout_decoder\nnp=1\nweights=one_to_one\n"
+                     "[encoder]\nbinary={0}/rate_encoder\nnp=1\n"
+                     "[sensor]\nbinary={0}/ros_sensor_adapter\nnp=1\nros_topic=/scan\n"
+                     "message_type=Laserscan\n"
+                     "sensor.out -> encoder.in [1]\nencoder.out -> decoder.in [1]\n"
+                     "decoder.out -> command.in [1]\nsensor.pace -> command.pace [1]\n",
+                     SPIKELOOP_BIN)));
+  ASSERT_TRUE(eventually(60, [&] { return robot_.publishers("/cmd_vel") == 1; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+  EXPECT_TRUE(robot_.twists().empty());
+  robot_.publish_scan("/scan", {4.0f}, 0.5f, 4.5f);
+  EXPECT_TRUE(eventually(20, [&] {
+    robot_.publish_scan("/scan", {4.0f}, 0.5f, 4.5f);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return !robot_.twists().empty();
+  }));
+  finish();
+  EXPECT_THAT(child_->output(),
+              HasSubstr("sensor: warning: no message has come on topic '/scan' for 2 s; 'rostopic "
+                        "list' shows what there is"));
+}
+
+// A laser that sees nothing at all is as good as one that is silent.
+TEST_F(AdapterTest, messages_without_a_reading_do_not_keep_the_data_young) {
+  publish_scans();
+  start(scan_to_twist("stoptime=100", "max_age=0.4"));
+  ASSERT_TRUE(drives());
+  stop_publishing();
+  const float nan = std::nanf("");
+  EXPECT_TRUE(eventually(10, [&] {
+    robot_.publish_scan("/scan", {nan, nan, nan, 0.0f}, 0.5f, 4.5f);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return robot_.twists().back().is_zero();
+  }));
+  finish();
+  EXPECT_THAT(child_->output(), HasSubstr("sensor: warning: topic '/scan': a sensor_msgs/LaserScan "
+                                          "brought no reading; the channels keep what they had"));
+  EXPECT_THAT(
+      child_->output(),
+      HasSubstr("command: warning: the robot is stopped: the data are older than max_age, "));
+}
+
+// What is recorded is what leaves: after scale, offset and limits.
+TEST_F(AdapterTest, records_the_commands_fields) {
+  directory_.write("twist.json",
+                   R"({"message_type": "Twist",
+                       "mapping": {"linear.x": {"channel": 0, "scale": 2, "offset": 0.25, "max": 1},
+                                   "angular.z": {"channel": 1, "scale": -1}}})");
+  robot_.listen_twist("/cmd_vel");
+  Command job = command(2, pass_through("message_type=FloatArray", twist_keys() + "record=true"));
+  job.environment["SPIKELOOP_OUT"] = directory_.path().string();
+  child_ = std::make_unique<Child>(job);
+  ASSERT_TRUE(reaches(0.5, -0.75, [&] { robot_.publish_array("/in", {0.125, 0.75}); }));
+  ASSERT_TRUE(reaches(1, 0.5, [&] { robot_.publish_array("/in", {0.5, -0.5}); }));
+  finish();
+  const auto recorded =
+      spikeloop::record::read_signal(directory_.path().string() + "/command.h5", "command");
+  ASSERT_EQ(recorded.times.size(), 2u);
+  EXPECT_EQ(recorded.values, (std::vector<double>{0.5, -0.75, 1, 0.5}));
 }
 
 TEST_F(AdapterTest, no_command_before_the_first_message) {

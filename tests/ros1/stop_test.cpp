@@ -37,6 +37,10 @@ class StopTest : public RobotJob {
     EXPECT_EQ(outcome.left_behind, 0) << what;
     EXPECT_TRUE(eventually(2, [&] { return robot_.twists().back().is_zero(); })) << what << "\n"
                                                                                  << outcome.text();
+    const auto after = begin + static_cast<std::int64_t>(ms * 1e6);
+    for (const Twist& twist : robot_.twists()) {
+      EXPECT_TRUE(twist.time_ns < after || twist.is_zero()) << what << ": driven again";
+    }
   }
 
   void run_until_it_drives(const std::string& global, const std::string& keys = "") {

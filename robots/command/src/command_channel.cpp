@@ -35,6 +35,9 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (state_ == State::closed) {
     return kNever;
   }
+  if (state_ == State::suspended && now < suspended_until_) {
+    return kNever;
+  }
   if (state_ != State::running) {
     resumed_ += state_ == State::idle ? 0 : 1;
     state_ = State::running;
@@ -63,6 +66,7 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   state_ = is_final(reason)       ? State::closed
            : is_from_loop(reason) ? State::stopped
                                   : State::suspended;
+  suspended_until_ = reason == StopReason::continued ? now + kContinuedPause : now;
   send_zero(now);
   return state_ == State::stopped ? gate_.next_due() : kNever;
 }
@@ -82,6 +86,12 @@ TimeNs CommandChannel::poll(TimeNs now) {
     publish_(gate_.current());
   }
   return gate_.next_due();
+}
+
+std::optional<StopReason> CommandChannel::stopped_by() const {
+  const std::lock_guard lock(mutex_);
+  const bool driven = state_ == State::running || state_ == State::idle;
+  return driven ? std::nullopt : std::optional(reason_);
 }
 
 std::vector<Counter> CommandChannel::counters() const {

@@ -79,15 +79,20 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
   }
   fit(values_.size());
   const std::size_t count = std::min(values_.size(), channels_.size());
+  std::size_t readings = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const bool no_reading = rule_ == Rule::scan && std::isnan(values_[i]);
     if (no_reading) {
       ++counts_.invalid_readings;
     } else {
       channels_[i] = values_[i];
+      ++readings;
     }
   }
-  return true;
+  if (readings == 0 && counts_.without_reading++ == 0) {
+    warning_ = fmt::format("a {} brought no reading; the channels keep what they had", type_);
+  }
+  return readings > 0;
 }
 
 void SensorConversion::read_values(std::span<const std::byte> message) {
@@ -124,7 +129,7 @@ void SensorConversion::scale_scan(double range_min, double range_max) {
 
 void SensorConversion::fit(std::size_t count) {
   const std::size_t width = channels_.size();
-  if (count == width) {
+  if (count == width || count == 0) {
     return;
   }
   if (strict_) {

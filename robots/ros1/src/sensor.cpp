@@ -19,6 +19,7 @@ namespace {
 using topic_tools::ShapeShifter;
 
 constexpr std::uint32_t kQueue = 10;
+constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
 /// The message's bytes, without a copy of ours: ShapeShifter writes them into this "stream".
 struct ByteSink {
@@ -102,6 +103,18 @@ struct Sensor::Impl {
     }
   }
 
+  /// In the loop: says once that nothing comes, and once that nothing comes any more.
+  void mind_silence(TimeNs now, TimeNs newest_at) {
+    started = started == 0 ? now : started;
+    bool& told = newest_at == 0 ? told_nothing_came : told_nothing_comes;
+    if (told || now - std::max(started, newest_at) < kPatience) {
+      return;
+    }
+    told = true;
+    log::warning("no message has come on topic '{}' for {}; 'rostopic list' shows what there is",
+                 settings.topic, format_time(kPatience));
+  }
+
   SensorSettings settings;
   messages::SensorConversion conversion;  // used in the session's thread only
   std::string md5;
@@ -117,6 +130,9 @@ struct Sensor::Impl {
 
   std::uint64_t seen = 0;  // used by the loop only
   bool initial_sent = false;
+  TimeNs started = 0;
+  bool told_nothing_came = false;
+  bool told_nothing_comes = false;
   ros::Subscriber subscriber;
 };
 
@@ -141,17 +157,22 @@ void Sensor::receive(const Step& step) {
     impl_->initial_sent = true;
   }
   TimeNs arrived = 0;
+  bool fresh = false;
   {
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) {
       std::rethrow_exception(impl_->failure);
     }
-    if (impl_->revision == impl_->seen) {
-      return;
-    }
-    impl_->seen = impl_->revision;
-    std::ranges::copy(impl_->newest, out.values().begin());
     arrived = impl_->arrived;
+    fresh = impl_->revision != impl_->seen;
+    if (fresh) {
+      impl_->seen = impl_->revision;
+      std::ranges::copy(impl_->newest, out.values().begin());
+    }
+  }
+  if (!fresh) {
+    impl_->mind_silence(wall_now(), arrived);
+    return;
   }
   out.commit();
   const SignalOutput pace = step.signal_output(1);
@@ -166,6 +187,7 @@ std::vector<Counter> Sensor::counters() const {
           {"cropped", counts.cropped},
           {"short_messages", counts.short_messages},
           {"invalid_readings", counts.invalid_readings},
+          {"without_reading", counts.without_reading},
           {"malformed", counts.malformed},
           {"wrong_type", impl_->wrong_type}};
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,8 @@ enum class StopReason : std::uint8_t {
 };
 inline constexpr std::size_t kStopReasons = 7;
 
+inline constexpr TimeNs kContinuedPause = 1'500'000'000;
+
 /// "data_too_old", ...: the name in counters.
 std::string_view stop_reason_name(StopReason reason);
 
@@ -43,13 +46,17 @@ class CommandChannel {
 
   /// Sends a zero command at once, past all rules. After `no_value`, `not_finite` and `stale`,
   /// which the loop says again every tick, zeros are repeated at the command's period; after
-  /// `silent` and `continued` nothing more leaves until the next tick's command; after
+  /// `silent` nothing more leaves until the next tick's command, after `continued` not for another
+  /// kContinuedPause: mpirun sends SIGCONT when a program has died, and SIGTERM 1 s later. After
   /// `terminated` and `ended` nothing more leaves at all. Before the first command only a request
   /// from outside the loop sends anything.
   TimeNs stop(StopReason reason, TimeNs now);
 
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
+
+  /// Why the robot stands; nothing while it is driven, and before the first command.
+  std::optional<StopReason> stopped_by() const;
 
   /// commands, repeated ones included; stops by reason; resumed.
   std::vector<Counter> counters() const;
@@ -64,6 +71,7 @@ class CommandChannel {
   enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
   State state_ = State::idle;
   StopReason reason_ = StopReason::no_value;
+  TimeNs suspended_until_ = 0;
   std::uint64_t commands_ = 0;
   std::uint64_t resumed_ = 0;
   std::array<std::uint64_t, kStopReasons> stops_{};

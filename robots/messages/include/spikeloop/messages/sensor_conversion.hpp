@@ -32,6 +32,7 @@ class SensorConversion {
     std::uint64_t cropped = 0;           ///< messages with more values than the port has channels
     std::uint64_t short_messages = 0;    ///< with fewer: the channels without one keep their value
     std::uint64_t invalid_readings = 0;  ///< beams
+    std::uint64_t without_reading = 0;   ///< messages without a single reading
     std::uint64_t malformed = 0;         ///< messages that could not be read at all
   };
 
@@ -41,7 +42,8 @@ class SensorConversion {
   SensorConversion(const Catalog& catalog, std::string_view type,
                    const std::vector<std::string>& fields, std::uint32_t width, bool strict);
 
-  /// Updates `channels()`. False: the message was malformed and changed nothing.
+  /// Updates `channels()`. False: the message was malformed, or had no reading for any channel, and
+  /// changed nothing.
   /// @throws ConfigurationError naming both widths when `strict` and they differ.
   bool convert(std::span<const std::byte> message);
 

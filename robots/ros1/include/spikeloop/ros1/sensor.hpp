@@ -23,7 +23,8 @@ struct SensorSettings {
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
 /// this tick uses arrived, without value before the first.
 ///
-/// Counters: messages, cropped, short_messages, invalid_readings, malformed, wrong_type.
+/// Counters: messages, cropped, short_messages, invalid_readings, without_reading, malformed,
+/// wrong_type.
 class Sensor : public Source {
  public:
   /// Subscribes, with TCP_NODELAY. @throws ConfigurationError as messages::SensorConversion, and
