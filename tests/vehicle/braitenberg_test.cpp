@@ -117,7 +117,7 @@ TEST_P(Braitenberg, DrivesWithoutCollision) {
               static_cast<int>(result.collisions), result.mean_speed_m_s, 100 * result.coverage);
   EXPECT_EQ(result.collisions, 0U);
   EXPECT_GE(result.mean_speed_m_s, 0.2);
-  // The demonstration asks for 30 %. Seed 5 does not reach it: its path closes to a loop at 27 %.
+  // The demonstration asks for 30 %. Seeds 5 and 7 do not reach it: their paths close to loops.
   EXPECT_GE(result.coverage, 0.25);
 }
 
