@@ -33,7 +33,10 @@ TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
   EXPECT_EQ(state_.what_is_late(),
             "not started: 'c' (linear_readout_decoder); started, but still without a first tick: "
             "'a' (rate_encoder), 'b' (brain.py)");
+  tell("robot", "first_tick");
+  EXPECT_FALSE(state_.any_ticked()) << "the robot is not of the file";
   tell("a", "first_tick");
+  EXPECT_TRUE(state_.any_ticked());
   tell("b", "progress");
   tell("c", "report");
   EXPECT_EQ(state_.what_is_late(), "");

@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 TEST(Run, AJobThatEndsWell) {
@@ -148,6 +149,26 @@ TEST(Run, CtrlCEndsTheLoops) {
   EXPECT_EQ(summary["processes"]["a"]["reported"], true) << "the programs finalized";
   EXPECT_EQ(summary["processes"]["b"]["reported"], true);
   EXPECT_EQ(summary["exit_code"], 130);
+}
+
+/// Nobody listens yet when the signal comes: not even mpirun.
+TEST(Run, CtrlCAtTheStartLetsNobodyTick) {
+  for (const auto delay : {5ms, 20ms, 50ms, 100ms, 150ms}) {
+    const TwoPrograms job("stoptime=1000", "stoptime=1000");
+    Child child(job.command());
+    while (!std::filesystem::exists(job.folder() + "/mpirun.log")) {
+      std::this_thread::sleep_for(1ms);
+    }
+    std::this_thread::sleep_for(delay);
+    ASSERT_EQ(child.output(), "") << "too late";
+    child.signal(SIGINT);
+    const Outcome outcome = child.wait();
+    EXPECT_EQ(outcome.exit_code, 130);
+    EXPECT_THAT(outcome.out, Not(HasSubstr("first tick"))) << delay.count() << " ms";
+    EXPECT_EQ(last_line(outcome.err), "spikeloop: stopped by Ctrl-C");
+    EXPECT_EQ(outcome.left_behind, 0);
+    EXPECT_EQ(job.summary()["exit_code"], 130);
+  }
 }
 
 TEST(Run, SigtermDoesTheSame) {

@@ -93,7 +93,7 @@ void JobRun::start_programs() {
 
 void JobRun::run() {
   try {
-    if (start_ros()) {
+    if (start_ros() && !stopped_already()) {
       start_programs();
       supervise();
     }
@@ -102,6 +102,11 @@ void JobRun::run() {
     throw;
   }
   end_helpers();
+}
+
+bool JobRun::stopped_already() {
+  crew_.turn(Milliseconds{0});
+  return outcome_.has_value();
 }
 
 void JobRun::supervise() {
@@ -188,6 +193,11 @@ void JobRun::watch_stop() {
 }
 
 void JobRun::begin_stop() {
+  if (!state_.any_ticked()) {
+    // SIGUSR1 would be lost on a program that is still to be started, which would then drive.
+    mpirun_->tree().end();
+    return;
+  }
   if (all_ours(effective_.file)) {
     mpirun_->tree().signal(SIGUSR1);
     return;

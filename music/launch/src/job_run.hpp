@@ -37,6 +37,8 @@ class JobRun {
   bool start_robot();
   void start_programs();
 
+  /// Whether a signal came before there was anything to stop.
+  bool stopped_already();
   void supervise();
   void watch_start();
   void watch_failures();
@@ -44,7 +46,7 @@ class JobRun {
   bool robot_ended() const;
   void watch_end();
   void watch_stop();
-  /// Asks every program of ours to leave its loop.
+  /// Asks every program of ours to leave its loop; ends all when there are no loops yet.
   void begin_stop();
   void end_helpers();
   void end_helper(Member* helper);

@@ -120,6 +120,12 @@ std::vector<pid_t> JobState::pids() const {
   return found;
 }
 
+bool JobState::any_ticked() const {
+  return std::any_of(processes_.begin(), processes_.end(), [](const auto& entry) {
+    return !entry.second.program.empty() && entry.second.ticked;
+  });
+}
+
 std::string JobState::what_is_late() const {
   std::vector<std::string> silent;
   std::vector<std::string> waiting;

@@ -31,6 +31,8 @@ class JobState {
   const std::optional<Failure>& failure() const { return failure_; }
   /// Process ids of those that have reported.
   std::vector<pid_t> pids() const;
+  /// Whether any program of the file has ticked.
+  bool any_ticked() const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
   std::string what_is_late() const;
   /// Everybody whose report we expect has sent it.

@@ -13,6 +13,8 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <set>
+#include <vector>
 
 #include "descendants.hpp"
 
@@ -171,7 +173,14 @@ class Keeper {
     if (!ending_) {
       ending_ = true;
       ending_since_ = Clock::now();
-      for (const pid_t process : descendants(getpid())) {
+      ask_to_end(descendants(getpid()));
+    }
+  }
+
+  /// Each process once: one that is told twice may take it for impatience.
+  void ask_to_end(const std::vector<pid_t>& processes) {
+    for (const pid_t process : processes) {
+      if (asked_.insert(process).second) {
         ::kill(process, SIGTERM);
         ::kill(process, SIGCONT);
       }
@@ -179,8 +188,10 @@ class Keeper {
   }
 
   /// Returns whether nothing is left.
-  bool end_some() const {
+  bool end_some() {
     const auto left = descendants(getpid());
+    // mpirun may have been about to start some.
+    ask_to_end(left);
     if (killing_ || Clock::now() - ending_since_ > kGrace) {
       for (const pid_t process : left) {
         ::kill(process, SIGKILL);
@@ -196,6 +207,7 @@ class Keeper {
   bool orphaned_ = false;
   bool ending_ = false;
   bool killing_ = false;
+  std::set<pid_t> asked_;
   Clock::time_point ending_since_{};
 };
 
