@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "output.hpp"
+
 namespace spikeloop::app {
 namespace {
 
@@ -24,14 +26,14 @@ Console::Console(Volume volume) : volume_(volume), terminal_(isatty(STDERR_FILEN
 
 void Console::clear() {
   if (shown_) {
-    std::fputs("\r\x1b[K", stderr);
+    put(stderr, "\r\x1b[K");
     shown_ = false;
   }
 }
 
 void Console::write(const std::string& text) {
   clear();
-  fmt::print(stderr, "{}\n", text);
+  put(stderr, text + "\n");
 }
 
 void Console::line(const launch::ProgramLine& line) {
@@ -41,9 +43,8 @@ void Console::line(const launch::ProgramLine& line) {
   }
   clear();
   const bool labelled = line.text.starts_with(line.label + ": ");
-  std::FILE* stream = line.error ? stderr : stdout;
-  fmt::print(stream, "{}{}\n", labelled ? "" : line.label + ": ", line.text);
-  std::fflush(stream);
+  put(line.error ? stderr : stdout,
+      fmt::format("{}{}\n", labelled ? "" : line.label + ": ", line.text));
 }
 
 void Console::progress(const launch::Progress& progress) {
@@ -56,8 +57,7 @@ void Console::progress(const launch::Progress& progress) {
   last_ = now;
   if (terminal_) {
     clear();
-    fmt::print(stderr, "{}", progress_text(progress));
-    std::fflush(stderr);
+    put(stderr, progress_text(progress));
     shown_ = true;
   } else {
     write("spikeloop: " + progress_text(progress));

@@ -1,4 +1,5 @@
 // The program `spikeloop`: runs closed loops between robots and spiking neural networks.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "output.hpp"
 #include "run_command.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -17,7 +19,7 @@ namespace {
 constexpr int kUsageError = 2;
 
 int fail(const std::string& message, int exit_code) {
-  fmt::print(stderr, "spikeloop: {}\n", message);
+  spikeloop::app::put(stderr, fmt::format("spikeloop: {}\n", message));
   return exit_code;
 }
 
@@ -57,6 +59,15 @@ std::string unexpected(const CLI::App& app) {
                                         : fmt::format("did you mean '{}'?", suggestion));
 }
 
+/// Else our first files would take these numbers, and what is printed would go into them.
+void open_standard_files() {
+  for (int fd = 0; fd <= 2; ++fd) {
+    if (fcntl(fd, F_GETFD) < 0) {
+      open("/dev/null", O_RDWR);
+    }
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Spikeloop: closed loops between robots and spiking neural networks", "spikeloop");
   app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
@@ -64,7 +75,7 @@ int run(int argc, char** argv) {
   std::function<int()> action;
   spikeloop::app::add_run_command(app, action);
   if (argc == 1) {
-    fmt::print("{}", app.help());
+    spikeloop::app::put(stdout, app.help());
     return 0;
   }
   if (const std::string message = unknown_command(app, argc, argv); !message.empty()) {
@@ -87,6 +98,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // Whoever reads our output may stop reading: that must not end a job without stopping it.
   signal(SIGPIPE, SIG_IGN);
+  open_standard_files();
   try {
     return run(argc, argv);
   } catch (const spikeloop::Error& error) {

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "console.hpp"
+#include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -37,7 +38,7 @@ ended, and killed 1 s later; a second Ctrl-C kills at once.
 Exit codes:
   0  finished              2  the file or an option cannot be run as written
   3  a partner (program, ROS master) is missing or silent        4  a file could not be read or written
-  5  a node failed         130, 143  stopped by Ctrl-C, by SIGTERM
+  5  a node failed         129, 130, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGTERM
   128 + N  a program was killed by signal N; else the code of the first program that failed)";
 
 void add_options(CLI::App& command, RunArguments& arguments) {
@@ -83,9 +84,9 @@ int run(RunArguments& arguments) {
   launch::Job job(read_music_file(arguments.file), arguments.job);
   if (arguments.dry_run) {
     for (const std::string& warning : job.effective().warnings) {
-      fmt::print("# warning: {}\n", warning);
+      put(stdout, fmt::format("# warning: {}\n", warning));
     }
-    fmt::print("# {}\n{}", job.command(), to_text(job.effective().file));
+    put(stdout, fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
     return 0;
   }
   Console console(arguments.quiet     ? Console::Volume::quiet

@@ -45,6 +45,16 @@ class TwoPrograms {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return launcher(arguments);
   }
+  /// The same, typed into a shell with `what` behind it.
+  Command in_shell(const std::string& what, const std::vector<std::string>& more = {}) const {
+    Command shell = command(more);
+    std::string line;
+    for (const std::string& argument : shell.arguments) {
+      line += "'" + argument + "' ";
+    }
+    shell.arguments = {"bash", "-c", line + what};
+    return shell;
+  }
   nlohmann::json summary() const {
     return nlohmann::json::parse(directory_.read("run/summary.json"), nullptr, false);
   }

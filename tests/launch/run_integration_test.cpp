@@ -179,6 +179,64 @@ TEST(Run, SigtermDoesTheSame) {
   EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true);
 }
 
+TEST(Run, OutputThatNobodyReadsDoesNotEndIt) {
+  for (const std::string what :
+       {"2>&1 | head -1; exit ${PIPESTATUS[0]}", ">/dev/full 2>&1", ">&- 2>&-"}) {
+    const TwoPrograms job;
+    const Outcome outcome = run(job.in_shell(what));
+    EXPECT_EQ(outcome.exit_code, 0) << what << "\n" << outcome.text();
+    EXPECT_EQ(job.summary()["exit_reason"], "finished") << what;
+    EXPECT_EQ(job.summary()["a_ticks"], 50) << what;
+    EXPECT_THAT(job.directory().read("run/effective.music"), StartsWith("stoptime=0.5")) << what;
+    EXPECT_THAT(job.directory().read("run/mpirun.log"), Not(HasSubstr("finished:"))) << what;
+    EXPECT_EQ(outcome.left_behind, 0);
+  }
+}
+
+TEST(Run, AFailureThatNobodyReadsKeepsItsExitCode) {
+  EXPECT_EQ(run(TwoPrograms("", "behaviour=fail").in_shell(">/dev/full 2>&1")).exit_code, 5);
+  EXPECT_EQ(run(TwoPrograms("", "", "nowhere").in_shell(">/dev/full 2>&1")).exit_code, 2);
+  EXPECT_EQ(run(TwoPrograms().in_shell("--dry-run >/dev/full 2>&1")).exit_code, 0);
+}
+
+/// Waits, by the log, until both programs tick.
+void wait_for_ticks(const TwoPrograms& job) {
+  const auto end = std::chrono::steady_clock::now() + 30s;
+  std::string log;
+  while (log.find("a: first tick") == std::string::npos ||
+         log.find("b: first tick") == std::string::npos) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << log;
+    std::this_thread::sleep_for(5ms);
+    std::ifstream file(job.folder() + "/mpirun.log");
+    log.assign(std::istreambuf_iterator<char>(file), {});
+  }
+}
+
+TEST(Run, AClosedTerminalStopsIt) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Command command = job.in_shell(">/dev/full 2>&1");
+  command.arguments[2].insert(0, "exec ");
+  Child child(command);
+  wait_for_ticks(job);
+  child.signal(SIGHUP);
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.exit_code, 129);
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_EQ(job.summary()["exit_reason"], "stopped by signal 1 (Hangup)");
+  EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true);
+}
+
+TEST(Run, NohupKeepsItRunning) {
+  const TwoPrograms job("stoptime=1", "stoptime=1");
+  Command command = job.command();
+  command.arguments.insert(command.arguments.begin(), "nohup");
+  Child child(command);
+  wait_for_ticks(job);
+  child.signal(SIGHUP);
+  EXPECT_EQ(child.wait().exit_code, 0);
+  EXPECT_EQ(job.summary()["exit_reason"], "finished");
+}
+
 TEST(Run, CtrlCEndsThoseThatDoNotListen) {
   const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=stubborn");
   const Outcome outcome = interrupted(job.command(), {SIGINT});

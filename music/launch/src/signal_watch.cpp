@@ -5,17 +5,34 @@
 
 namespace spikeloop::launch {
 
+namespace {
+
+/// A blocked signal waits for us even when it is ignored.
+bool is_ignored(int number) {
+  struct sigaction action {};
+  sigaction(number, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
+
+}  // namespace
+
 SignalWatch::SignalWatch() {
   sigset_t watched;
   sigemptyset(&watched);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int number : {SIGINT, SIGTERM}) {
     sigaddset(&watched, number);
+  }
+  if (!is_ignored(SIGHUP)) {
+    sigaddset(&watched, SIGHUP);
   }
   pthread_sigmask(SIG_BLOCK, &watched, &before_);
   fd_ = status::Descriptor{signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK)};
 }
 
 SignalWatch::~SignalWatch() {
+  // A late one must not kill us: the run has its outcome.
+  while (next()) {
+  }
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 

@@ -1,4 +1,4 @@
-// SIGINT, SIGTERM and SIGHUP as something to poll.
+// The signals that stop a run, as something to poll.
 #pragma once
 
 #include <signal.h>
@@ -9,7 +9,8 @@
 
 namespace spikeloop::launch {
 
-/// Holds these signals back from the process for as long as it lives.
+/// Holds SIGINT, SIGTERM and, unless nohup has it ignored, SIGHUP back from the process for as long
+/// as it lives.
 class SignalWatch {
  public:
   SignalWatch();

@@ -48,7 +48,7 @@ struct JobEvents {
 };
 
 struct JobResult {
-  /// 0; 130 and 143 after SIGINT and SIGTERM; else that of the first failure: 2 configuration,
+  /// 0; 128 + n when signal n stopped the run; else that of the first failure: 2 configuration,
   /// 3 a partner is missing or silent, 4 file, 5 node, 128 + n for a program killed by signal n,
   /// or the code that the program gave.
   int exit_code = 0;
@@ -66,7 +66,7 @@ class Job {
   /// As one would type it, with the run folder as place of Open MPI's session files.
   std::string command() const;
 
-  /// Runs the job to its end. SIGINT and SIGTERM stop it: every program of ours leaves its loop;
+  /// Runs the job to its end. SIGINT, SIGTERM and SIGHUP stop it: every program of ours leaves its loop;
   /// whatever is left after 2 s is ended, and killed 1 s later; a second signal kills at once.
   /// What goes wrong is in the result; warnings go to the log.
   /// @throws FileError when the run folder cannot be written.
