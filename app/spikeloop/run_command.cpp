@@ -32,13 +32,14 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run loop.music --dry-run      what would be started, and how
 
 The programs run in the directory of FILE. Keys that FILE has are never changed, save by the options
-that say so. SIGUSR1 ends the programs' loops; so does Ctrl-C here: whatever is left after 2 s is
-ended, and killed 1 s later; a second Ctrl-C kills at once.
+that say so. Ctrl-C ends the programs' loops, as do SIGUSR1, SIGTERM, SIGQUIT and SIGHUP: whatever is
+left after 2 s is ended, and killed 1 s later; a second Ctrl-C kills at once.
 
 Exit codes:
   0  finished              2  the file or an option cannot be run as written
   3  a partner (program, ROS master) is missing or silent        4  a file could not be read or written
-  5  a node failed         129, 130, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGTERM
+  5  a node failed
+  129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
   128 + N  a program was killed by signal N; else the code of the first program that failed)";
 
 void add_options(CLI::App& command, RunArguments& arguments) {

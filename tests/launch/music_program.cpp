@@ -98,6 +98,9 @@ int main(int argc, char** argv) {
       misbehave(behaviour, sender);
     }
   }
+  if (behaviour == "slow_to_stop") {
+    sleep(1);
+  }
   runtime.finalize();
   sender.report({{"ticks", ticks}}, {{name + "_ticks", ticks}});
   return 0;

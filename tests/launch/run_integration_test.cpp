@@ -179,6 +179,27 @@ TEST(Run, SigtermDoesTheSame) {
   EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true);
 }
 
+TEST(Run, SigquitAndSigusr1DoTheSame) {
+  for (const auto& [number, name] :
+       {std::pair{SIGQUIT, "Quit"}, {SIGUSR1, "User defined signal 1"}}) {
+    const TwoPrograms job("stoptime=1000", "stoptime=1000");
+    const Outcome outcome = interrupted(job.command(), {number});
+    EXPECT_EQ(outcome.exit_code, 128 + number);
+    const std::string reason = "stopped by signal " + std::to_string(number) + " (" + name + ")";
+    EXPECT_EQ(last_line(outcome.err), "spikeloop: " + reason);
+    EXPECT_EQ(job.summary()["exit_reason"], reason);
+    EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true);
+    EXPECT_EQ(outcome.left_behind, 0);
+  }
+}
+
+TEST(Run, ASecondSigusr1IsPatient) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000\nbehaviour=slow_to_stop");
+  const Outcome outcome = interrupted(job.command(), {SIGUSR1, SIGUSR1});
+  EXPECT_EQ(outcome.exit_code, 138);
+  EXPECT_EQ(job.summary()["processes"]["b"]["reported"], true) << "it was not killed";
+}
+
 TEST(Run, OutputThatNobodyReadsDoesNotEndIt) {
   for (const std::string what :
        {"2>&1 | head -1; exit ${PIPESTATUS[0]}", ">/dev/full 2>&1", ">&- 2>&-"}) {

@@ -55,11 +55,13 @@ void JobRun::take_message(const nlohmann::json& message) {
 }
 
 void JobRun::take_signal(int number) {
+  // Some batch systems repeat SIGUSR1: that is no impatience.
+  const bool again = number != SIGUSR1 && stop_signals_ > 0;
   ++stop_signals_;
   fail(128 + number, number == SIGINT
                          ? "stopped by Ctrl-C"
                          : fmt::format("stopped by signal {} ({})", number, strsignal(number)));
-  if (mpirun_ != nullptr && stop_signals_ > 1) {
+  if (mpirun_ != nullptr && again) {
     mpirun_->tree().kill();
   }
 }

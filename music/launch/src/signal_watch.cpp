@@ -19,7 +19,7 @@ bool is_ignored(int number) {
 SignalWatch::SignalWatch() {
   sigset_t watched;
   sigemptyset(&watched);
-  for (const int number : {SIGINT, SIGTERM}) {
+  for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGUSR1}) {
     sigaddset(&watched, number);
   }
   if (!is_ignored(SIGHUP)) {

@@ -9,8 +9,8 @@
 
 namespace spikeloop::launch {
 
-/// Holds SIGINT, SIGTERM and, unless nohup has it ignored, SIGHUP back from the process for as long
-/// as it lives.
+/// Holds SIGINT, SIGTERM, SIGQUIT, SIGUSR1 and, unless nohup has it ignored, SIGHUP back from the
+/// process for as long as it lives.
 class SignalWatch {
  public:
   SignalWatch();

@@ -66,8 +66,9 @@ class Job {
   /// As one would type it, with the run folder as place of Open MPI's session files.
   std::string command() const;
 
-  /// Runs the job to its end. SIGINT, SIGTERM and SIGHUP stop it: every program of ours leaves its loop;
-  /// whatever is left after 2 s is ended, and killed 1 s later; a second signal kills at once.
+  /// Runs the job to its end. SIGINT, SIGTERM, SIGQUIT, SIGHUP and SIGUSR1 stop it: every program
+  /// of ours leaves its loop; whatever is left after 2 s is ended, and killed 1 s later; a second
+  /// signal, if it is not SIGUSR1, kills at once.
   /// What goes wrong is in the result; warnings go to the log.
   /// @throws FileError when the run folder cannot be written.
   JobResult run(const JobEvents& events = {});
