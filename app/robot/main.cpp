@@ -42,8 +42,10 @@ int main(int argc, char** argv) {
       robot::parse_options(static_cast<int>(pointers.size()), pointers.data(), exit_code);
   if (!options) return exit_code;
 
-  log::set_sink(
-      [](log::Level, std::string_view text) { fmt::print(stderr, "spikeloop-robot: {}\n", text); });
+  log::set_sink([](log::Level level, std::string_view text) {
+    fmt::print(stderr, "spikeloop-robot: {}{}\n", level == log::Level::warning ? "warning: " : "",
+               text);
+  });
   handle_signals();
   const status::Sender status("robot");
   try {

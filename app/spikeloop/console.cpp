@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 
 #include "output.hpp"
@@ -12,6 +14,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kTerminalEvery{100};
 constexpr std::chrono::seconds kFileEvery{5};
+
+/// Ours write "LABEL: warning: ...", Python "UserWarning: ...", ROS "[ WARN] ...".
+bool is_warning(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return text.find("warn") != std::string::npos;
+}
 
 }  // namespace
 
@@ -38,7 +47,8 @@ void Console::write(const std::string& text) {
 
 void Console::line(const launch::ProgramLine& line) {
   const bool own = line.label == "mpirun";
-  if (volume_ == Volume::quiet || (own && volume_ != Volume::verbose)) {
+  const bool unwanted = volume_ == Volume::quiet && !is_warning(line.text);
+  if (unwanted || (own && volume_ != Volume::verbose)) {
     return;
   }
   clear();

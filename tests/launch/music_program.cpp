@@ -37,6 +37,10 @@ void misbehave(const std::string& behaviour, const spikeloop::status::Sender& se
     std::fprintf(stderr, "the weights are odd\n");
     sender.failure(5, "weights.json: the weights are odd; write even ones");
     MPI_Abort(MPI_COMM_WORLD, 5);
+  } else if (behaviour == "warn") {
+    std::fprintf(stderr, "b: the weights are even\nb: warning: the weights are odd\n");
+    std::printf("brain.py:3: UserWarning: no synapses\n");
+    std::fflush(stdout);
   } else if (behaviour == "exit") {
     std::fprintf(stderr, "ValueError: no such synapse\n");
     std::_Exit(7);

@@ -52,6 +52,14 @@ TEST(Run, TheRunFolderHasTheFileThatWasRunAndTheLog) {
   EXPECT_DOUBLE_EQ(job.summary()["simulated_s"], 0.2);
 }
 
+TEST(Run, QuietShowsWarnings) {
+  const TwoPrograms job("", "behaviour=warn");
+  const Outcome outcome = run(job.command({"--quiet"}));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "b: warning: the weights are odd\n");
+  EXPECT_EQ(outcome.out, "b: brain.py:3: UserWarning: no synapses\n");
+}
+
 TEST(Run, WithoutAFolderNothingIsWrittenBesideTheFile) {
   const TwoPrograms job;
   const Outcome outcome = run(launcher({"run", job.file()}));
