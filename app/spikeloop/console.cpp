@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kTerminalEvery{100};
 constexpr std::chrono::seconds kFileEvery{5};
+/// Before, the factor is that of the start: anything from 0 to 50.
+constexpr double kMeaningfulWallTime_s = 1;
 
 /// Ours write "LABEL: warning: ...", Python "UserWarning: ...", ROS "[ WARN] ...".
 bool is_warning(std::string text) {
@@ -26,9 +28,12 @@ bool is_warning(std::string text) {
 
 std::string progress_text(const launch::Progress& progress) {
   const std::string total = progress.total_s ? fmt::format(" of {:g}", *progress.total_s) : "";
-  return fmt::format("{:.1f}{} s, real-time factor {:.2f}, {} overrun{}", progress.simulated_s,
-                     total, progress.real_time_factor(), progress.overruns,
-                     progress.overruns == 1 ? "" : "s");
+  const std::string factor =
+      progress.wall_s < kMeaningfulWallTime_s
+          ? ""
+          : fmt::format(", real-time factor {:.2f}", progress.real_time_factor());
+  return fmt::format("{:.1f}{} s{}, {} overrun{}", progress.simulated_s, total, factor,
+                     progress.overruns, progress.overruns == 1 ? "" : "s");
 }
 
 Console::Console(Volume volume) : volume_(volume), terminal_(isatty(STDERR_FILENO) != 0) {}

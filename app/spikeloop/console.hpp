@@ -10,7 +10,8 @@
 
 namespace spikeloop::app {
 
-/// "12.3 of 60 s, real-time factor 0.99, 3 overruns"
+/// "12.3 of 60 s, real-time factor 0.99, 3 overruns"; without the factor in the first second of
+/// wall time.
 std::string progress_text(const launch::Progress& progress);
 
 /// On a terminal one line is written over and over again; else one is added every 5 s.

@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::Not;
 using testing::StartsWith;
 
@@ -22,6 +23,9 @@ TEST(Run, AJobThatEndsWell) {
   EXPECT_EQ(outcome.left_behind, 0);
   EXPECT_THAT(outcome.out, HasSubstr("a: first tick\n"));
   EXPECT_THAT(outcome.out, HasSubstr("b: first tick\n"));
+  EXPECT_THAT(outcome.err,
+              MatchesRegex("spikeloop: 0\\.[0-4] of 0\\.5 s, 3 overruns\nspikeloop: .*"))
+      << "the first line has no real-time factor";
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: finished: 0.5 of 0.5 s, real-time factor 0.50, 3 overruns");
   auto summary = job.summary();
