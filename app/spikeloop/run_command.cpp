@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "console.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -42,18 +43,33 @@ Exit codes:
   129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
   128 + N  a program was killed by signal N; else the code of the first program that failed)";
 
+/// An option whose text goes through `parse`, which throws.
+template <typename Target, typename Parse>
+CLI::Option* add_value(CLI::App& command, const char* name, Target& target, Parse parse,
+                       const char* kind, const char* text) {
+  return command
+      .add_option_function<std::string>(
+          name, [&target, parse](const std::string& value) { target = parse(value); }, text)
+      ->type_name(kind);
+}
+
+void add_values(CLI::App& command, RunArguments& arguments) {
+  auto& run = arguments.job.run;
+  add_value(command, "--duration", run.duration_s, duration_s, "TIME",
+            "Simulated time, in s or with its unit (5min): stoptime of every section");
+  add_value(command, "--seed", run.seed, seed, "NUMBER",
+            "Seed of the random numbers of every section");
+  add_value(command, "--real-time-factor", run.real_time_factor, real_time_factor, "NUMBER",
+            "Simulated time over wall time (rtf) of every section, and of the robot");
+  add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
+            "Longest time until every program of ours has ticked")
+      ->default_str("60");
+}
+
 void add_options(CLI::App& command, RunArguments& arguments) {
   auto& job = arguments.job;
   command.add_option("FILE", arguments.file, "MUSIC configuration file")->required();
-  command
-      .add_option("--duration", job.run.duration_s,
-                  "Simulated time in s: stoptime of every section")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--seed", job.run.seed, "Seed of the random numbers of every section");
-  command
-      .add_option("--real-time-factor", job.run.real_time_factor,
-                  "Simulated time over wall time (rtf) of every section, and of the robot")
-      ->check(CLI::PositiveNumber);
+  add_values(command, arguments);
   auto* out = command.add_option(
       "--out", job.folder, "Run folder: summary.json, effective.music, mpirun.log, recordings");
   command
@@ -67,11 +83,6 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       ->allow_extra_args(false);
   command.add_flag("--no-pace", arguments.no_pace,
                    "Do not connect sensor adapter and command adapter by a pace connection");
-  command
-      .add_option("--start-timeout", arguments.start_timeout_s,
-                  "Longest time in s until every program of ours has ticked")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
   command.add_flag("--dry-run", arguments.dry_run, "Print the file that would be run, and how");
   auto* quiet = command.add_flag("-q,--quiet", arguments.quiet, "Show only warnings and failures");
   command.add_flag("-v,--verbose", arguments.verbose, "Show mpirun's own output, too")

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/launch/launcher.hpp"
 
 namespace spikeloop::test {
@@ -24,6 +26,9 @@ TEST(CommandLine, HelpHasExamplesAndExitCodes) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("spikeloop run braitenberg.music --roscore --robot"));
   EXPECT_THAT(outcome.out, HasSubstr("Exit codes:"));
+  EXPECT_THAT(outcome.out, HasSubstr("129, 130, 131, 138, 143  stopped by SIGHUP (a closed "
+                                     "terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("--start-timeout TIME=60 "));
   EXPECT_EQ(type({}).exit_code, 0);
   EXPECT_THAT(type({}).out, HasSubstr("run"));
 }
@@ -50,7 +55,57 @@ TEST(CommandLine, SaysWhatAnOptionNeeds) {
   EXPECT_EQ(type({"run", "x.music", "--record"}).err,
             "spikeloop: --record requires --out; see spikeloop run --help\n");
   EXPECT_EQ(type({"run"}).err, "spikeloop: FILE is required; see spikeloop run --help\n");
-  EXPECT_THAT(type({"run", "x.music", "--duration", "-1"}).err, HasSubstr("--duration"));
+}
+
+TEST(CommandLine, SaysWhichNumberAnOptionTakes) {
+  const std::string duration = ": write the simulated seconds, above 0, as in --duration 60";
+  const std::string factor =
+      ": write simulated over wall time, from 0.001 to 1000, as in --real-time-factor 0.5";
+  const std::string timeout = ": write the seconds to wait, above 0, as in --start-timeout 120";
+  const std::string seed = ": write a whole number from 0 to 9223372036854775807, as in --seed 7";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"--duration", "0", duration},
+      {"--duration", "-1", duration},
+      {"--duration", "inf", duration},
+      {"--duration", "nan", duration},
+      {"--duration", "1e-12", duration},
+      {"--duration", "5m", duration},
+      {"--duration", "1e12", ": write the simulated seconds, at most 1e9, as in --duration 60"},
+      {"--real-time-factor", "nan", factor},
+      {"--real-time-factor", "0", factor},
+      {"--real-time-factor", "1e4", factor},
+      {"--real-time-factor", "1s", factor},
+      {"--start-timeout", "nan", timeout},
+      {"--start-timeout", "0", timeout},
+      {"--start-timeout", "1e7",
+       ": write the seconds to wait, at most 1e6, as in --start-timeout 120"},
+      {"--seed", "-1", seed},
+      {"--seed", "99999999999999999999", seed},
+      {"--seed", "9223372036854775808", seed},
+      {"--seed", "1.5", seed}};
+  for (const auto& [option, text, remedy] : cases) {
+    const Outcome outcome = type({"run", "x.music", option, text});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.err, "spikeloop: " + option + " " + text + remedy + "\n");
+  }
+  EXPECT_EQ(type({"run", "x.music", "--duration", ""}).err,
+            "spikeloop: --duration ''" + duration + "\n");
+  EXPECT_EQ(type({"run", "x.music", "--duration", "5 parsecs"}).err,
+            "spikeloop: --duration '5 parsecs'" + duration + "\n");
+}
+
+TEST(CommandLine, NumbersMayHaveUnits) {
+  const TwoPrograms job;
+  for (const auto& [text, seconds] :
+       {std::pair{"5s", "5"}, {"1min", "60"}, {"500 ms", "0.5"}, {"1e9", "1000000000"}}) {
+    const Outcome outcome =
+        run(job.command({"--dry-run", "--duration", text, "--start-timeout", "2 min", "--seed",
+                         "9223372036854775807", "--real-time-factor", "1e-3"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("stoptime=") + seconds + "\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\nseed=9223372036854775807\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\nrtf=0.001\n"));
+  }
 }
 
 TEST(CommandLine, AFileThatIsNotThere) {

@@ -1,0 +1,21 @@
+// What stands behind the options of `spikeloop run`, read strictly.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace spikeloop::app {
+
+// Each throws a ConfigurationError that names the option, its text and what to write. Times may
+// have a unit: "60", "500 ms", "1min".
+
+/// Simulated seconds, from 1 ns to 1e9 s.
+double duration_s(const std::string& text);
+/// From 0.001 to 1000, as the robot has it.
+double real_time_factor(const std::string& text);
+/// Wall seconds, above 0 and at most 1e6.
+double start_timeout_s(const std::string& text);
+/// Up to the largest that the programs read.
+std::uint64_t seed(const std::string& text);
+
+}  // namespace spikeloop::app
