@@ -90,6 +90,10 @@ void add_options(CLI::App& command, RunArguments& arguments) {
 }
 
 int run(RunArguments& arguments) {
+  if (arguments.job.run.record && arguments.job.folder.empty()) {
+    throw ConfigurationError(
+        "--record: there is no folder to record to; give one with --out, as in --out run1");
+  }
   arguments.job.run.pace = !arguments.no_pace;
   arguments.job.start_timeout =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.start_timeout_s * 1000));

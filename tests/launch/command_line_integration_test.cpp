@@ -54,6 +54,11 @@ TEST(CommandLine, SuggestsAnOption) {
 TEST(CommandLine, SaysWhatAnOptionNeeds) {
   EXPECT_EQ(type({"run", "x.music", "--record"}).err,
             "spikeloop: --record requires --out; see spikeloop run --help\n");
+  const Outcome nowhere = type({"run", "x.music", "--record", "--out", ""});
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_EQ(nowhere.err,
+            "spikeloop: --record: there is no folder to record to; give one with --out, as in "
+            "--out run1\n");
   EXPECT_EQ(type({"run"}).err, "spikeloop: FILE is required; see spikeloop run --help\n");
 }
 

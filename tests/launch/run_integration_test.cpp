@@ -64,6 +64,29 @@ TEST(Run, QuietShowsWarnings) {
   EXPECT_EQ(outcome.out, "b: brain.py:3: UserWarning: no synapses\n");
 }
 
+TEST(Run, ASecondOneMayUseTheFolderWhenTheFirstHasEnded) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Child first(job.command());
+  ASSERT_TRUE(first.wait_for("b: first tick", 30s)) << first.output();
+  const Outcome second = run(job.command());
+  EXPECT_EQ(second.exit_code, 4);
+  EXPECT_EQ(second.err, "spikeloop: another run that has not ended writes to the folder '" +
+                            job.folder() +
+                            "'; wait for its end, or give another folder with --out\n");
+  first.signal(SIGINT);
+  EXPECT_EQ(first.wait().exit_code, 130);
+  EXPECT_EQ(job.summary()["exit_code"], 130);
+
+  std::ofstream(job.folder() + "/a.h5") << "\x89HDF spikeloop_format";
+  Child third(job.command());
+  ASSERT_TRUE(third.wait_for("b: first tick", 30s)) << third.output();
+  EXPECT_FALSE(std::filesystem::exists(job.folder() + "/a.h5"));
+  EXPECT_FALSE(std::filesystem::exists(job.folder() + "/summary.json"));
+  third.signal(SIGKILL);
+  third.wait();
+  EXPECT_EQ(run(job.command({"--duration", "0.1"})).exit_code, 0) << "the dead hold no folder";
+}
+
 TEST(Run, WithoutAFolderNothingIsWrittenBesideTheFile) {
   const TwoPrograms job;
   const Outcome outcome = run(launcher({"run", job.file()}));

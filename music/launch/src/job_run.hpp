@@ -9,6 +9,7 @@
 #include "crew.hpp"
 #include "folders.hpp"
 #include "job_state.hpp"
+#include "run_folder.hpp"
 #include "spikeloop/launch/job.hpp"
 
 namespace spikeloop::launch {
@@ -56,6 +57,7 @@ class JobRun {
   const std::string& directory_;
   const JobEvents& events_;
   Scratch scratch_;
+  RunFolder run_folder_;
   std::string folder_;  ///< scratch when there is no run folder
   std::string file_;    ///< the effective file
   std::ofstream log_;

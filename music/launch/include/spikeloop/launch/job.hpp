@@ -70,7 +70,7 @@ class Job {
   /// of ours leaves its loop; whatever is left after 2 s is ended, and killed 1 s later; a second
   /// signal, if it is not SIGUSR1, kills at once.
   /// What goes wrong is in the result; warnings go to the log.
-  /// @throws FileError when the run folder cannot be written.
+  /// @throws FileError when the run folder cannot be written, or another run uses it.
   JobResult run(const JobEvents& events = {});
 
  private:

@@ -1,0 +1,83 @@
+#include "run_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include "folders.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kEffective = "effective.music";
+
+/// The lock is the folder's own: there is no file to leave behind, and it goes with the process.
+status::Descriptor lock(const std::string& path, const std::string& as_written) {
+  status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  // Some network file systems know no such locks: then there is none.
+  if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw FileError(
+        fmt::format("another run that has not ended writes to the folder '{}'; wait "
+                    "for its end, or give another folder with --out",
+                    as_written));
+  }
+  return folder;
+}
+
+/// A file of the user's may have the name of a section, too.
+bool is_recording(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(4096, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.starts_with("\x89HDF") && head.find("spikeloop_format") != std::string::npos;
+}
+
+/// The sections of the run that used the folder before; none when nobody can tell.
+std::vector<std::string> earlier_labels(const fs::path& folder) {
+  try {
+    return read_music_file((folder / kEffective).string()).labels();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+void remove_file(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  if (error) {
+    throw FileError("remove", path.string(), error.value());
+  }
+}
+
+void clear(const fs::path& folder, const MusicFile& file) {
+  std::vector<std::string> labels = earlier_labels(folder);
+  const std::vector<std::string> present = file.labels();
+  labels.insert(labels.end(), present.begin(), present.end());
+  for (const std::string& label : labels) {
+    const fs::path recording = folder / (label + ".h5");
+    if (is_recording(recording)) {
+      remove_file(recording);
+    }
+  }
+  remove_file(folder / "summary.json");
+  remove_file(folder / kEffective);
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
+  if (!path.empty()) {
+    path_ = make_folder(path);
+    lock_ = lock(path_, path);
+    clear(path_, file);
+  }
+}
+
+}  // namespace spikeloop::launch

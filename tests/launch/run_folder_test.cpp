@@ -1,0 +1,92 @@
+// What a run removes from its folder, and who may use it.
+#include "run_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "spikeloop/core/error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using testing::UnorderedElementsAre;
+
+MusicFile file_with(const std::string& label) {
+  return parse_music("[" + label + "]\nnp=1\nbinary=rate_encoder\n", "job.music");
+}
+
+const std::string kRecording = "\x89HDF\r\n ... spikeloop_format ...";
+
+class Folder : public testing::Test {
+ protected:
+  test::TemporaryDirectory directory_;
+  const std::string path_ = directory_.path().string();
+
+  std::set<std::string> files() const {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+      names.insert(entry.path().filename());
+    }
+    return names;
+  }
+};
+
+TEST_F(Folder, LosesWhatAnEarlierRunWrote) {
+  directory_.write("effective.music", "[old]\nnp=1\nbinary=rate_encoder\n");
+  for (const char* name : {"old.h5", "new.h5", "mine.h5"}) {
+    directory_.write(name, kRecording);
+  }
+  directory_.write("summary.json", "{}");
+  directory_.write("notes.txt", "");
+  const RunFolder folder(path_, file_with("new"));
+  EXPECT_EQ(folder.path(), path_);
+  EXPECT_THAT(files(), UnorderedElementsAre("mine.h5", "notes.txt"));
+}
+
+TEST_F(Folder, KeepsFilesOfOthersWithTheNameOfASection) {
+  directory_.write("new.h5", "\x89HDF\r\n of somebody else");
+  directory_.write("effective.music", "no such thing [");
+  const RunFolder folder(path_, file_with("new"));
+  EXPECT_THAT(files(), UnorderedElementsAre("new.h5"));
+}
+
+TEST_F(Folder, IsHeldByOneRun) {
+  std::optional<RunFolder> first;
+  first.emplace(path_, file_with("a"));
+  directory_.write("summary.json", "{}");
+  try {
+    const RunFolder second(path_, file_with("a"));
+    FAIL() << "two runs in one folder";
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.exit_code(), 4);
+    EXPECT_EQ(std::string(error.what()),
+              "another run that has not ended writes to the folder '" + path_ +
+                  "'; wait for its end, or give another folder with --out");
+  }
+  EXPECT_THAT(files(), UnorderedElementsAre("summary.json")) << "it is the first one's";
+  first.reset();
+  EXPECT_NO_THROW(RunFolder(path_, file_with("a")));
+}
+
+TEST_F(Folder, MayBeNone) {
+  EXPECT_EQ(RunFolder("", file_with("a")).path(), "");
+}
+
+TEST_F(Folder, ThatCannotBeClearedIsAnError) {
+  std::filesystem::create_directories(directory_.path() / "summary.json" / "x");
+  try {
+    const RunFolder folder(path_, file_with("a"));
+    FAIL() << "it was removed";
+  } catch (const FileError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "cannot remove '" + path_ + "/summary.json': Directory not empty");
+  }
+}
+
+}  // namespace
+}  // namespace spikeloop::launch
