@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include <atomic>
+#include <string_view>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -85,6 +86,22 @@ TEST(Master, silent_host) {
   const TimeNs begin = wall_now();
   EXPECT_THAT(error_of([&] { require_master(host.uri(), 300 * kMs); }), HasSubstr("(no answer)"));
   EXPECT_LT(wall_now() - begin, 3 * kNsPerSecond);
+}
+
+// As it happens under load: the kernel has taken the connection, the master never hears of it.
+TEST(Master, lost_connection) {
+  const test::SilentHost host;
+  std::thread master([&host] {
+    const int lost = host.accept();
+    const int heard = host.accept();
+    const std::string_view answer = "HTTP/1.0 200 OK\r\n\r\n";
+    EXPECT_EQ(::send(heard, answer.data(), answer.size(), MSG_NOSIGNAL), answer.size());
+    ::close(heard);
+    ::close(lost);
+  });
+  EXPECT_EQ(error_of([&] { require_master(host.uri(), 20 * kNsPerSecond); }), "no error");
+  host.stop();
+  master.join();
 }
 
 TEST(Master, waiting_can_be_cancelled) {

@@ -58,6 +58,9 @@ class SilentHost {
     pollfd waiting{socket_, POLLIN, 0};
     return ::poll(&waiting, 1, static_cast<int>(limit.count())) == 1;
   }
+  /// Waits for the next connection; the caller closes it. -1 after stop().
+  int accept() const { return ::accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC); }
+  void stop() const { ::shutdown(socket_, SHUT_RDWR); }
 
  private:
   int socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);

@@ -25,6 +25,9 @@ namespace {
 constexpr TimeNs kRetry = 100'000'000;
 /// A single question has so much time, even with a timeout of zero.
 constexpr TimeNs kLeastPatience = 500'000'000;
+/// The first question may wait so long, each next one twice as long: under load a connection may
+/// be lost, and then only a new one helps; but a master that is slow must get its time, too.
+constexpr TimeNs kFirstPatience = 1'000'000'000;
 
 bool is_set(const std::atomic<bool>* flag) {
   return flag != nullptr && flag->load();
@@ -203,8 +206,10 @@ MasterAddress parse_master_uri(const std::string& uri) {
 bool require_master(const std::string& uri, TimeNs timeout, const std::atomic<bool>* cancelled) {
   const MasterAddress address = parse_master_uri(uri);
   const TimeNs deadline = wall_now() + timeout;
-  while (!is_set(cancelled)) {
-    const Probe probe(address, std::max(deadline, wall_now() + kLeastPatience), cancelled);
+  for (TimeNs patience = kFirstPatience; !is_set(cancelled); patience *= 2) {
+    const TimeNs now = wall_now();
+    const TimeNs left = std::max(deadline - now, kLeastPatience);
+    const Probe probe(address, now + std::min(left, patience), cancelled);
     if (probe.reason().empty()) {
       return true;
     }
