@@ -38,8 +38,8 @@ left after 2 s is ended, and killed 1 s later; a second Ctrl-C kills at once.
 
 Exit codes:
   0  finished              2  the file or an option cannot be run as written
-  3  a partner (program, ROS master) is missing or silent        4  a file could not be read or written
-  5  a node failed
+  3  a partner (program, robot, ROS master) is missing, is silent or ended too early
+  4  a file could not be read or written                    5  a node failed
   129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
   128 + N  a program was killed by signal N; else the code of the first program that failed)";
 

@@ -118,11 +118,42 @@ TEST(RobotOfAJob, ThatDoesNotKnowAnArgumentIsNamed) {
 TEST(RobotOfAJob, ThatEndsTakesTheJobWithIt) {
   const TwoPrograms job("stoptime=1000", "stoptime=1000");
   const Outcome outcome = run_with_robot(job, {"--robot-arg=--duration=2"});
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.text();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_EQ(last_line(outcome.err)
                 .find("spikeloop: robot: ended before the job, with exit code 0; its last line: "),
             0u)
       << outcome.err;
+  EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true) << "the programs finalized";
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+/// The process of the family with this name; 0 when there is none.
+pid_t member(const Child& child, const std::string& name) {
+  for (const pid_t process : child.family()) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/comm");
+    std::string comm;
+    if (std::getline(file, comm) && comm == name) {
+      return process;
+    }
+  }
+  return 0;
+}
+
+TEST(RobotOfAJob, ThatIsToldToEndTakesTheJobWithIt) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Command command = job.command({"--roscore", "--robot"});
+  command.environment["ROS_MASTER_URI"] = closed_uri();
+  Child child(command);
+  ASSERT_TRUE(child.wait_for("b: first tick", 90s)) << child.output();
+  const pid_t robot = member(child, "spikeloop-robot");
+  ASSERT_GT(robot, 0);
+  kill(robot, SIGTERM);
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(last_line(outcome.err),
+              testing::MatchesRegex("spikeloop: robot: ended before the job, with exit code 0; its "
+                                    "last line: [0-9.]+ s simulated in .*"));
+  EXPECT_EQ(job.summary()["exit_code"], 3);
   EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true) << "the programs finalized";
   EXPECT_EQ(outcome.left_behind, 0);
 }

@@ -13,6 +13,8 @@
 namespace spikeloop::launch {
 namespace {
 
+/// The exit code of a TransportError.
+constexpr int kPartnerMissing = 3;
 constexpr const char* kScanTopic = "/scan";
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
@@ -134,13 +136,17 @@ bool JobRun::start_robot() {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
-    fail(std::max(1, code),
+    fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
   } else if (!outcome_ && !master.publishes(kScanTopic)) {
-    fail(3, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
-                        kRosStart.count() / 1000, last_line(*robot_)));
+    fail(kPartnerMissing, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
+                                      kRosStart.count() / 1000, last_line(*robot_)));
   }
   return !outcome_;
+}
+
+int JobRun::exit_code_without_robot(int code) {
+  return code == 0 ? kPartnerMissing : code;
 }
 
 void JobRun::end_helper(Member* helper) {

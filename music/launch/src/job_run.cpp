@@ -168,8 +168,9 @@ void JobRun::watch_robot() {
   }
   const int code = exit_code(robot_->tree().status().value_or(1));
   const std::string& last = robot_->last_words();
-  fail(std::max(1, code), fmt::format("robot: ended before the job, with exit code {}{}", code,
-                                      last.empty() ? "" : "; its last line: " + last));
+  fail(exit_code_without_robot(code),
+       fmt::format("robot: ended before the job, with exit code {}{}", code,
+                   last.empty() ? "" : "; its last line: " + last));
 }
 
 void JobRun::watch_end() {

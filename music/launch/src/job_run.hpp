@@ -45,6 +45,9 @@ class JobRun {
   void watch_failures();
   void watch_robot();
   bool robot_ended() const;
+  /// The job's, when the robot ended too early with `code`: an end that was good for the robot is
+  /// none for the job.
+  static int exit_code_without_robot(int code);
   void watch_end();
   void watch_stop();
   /// Asks every program of ours to leave its loop; ends all when there are no loops yet.
