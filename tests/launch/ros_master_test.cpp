@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "tests/support/roscore.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -94,6 +95,22 @@ TEST(RosMaster, AnswersWhenItAnswersXmlRpc) {
   EXPECT_FALSE(OneAnswer("SSH-2.0-OpenSSH_9.2\r\n").master().answers());
   EXPECT_FALSE(OneAnswer("").master().answers());
   EXPECT_FALSE(OneAnswer(response("<fault>x</fault>")).master().answers());
+}
+
+TEST(RosMaster, IsAskedAgainWhenAConnectionIsLost) {
+  const test::SilentHost host;
+  std::thread master([&host] {
+    const int lost = host.accept();
+    const int heard = host.accept();
+    const std::string answer = response("<int>1</int>");
+    EXPECT_EQ(send(heard, answer.data(), answer.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(answer.size()));
+    close(heard);
+    close(lost);
+  });
+  EXPECT_TRUE(RosMaster(host.uri()).answers());
+  host.stop();
+  master.join();
 }
 
 TEST(RosMaster, NobodyListens) {

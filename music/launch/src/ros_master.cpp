@@ -25,7 +25,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using status::Descriptor;
 
-constexpr std::chrono::milliseconds kPatience{2000};
+/// Under load a connection may be lost, and then only a new one helps.
+constexpr std::chrono::seconds kPatience[] = {std::chrono::seconds{1}, std::chrono::seconds{2}};
 /// getPublishedTopics of a large robot is some 100 kB.
 constexpr std::size_t kLargestAnswer = 16u << 20;
 
@@ -109,6 +110,20 @@ std::string read_answer(int fd, Clock::time_point deadline) {
   return answer;
 }
 
+/// Empty when there was no answer.
+std::string ask(const MasterAddress& address, std::string_view request,
+                Clock::time_point deadline) {
+  const Descriptor fd = connect_to(address, deadline);
+  return fd.get() >= 0 && write_all(fd.get(), request, deadline) ? read_answer(fd.get(), deadline)
+                                                                 : "";
+}
+
+bool is_good(const std::string& answer) {
+  return answer.find(" 200 ") < answer.find('\n') &&
+         answer.find("</methodResponse>") != std::string::npos &&
+         answer.find("<fault>") == std::string::npos;
+}
+
 std::string text_value(std::string_view text) {
   return fmt::format("<param><value><string>{}</string></value></param>", text);
 }
@@ -152,8 +167,6 @@ RosMaster::RosMaster(const std::string& uri) : uri_(uri), address_(parse_master_
 
 std::optional<std::string> RosMaster::call(const std::string& method,
                                            const std::string& arguments) const {
-  const auto deadline = Clock::now() + kPatience;
-  const Descriptor fd = connect_to(address_, deadline);
   const std::string body = fmt::format(
       "<?xml version=\"1.0\"?><methodCall><methodName>{}</methodName><params>{}{}</params>"
       "</methodCall>",
@@ -162,14 +175,17 @@ std::optional<std::string> RosMaster::call(const std::string& method,
       "POST /RPC2 HTTP/1.0\r\nHost: {}:{}\r\nContent-Type: text/xml\r\nContent-Length: "
       "{}\r\n\r\n{}",
       address_.host, address_.port, body.size(), body);
-  if (fd.get() < 0 || !write_all(fd.get(), request, deadline)) {
-    return std::nullopt;
+  for (const auto patience : kPatience) {
+    const auto deadline = Clock::now() + patience;
+    std::string answer = ask(address_, request, deadline);
+    if (is_good(answer)) {
+      return answer;
+    }
+    if (Clock::now() < deadline) {
+      break;  // refused, or no master: it would be so again
+    }
   }
-  std::string answer = read_answer(fd.get(), deadline);
-  const bool whole = answer.find(" 200 ") < answer.find('\n') &&
-                     answer.find("</methodResponse>") != std::string::npos &&
-                     answer.find("<fault>") == std::string::npos;
-  return whole ? std::optional(std::move(answer)) : std::nullopt;
+  return std::nullopt;
 }
 
 bool RosMaster::answers() const {

@@ -37,7 +37,7 @@ class RosMaster {
   bool publishes(const std::string& topic) const;
 
  private:
-  /// The answer's text; nothing when there was none within two seconds.
+  /// The answer's text; nothing when there was none within three seconds.
   std::optional<std::string> call(const std::string& method, const std::string& arguments) const;
 
   std::string uri_;
