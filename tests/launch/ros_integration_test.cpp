@@ -152,7 +152,7 @@ TEST(RobotOfAJob, ThatIsToldToEndTakesTheJobWithIt) {
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(last_line(outcome.err),
               testing::MatchesRegex("spikeloop: robot: ended before the job, with exit code 0; its "
-                                    "last line: [0-9.]+ s simulated in .*"));
+                                    "last line: [0-9.]+ m?s simulated in .*"));
   EXPECT_EQ(job.summary()["exit_code"], 3);
   EXPECT_EQ(job.summary()["processes"]["a"]["reported"], true) << "the programs finalized";
   EXPECT_EQ(outcome.left_behind, 0);
