@@ -32,8 +32,8 @@ constexpr std::size_t kLargestAnswer = 16u << 20;
 
 bool wait_for(int fd, short events, Clock::time_point deadline) {
   while (true) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+    // Rounded up: who gives up before the deadline is taken for one that got an answer.
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     pollfd file{fd, events, 0};
     const int ready = poll(&file, 1, static_cast<int>(std::max<long>(left.count(), 0)));
     if (ready >= 0 || errno != EINTR) {
