@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -55,6 +56,8 @@ struct Peer::Impl {
 
 Peer::Peer(const std::string& master_uri) : impl_(new Impl) {
   if (!ros::isInitialized()) {
+    // A machine need not know its own name.
+    ::setenv("ROS_HOSTNAME", "localhost", 0);
     ros::init(ros::M_string{{"__master", master_uri}}, "test_robot",
               ros::init_options::NoSigintHandler | ros::init_options::NoRosout |
                   ros::init_options::AnonymousName);
