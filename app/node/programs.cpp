@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "spikeloop/config/parameter_text.hpp"
@@ -40,8 +41,10 @@ std::string port_lines(const NodeDescription& description) {
   return text;
 }
 
-bool is_grid(const NodeProgram& program) {
-  return std::string_view(program.node_class) == "discretize";
+// Its table is no weights: a grid has two columns an input, and none can be guessed.
+bool reads_grid(const NodeDescription& description) {
+  return std::ranges::any_of(description.parameters,
+                             [](const auto& parameter) { return parameter.name == "grid"; });
 }
 
 std::string example_of(const NodeProgram& program) {
@@ -82,7 +85,7 @@ music::ProgramText text_of(const NodeProgram& program) {
     text.notes = fmt::format("{}=FILE is the older spelling of {}=FILE.\n", program.older_key,
                              program.table);
     text.notes +=
-        is_grid(program)
+        reads_grid(description)
             ? ""
             : "Unless strict=true, a file that is missing or not readable gives 1 / inputs, with a "
               "warning.\n";
@@ -190,8 +193,8 @@ Parameters node_parameters(music::Process& process, const NodeClass& node_class)
   options.strict = keys.strict;
   options.rows = width_or_zero(process, "out");
   options.columns = width_or_zero(process, "in");
-  if (node_class.description.name == "discretize") {
-    options.strict = true;  // no place cell can be guessed
+  if (reads_grid(node_class.description)) {
+    options.strict = true;
     options.what = "grid file";
     options.short_forms = false;
     options.columns *= 2;

@@ -16,8 +16,8 @@ struct NodeProgram {
   const char* table;          ///< the parameter that is read from a file; null: none
   const char* older_key;      ///< its spelling in the older program; null: none
   const char* default_table;  ///< what the older program takes when it is not given
-  bool accept_one_tick;  ///< the older program's acceptable latency
-  const char* example;   ///< keys in the section
+  bool accept_one_tick;       ///< the older program's acceptable latency
+  const char* example;        ///< keys in the section
 };
 
 /// The program of this name; null for spikeloop-node itself and any other name.

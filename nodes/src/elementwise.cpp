@@ -11,54 +11,46 @@ namespace spikeloop {
 
 namespace {
 
-class Threshold final : public SignalFunction {
+// One function of a value, applied to every channel.
+template <typename Function>
+class Elementwise final : public SignalFunction {
  public:
-  explicit Threshold(const NodeSetup& setup)
-      : SignalFunction(setup),
-        threshold_(setup.parameters.number("threshold")),
-        is_heaviside_(setup.parameters.boolean("is_heaviside")),
-        scale_(setup.parameters.number("scale")),
-        shift_(setup.parameters.number("shift")) {
+  Elementwise(const NodeSetup& setup, Function function)
+      : SignalFunction(setup), function_(std::move(function)) {
     require_equal_widths(setup);
   }
 
  private:
   void apply(std::span<const double> x, std::span<double> y) const override {
-    std::ranges::transform(x, y.begin(), [this](double value) {
-      const double above = is_heaviside_ ? 1.0 : value;
-      return scale_ * (value < threshold_ ? 0.0 : above) + shift_;
-    });
+    std::ranges::transform(x, y.begin(), function_);
   }
 
-  double threshold_;
-  bool is_heaviside_;
-  double scale_;
-  double shift_;
+  Function function_;
 };
 
-class Sigmoid final : public SignalFunction {
- public:
-  explicit Sigmoid(const NodeSetup& setup)
-      : SignalFunction(setup),
-        scale_(setup.parameters.number("scale")),
-        slope_(setup.parameters.number("slope")),
-        x_offset_(setup.parameters.number("x_offset")),
-        y_offset_(setup.parameters.number("y_offset")) {
-    require_equal_widths(setup);
-  }
+template <typename Function>
+std::unique_ptr<Node> elementwise(const NodeSetup& setup, Function function) {
+  return std::make_unique<Elementwise<Function>>(setup, std::move(function));
+}
 
- private:
-  void apply(std::span<const double> x, std::span<double> y) const override {
-    std::ranges::transform(x, y.begin(), [this](double value) {
-      return scale_ / (1.0 + std::exp(x_offset_ - slope_ * value)) + y_offset_;
-    });
-  }
+std::unique_ptr<Node> make_threshold(const NodeSetup& setup) {
+  const Parameters& given = setup.parameters;
+  return elementwise(
+      setup, [threshold = given.number("threshold"), is_heaviside = given.boolean("is_heaviside"),
+              scale = given.number("scale"), shift = given.number("shift")](double value) {
+        const double above = is_heaviside ? 1.0 : value;
+        return scale * (value < threshold ? 0.0 : above) + shift;
+      });
+}
 
-  double scale_;
-  double slope_;
-  double x_offset_;
-  double y_offset_;
-};
+std::unique_ptr<Node> make_sigmoid(const NodeSetup& setup) {
+  const Parameters& given = setup.parameters;
+  return elementwise(setup, [scale = given.number("scale"), slope = given.number("slope"),
+                             x_offset = given.number("x_offset"),
+                             y_offset = given.number("y_offset")](double value) {
+    return scale / (1.0 + std::exp(x_offset - slope * value)) + y_offset;
+  });
+}
 
 ParameterDescription number(std::string name, std::string value, std::string text) {
   return {.name = std::move(name),
@@ -81,7 +73,7 @@ NodeClass threshold_class() {
   description.name = "threshold";
   description.text = "Channels below a threshold become 0, the others 1 or stay as they are";
   description.source = "music-adapters, threshold adapter";
-  return {description, [](const NodeSetup& setup) { return std::make_unique<Threshold>(setup); }};
+  return {description, make_threshold};
 }
 
 NodeClass sigmoid_class() {
@@ -92,7 +84,7 @@ NodeClass sigmoid_class() {
   description.name = "sigmoid";
   description.text = "The logistic function of each channel";
   description.source = "music-adapters, sigmoid adapter";
-  return {description, [](const NodeSetup& setup) { return std::make_unique<Sigmoid>(setup); }};
+  return {description, make_sigmoid};
 }
 
 }  // namespace spikeloop

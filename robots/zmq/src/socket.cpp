@@ -12,14 +12,6 @@ namespace {
 
 constexpr int kLingerMs = 100;
 
-// ZeroMQ takes port 99999 for 34463.
-bool has_impossible_port(const std::string& address) {
-  const std::string port = address.substr(address.rfind(':') + 1);
-  return address.starts_with("tcp://") && !port.empty() &&
-         port.find_first_not_of("0123456789") == std::string::npos &&
-         (port.size() > 5 || std::stoi(port) > 65535);
-}
-
 [[noreturn]] void fail(const std::string& address, int error) {
   const char* const reason = ::zmq_strerror(error);
   if (error == EADDRINUSE || error == EACCES) {
@@ -30,6 +22,15 @@ bool has_impossible_port(const std::string& address) {
       fmt::format("zmq_addr '{}' is no address ({}); write tcp://HOST:PORT, or tcp://*:PORT to "
                   "publish on every interface",
                   address, reason));
+}
+
+// ZeroMQ takes port 99999 for 34463.
+void check_port(const std::string& address) {
+  const std::string port = address.substr(address.rfind(':') + 1);
+  const bool is_number = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  if (address.starts_with("tcp://") && is_number && (port.size() > 5 || std::stoi(port) > 65535)) {
+    fail(address, EINVAL);
+  }
 }
 
 }  // namespace
@@ -53,14 +54,16 @@ Socket::~Socket() {
 }
 
 void Socket::connect(const std::string& address) {
-  if (has_impossible_port(address) || ::zmq_connect(socket_, address.c_str()) != 0) {
-    fail(address, has_impossible_port(address) ? EINVAL : ::zmq_errno());
+  check_port(address);
+  if (::zmq_connect(socket_, address.c_str()) != 0) {
+    fail(address, ::zmq_errno());
   }
 }
 
 void Socket::bind(const std::string& address) {
-  if (has_impossible_port(address) || ::zmq_bind(socket_, address.c_str()) != 0) {
-    fail(address, has_impossible_port(address) ? EINVAL : ::zmq_errno());
+  check_port(address);
+  if (::zmq_bind(socket_, address.c_str()) != 0) {
+    fail(address, ::zmq_errno());
   }
 }
 

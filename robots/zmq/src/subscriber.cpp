@@ -30,7 +30,6 @@ struct Subscriber::Impl {
   SubscriberSettings settings;
   ObservationReader reader;
   Socket socket{ZMQ_SUB};
-  bool begun = false;
 };
 
 Subscriber::Subscriber(const SubscriberSettings& settings)
@@ -44,16 +43,14 @@ std::vector<EndpointPort> Subscriber::ports() const {
 
 void Subscriber::receive(const Step& step) {
   const SignalOutput out = step.signal_output();
-  const bool any = impl_->take_all();
-  if (any) {
+  if (impl_->take_all()) {
     std::ranges::copy(impl_->reader.channels(), out.values().begin());
-  } else if (!impl_->begun && impl_->settings.initial) {
+    out.commit();
+  } else if (impl_->settings.initial) {
     std::ranges::fill(out.values(), *impl_->settings.initial);
-  }
-  if (any || (!impl_->begun && impl_->settings.initial)) {
     out.commit();
   }
-  impl_->begun = true;
+  impl_->settings.initial.reset();  // of the first step only
 }
 
 std::vector<Counter> Subscriber::counters() const {
