@@ -188,6 +188,11 @@ int run_command(music::Process& process, const RosProgram& program) {
 
   command::ComponentMap map = component_map(mapping, width);
   const CommandSettings settings = command_settings(process, parameters, map);
+  if (process.checking()) {
+    ros1::Publisher::check(topic, mapping.message_type, field_paths(mapping));
+    process.check();
+    return 0;
+  }
   ros1::Session session(session_settings(parameters));
   ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
   const NodeClass fields = command_map_class(std::move(map));

@@ -103,6 +103,11 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   const auto out = process.signal_output("out");
   const auto pace =
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
+  if (process.checking()) {
+    ros1::Sensor::check(settings);
+    process.check();
+    return 0;
+  }
   ros1::Session session(session_settings(parameters));
   ros1::Sensor sensor(session, settings);
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "check_command.hpp"
 #include "output.hpp"
 #include "run_command.hpp"
 #include "spikeloop/core/error.hpp"
@@ -40,6 +41,13 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   return fmt::format("unknown command '{}'{}", word, spikeloop::did_you_mean(word, known));
 }
 
+/// "see spikeloop run --help" for the command that was given.
+std::string see_help(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return fmt::format("see spikeloop {}--help",
+                     given.empty() ? "" : given.front()->get_name() + " ");
+}
+
 /// With "did you mean" for an option.
 std::string unexpected(const CLI::App& app) {
   std::vector<std::string> known;
@@ -53,10 +61,9 @@ std::string unexpected(const CLI::App& app) {
   const auto rest = app.remaining(true);
   const std::string word = rest.empty() ? "" : rest.front().substr(0, rest.front().find('='));
   const std::string suggestion = spikeloop::nearest(word, known);
-  return fmt::format("{} '{}'; {}",
-                     word.starts_with('-') ? "unknown option" : "unexpected argument", word,
-                     suggestion.empty() ? "see spikeloop run --help"
-                                        : fmt::format("did you mean '{}'?", suggestion));
+  return fmt::format(
+      "{} '{}'; {}", word.starts_with('-') ? "unknown option" : "unexpected argument", word,
+      suggestion.empty() ? see_help(app) : fmt::format("did you mean '{}'?", suggestion));
 }
 
 /// Else our first files would take these numbers, and what is printed would go into them.
@@ -74,6 +81,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   std::function<int()> action;
   spikeloop::app::add_run_command(app, action);
+  spikeloop::app::add_check_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;
@@ -88,7 +96,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& wanted) {
     return app.exit(wanted);
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + "; see spikeloop run --help", kUsageError);
+    return fail(fmt::format("{}; {}", error.what(), see_help(app)), kUsageError);
   }
   return action();
 }

@@ -46,13 +46,19 @@ music::ProgramText zmq_command_text() {
 
 int run_zmq_command(music::Process& process) {
   const Parameters parameters = process.read(parameters_of_command());
-  zmq::Publisher publisher(
-      {.address = parameters.text("zmq_addr"),
-       .message_type = required_type(process, parameters, "GymCommand or FloatArray"),
-       .minimum = parameters.number("min"),
-       .maximum = parameters.number("max"),
-       .width = process.width("in")});
+  const zmq::PublisherSettings settings{
+      .address = parameters.text("zmq_addr"),
+      .message_type = required_type(process, parameters, "GymCommand or FloatArray"),
+      .minimum = parameters.number("min"),
+      .maximum = parameters.number("max"),
+      .width = process.width("in")};
   const auto in = process.signal_input("in");
+  if (process.checking()) {
+    zmq::Publisher::check(settings);
+    process.check();
+    return 0;
+  }
+  zmq::Publisher publisher(settings);
   GraphDescription description;
   description.tick = process.common().music_timestep;
   description.seed = process.common().seed;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "music_text.hpp"
+#include "text_file.hpp"
 
 namespace spikeloop {
 
@@ -136,6 +137,45 @@ bool operator==(const MusicConnection& a, const MusicConnection& b) {
 
 bool operator==(const MusicFile& a, const MusicFile& b) {
   return a.globals == b.globals && a.sections == b.sections && a.connections == b.connections;
+}
+
+namespace {
+
+void adopt_locations(std::vector<MusicKey>& keys, const std::vector<MusicKey>& origin) {
+  for (MusicKey& key : keys) {
+    const MusicKey* const found = find_in(origin, key.name);
+    if (found != nullptr && *found == key) {
+      key.where = found->where;
+    }
+  }
+}
+
+}  // namespace
+
+void adopt_locations(MusicFile& file, const MusicFile& origin) {
+  adopt_locations(file.globals, origin.globals);
+  for (MusicSection& section : file.sections) {
+    if (const MusicSection* const found = origin.find_section(section.label)) {
+      section.where = found->where;
+      adopt_locations(section.keys, found->keys);
+    }
+  }
+  for (MusicConnection& connection : file.connections) {
+    const auto found = std::find(origin.connections.begin(), origin.connections.end(), connection);
+    if (found != origin.connections.end()) {
+      connection.where = found->where;
+    }
+  }
+}
+
+MusicFile read_music_file(const std::filesystem::path& path) {
+  return read_music_file(path, path.string());
+}
+
+MusicFile read_music_file(const std::filesystem::path& path, const std::string& shown_as) {
+  // Far more than any job needs; comments count here, though MUSIC does not pass them on.
+  constexpr std::uint64_t kLimit = 4'000'000;
+  return parse_music(read_text_file(path, kLimit, ".music file"), shown_as);
 }
 
 std::string describe(const MusicConnection& connection) {

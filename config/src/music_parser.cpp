@@ -65,6 +65,9 @@ class Parser {
   Endpoint endpoint(const std::string& text, std::string_view role, const Location& where) const;
   void check_port(const std::string& port, const Location& where) const;
   void store(const std::string& key, std::string value, const Location& where);
+  void note(const Location& where, std::string message) {
+    file_.oddities.push_back({where, std::move(message)});
+  }
   void skip_blanks();
   void skip_comment();
 
@@ -181,6 +184,11 @@ void Parser::parse_section() {
   if (is_new) {
     file_.sections.push_back({label, {}, where});
     section_keys_.emplace_back();
+  } else {
+    note(where,
+         fmt::format("the section '[{}]' was opened in line {} already, and MUSIC takes both "
+                     "for one; write it once",
+                     shown(label), file_.sections[*section_].where.line));
   }
 }
 
@@ -288,10 +296,15 @@ void Parser::store(const std::string& key, std::string value, const Location& wh
   const auto [found, is_new] = places.emplace(key, keys.size());
   if (is_new) {
     keys.push_back({key, std::move(value), where});
-  } else {
-    keys[found->second].value = std::move(value);
-    keys[found->second].where = where;
+    return;
   }
+  MusicKey& before = keys[found->second];
+  note(where,
+       fmt::format("the key '{}' is '{}' in line {} already, and the last one holds; write it "
+                   "once",
+                   shown(key), shown(before.value), before.where.line));
+  before.value = std::move(value);
+  before.where = where;
 }
 
 void Parser::parse_connection(const std::string& left, bool to_right, const Location& where) {
@@ -475,12 +488,6 @@ void Parser::apply(const Options& options, MusicConnection& connection) const {
 
 MusicFile parse_music(std::string_view text, const std::string& path) {
   return Parser(text, path).parse();
-}
-
-MusicFile read_music_file(const std::filesystem::path& path) {
-  // Far more than any job needs; comments count here, though MUSIC does not pass them on.
-  constexpr std::uint64_t kLimit = 4'000'000;
-  return parse_music(read_text_file(path, kLimit, ".music file"), path.string());
 }
 
 }  // namespace spikeloop

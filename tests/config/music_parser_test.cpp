@@ -283,5 +283,32 @@ TEST(MusicFile, FindsAndSets) {
   EXPECT_EQ(std::as_const(file).find_section("x"), nullptr);
 }
 
+TEST(AdoptLocations, WhereBothSayTheSame) {
+  const MusicFile origin =
+      parse_music("stoptime=1\n[a]\nnp=1\nk=1\n[b]\nnp=1\na.o -> b.i [2]\n", "mine");
+  MusicFile made =
+      parse_music("\n[b]\nnp=1\nx=1\n[a]\nk=2\nnp=1\na.o -> b.i [2]\na.o -> b.p\n", "made");
+  adopt_locations(made, origin);
+  EXPECT_EQ(made.section("b").where.text(), "mine:5:1");
+  EXPECT_EQ(find_key(made.section("a").keys, "np")->where.text(), "mine:3:1");
+  EXPECT_EQ(find_key(made.section("a").keys, "k")->where.text(), "made:6:1") << "another value";
+  EXPECT_EQ(find_key(made.section("b").keys, "x")->where.text(), "made:4:1");
+  EXPECT_EQ(made.connections[0].where.text(), "mine:7:1");
+  EXPECT_EQ(made.connections[1].where.text(), "made:9:1");
+}
+
+TEST(ParseMusic, NotesWhatIsHardlyMeant) {
+  const MusicFile file = parse_music("x=1\nx=2\n[a]\nk=1\nk=2\n[b]\nk=1\n[a]\n", "f");
+  ASSERT_EQ(file.oddities.size(), 3U);
+  EXPECT_EQ(file.oddities[0].where.text(), "f:2:1");
+  EXPECT_EQ(file.oddities[0].message,
+            "the key 'x' is '1' in line 1 already, and the last one holds; write it once");
+  EXPECT_EQ(file.oddities[1].where.text(), "f:5:1");
+  EXPECT_EQ(
+      file.oddities[2].message,
+      "the section '[a]' was opened in line 3 already, and MUSIC takes both for one; write it "
+      "once");
+}
+
 }  // namespace
 }  // namespace spikeloop

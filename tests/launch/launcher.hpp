@@ -25,8 +25,8 @@ inline Command launcher(const std::vector<std::string>& arguments) {
 class TwoPrograms {
  public:
   explicit TwoPrograms(const std::string& a_keys = "", const std::string& b_keys = "",
-                       const std::string& b_binary = "./rate_encoder") {
-    for (const char* name : {"rate_encoder", "poisson_encoder", "foreign"}) {
+                       const std::string& b_binary = "./spikeloop-network") {
+    for (const char* name : {"spikeloop-network", "poisson_encoder", "foreign"}) {
       std::filesystem::create_symlink(SPIKELOOP_TEST_PROGRAM, directory_.path() / name);
     }
     file_ = directory_.write(

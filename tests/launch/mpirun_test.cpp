@@ -58,41 +58,6 @@ TEST(FindExecutable, LooksWhereExecvpLooks) {
   EXPECT_EQ(find_executable("", here, here), "");
 }
 
-std::string problem(const std::string& text, const std::string& directory) {
-  try {
-    check_programs(parse_music(text, "loop.music"), directory);
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
-  EXPECT_EQ(problem("[a]\nbinary=sh\n", "/"), "");
-  EXPECT_EQ(problem("[a]\nbinary=mybrainx\n", "/"),
-            "loop.music:2:1: section 'a': there is no program 'mybrainx' in PATH; install it, or "
-            "write its path (./mybrainx)");
-  EXPECT_EQ(problem("[a]\nbinary=launch_testz\n", "/"),
-            "loop.music:2:1: section 'a': there is no program 'launch_testz' in PATH; did you mean "
-            "'launch_tests'?");
-  EXPECT_EQ(problem("[a]\nwd=sub\nbinary=./brain.py\n", "/home"),
-            "loop.music:3:1: section 'a': there is no program './brain.py', seen from '/home/sub'; "
-            "write a path from there, or a name that is in PATH");
-}
-
-TEST(CheckPrograms, SaysHowToInstallMpirun) {
-  const std::string before = getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  std::string message;
-  try {
-    check_programs(parse_music("[a]\nbinary=sh\n", "f"), "/");
-  } catch (const TransportError& error) {
-    message = error.what();
-  }
-  setenv("PATH", before.c_str(), 1);
-  EXPECT_EQ(message, "cannot find 'mpirun' in PATH; install it (Debian: apt install openmpi-bin)");
-}
-
 std::vector<std::string> lines_of(const std::vector<std::string>& pieces) {
   std::vector<std::string> lines;
   TaggedOutput output(true, [&lines](const OutputLine& line) {

@@ -18,11 +18,10 @@ std::string closed_uri() {
 }
 
 TEST(RosMasterOfAJob, IsMissed) {
-  const TwoPrograms job("", "", "ros_sensor_adapter");
+  const TwoPrograms job("", "", "./ros_sensor_adapter");
   std::filesystem::create_symlink(SPIKELOOP_TEST_PROGRAM,
                                   job.directory().path() / "ros_sensor_adapter");
   Command command = job.command();
-  command.environment["PATH"] = job.directory().path().string() + ":" + getenv("PATH");
   command.environment["ROS_MASTER_URI"] = closed_uri();
   const Outcome outcome = run(command);
   EXPECT_EQ(outcome.exit_code, 3);

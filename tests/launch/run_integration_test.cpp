@@ -39,7 +39,7 @@ TEST(Run, AJobThatEndsWell) {
   EXPECT_EQ(summary["a_ticks"], 50);
   EXPECT_EQ(summary["b_ticks"], 50);
   EXPECT_EQ(summary["processes"]["b"]["counters"]["ticks"], 50);
-  EXPECT_EQ(summary["processes"]["b"]["program"], "rate_encoder");
+  EXPECT_EQ(summary["processes"]["b"]["program"], "spikeloop-network");
   EXPECT_EQ(summary["processes"]["b"]["reported"], true);
 }
 
@@ -111,7 +111,7 @@ TEST(Run, AProgramThatIsKilledIsNamed) {
   const Outcome outcome = run(job.command());
   EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
   EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: 'b' (rate_encoder) was killed by signal 9 (Killed)");
+            "spikeloop: 'b' (spikeloop-network) was killed by signal 9 (Killed)");
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
@@ -133,7 +133,8 @@ TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
 }
 
 TEST(Run, AnErrorOfMusicIsTheReason) {
-  const TwoPrograms job("input=yes", "output=yes\nb.out -> a.in [1]");
+  const TwoPrograms job("input=yes\nbinary=./foreign",
+                        "output=yes\naccept_latency=0\nb.out -> a.in [1]");
   const Outcome outcome = run(job.command());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(last_line(outcome.err),
@@ -148,7 +149,7 @@ TEST(Run, AJobThatDoesNotBeginIsEnded) {
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: the job has not begun within 2 s; started, but still without a first tick: "
-            "'b' (rate_encoder), 'a' (poisson_encoder). A program that does not call "
+            "'b' (spikeloop-network), 'a' (poisson_encoder). A program that does not call "
             "MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs barrier=false in "
             "the file; one that starts slowly needs a longer --start-timeout");
   EXPECT_EQ(outcome.left_behind, 0);
@@ -158,8 +159,9 @@ TEST(Run, AProgramThatDoesNotReportIsNamed) {
   const TwoPrograms job("", "silent=yes\nbehaviour=never_tick");
   const Outcome outcome = run(job.command({"--start-timeout", "2"}));
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("within 2 s; not started: 'b' (rate_encoder); started, but "
-                                     "still without a first tick: 'a' (poisson_encoder)."));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("within 2 s; not started: 'b' (spikeloop-network); started, but "
+                        "still without a first tick: 'a' (poisson_encoder)."));
 }
 
 /// Waits until both programs tick, then sends the signals 0.3 s apart.

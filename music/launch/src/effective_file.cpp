@@ -47,6 +47,9 @@ void apply_options(MusicFile& file, const RunOptions& options) {
   if (options.real_time_factor) {
     set_everywhere(file, "rtf", fmt::format("{}", *options.real_time_factor));
   }
+  if (options.strict) {
+    set_everywhere(file, "strict", "true");
+  }
   for (MusicSection& section : file.sections) {
     if (options.record && find_program(file, section) != nullptr) {
       set_key(section.keys, "record", "true");
@@ -221,17 +224,21 @@ TimeNs tick_of(const MusicFile& file, const MusicSection& section) {
   }
 }
 
+std::optional<TimeNs> stop_time(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* key = file.find_key(section, "stoptime");
+  try {
+    return key == nullptr ? std::nullopt
+                          : std::optional(from_seconds(parse_quantity(key->value, "s")));
+  } catch (const ConfigurationError&) {
+    return std::nullopt;  // the program itself reports it
+  }
+}
+
 std::optional<double> total_time(const MusicFile& file) {
   std::optional<double> smallest;
   for (const MusicSection& section : file.sections) {
-    const MusicKey* key = file.find_key(section, "stoptime");
-    try {
-      if (key != nullptr) {
-        const double time = parse_quantity(key->value, "s");
-        smallest = std::min(smallest.value_or(time), time);
-      }
-    } catch (const ConfigurationError&) {
-      continue;  // the program itself reports it
+    if (const auto time = stop_time(file, section)) {
+      smallest = std::min(smallest.value_or(to_seconds(*time)), to_seconds(*time));
     }
   }
   return smallest;

@@ -28,6 +28,11 @@ Scratch::~Scratch() {
   fs::remove_all(path_, ignored);
 }
 
+std::string directory_of(const std::string& file) {
+  std::error_code ignored;
+  return fs::absolute(file, ignored).parent_path().string();
+}
+
 std::string make_folder(const std::string& path) {
   std::error_code error;
   const fs::path whole = fs::absolute(path, error);

@@ -22,6 +22,9 @@ class Scratch {
   std::string path_;
 };
 
+/// Absolute.
+std::string directory_of(const std::string& file);
+
 /// Makes a directory and those above it; returns its absolute path. @throws FileError
 std::string make_folder(const std::string& path);
 

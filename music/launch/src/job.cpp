@@ -1,10 +1,8 @@
 #include "spikeloop/launch/job.hpp"
 
-#include <filesystem>
-
+#include "folders.hpp"
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/core/log.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -14,17 +12,12 @@ EffectiveFile checked(const MusicFile& file, const RunOptions& options) {
   return make_effective(file, options);
 }
 
-std::string directory_of(const MusicFile& file) {
-  std::error_code ignored;
-  return std::filesystem::absolute(file.path, ignored).parent_path().string();
-}
-
 }  // namespace
 
 Job::Job(const MusicFile& file, JobOptions options)
     : options_(std::move(options)),
       effective_(checked(file, options_.run)),
-      directory_(directory_of(file)) {}
+      directory_(directory_of(file.path)) {}
 
 std::string Job::command() const {
   const std::string folder = options_.folder.empty() ? "." : options_.folder;
@@ -32,12 +25,8 @@ std::string Job::command() const {
 }
 
 JobResult Job::run(const JobEvents& events) {
-  for (const std::string& warning : effective_.warnings) {
-    log::warning("{}", warning);
-  }
   JobRun run(effective_, options_, directory_, events);
   try {
-    check_programs(effective_.file, directory_);
     run.run();
   } catch (const Error& error) {
     run.fail(error.exit_code(), error.what());

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 
+#include "section_checks.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::launch {
@@ -75,7 +77,7 @@ void JobRun::take_line(const std::string& label, const OutputLine& line) {
 }
 
 ProgramStart JobRun::with_environment(ProgramStart start) const {
-  start.environment = program_environment();
+  start.environment = origin_environment(effective_.file.path);
   start.environment.insert(ros_environment_.begin(), ros_environment_.end());
   start.environment["SPIKELOOP_STATUS"] = scratch_.path() + "/status";
   start.environment["SPIKELOOP_OUT"] = folder_;
@@ -96,7 +98,7 @@ void JobRun::start_programs() {
 
 void JobRun::run() {
   try {
-    if (start_ros() && !stopped_already()) {
+    if (check() && start_ros() && !stopped_already()) {
       start_programs();
       supervise();
     }
@@ -105,6 +107,22 @@ void JobRun::run() {
     throw;
   }
   end_helpers();
+}
+
+bool JobRun::check() {
+  Findings findings = check_together(effective_);
+  for (const std::string& warning : findings.warnings) {
+    log::warning("{}", warning);
+  }
+  findings.append(check_programs(effective_.file, directory_));
+  // What they warn of there they say again when they run.
+  SectionChecks sections(crew_, effective_.file, {file_, directory_, scratch_.path()});
+  findings.append(sections.run([this] { return outcome_.has_value(); }));
+  if (!outcome_ && !findings.errors.empty()) {
+    const Finding first = first_error(findings, effective_.file.path);
+    fail(first.exit_code, first.text);
+  }
+  return !outcome_;
 }
 
 bool JobRun::stopped_already() {

@@ -31,6 +31,8 @@ class JobRun {
   /// Shows a line and writes it to mpirun.log.
   void take_line(const std::string& label, const OutputLine& line);
   ProgramStart with_environment(ProgramStart start) const;
+  /// Returns whether nothing speaks against a start.
+  bool check();
 
   // Each returns whether the job goes on.
   bool start_ros();

@@ -8,8 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "spikeloop/core/error.hpp"
-
 namespace spikeloop::launch {
 namespace {
 
@@ -18,48 +16,6 @@ namespace fs = std::filesystem;
 bool is_program(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
-}
-
-void need(const std::string& program, const std::string& path, const char* package) {
-  if (find_executable(program, "", path).empty()) {
-    throw TransportError(fmt::format(
-        "cannot find '{}' in PATH; install it (Debian: apt install {})", program, package));
-  }
-}
-
-/// Names of our own programs, to suggest one.
-std::vector<std::string> own_programs() {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(own_directory(), ignored)) {
-    names.push_back(entry.path().filename());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-void check_program(const MusicFile& file, const MusicSection& section, const std::string& directory,
-                   const std::string& path) {
-  const MusicKey* binary = find_key(section.keys, "binary");
-  const MusicKey* wd = file.find_key(section, "wd");
-  const std::string from = wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
-  if (binary == nullptr || !find_executable(binary->value, from, path).empty()) {
-    return;
-  }
-  if (binary->value.find('/') != std::string::npos) {
-    throw ConfigurationError(
-        binary->where,
-        fmt::format("section '{}': there is no program '{}', seen from '{}'; write a "
-                    "path from there, or a name that is in PATH",
-                    section.label, binary->value, from));
-  }
-  const std::string suggestion = nearest(binary->value, own_programs());
-  throw ConfigurationError(
-      binary->where,
-      fmt::format(
-          "section '{}': there is no program '{}' in PATH; {}", section.label, binary->value,
-          suggestion.empty() ? fmt::format("install it, or write its path (./{})", binary->value)
-                             : fmt::format("did you mean '{}'?", suggestion)));
 }
 
 /// The number that follows `words`, if `line` has them.
@@ -180,15 +136,6 @@ std::string find_executable(const std::string& program, const std::string& direc
     begin = end + 1;
   }
   return "";
-}
-
-void check_programs(const MusicFile& file, const std::string& directory) {
-  const std::string path = program_environment()["PATH"];
-  need("mpirun", path, "openmpi-bin");
-  need("music", path, "music-bin");
-  for (const MusicSection& section : file.sections) {
-    check_program(file, section, directory, path);
-  }
 }
 
 std::string label_of_rank(const MusicFile& file, int rank) {

@@ -9,10 +9,11 @@ namespace {
 std::string option_table(const ProgramText& text) {
   std::string table;
   const auto line = [&](const std::string& name, const std::string& words) {
-    table += fmt::format("  {:<18} {}\n", name, words);
+    table += fmt::format("  {:<27} {}\n", name, words);
   };
   line("--help", "this text");
   line("--version", "the version");
+  line("--check-section FILE LABEL", "what is wrong with that section; starts nothing");
   for (const auto& [name, option] : text.options) {
     line(name, option.text);
   }

@@ -1,5 +1,6 @@
 #include "job_file.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -25,7 +26,38 @@ std::vector<std::filesystem::path> places(const std::string& name) {
   return result;
 }
 
+std::string directory_of(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::absolute(path, ignored).parent_path().string();
+}
+
+// A launcher runs a file that it has made from the user's.
+JobFile with_origin(MusicFile file) {
+  const char* const path = std::getenv(kOriginVariable);
+  if (path == nullptr) {
+    return JobFile(std::move(file));
+  }
+  const char* const shown_as = std::getenv(kOriginNameVariable);
+  try {
+    return {std::move(file), read_music_file(path, shown_as == nullptr ? path : shown_as),
+            directory_of(path)};
+  } catch (const Error&) {
+    return JobFile(std::move(file));  // it has gone, or was changed, since
+  }
+}
+
 }  // namespace
+
+JobFile::JobFile(MusicFile file) : file_(std::move(file)), directory_(directory_of(file_->path)) {}
+
+JobFile::JobFile(MusicFile file, const MusicFile& origin, std::string directory)
+    : file_(std::move(file)), directory_(std::move(directory)) {
+  adopt_locations(*file_, origin);
+}
+
+JobFile JobFile::read(const std::string& path) {
+  return with_origin(read_music_file(path));
+}
 
 std::string basename_of(std::string_view path) {
   return std::string(path.substr(path.rfind('/') + 1));
@@ -45,7 +77,7 @@ JobFile JobFile::find(int argc, char** argv) {
       continue;
     }
     try {
-      return JobFile(read_music_file(path));
+      return read(path);
     } catch (const Error&) {
       // MUSIC itself has read it: our reader is the stricter one, and the launcher's to use.
       return {};
@@ -55,8 +87,17 @@ JobFile JobFile::find(int argc, char** argv) {
 }
 
 std::string JobFile::directory() const {
-  std::error_code ignored;
-  return file_ ? std::filesystem::absolute(file_->path, ignored).parent_path().string() : "";
+  return directory_;
+}
+
+std::optional<std::string> JobFile::key(const std::string& label, const std::string& name) const {
+  const auto* section = file_ ? file_->find_section(label) : nullptr;
+  const auto* found = section != nullptr ? file_->find_key(*section, name) : nullptr;
+  return found != nullptr ? std::optional(found->value) : std::nullopt;
+}
+
+int JobFile::processes(const std::string& label) const {
+  return file_ ? file_->processes(file_->section(label)) : 1;
 }
 
 Location JobFile::where(const std::string& label, const std::string& key) const {
@@ -88,6 +129,13 @@ std::vector<PortUse> JobFile::ports(const std::string& label) const {
     }
   }
   return result;
+}
+
+std::optional<PortUse> JobFile::port(const std::string& label, const std::string& port) const {
+  const auto uses = ports(label);
+  const auto found =
+      std::find_if(uses.begin(), uses.end(), [&](const PortUse& use) { return use.port == port; });
+  return found == uses.end() ? std::nullopt : std::optional(*found);
 }
 
 std::string label_in_environment(std::string_view music_config) {

@@ -78,9 +78,11 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   if (graph.tick() != keys.music_timestep) {
     throw std::logic_error("the graph's tick is not music_timestep");
   }
+  check();
+  if (impl_->checking) {
+    return 0;
+  }
   impl_->open_setup();
-  impl_->check_ports();
-  impl_->check_keys(keys.strict);
   const auto pacer = make_pacer(keys);
   if (keys.barrier && impl_->launched) {
     MPI_Barrier(MPI_COMM_WORLD);

@@ -19,6 +19,9 @@ namespace {
 
 constexpr int kUsage = 2;
 constexpr int kInternal = 70;
+constexpr const char* kCheckOption = "--check-section";
+
+using Body = std::function<int(Process&)>;
 
 void print(std::FILE* stream, const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stream);
@@ -32,7 +35,23 @@ void log_to_standard_error(const std::string& label) {
   });
 }
 
-int answer(int argc, char** argv, const ProgramText& text) {
+// A line a fault; the file's name comes with most of them.
+int check_section(const SectionCheck& section, const ProgramText& text, const Body& body) {
+  log::set_sink([](log::Level level, std::string_view message) {
+    if (level == log::Level::warning) {
+      print(stderr, fmt::format("warning: {}\n", message));
+    }
+  });
+  try {
+    Process process(section, text.defaults);
+    return body(process);
+  } catch (const Error& error) {
+    print(stderr, fmt::format("error: {}\n", error.what()));
+    return error.exit_code();
+  }
+}
+
+int answer(int argc, char** argv, const ProgramText& text, const Body& body) {
   if (argc < 2) {
     print(
         stderr,
@@ -51,11 +70,20 @@ int answer(int argc, char** argv, const ProgramText& text) {
     print(stdout, fmt::format("{} (Spikeloop) {}\n", text.name, SPIKELOOP_VERSION));
     return 0;
   }
+  if (argument == kCheckOption) {
+    if (argc != 4) {
+      print(stderr, fmt::format("{0}: {1} takes a file and a section; write  {0} {1} FILE.music "
+                                "LABEL\n",
+                                text.name, kCheckOption));
+      return kUsage;
+    }
+    return check_section({argv[2], argv[3]}, text, body);
+  }
   if (const auto option = text.options.find(argument); option != text.options.end()) {
     print(stdout, option->second.print());
     return 0;
   }
-  std::vector<std::string> known{"--help", "--version"};
+  std::vector<std::string> known{"--help", "--version", kCheckOption};
   for (const auto& [name, option] : text.options) {
     known.push_back(name);
   }
@@ -65,10 +93,10 @@ int answer(int argc, char** argv, const ProgramText& text) {
 }
 
 // What the program does without MUSIC.
-int standalone(int argc, char** argv, const ProgramText& text) {
+int standalone(int argc, char** argv, const ProgramText& text, const Body& body) {
   log_to_standard_error(text.name);
   try {
-    return answer(argc, argv, text);
+    return answer(argc, argv, text, body);
   } catch (const Error& error) {
     print(stderr, fmt::format("{}: {}\n", text.name, error.what()));
     return error.exit_code();
@@ -129,7 +157,7 @@ bool started_by_music(int argc, char** argv) {
 int music_main(int argc, char** argv, const ProgramText& text,
                const std::function<int(Process&)>& body) {
   if (!started_by_music(argc, argv)) {
-    return standalone(argc, argv, text);
+    return standalone(argc, argv, text, body);
   }
   const std::string label = section_label(argc, argv);
   const SignalThread signals;

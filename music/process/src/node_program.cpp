@@ -4,19 +4,10 @@
 
 #include <vector>
 
+#include "idle_ports.hpp"
+
 namespace spikeloop::music {
 namespace {
-
-// In place of an input that the file leaves unconnected: never a value, never a spike.
-class SilentSource : public Source {
- public:
-  explicit SilentSource(EndpointPort port) : port_(std::move(port)) {}
-  std::vector<EndpointPort> ports() const override { return {port_}; }
-  void receive(const Step&) override {}
-
- private:
-  EndpointPort port_;
-};
 
 class NodeProgram {
  public:
@@ -53,8 +44,7 @@ class NodeProgram {
   void add_input(const PortDescription& port) {
     const bool spikes = port.kind == PortKind::spikes;
     if (!process_.connected_input(port.name, port.kind)) {
-      sources_.push_back(
-          std::make_unique<SilentSource>(EndpointPort{port.name, port.kind, silent_width(port)}));
+      sources_.push_back(make_idle_source({port.name, port.kind, silent_width(port)}));
     } else {
       sources_.push_back(spikes ? process_.spike_input(port.name)
                                 : process_.signal_input(port.name));

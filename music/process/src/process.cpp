@@ -35,12 +35,19 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   const MPI_Comm own = impl_->setup->communicator();
   int size = 1;
   MPI_Comm_size(own, &size);
-  if (impl_->launched && size != 1) {
-    throw ConfigurationError(
-        impl_->file.where(impl_->label, "np"),
-        fmt::format("np={} asks for {} processes, but {} runs in one; write  np=1", size, size,
-                    impl_->program));
+  if (impl_->launched) {
+    impl_->check_processes(size);
   }
+}
+
+Process::Process(const SectionCheck& section, const CommonDefaults& defaults)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->label = section.label;
+  impl_->file = JobFile::read(section.file);
+  impl_->checking = impl_->launched = true;
+  impl_->defaults = defaults;
+  impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
+  impl_->check_processes(impl_->file.processes(section.label));
 }
 
 Process::~Process() = default;
@@ -50,6 +57,9 @@ const std::string& Process::label() const {
 }
 const std::string& Process::program() const {
   return impl_->program;
+}
+bool Process::checking() const {
+  return impl_->checking;
 }
 bool Process::launched() const {
   return impl_->launched;
@@ -80,9 +90,8 @@ WrittenValues Process::written(const std::vector<std::string>& names) const {
   WrittenValues values;
   for (const auto& name : names) {
     impl_->asked.insert(name);
-    std::string text;
-    if (impl_->open_setup().config(name, &text)) {
-      values[name] = {text, impl_->file.where(impl_->label, name)};
+    if (auto text = impl_->key_text(name)) {
+      values[name] = {std::move(*text), impl_->file.where(impl_->label, name)};
     }
   }
   return values;
@@ -102,51 +111,59 @@ void Process::declare_ports(const std::vector<std::string>& names) const {
 }
 
 bool Process::connected_input(const std::string& port, PortKind) const {
-  return impl_->probe(port).isConnected();
+  return impl_->is_connected(port);
 }
 bool Process::connected_output(const std::string& port, PortKind) const {
-  return impl_->probe(port).isConnected();
+  return impl_->is_connected(port);
 }
 
 std::uint32_t Process::width(const std::string& port) const {
-  const auto uses = impl_->file.ports(impl_->label);
-  const auto use =
-      std::find_if(uses.begin(), uses.end(), [&](const PortUse& u) { return u.port == port; });
-  return impl_->checked_width(port, use == uses.end() ? Direction::input : use->direction);
+  const auto use = impl_->file.port(impl_->label, port);
+  return impl_->checked_width(port, use ? use->direction : Direction::input);
 }
 
 std::unique_ptr<Source> Process::signal_input(const std::string& port,
                                               std::optional<int> delay_ticks) {
   const auto width = impl_->checked_width(port, Direction::input);
   impl_->served.insert(port);
-  return make_signal_source(impl_->open_setup(), {port, PortKind::signal, width},
-                            delay_ticks.value_or(common().signal_delay) * common().music_timestep);
+  const EndpointPort end{port, PortKind::signal, width};
+  const TimeNs delay = delay_ticks.value_or(common().signal_delay) * common().music_timestep;
+  return impl_->checking ? make_idle_source(end)
+                         : make_signal_source(impl_->open_setup(), end, delay);
 }
 
 std::unique_ptr<Source> Process::spike_input(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::input);
   impl_->served.insert(port);
-  return make_spike_source(impl_->open_setup(), {port, PortKind::spikes, width},
-                           common().accept_latency);
+  const EndpointPort end{port, PortKind::spikes, width};
+  return impl_->checking ? make_idle_source(end)
+                         : make_spike_source(impl_->open_setup(), end, common().accept_latency);
 }
 
 std::unique_ptr<Sink> Process::signal_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
-  return make_signal_sink(impl_->open_setup(), {port, PortKind::signal, width});
+  const EndpointPort end{port, PortKind::signal, width};
+  return impl_->checking ? make_idle_sink(end) : make_signal_sink(impl_->open_setup(), end);
 }
 
 std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
-  return make_spike_sink(impl_->open_setup(), {port, PortKind::spikes, width},
-                         common().stamp_guard);
+  const EndpointPort end{port, PortKind::spikes, width};
+  return impl_->checking ? make_idle_sink(end)
+                         : make_spike_sink(impl_->open_setup(), end, common().stamp_guard);
 }
 
 void Process::attach_recorders(GraphDescription& description) {
-  if (common().record) {
+  if (common().record && !impl_->checking) {
     impl_->recording = music::attach_recorders(description, impl_->label);
   }
+}
+
+void Process::check() const {
+  impl_->check_ports();
+  impl_->check_keys(common().strict);
 }
 
 MUSIC::Setup& Process::Impl::open_setup() const {
@@ -154,6 +171,36 @@ MUSIC::Setup& Process::Impl::open_setup() const {
     throw std::logic_error("keys and ports can only be asked for before run()");
   }
   return *setup;
+}
+
+std::optional<std::string> Process::Impl::key_text(const std::string& name) const {
+  if (checking) {
+    return file.key(label, name);
+  }
+  std::string text;
+  return open_setup().config(name, &text) ? std::optional(text) : std::nullopt;
+}
+
+bool Process::Impl::is_connected(const std::string& port) {
+  return checking ? file.port(label, port).has_value() : probe(port).isConnected();
+}
+
+std::optional<int> Process::Impl::connection_width(const std::string& port) {
+  if (checking) {
+    const auto use = file.port(label, port);
+    const auto width = use ? use->connection->width : std::nullopt;
+    return width ? std::optional(static_cast<int>(*width)) : std::nullopt;
+  }
+  return probe(port).hasWidth() ? std::optional(probe(port).width()) : std::nullopt;
+}
+
+void Process::Impl::check_processes(int count) const {
+  if (count != 1) {
+    throw ConfigurationError(
+        file.where(label, "np"),
+        fmt::format("np={} asks for {} processes, but {} runs in one; write  np=1", count, count,
+                    program));
+  }
 }
 
 MUSIC::Port& Process::Impl::probe(const std::string& port) {
@@ -172,35 +219,33 @@ std::string Process::Impl::example(const std::string& port, Direction direction,
 }
 
 std::uint32_t Process::Impl::checked_width(const std::string& port, Direction direction) {
-  const auto uses = file.ports(label);
-  const auto use =
-      std::find_if(uses.begin(), uses.end(), [&](const PortUse& u) { return u.port == port; });
-  const Location where = use == uses.end() ? Location{} : use->connection->where;
-  if (!probe(port).isConnected()) {
+  const auto use = file.port(label, port);
+  const Location where = use ? use->connection->where : Location{};
+  if (!is_connected(port)) {
     throw ConfigurationError(fmt::format("port '{}.{}' is not connected; write  {}", label, port,
                                          example(port, direction, "WIDTH")));
   }
-  if (use != uses.end() && use->direction != direction) {
+  if (use && use->direction != direction) {
     throw ConfigurationError(
         where,
         fmt::format("'{}.{}' is {}, but the file uses it as {}; write  {}", label, port,
                     side(direction), side(use->direction), example(port, direction, "WIDTH")));
   }
-  if (!probe(port).hasWidth()) {
+  const auto width = connection_width(port);
+  if (!width) {
     const std::string line =
-        use == uses.end() ? example(port, direction, "100") : describe(*use->connection) + " [100]";
+        use ? describe(*use->connection) + " [100]" : example(port, direction, "100");
     throw ConfigurationError(
         where, fmt::format("the connection {} '{}.{}' has no width; write  {}  for 100 channels",
                            direction == Direction::input ? "to" : "from", label, port, line));
   }
-  const int width = probe(port).width();
-  if (width < 1) {
+  if (*width < 1) {
     throw ConfigurationError(
         where, fmt::format("the connection of '{}.{}' has the width {}; write the number of its "
                            "channels, at least 1",
-                           label, port, width));
+                           label, port, *width));
   }
-  return static_cast<std::uint32_t>(width);
+  return static_cast<std::uint32_t>(*width);
 }
 
 void Process::Impl::check_port_names(const std::vector<std::string>& names) const {

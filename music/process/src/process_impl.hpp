@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
 #include "spikeloop/process/process.hpp"
@@ -24,6 +25,7 @@ struct Process::Impl {
   std::string program;
   JobFile file;
   bool launched = false;
+  bool checking = false;
   CommonDefaults defaults;
   std::optional<CommonKeys> common;
   MUSIC::Setup* setup = nullptr;  ///< Runtime deletes it; null from then on
@@ -35,11 +37,19 @@ struct Process::Impl {
 
   /// @throws std::logic_error after run() has begun.
   MUSIC::Setup& open_setup() const;
+  /// What the section's program is told of a key; nothing when it is not written.
+  std::optional<std::string> key_text(const std::string& name) const;
+  bool is_connected(const std::string& port);
+  /// That the file gives a connected port; nothing when it gives none.
+  std::optional<int> connection_width(const std::string& port);
+
   /// For width() and isConnected(). A name that may be unconnected must never be published as an
   /// event output (Runtime would crash), so the probe is always an event input.
   MUSIC::Port& probe(const std::string& port);
   /// @throws ConfigurationError as Process::signal_input() and its kin say.
   std::uint32_t checked_width(const std::string& port, Direction direction);
+  /// @throws ConfigurationError unless it is 1.
+  void check_processes(int count) const;
   /// Throws when MUSIC would hang: no port connected, or one that nothing serves.
   void check_ports() const;
   /// Throws when the file connects a port that is not among these.

@@ -1,5 +1,6 @@
 #include "spikeloop/ros1/publisher.hpp"
 
+#include "session_impl.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/ros1/raw_publisher.hpp"
 
@@ -27,6 +28,12 @@ Publisher::Publisher(Session& session, const std::string& topic, const std::stri
     : impl_(std::make_unique<Impl>(session, topic, message_type, fields)) {}
 
 Publisher::~Publisher() = default;
+
+void Publisher::check(const std::string& topic, const std::string& message_type,
+                      const std::vector<std::string>& fields) {
+  const messages::MessageWriter writer(messages::Catalog::builtin(), message_type, fields);
+  check_topic(topic);
+}
 
 void Publisher::publish(std::span<const double> values) {
   impl_->values.clear();

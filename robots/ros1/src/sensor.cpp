@@ -21,6 +21,11 @@ using topic_tools::ShapeShifter;
 constexpr std::uint32_t kQueue = 10;
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
+messages::SensorConversion conversion_of(const SensorSettings& settings) {
+  return {messages::Catalog::builtin(), settings.message_type, settings.fields, settings.width,
+          settings.strict};
+}
+
 /// The message's bytes, without a copy of ours: ShapeShifter writes them into this "stream".
 struct ByteSink {
   std::vector<std::byte>* bytes;
@@ -35,8 +40,7 @@ struct ByteSink {
 struct Sensor::Impl {
   Impl(Session& session, const SensorSettings& wanted)
       : settings(wanted),
-        conversion(messages::Catalog::builtin(), wanted.message_type, wanted.fields, wanted.width,
-                   wanted.strict),
+        conversion(conversion_of(wanted)),
         md5(messages::Catalog::builtin().md5(conversion.type())) {
     check_topic(settings.topic);
     newest.assign(settings.width, 0.0);
@@ -138,6 +142,11 @@ struct Sensor::Impl {
 
 Sensor::Sensor(Session& session, const SensorSettings& settings)
     : impl_(std::make_unique<Impl>(session, settings)) {}
+
+void Sensor::check(const SensorSettings& settings) {
+  conversion_of(settings);
+  check_topic(settings.topic);
+}
 
 // Unsubscribing waits for a callback that is running.
 Sensor::~Sensor() {

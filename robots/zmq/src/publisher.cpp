@@ -10,21 +10,16 @@
 #include "spikeloop/zmq/wire.hpp"
 
 namespace spikeloop::zmq {
+namespace {
+
+constexpr const char* kGymCommand = "GymCommand";
+
+}  // namespace
 
 struct Publisher::Impl {
   explicit Impl(const PublisherSettings& wanted)
-      : settings(wanted), gym(wanted.message_type == "GymCommand") {
-    if (!gym && settings.message_type != "FloatArray") {
-      throw ConfigurationError(
-          fmt::format("message_type '{}' is not known; write message_type=GymCommand or FloatArray",
-                      settings.message_type));
-    }
-    if (gym && !(settings.minimum < settings.maximum)) {
-      throw ConfigurationError(
-          fmt::format("a GymCommand carries its range, but min is {} and max {}; write min below "
-                      "max, as in min=-1 and max=1",
-                      settings.minimum, settings.maximum));
-    }
+      : settings(wanted), gym(wanted.message_type == kGymCommand) {
+    check(settings);
     socket.bind(settings.address);
   }
 
@@ -35,6 +30,21 @@ struct Publisher::Impl {
   std::uint64_t not_finite = 0;
   std::uint64_t outside_range = 0;
 };
+
+void Publisher::check(const PublisherSettings& settings) {
+  const bool gym = settings.message_type == kGymCommand;
+  if (!gym && settings.message_type != "FloatArray") {
+    throw ConfigurationError(
+        fmt::format("message_type '{}' is not known; write message_type=GymCommand or FloatArray",
+                    settings.message_type));
+  }
+  if (gym && !(settings.minimum < settings.maximum)) {
+    throw ConfigurationError(
+        fmt::format("a GymCommand carries its range, but min is {} and max {}; write min below "
+                    "max, as in min=-1 and max=1",
+                    settings.minimum, settings.maximum));
+  }
+}
 
 Publisher::Publisher(const PublisherSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 

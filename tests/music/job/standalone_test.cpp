@@ -33,6 +33,50 @@ TEST(Standalone, EveryNameHasItsHelp) {
   EXPECT_TRUE(run_program("discretize_adapter", {"--help"}).says("grid_positions.json"));
 }
 
+Outcome check_section(const std::string& name, const std::string& keys,
+                      const std::string& connection = "a.out -> b.in [3]") {
+  const TemporaryDirectory directory;
+  const std::string file =
+      directory.write("loop.music", "[a]\nnp=1\nbinary=x\n[b]\nnp=1\nbinary=" + name + "\n" + keys +
+                                        "\n" + connection + "\n");
+  auto outcome = run_program(name, {"--check-section", file, "b"},
+                             {{"SPIKELOOP_FILE", file}, {"SPIKELOOP_FILE_NAME", "mine.music"}});
+  EXPECT_EQ(outcome.out, "");
+  return outcome;
+}
+
+TEST(Standalone, ChecksASectionWithoutStartingAnything) {
+  EXPECT_EQ(check_section("rate_encoder", "rate_max=10").exit_code, 0);
+  EXPECT_EQ(check_section("rate_encoder", "rate_max=10").err, "");
+  EXPECT_EQ(check_section("rate_encoder", "rate_max=ten").exit_code, 2);
+  EXPECT_EQ(check_section("rate_encoder", "rate_max=ten").err.rfind("error: mine.music:7:1: ", 0),
+            0U);
+  EXPECT_EQ(check_section("rate_encoder", "rate_mix=10").err,
+            "warning: mine.music:7:1: unknown key 'rate_mix'; did you mean 'rate_max'?; it is "
+            "ignored\n");
+  EXPECT_EQ(check_section("rate_encoder", "rate_mix=10\nstrict=true").exit_code, 2);
+  EXPECT_EQ(check_section("rate_encoder", "", "a.out -> b.inn [3]").err,
+            "error: mine.music:8:1: 'b' has no port 'inn'; did you mean 'in'?\n");
+  EXPECT_TRUE(
+      check_section("rate_encoder", "", "a.out -> b.in").says("write  a.out -> b.in [100]"));
+  EXPECT_TRUE(
+      check_section("connect_adapter", "strict=true", "a.out -> b.in [3]\nb.out -> a.in [2]")
+          .says("connection_weights.dat"));
+}
+
+TEST(Standalone, ChecksASectionOfAFileThatIsThere) {
+  EXPECT_EQ(run_program("rate_encoder", {"--check-section", "loop.music"}).err,
+            "rate_encoder: --check-section takes a file and a section; write  rate_encoder "
+            "--check-section FILE.music LABEL\n");
+  const auto missing = run_program("rate_encoder", {"--check-section", "/nowhere.music", "b"});
+  EXPECT_EQ(missing.exit_code, 4);
+  EXPECT_EQ(missing.err, "error: cannot open '/nowhere.music': No such file or directory\n");
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("loop.music", "[a]\nnp=1\nbinary=x\n");
+  EXPECT_TRUE(run_program("rate_encoder", {"--check-section", file, "c"})
+                  .says("there is no section '[c]'"));
+}
+
 TEST(Standalone, SaysItsVersion) {
   const auto outcome = run_program("poisson_encoder", {"--version"});
   EXPECT_EQ(outcome.exit_code, 0);

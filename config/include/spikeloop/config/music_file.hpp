@@ -47,6 +47,12 @@ struct MusicConnection {
   Location where;
 };
 
+/// What is wrong, and where.
+struct MusicProblem {
+  Location where;
+  std::string message;
+};
+
 /// A whole file. Sections in the order in which they were first opened, connections in the order in
 /// which they stand.
 struct MusicFile {
@@ -54,6 +60,9 @@ struct MusicFile {
   std::vector<MusicKey> globals;  ///< keys before the first section; they hold in every section
   std::vector<MusicSection> sections;
   std::vector<MusicConnection> connections;
+  /// What MUSIC reads without a word, and is hardly meant: a key written twice, a section opened
+  /// again.
+  std::vector<MusicProblem> oddities;
 
   /// Null when there is no such section.
   const MusicSection* find_section(std::string_view label) const;
@@ -77,7 +86,7 @@ const MusicKey* find_key(const std::vector<MusicKey>& keys, std::string_view nam
 /// Replaces the value, or adds the key at the end.
 void set_key(std::vector<MusicKey>& keys, std::string_view name, std::string_view value);
 
-/// Equal when they say the same; locations and paths do not count.
+/// Equal when they say the same; locations, paths and oddities do not count.
 bool operator==(const MusicKey& a, const MusicKey& b);
 bool operator==(const MusicSection& a, const MusicSection& b);
 bool operator==(const MusicConnection& a, const MusicConnection& b);
@@ -93,16 +102,16 @@ MusicFile parse_music(std::string_view text, const std::string& path);
 /// Reads and parses a file.
 /// @throws FileError when it cannot be read, else as `parse_music`.
 MusicFile read_music_file(const std::filesystem::path& path);
+/// `shown_as` stands for the path in locations.
+MusicFile read_music_file(const std::filesystem::path& path, const std::string& shown_as);
 
 /// A file that parses to an equal object, by this parser and by MUSIC's. Comments are not kept.
 /// @throws ConfigurationError for an object that no file can say (a line end in a label).
 std::string to_text(const MusicFile& file);
 
-/// What is wrong with a file as a whole.
-struct MusicProblem {
-  Location where;
-  std::string message;
-};
+/// Puts the locations of `origin` on all that says the same in `file`, which was made from it:
+/// errors then name the lines that a user wrote.
+void adopt_locations(MusicFile& file, const MusicFile& origin);
 
 /// Finds what makes MUSIC crash or hang: no application, section without a key, `np` or `binary`
 /// missing or wrong, unknown application in a connection, application connected to itself, port

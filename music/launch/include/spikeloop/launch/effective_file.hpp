@@ -18,6 +18,7 @@ struct RunOptions {
   std::optional<double> real_time_factor;  ///< `rtf` of every section
   bool record = false;                     ///< `record=true` in our sections
   bool pace = true;                        ///< add the pace connection
+  bool strict = false;                     ///< `strict=true` in every section
 };
 
 struct EffectiveFile {
@@ -30,7 +31,8 @@ struct EffectiveFile {
 /// - sections downstream-first (MUSIC.md: any other order costs a tick of wall time a hop);
 /// - `SENSOR.pace -> COMMAND.pace [1]` from the first ros_sensor_adapter that reaches a
 ///   ros_command_adapter, so that nobody runs far ahead and the age of data is measured;
-///   `pipeline_ticks` for the latter: the ticks by which the pace is delayed to arrive with the data;
+///   `pipeline_ticks` for the latter: the ticks by which the pace is delayed to arrive with the
+///   data;
 /// - `pace`: exactly one process waits for the clock: the first ros_sensor_adapter, or else our
 ///   program that lies furthest upstream;
 /// - `stamp_guard=false` where all receivers of a sender's spikes are ours;
@@ -41,6 +43,9 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options);
 /// The tick of a section: `music_timestep`, 1 ms by default; when it cannot be read, too, because
 /// the program itself says so better.
 std::int64_t tick_of(const MusicFile& file, const MusicSection& section);
+
+/// `stoptime` of a section; none: it is not written, or cannot be read.
+std::optional<std::int64_t> stop_time(const MusicFile& file, const MusicSection& section);
 
 /// The smallest `stoptime` of any section in seconds; none: the job runs until it is stopped.
 std::optional<double> total_time(const MusicFile& file);

@@ -29,10 +29,6 @@ std::string own_directory();
 std::string find_executable(const std::string& program, const std::string& directory,
                             const std::string& path);
 
-/// @throws ConfigurationError for the first section whose `binary` cannot be started;
-/// TransportError when mpirun or music are missing.
-void check_programs(const MusicFile& file, const std::string& directory);
-
 /// The section of an MPI rank; empty when there is none.
 std::string label_of_rank(const MusicFile& file, int rank);
 

@@ -37,10 +37,12 @@ bool started_by_music(int argc, char** argv);
 /// The text of --help.
 std::string help_text(const ProgramText& text);
 
-/// Without MUSIC: answers --help, --version and the program's own options; anything else is an
-/// error and gives 2. Under MUSIC: runs `body`; what it throws is printed in one line
-/// "LABEL: message", reported to the launcher, and ends the whole job with the error's exit code
-/// (MPI_Abort: any other way out would leave the other programs hanging).
+/// Without MUSIC: answers --help, --version, the program's own options, and `--check-section FILE
+/// LABEL`, which runs `body` on a Process that only checks: warnings and one error on standard
+/// error, a line each, "warning: " or "error: " before it. Anything else is an error and gives 2.
+/// Under MUSIC: runs `body`; what it throws is printed in one line "LABEL: message", reported to
+/// the launcher, and ends the whole job with the error's exit code (MPI_Abort: any other way out
+/// would leave the other programs hanging).
 int music_main(int argc, char** argv, const ProgramText& text,
                const std::function<int(Process&)>& body);
 

@@ -24,6 +24,12 @@
 
 namespace spikeloop::music {
 
+/// A section to check without MUSIC: nothing is started, connected or written.
+struct SectionCheck {
+  std::string file;
+  std::string label;
+};
+
 class Process {
  public:
   /// Called by the loop; any may be left out.
@@ -37,6 +43,10 @@ class Process {
   /// MUSIC's Setup (and MPI_Init). Afterwards argc and argv are what the section's `args` says.
   /// @throws ConfigurationError when the section asks for more than one process.
   Process(int& argc, char**& argv, const CommonDefaults& defaults = {});
+  /// Reads keys, files and widths as the section's program would, but has no MUSIC: run() returns
+  /// when it has checked what it checks before it meets the others.
+  /// @throws FileError, ConfigurationError for a file or label that is not there.
+  Process(const SectionCheck& section, const CommonDefaults& defaults);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -45,9 +55,12 @@ class Process {
   const std::string& label() const;
   /// The basename of the section's `binary`.
   const std::string& program() const;
+  /// True for a SectionCheck: then nothing outside is to be touched, no socket, no ROS.
+  bool checking() const;
   /// False when the program was not started by MUSIC: it has no keys and no connections then.
   bool launched() const;
-  /// Where the .music file lies; empty when that is not known. Paths in it start there.
+  /// Where the .music file lies, the user's own when a launcher made another one from it; empty
+  /// when that is not known. Paths in it start there.
   std::string file_directory() const;
 
   /// Must come before the first call of common().
@@ -88,10 +101,14 @@ class Process {
   /// $SPIKELOOP_OUT/LABEL.h5. Call it when the description is complete.
   void attach_recorders(GraphDescription& description);
 
-  /// Meets the other programs (barrier, Runtime), runs the loop to `stoptime` or to a stop request,
-  /// finalizes, sends the final report. Returns 0. May be called once.
+  /// What run() checks before it meets the others.
   /// @throws ConfigurationError when the file connects no port, or one that nothing here serves:
-  /// MUSIC would hang.
+  /// MUSIC would hang; an unknown key when `strict`, which else is warned of.
+  void check() const;
+
+  /// Meets the other programs (barrier, Runtime), runs the loop to `stoptime` or to a stop request,
+  /// finalizes, sends the final report. Returns 0. May be called once. For a SectionCheck only the
+  /// checks. @throws as check().
   int run(Graph& graph, const LoopHooks& hooks = {});
 
  private:

@@ -18,6 +18,9 @@ class Publisher {
   Publisher(Session& session, const std::string& topic, const std::string& message_type,
             const std::vector<std::string>& fields);
   ~Publisher();
+  /// Throws what the constructor would, without ROS.
+  static void check(const std::string& topic, const std::string& message_type,
+                    const std::vector<std::string>& fields);
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 

@@ -32,6 +32,9 @@ class Sensor : public Source {
   Sensor(Session& session, const SensorSettings& settings);
   ~Sensor() override;
 
+  /// Throws what the constructor would, without ROS.
+  static void check(const SensorSettings& settings);
+
   std::vector<EndpointPort> ports() const override;
   /// @throws TransportError when the topic has brought messages of another type or version and none
   /// of the right one; ConfigurationError when `strict` and a message does not fit the port.

@@ -26,6 +26,8 @@ class Publisher : public Sink {
   /// address; TransportError when the address is taken
   explicit Publisher(const PublisherSettings& settings);
   ~Publisher() override;
+  /// Throws what the constructor would, but for the address, which it leaves alone.
+  static void check(const PublisherSettings& settings);
 
   std::vector<EndpointPort> ports() const override;
   void send(const Step& step) override;

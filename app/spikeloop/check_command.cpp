@@ -1,0 +1,77 @@
+#include "check_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "output.hpp"
+#include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/launch/check.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop check braitenberg.music
+  spikeloop check loop.music --strict     warnings are errors, too
+
+Starts no job and needs no ROS. Checks MUSIC's grammar, how the programs are connected, whether they
+can be started, and lets each of our programs check its section, its keys and its files. The keys of
+other people's programs are not judged. `spikeloop run` makes the same checks.
+
+Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read)";
+
+std::string count(std::size_t number, const char* what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+std::string summary_of(const MusicFile& file) {
+  const auto& first = file.sections.front();
+  const auto length = launch::total_time(file);
+  return fmt::format(
+      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file.path,
+      count(file.sections.size(), "program"), count(file.connections.size(), "connection"),
+      format_time(launch::tick_of(file, first)),
+      length ? fmt::format("{:g} s", *length) : std::string("runs until it is stopped"));
+}
+
+int check(const std::string& path, bool strict) {
+  const MusicFile file = read_music_file(path);
+  launch::RunOptions options;
+  options.strict = strict;
+  const launch::Findings findings = launch::check_job(file, options);
+  for (const launch::Finding& error : findings.errors) {
+    put(stderr, fmt::format("error: {}\n", error.text));
+  }
+  for (const std::string& warning : findings.warnings) {
+    put(stderr, fmt::format("warning: {}\n", warning));
+  }
+  if (findings.errors.empty() && findings.warnings.empty()) {
+    put(stdout, summary_of(file));
+    return 0;
+  }
+  put(stderr, fmt::format("spikeloop: {}: {}, {}\n", path, count(findings.errors.size(), "error"),
+                          count(findings.warnings.size(), "warning")));
+  return findings.errors.empty() ? 0 : findings.errors.front().exit_code;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, std::function<int()>& action) {
+  struct Arguments {
+    std::string file;
+    bool strict = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("check", "Say what is wrong with a .music file");
+  command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
+  command->add_flag("--strict", arguments->strict, "Take warnings for errors");
+  command->footer(kFooter);
+  command->callback([arguments, &action] {
+    action = [arguments] { return check(arguments->file, arguments->strict); };
+  });
+}
+
+}  // namespace spikeloop::app

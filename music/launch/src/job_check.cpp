@@ -1,0 +1,187 @@
+// What concerns more than one program of a job.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "cycles.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/launch/check.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+bool says_true(const MusicFile& file, const MusicSection& section, const char* name,
+               bool otherwise) {
+  const MusicKey* key = file.find_key(section, name);
+  return key == nullptr ? otherwise : key->value == "true";
+}
+
+bool any_strict(const MusicFile& file) {
+  for (const MusicSection& section : file.sections) {
+    if (says_true(file, section, "strict", false)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+class TogetherCheck {
+ public:
+  explicit TogetherCheck(const EffectiveFile& effective)
+      : effective_(effective), file_(effective.file), strict_(any_strict(file_)) {}
+
+  Findings run() {
+    for (const MusicProblem& oddity : file_.oddities) {
+      findings_.add_warning(oddity.where, oddity.message, strict_);
+    }
+    check_ours();
+    for (const MusicSection& section : file_.sections) {
+      check_ranks(section);
+    }
+    check_connections();
+    for (const std::string& warning : effective_.warnings) {
+      findings_.add_warning({}, warning, strict_ || all_ours(file_));
+    }
+    return std::move(findings_);
+  }
+
+ private:
+  Location where(const MusicSection& section, const char* key) const {
+    const MusicKey* found = file_.find_key(section, key);
+    return found == nullptr || found->where.line == 0 ? section.where : found->where;
+  }
+
+  /// Each of our programs against the first of them, and against itself.
+  void check_ours() {
+    std::vector<const MusicSection*> ours;
+    for (const MusicSection& section : file_.sections) {
+      if (find_program(file_, section) != nullptr) {
+        ours.push_back(&section);
+      }
+    }
+    // The effective file has an order of its own.
+    std::ranges::sort(ours, {}, [](const MusicSection* section) { return section->where.line; });
+    for (const MusicSection* section : ours) {
+      check_length(*section);
+      check_ticks(*ours.front(), *section);
+      check_lengths(*ours.front(), *section);
+      check_barriers(*ours.front(), *section);
+    }
+  }
+
+  void check_length(const MusicSection& section) {
+    const auto length = stop_time(file_, section);
+    const TimeNs tick = tick_of(file_, section);
+    if (length && *length > 0 && *length < tick) {
+      findings_.add_error(where(section, "stoptime"),
+                          fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
+                                      "stoptime, or a shorter music_timestep",
+                                      section.label, format_time(*length), format_time(tick)));
+    }
+  }
+
+  void check_ticks(const MusicSection& a, const MusicSection& b) {
+    const TimeNs tick_a = tick_of(file_, a);
+    const TimeNs tick_b = tick_of(file_, b);
+    if (tick_a != tick_b) {
+      findings_.add_error(
+          where(b, "music_timestep"),
+          fmt::format(
+              "the tick of '{}' is {}, but that of '{}' is {}; MUSIC exchanges less and less "
+              "often between unequal ticks: write one music_timestep at the top of the file",
+              b.label, format_time(tick_b), a.label, format_time(tick_a)));
+    }
+  }
+
+  void check_lengths(const MusicSection& a, const MusicSection& b) {
+    const auto text = [](std::optional<TimeNs> length) {
+      return length ? "for " + format_time(*length) : "without end";
+    };
+    const auto length_a = stop_time(file_, a);
+    const auto length_b = stop_time(file_, b);
+    if (length_a != length_b) {
+      findings_.add_warning(
+          where(b, "stoptime"),
+          fmt::format("'{}' runs {}, but '{}' {}; write one stoptime at the top of the file",
+                      b.label, text(length_b), a.label, text(length_a)),
+          strict_);
+    }
+  }
+
+  void check_barriers(const MusicSection& a, const MusicSection& b) {
+    const bool barrier_a = says_true(file_, a, "barrier", true);
+    if (barrier_a != says_true(file_, b, "barrier", true)) {
+      findings_.add_error(
+          where(b, "barrier"),
+          fmt::format("'{}' waits at the barrier before the first tick, '{}' does not, and the job "
+                      "would hang; write one  barrier=  at the top of the file",
+                      barrier_a ? a.label : b.label, barrier_a ? b.label : a.label));
+    }
+  }
+
+  /// Our own say so themselves.
+  void check_ranks(const MusicSection& section) {
+    if (find_program(file_, section) != nullptr || file_.processes(section) == 1) {
+      return;
+    }
+    const auto sends = [&](const MusicConnection& c) { return c.from_app == section.label; };
+    if (std::any_of(file_.connections.begin(), file_.connections.end(), sends)) {
+      findings_.add_warning(
+          where(section, "np"),
+          fmt::format("'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
+                      "write np=1 (and more threads), unless the program sends from its first "
+                      "process only",
+                      section.label, file_.processes(section)),
+          strict_);
+    }
+  }
+
+  void check_connections() {
+    std::map<std::string, const MusicConnection*> senders;
+    for (const MusicConnection& connection : file_.connections) {
+      check_kinds(connection);
+      const auto [first, is_new] =
+          senders.emplace(connection.from_app + "." + connection.from_port, &connection);
+      const Program* sender = find_program(file_, connection.from_app);
+      if (!is_new && sender != nullptr && first->second->width != connection.width) {
+        findings_.add_error(
+            connection.where,
+            fmt::format("the output '{}' has another width in line {}; write the same "
+                        "[width] in both",
+                        first->first, first->second->where.line));
+      }
+    }
+  }
+
+  void check_kinds(const MusicConnection& connection) {
+    const Program* from = find_program(file_, connection.from_app);
+    const Program* to = find_program(file_, connection.to_app);
+    if (from == nullptr || to == nullptr || connection.from_port != "out" ||
+        connection.to_port != "in" || !from->output || !to->input || from->output == to->input) {
+      return;
+    }
+    const bool spikes = from->output == Kind::events;
+    findings_.add_error(
+        connection.where,
+        fmt::format("'{}' sends {}, but '{}' takes {}, and MUSIC would hang; put {} between them",
+                    connection.from_app, spikes ? "spikes" : "a continuous signal",
+                    connection.to_app, spikes ? "a continuous signal" : "spikes",
+                    spikes ? "a linear_readout_decoder" : "a rate_encoder"));
+  }
+
+  const EffectiveFile& effective_;
+  const MusicFile& file_;
+  bool strict_;
+  Findings findings_;
+};
+
+}  // namespace
+
+Findings check_together(const EffectiveFile& effective) {
+  return TogetherCheck(effective).run();
+}
+
+}  // namespace spikeloop::launch

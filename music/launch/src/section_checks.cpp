@@ -1,0 +1,157 @@
+#include "section_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+
+#include "folders.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Large weight files take their time.
+constexpr Milliseconds kPatience{60'000};
+constexpr std::string_view kError = "error: ";
+constexpr std::string_view kWarning = "warning: ";
+
+std::string working_directory(const MusicFile& file, const MusicSection& section,
+                              const std::string& directory) {
+  const MusicKey* wd = file.find_key(section, "wd");
+  return wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
+}
+
+/// Another program may have the name of one of ours; that one we must not start.
+std::string own_program(const MusicFile& file, const MusicSection& section,
+                        const std::string& directory) {
+  const MusicKey* binary = file.find_key(section, "binary");
+  if (binary == nullptr || find_program(file, section) == nullptr) {
+    return "";
+  }
+  const std::string path =
+      find_executable(binary->value, directory, program_environment().at("PATH"));
+  std::error_code ignored;
+  return !path.empty() && fs::equivalent(fs::path(path).parent_path(), own_directory(), ignored)
+             ? path
+             : "";
+}
+
+}  // namespace
+
+std::map<std::string, std::string> origin_environment(const std::string& file) {
+  auto environment = program_environment();
+  std::error_code ignored;
+  environment["SPIKELOOP_FILE"] = fs::absolute(file, ignored).string();
+  environment["SPIKELOOP_FILE_NAME"] = file;
+  return environment;
+}
+
+SectionChecks::SectionChecks(Crew& crew, const MusicFile& file, const Places& places)
+    : crew_(crew), file_(file) {
+  for (const MusicSection& section : file.sections) {
+    start(section, places);
+  }
+}
+
+void SectionChecks::start(const MusicSection& section, const Places& places) {
+  const std::string directory = working_directory(file_, section, places.directory);
+  const std::string program = own_program(file_, section, directory);
+  if (program.empty()) {
+    return;
+  }
+  ProgramStart start;
+  start.arguments = {program, "--check-section", places.effective_file, section.label};
+  start.environment = origin_environment(file_.path);
+  start.directory = directory;
+  start.scratch = places.scratch;
+  sections_.push_back({section.label});
+  Section& added = sections_.back();
+  added.member = &crew_.start(start, [&added](const OutputLine& line) { take(added, line); });
+}
+
+void SectionChecks::take(Section& section, const OutputLine& line) {
+  const auto said = [&](std::string_view kind) {
+    return fmt::format("{}: {}", section.label, line.text.substr(kind.size()));
+  };
+  if (line.text.starts_with(kWarning)) {
+    section.findings.warnings.push_back(said(kWarning));
+  } else if (line.text.starts_with(kError)) {
+    section.findings.errors.push_back({said(kError)});
+  } else if (line.error && !line.text.empty()) {
+    section.last_error = said("");
+  }
+}
+
+void SectionChecks::finish(Section& section) {
+  auto& errors = section.findings.errors;
+  if (!section.member->gone()) {
+    section.member->tree().kill();
+    errors.push_back(
+        {fmt::format("{}: has not checked its section within {:g} s; see whether one of "
+                     "its files is a pipe or a network drive that does not answer",
+                     section.label, std::chrono::duration<double>(kPatience).count())});
+    return;
+  }
+  const int code = exit_code(section.member->tree().status().value_or(0));
+  if (code == 0) {
+    return;
+  }
+  if (errors.empty()) {
+    errors.push_back(
+        {section.last_error.empty()
+             ? fmt::format("{}: its check ended with exit code {}", section.label, code)
+             : section.last_error});
+  }
+  errors.front().exit_code = code;
+}
+
+Findings SectionChecks::run(const std::function<bool()>& stopped) {
+  const auto all_gone = [this] {
+    return std::all_of(sections_.begin(), sections_.end(),
+                       [](const Section& section) { return section.member->gone(); });
+  };
+  crew_.turn_until([&] { return all_gone() || stopped(); }, kPatience);
+  Findings findings;
+  for (Section& section : sections_) {
+    if (stopped()) {
+      section.member->tree().kill();
+    } else {
+      finish(section);
+    }
+    findings.append(section.findings);
+  }
+  return findings;
+}
+
+Findings check_job(const MusicFile& file, const RunOptions& options) {
+  Findings findings;
+  for (const MusicProblem& problem : find_structure_problems(file)) {
+    findings.add_error(problem.where, problem.message);
+  }
+  if (!findings.errors.empty()) {
+    return findings;
+  }
+  const EffectiveFile effective = make_effective(file, options);
+  const std::string directory = directory_of(file.path);
+  findings.append(check_together(effective));
+  findings.append(check_programs(effective.file, directory));
+  const Scratch scratch;
+  const std::string path = scratch.path() + "/effective.music";
+  write_text(path, to_text(effective.file));
+  status::Receiver receiver(scratch.path() + "/status");
+  int signal = 0;
+  Crew crew(receiver, {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
+  SectionChecks sections(crew, effective.file, {path, directory, scratch.path()});
+  findings.append(sections.run([&signal] { return signal != 0; }));
+  if (signal != 0) {
+    findings.errors = {{fmt::format("stopped by signal {}", signal), 128 + signal}};
+  }
+  return findings;
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,50 @@
+// What our programs say of their sections, before anything runs: `PROGRAM --check-section`.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "crew.hpp"
+#include "spikeloop/launch/check.hpp"
+
+namespace spikeloop::launch {
+
+/// What programs are started with, so that they find our other programs, and name the lines of the
+/// file that the user wrote.
+std::map<std::string, std::string> origin_environment(const std::string& file);
+
+class SectionChecks {
+ public:
+  struct Places {
+    std::string effective_file;
+    std::string directory;  ///< where the programs will run
+    std::string scratch;
+  };
+  /// Starts all of them. The references must outlive it.
+  SectionChecks(Crew& crew, const MusicFile& file, const Places& places);
+
+  /// Waits until all have answered, or `stopped()`: then it ends them. One that does not answer is
+  /// an error.
+  Findings run(const std::function<bool()>& stopped);
+
+ private:
+  struct Section {
+    std::string label;
+    Member* member = nullptr;
+    Findings findings{};
+    std::string last_error{};  ///< a line without "error: " before it
+  };
+
+  void start(const MusicSection& section, const Places& places);
+  static void take(Section& section, const OutputLine& line);
+  /// What its end means.
+  static void finish(Section& section);
+
+  Crew& crew_;
+  const MusicFile& file_;
+  std::deque<Section> sections_;  // handlers refer to them
+};
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,207 @@
+// What is found before a job starts.
+#include "spikeloop/launch/check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> texts(const Findings& findings) {
+  std::vector<std::string> result;
+  for (const Finding& finding : findings.errors) {
+    result.push_back(finding.text);
+  }
+  return result;
+}
+
+std::vector<std::string> program_problems(const std::string& text, const std::string& directory) {
+  return texts(check_programs(parse_music(text, "loop.music"), directory));
+}
+
+TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
+  EXPECT_THAT(program_problems("[a]\nbinary=sh\n", "/"), IsEmpty());
+  EXPECT_THAT(program_problems("[a]\nbinary=mybrainx\n", "/"),
+              ElementsAre("loop.music:2:1: section 'a': there is no program 'mybrainx' in PATH; "
+                          "install it, or write its path (./mybrainx)"));
+  EXPECT_THAT(
+      program_problems("[a]\nbinary=launch_testz\n", "/"),
+      ElementsAre("loop.music:2:1: section 'a': there is no program 'launch_testz' in PATH; "
+                  "did you mean 'launch_tests'?"));
+  const test::TemporaryDirectory directory;
+  const std::string here = directory.path().string();
+  EXPECT_THAT(
+      program_problems("[a]\nbinary=./brain.py\n", here),
+      ElementsAre("loop.music:2:1: section 'a': there is no program './brain.py', seen from '" +
+                  here + "'; write a path from there, or a name that is in PATH"));
+  EXPECT_THAT(program_problems("[a]\nwd=sub\nbinary=sh\n", here),
+              ElementsAre("loop.music:2:1: section 'a': there is no directory '" + here +
+                          "/sub' to run in; make it, or leave out wd"));
+}
+
+TEST(CheckPrograms, SaysHowToInstallMpirun) {
+  const std::string before = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const Findings findings = check_programs(parse_music("[a]\nbinary=/bin/sh\n", "f"), "/");
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_THAT(
+      texts(findings),
+      ElementsAre("cannot find 'mpirun' in PATH; install it (Debian: apt install openmpi-bin)",
+                  "cannot find 'music' in PATH; install it (Debian: apt install music-bin)"));
+  EXPECT_EQ(findings.errors.front().exit_code, 3);
+}
+
+// binary=./x with this text in it.
+std::string script_problem(const std::string& text, mode_t mode = 0755) {
+  const test::TemporaryDirectory directory;
+  chmod(directory.write("x", text).c_str(), mode);
+  const auto problems = program_problems("[a]\nbinary=./x\n", directory.path().string());
+  return problems.empty() ? "" : problems.front();
+}
+
+TEST(CheckPrograms, LooksIntoScripts) {
+  EXPECT_EQ(script_problem("#!/bin/sh\n"), "");
+  EXPECT_EQ(script_problem("#! /usr/bin/env python3\n"), "");
+  EXPECT_EQ(
+      script_problem("#!/bin/sh\n", 0644),
+      "loop.music:2:1: section 'a': './x' is there, but is not executable; write  chmod +x ./x");
+  EXPECT_EQ(
+      script_problem("import nest\n"),
+      "loop.music:2:1: section 'a': './x' is neither a program nor a script that says what runs "
+      "it; write a first line like '#!/usr/bin/env python3'");
+  EXPECT_EQ(script_problem("#!/bin/sh\r\n"),
+            "loop.music:2:1: section 'a': the first line of './x' ends as on Windows, and its "
+            "interpreter will not be found; write  sed -i 's/\\r$//' ./x");
+  EXPECT_EQ(
+      script_problem("#!/usr/bin/python7\n"),
+      "loop.music:2:1: section 'a': the first line of './x' names '/usr/bin/python7', which is "
+      "not there; install it, or write '#!/usr/bin/env python3'");
+  EXPECT_THAT(script_problem("#!\n"), HasSubstr("names '', which is not there"));
+}
+
+TEST(CheckPrograms, AnInterpreterWouldRunTheMusicFile) {
+  EXPECT_THAT(
+      program_problems("[a]\nbinary=sh\nargs=brain.py 3\n", "/"),
+      ElementsAre("loop.music:2:1: section 'a': binary=sh would run the .music file instead of "
+                  "'brain.py 3', because MUSIC hands a program its args only later; write  "
+                  "binary=./brain.py  and make that file begin with '#!/usr/bin/env sh' and "
+                  "executable (chmod +x)"));
+}
+
+Findings together(const std::string& text, const RunOptions& options = {}) {
+  return check_together(make_effective(parse_music(text, "f"), options));
+}
+
+constexpr const char* kTwo =
+    "[a]\nnp=1\nbinary=ros_sensor_adapter\n[b]\nnp=1\nbinary=rate_encoder\na.out -> b.in [3]\n";
+
+TEST(CheckTogether, FindsNothingInAGoodFile) {
+  EXPECT_THAT(texts(together(kTwo)), IsEmpty());
+  EXPECT_THAT(together(kTwo).warnings, IsEmpty());
+}
+
+TEST(CheckTogether, OneTick) {
+  const std::string text = std::string(kTwo) + "music_timestep=0.01\n";
+  EXPECT_THAT(
+      texts(together(text)),
+      ElementsAre("f:8:1: the tick of 'b' is 10 ms, but that of 'a' is 1 ms; MUSIC exchanges "
+                  "less and less often between unequal ticks: write one music_timestep at the "
+                  "top of the file"));
+}
+
+TEST(CheckTogether, OneLength) {
+  const std::string text = std::string(kTwo) + "stoptime=2\n";
+  EXPECT_THAT(
+      together(text).warnings,
+      ElementsAre("f:8:1: 'b' runs for 2 s, but 'a' without end; write one stoptime at the top "
+                  "of the file"));
+  EXPECT_THAT(texts(together(text)), IsEmpty());
+  RunOptions options;
+  options.strict = true;
+  EXPECT_EQ(texts(together(text, options)).size(), 1U);
+  options.duration_s = 1;
+  EXPECT_THAT(texts(together(text, options)), IsEmpty());
+}
+
+TEST(CheckTogether, ARunHasAtLeastATick) {
+  EXPECT_THAT(texts(together("stoptime=0.001\nmusic_timestep=0.01\n" + std::string(kTwo))),
+              ElementsAre("f:1:1: 'a' runs for 1 ms, less than its tick of 10 ms; write a longer "
+                          "stoptime, or a shorter music_timestep",
+                          "f:1:1: 'b' runs for 1 ms, less than its tick of 10 ms; write a longer "
+                          "stoptime, or a shorter music_timestep"));
+}
+
+TEST(CheckTogether, OneBarrier) {
+  EXPECT_THAT(
+      texts(together(std::string(kTwo) + "barrier=false\n")),
+      ElementsAre("f:8:1: 'a' waits at the barrier before the first tick, 'b' does not, and "
+                  "the job would hang; write one  barrier=  at the top of the file"));
+}
+
+TEST(CheckTogether, KindsOfPorts) {
+  EXPECT_THAT(
+      texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"
+                     "a.out -> b.in [3]\n")),
+      ElementsAre("f:7:1: 'a' sends spikes, but 'b' takes a continuous signal, and MUSIC would "
+                  "hang; put a linear_readout_decoder between them"));
+  EXPECT_THAT(
+      texts(together("[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\nbinary="
+                     "spikeloop-network\na.out -> b.in [3]\n")),
+      ElementsAre("f:7:1: 'a' sends a continuous signal, but 'b' takes spikes, and MUSIC would "
+                  "hang; put a rate_encoder between them"));
+}
+
+TEST(CheckTogether, OneWidthAnOutput) {
+  EXPECT_THAT(
+      texts(
+          together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=./x\n[c]\nnp=1\nbinary=./y\n"
+                   "a.out -> b.in [3]\na.out -> c.in [4]\n")),
+      ElementsAre(
+          "f:11:1: the output 'a.out' has another width in line 10; write the same [width] in "
+          "both"));
+}
+
+TEST(CheckTogether, SeveralSendingProcesses) {
+  EXPECT_THAT(
+      together("[a]\nnp=2\nbinary=./brain\n[b]\nnp=3\nbinary=./sink\na.out -> b.in [3]\n").warnings,
+      ElementsAre("f:2:1: 'a' sends from 2 processes: MUSIC mixes up the ticks of several "
+                  "senders; write np=1 (and more threads), unless the program sends from its "
+                  "first process only"));
+}
+
+TEST(CheckTogether, OdditiesOfTheText) {
+  const std::string text = std::string(kTwo) + "np=1\n[a]\n";
+  EXPECT_THAT(
+      together(text).warnings,
+      ElementsAre("f:8:1: the key 'np' is '1' in line 5 already, and the last one holds; write "
+                  "it once",
+                  "f:9:1: the section '[a]' was opened in line 1 already, and MUSIC takes both "
+                  "for one; write it once"));
+  EXPECT_EQ(texts(together("strict=true\n" + text)).size(), 2U);
+}
+
+TEST(CheckTogether, ALoopThatNothingCanClose) {
+  const std::string text =
+      "[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\nbinary=connect_adapter\n"
+      "a.out -> b.in [3]\nb.out -> a.in [3]\n";
+  EXPECT_THAT(texts(together(text)),
+              ElementsAre(HasSubstr("the cycle a -> b -> a lacks 2 ms of acceptable latency")));
+}
+
+TEST(FirstError, SaysHowManyMoreThereAre) {
+  Findings findings;
+  findings.add_error({"f", 2, 1}, "bad");
+  EXPECT_EQ(first_error(findings, "f").text, "f:2:1: bad");
+  findings.add_error({}, "worse");
+  EXPECT_EQ(first_error(findings, "f").text, "f:2:1: bad (and 1 more: spikeloop check f)");
+}
+
+}  // namespace
+}  // namespace spikeloop::launch
