@@ -29,7 +29,7 @@ struct QuantityOption {
 }
 
 double read(const QuantityOption& option, const std::string& text) {
-  double value = 0;
+  double value = -1;
   try {
     value = parse_quantity(text, option.unit);
   } catch (const ConfigurationError&) {
@@ -62,6 +62,12 @@ double start_timeout_s(const std::string& text) {
   return read(
       {"--start-timeout", "s", "the seconds to wait", 1e-3, 1e6, "above 0", "at most 1e6", "120"},
       text);
+}
+
+double stall_timeout_s(const std::string& text) {
+  return read({"--stall-timeout", "s", "the seconds to wait", 0, 1e6, "0 or more (0: for ever)",
+               "at most 1e6", "120"},
+              text);
 }
 
 std::uint64_t seed(const std::string& text) {

@@ -15,6 +15,8 @@ double duration_s(const std::string& text);
 double real_time_factor(const std::string& text);
 /// Wall seconds, above 0 and at most 1e6.
 double start_timeout_s(const std::string& text);
+/// Wall seconds, at most 1e6; 0: for ever.
+double stall_timeout_s(const std::string& text);
 /// Up to the largest that the programs read.
 std::uint64_t seed(const std::string& text);
 

@@ -21,6 +21,7 @@ struct RunArguments {
   std::string file;
   launch::JobOptions job;
   double start_timeout_s = 60;
+  double stall_timeout_s = 60;
   bool no_pace = false;
   bool quiet = false;
   bool verbose = false;
@@ -38,7 +39,7 @@ left after 2 s is ended, and killed 1 s later; a second Ctrl-C kills at once.
 
 Exit codes:
   0  finished              2  the file or an option cannot be run as written
-  3  a partner (program, robot, ROS master) is missing, is silent or ended too early
+  3  a partner (program, robot, ROS master) is missing, stands still or ended too early
   4  a file could not be read or written                    5  a node failed
   129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
   128 + N  a program was killed by signal N; else the code of the first program that failed)";
@@ -63,6 +64,9 @@ void add_values(CLI::App& command, RunArguments& arguments) {
             "Simulated time over wall time (rtf) of every section, and of the robot");
   add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
             "Longest time until every program of ours has ticked")
+      ->default_str("60");
+  add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
+            "Longest time in which a program of ours may not tick; 0: for ever")
       ->default_str("60");
 }
 
@@ -95,8 +99,11 @@ int run(RunArguments& arguments) {
         "--record: there is no folder to record to; give one with --out, as in --out run1");
   }
   arguments.job.run.pace = !arguments.no_pace;
-  arguments.job.start_timeout =
-      std::chrono::milliseconds(static_cast<std::int64_t>(arguments.start_timeout_s * 1000));
+  const auto milliseconds = [](double seconds) {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+  };
+  arguments.job.start_timeout = milliseconds(arguments.start_timeout_s);
+  arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   launch::Job job(read_music_file(arguments.file), arguments.job);
   if (arguments.dry_run) {
     for (const std::string& warning : job.effective().warnings) {

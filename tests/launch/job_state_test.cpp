@@ -6,6 +6,7 @@
 namespace spikeloop::launch {
 namespace {
 
+using namespace std::chrono_literals;
 using nlohmann::json;
 
 class State : public testing::Test {
@@ -15,11 +16,22 @@ class State : public testing::Test {
       "[c]\nnp=1\nbinary=linear_readout_decoder\na.out -> b.in\nb.out -> c.in\n",
       "job.music");
   JobState state_{file_};
+  Clock::time_point now_ = Clock::now();
 
   void tell(const std::string& label, const std::string& type, json more = json::object()) {
     more["type"] = type;
     more["process"] = label;
-    state_.take(more);
+    state_.take(more, now_);
+  }
+  void beat(const std::string& label, const char* phase, double simulated_s) {
+    tell(label, "alive", {{"phase", phase}, {"simulated_s", simulated_s}});
+  }
+  /// All three run, at 1 s of simulated time.
+  void run() {
+    for (const char* label : {"a", "b", "c"}) {
+      tell(label, "first_tick");
+      beat(label, "computing", 1.0);
+    }
   }
   void line(std::optional<int> rank, const std::string& text, bool error = true) {
     state_.take(OutputLine{rank, error, text});
@@ -27,7 +39,9 @@ class State : public testing::Test {
 };
 
 TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
-  EXPECT_EQ(state_.what_is_late(), "not started: 'a' (rate_encoder), 'c' (linear_readout_decoder)");
+  EXPECT_EQ(state_.what_is_late(),
+            "not started: 'a' (rate_encoder), 'c' (linear_readout_decoder); no news of: 'b' "
+            "(brain.py)");
   tell("a", "started", {{"pid", 4321}});
   tell("b", "started");
   EXPECT_EQ(state_.what_is_late(),
@@ -41,6 +55,90 @@ TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
   tell("c", "report");
   EXPECT_EQ(state_.what_is_late(), "");
   EXPECT_EQ(state_.pids(), std::vector<pid_t>{4321});
+}
+
+TEST_F(State, SaysWhomEverybodyWaitsFor) {
+  tell("a", "started");
+  beat("a", "meeting", 0);
+  tell("c", "started");
+  beat("c", "preparing", 0);
+  EXPECT_EQ(state_.who_prepares(now_), "'c' (linear_readout_decoder)");
+  EXPECT_EQ(state_.what_is_late(now_),
+            "still preparing: 'c' (linear_readout_decoder); waiting for the others: 'a' "
+            "(rate_encoder); no news of: 'b' (brain.py)");
+  now_ += 4s;
+  beat("a", "meeting", 0);
+  EXPECT_EQ(state_.who_prepares(now_), "");
+  EXPECT_EQ(state_.what_is_late(now_),
+            "silent: 'c' (linear_readout_decoder); waiting for the others: 'a' (rate_encoder); no "
+            "news of: 'b' (brain.py)");
+}
+
+TEST_F(State, AProgramThatDoesNotEndItsStepHoldsUpTheJob) {
+  run();
+  now_ += 9s;
+  beat("a", "exchanging", 1.01);
+  beat("b", "computing", 1.0);
+  beat("c", "exchanging", 1.0);
+  EXPECT_EQ(state_.who_stands_still(10s, now_), "");
+  now_ += 2s;
+  for (const char* label : {"a", "c"}) {
+    beat(label, "exchanging", 1.0 + 0.01 * (*label == 'a'));
+  }
+  beat("b", "computing", 1.0);
+  EXPECT_EQ(state_.who_stands_still(10s, now_),
+            "at 1 s of simulated time: 'b' (brain.py) does not come to the end of its step");
+}
+
+TEST_F(State, AProgramThatIsSilentHoldsUpTheJob) {
+  run();
+  now_ += 11s;
+  beat("a", "exchanging", 1.0);
+  beat("b", "exchanging", 1.0);
+  EXPECT_EQ(
+      state_.who_stands_still(10s, now_),
+      "at 1 s of simulated time: 'c' (linear_readout_decoder) neither ticks nor answers: it is "
+      "stopped, or hangs");
+}
+
+TEST_F(State, AForeignProgramHoldsUpTheJob) {
+  for (const char* label : {"a", "c"}) {
+    tell(label, "first_tick");
+  }
+  now_ += 11s;
+  beat("a", "exchanging", 0.0);
+  beat("c", "exchanging", 0.0);
+  EXPECT_EQ(state_.who_stands_still(10s, now_),
+            "at 0 s of simulated time: our programs wait in MUSIC for 'b' (brain.py)");
+  tell("b", "started");
+  EXPECT_EQ(state_.who_stands_still(10s, now_),
+            "at 0 s of simulated time: all programs wait for each other in MUSIC");
+}
+
+TEST_F(State, WhoWaitsForTheClockHoldsUpNobody) {
+  run();
+  now_ += 11s;
+  beat("a", "waiting", 1.0);
+  tell("b", "report");
+  tell("c", "report");
+  EXPECT_EQ(state_.who_stands_still(10s, now_), "");
+}
+
+TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {
+  run();
+  tell("a", "progress", {{"simulated_s", 9.9995}});
+  tell("a", "report");
+  EXPECT_EQ(state_.who_ended_early(), "");
+  tell("c", "report");
+  EXPECT_EQ(
+      state_.who_ended_early(),
+      "'c' (linear_readout_decoder) ended at 1 s of simulated time, before its stoptime of 10 s");
+  const MusicFile endless = parse_music("[a]\nnp=1\nbinary=rate_encoder\n", "job.music");
+  JobState state(endless);
+  state.take({{"type", "progress"}, {"process", "a"}, {"simulated_s", 2.0}});
+  state.take({{"type", "report"}, {"process", "a"}});
+  EXPECT_EQ(state.who_ended_early(),
+            "'a' (rate_encoder) ended at 2 s of simulated time, though nobody asked it to");
 }
 
 TEST_F(State, EverybodyHasReportedWhenThoseThatAreExpectedHave) {
@@ -108,6 +206,14 @@ TEST_F(State, ThenHowAProgramEnded) {
   line({}, "  Exit code:    2");
   EXPECT_EQ(state_.explain(2).message,
             "'b' (brain.py) ended with exit code 2; its last line: ImportError: no nest");
+}
+
+TEST_F(State, WhoAbortsSaysSoItself) {
+  const std::string place = "/lib/libmpi.so.40(ompi_mpi_abort+0x15f) [0x7f]";
+  state_.take(OutputLine{{}, true, "[vm:10] [1] func:" + place, 1});
+  line({}, "ORTE_ERROR_LOG: Out of resource in file show_help.c at line 501");
+  EXPECT_EQ(state_.explain(9).message, "'b' (brain.py) ended with exit code 9");
+  EXPECT_EQ(state_.explain(9).exit_code, 9);
 }
 
 TEST_F(State, ThenWhatMpirunSaidLast) {

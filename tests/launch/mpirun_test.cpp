@@ -17,11 +17,11 @@ constexpr const char* kJob =
     "[a]\nnp=1\nbinary=x\n[b]\nnp=3\nbinary=y\n[c]\nnp=1\nbinary=z\na.out -> b.in\nb.out -> c.in\n";
 
 TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
-  EXPECT_THAT(
-      mpirun_command(parse_music(kJob, "f"), "/run/x.music", "/s"),
-      ElementsAre("mpirun", "-np", "5", "--oversubscribe", "--bind-to", "none", "--mca",
-                  "mpi_yield_when_idle", "1", "--mca", "orte_tmpdir_base", "/s", "--mca",
-                  "btl_vader_backing_directory", "/s", "--tag-output", "music", "/run/x.music"));
+  EXPECT_THAT(mpirun_command(parse_music(kJob, "f"), "/run/x.music", "/s"),
+              ElementsAre("mpirun", "-np", "5", "--oversubscribe", "--bind-to", "none", "--mca",
+                          "mpi_yield_when_idle", "1", "--mca", "orte_tmpdir_base", "/s", "--mca",
+                          "btl_vader_backing_directory", "/s", "--mca", "opal_abort_print_stack",
+                          "1", "--tag-output", "music", "/run/x.music"));
 }
 
 TEST(MpirunCommand, FindsOurProgramsFirst) {

@@ -1,5 +1,5 @@
-// A MUSIC program for tests: one event port in, one out, and a `behaviour`. It tells the launcher
-// what our programs tell, unless `silent` says that it is somebody else's.
+// A MUSIC program for tests: one event port in, one out, and a `behaviour` at a time, `when`. It
+// tells the launcher what our programs tell, unless `silent` says that it is somebody else's.
 #include <mpi.h>
 #include <signal.h>
 #include <unistd.h>
@@ -11,16 +11,48 @@
 #include <music.hh>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "spikeloop/status/status.hpp"
 
 namespace {
+
+using spikeloop::status::Phase;
 
 std::atomic<bool> stop{false};
 
 void on_stop(int) {
   stop = true;
 }
+
+/// As our programs have one.
+class Heartbeat {
+ public:
+  explicit Heartbeat(const spikeloop::status::Sender& sender)
+      : thread_([this, &sender] {
+          while (!ended_) {
+            sender.alive(phase_, static_cast<spikeloop::TimeNs>(time_s_ * 1e9));
+            usleep(200'000);
+          }
+        }) {}
+  ~Heartbeat() { end(); }
+  void end() {
+    ended_ = true;
+    if (thread_.joinable()) {
+      thread_.join();
+    }
+  }
+  void enter(Phase phase, double time_s = 0) {
+    phase_ = phase;
+    time_s_ = time_s;
+  }
+
+ private:
+  std::atomic<bool> ended_{false};
+  std::atomic<Phase> phase_{Phase::preparing};
+  std::atomic<double> time_s_{0};
+  std::thread thread_;
+};
 
 struct Ignore : MUSIC::EventHandlerGlobalIndex {
   void operator()(double, MUSIC::GlobalIndex) override {}
@@ -52,6 +84,19 @@ void misbehave(const std::string& behaviour, const spikeloop::status::Sender& se
     while (true) {
       pause();
     }
+  } else if (behaviour == "end_early") {
+    stop = true;
+  } else if (behaviour == "throw") {
+    throw std::runtime_error("no such synapse");
+  } else if (behaviour == "crash") {
+    raise(SIGSEGV);
+  } else if (behaviour == "abort") {
+    MPI_Abort(MPI_COMM_WORLD, 9);
+  } else if (behaviour == "finalize_mpi") {
+    MPI_Finalize();  // behind MUSIC's back
+    pause();
+  } else if (behaviour == "freeze") {
+    raise(SIGSTOP);
   }
 }
 
@@ -71,6 +116,7 @@ void connect(MUSIC::Setup& setup, Ignore& handler) {
 int main(int argc, char** argv) {
   auto* setup = new MUSIC::Setup(argc, argv);
   const std::string behaviour = text(*setup, "behaviour", "good");
+  const std::string when = text(*setup, "when", "middle");  // start, middle or end
   const double stoptime = std::stod(text(*setup, "stoptime", "1"));
   if (text(*setup, "silent", "no") == "yes") {
     unsetenv(spikeloop::status::kSocketVariable);
@@ -81,31 +127,47 @@ int main(int argc, char** argv) {
   if (behaviour == "never_tick") {
     misbehave("hang", sender);
   }
+  Heartbeat heartbeat(sender);
+  if (behaviour == "prepare_long") {
+    sleep(4);
+  }
   signal(SIGUSR1, behaviour == "stubborn" ? SIG_IGN : on_stop);
   if (behaviour == "stubborn") {
     signal(SIGTERM, SIG_IGN);
   }
+  if (when == "start") {
+    heartbeat.end();
+    misbehave(behaviour, sender);
+  }
   Ignore handler;
   connect(*setup, handler);
   const double tick = 0.01;
+  heartbeat.enter(Phase::meeting);
   MUSIC::Runtime runtime(setup, tick);
   sender.first_tick();
   std::printf("first tick\n");
   std::fflush(stdout);
   long ticks = 0;
   for (; runtime.time() < stoptime && !stop; ++ticks) {
+    heartbeat.enter(Phase::waiting, runtime.time());
     usleep(10'000);
+    heartbeat.enter(Phase::exchanging, runtime.time());
     runtime.tick();
     const auto now = static_cast<spikeloop::TimeNs>(runtime.time() * 1e9);
     sender.progress(now, 2 * now, 3);
-    if (ticks == 20) {
+    if (ticks == 20 && when == "middle") {
+      heartbeat.enter(Phase::computing, runtime.time());
       misbehave(behaviour, sender);
     }
+  }
+  heartbeat.enter(Phase::finalizing, runtime.time());
+  if (when == "end") {
+    misbehave(behaviour, sender);
   }
   if (behaviour == "slow_to_stop") {
     sleep(1);
   }
-  runtime.finalize();
   sender.report({{"ticks", ticks}}, {{name + "_ticks", ticks}});
+  runtime.finalize();
   return 0;
 }

@@ -147,11 +147,13 @@ TEST(Run, AJobThatDoesNotBeginIsEnded) {
   const TwoPrograms job("", "behaviour=never_tick");
   const Outcome outcome = run(job.command({"--start-timeout", "2"}));
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: the job has not begun within 2 s; started, but still without a first tick: "
-            "'b' (spikeloop-network), 'a' (poisson_encoder). A program that does not call "
-            "MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs barrier=false in "
-            "the file; one that starts slowly needs a longer --start-timeout");
+  EXPECT_EQ(
+      last_line(outcome.err),
+      "spikeloop: the job has not begun within 2 s; started, but still without a first tick: "
+      "'b' (spikeloop-network); waiting for the others: 'a' (poisson_encoder). A program that "
+      "does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs "
+      "barrier=false in "
+      "the file; one that starts slowly needs a longer --start-timeout");
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
@@ -160,8 +162,8 @@ TEST(Run, AProgramThatDoesNotReportIsNamed) {
   const Outcome outcome = run(job.command({"--start-timeout", "2"}));
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err,
-              HasSubstr("within 2 s; not started: 'b' (spikeloop-network); started, but "
-                        "still without a first tick: 'a' (poisson_encoder)."));
+              HasSubstr("within 2 s; not started: 'b' (spikeloop-network); waiting for "
+                        "the others: 'a' (poisson_encoder)."));
 }
 
 /// Waits until both programs tick, then sends the signals 0.3 s apart.

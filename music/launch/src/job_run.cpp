@@ -20,6 +20,8 @@ using std::chrono::seconds;
 constexpr seconds kStopGrace{2};
 /// A program that fails takes the others with it by MPI_Abort; this is for those that could not.
 constexpr seconds kFailureGrace{3};
+/// A program that says that it still prepares itself has so many times the start timeout.
+constexpr int kMostPatience = 10;
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
 /// Foreign programs may have files to write.
@@ -93,7 +95,7 @@ void JobRun::start_programs() {
     state_.take(line);
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : "mpirun", line);
   });
-  started_ = Clock::now();
+  started_ = prepared_ = Clock::now();
 }
 
 void JobRun::run() {
@@ -133,23 +135,27 @@ bool JobRun::stopped_already() {
 void JobRun::supervise() {
   while (!mpirun_->gone()) {
     crew_.turn(Milliseconds{100});
-    watch_start();
     watch_failures();
+    watch_start();
+    watch_progress();
     watch_robot();
     watch_end();
     watch_stop();
   }
   crew_.turn(Milliseconds{0});
   const int code = exit_code(mpirun_->tree().status().value_or(1));
-  const bool ended_by_us = reported_since_ && !state_.failure() && code != 0;
-  if (state_.failure() || (code != 0 && !ended_by_us)) {
+  if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const Failure failure = state_.explain(code);
     fail(failure.exit_code, failure.message);
   }
 }
 
 void JobRun::watch_start() {
-  if (outcome_ || Clock::now() - started_ < options_.start_timeout) {
+  const auto now = Clock::now();
+  if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
+    prepared_ = now;
+  }
+  if (outcome_ || failed_since_ || now - prepared_ < options_.start_timeout) {
     return;
   }
   const std::string late = state_.what_is_late();
@@ -163,8 +169,26 @@ void JobRun::watch_start() {
   }
 }
 
+void JobRun::watch_progress() {
+  if (outcome_ || failed_since_ || !state_.any_ticked()) {
+    return;
+  }
+  if (const std::string early = state_.who_ended_early(); !early.empty()) {
+    fail(3, early);
+    return;
+  }
+  const auto longest = options_.stall_timeout;
+  const std::string still = longest.count() == 0 ? "" : state_.who_stands_still(longest);
+  if (!still.empty()) {
+    fail(3, fmt::format("the job has stood still for {:g} s, {}. A program whose ticks take longer "
+                        "needs a longer --stall-timeout",
+                        std::chrono::duration<double>(longest).count(), still));
+    mpirun_->tree().end();
+  }
+}
+
 void JobRun::watch_failures() {
-  if (!failed_since_ && state_.failure()) {
+  if (!failed_since_ && (state_.failure() || state_.aborted())) {
     failed_since_ = Clock::now();
   }
   if (failed_since_ && Clock::now() - *failed_since_ > kFailureGrace) {
@@ -199,6 +223,7 @@ void JobRun::watch_end() {
   if (reported_since_ && Clock::now() - *reported_since_ > grace) {
     log::warning("mpirun has not ended {} s after the last report: it is ended now", grace.count());
     reported_since_ = Clock::now();
+    ended_after_reports_ = true;
     mpirun_->tree().end();
   }
 }

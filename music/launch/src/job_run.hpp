@@ -44,6 +44,7 @@ class JobRun {
   bool stopped_already();
   void supervise();
   void watch_start();
+  void watch_progress();
   void watch_failures();
   void watch_robot();
   bool robot_ended() const;
@@ -76,9 +77,11 @@ class JobRun {
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;
   Clock::time_point started_{};
+  Clock::time_point prepared_{};  ///< when a program last said that it prepares itself
   std::optional<Clock::time_point> stopping_since_;
   std::optional<Clock::time_point> failed_since_;
   std::optional<Clock::time_point> reported_since_;
+  bool ended_after_reports_ = false;  ///< mpirun, which had nothing to do any more
 };
 
 }  // namespace spikeloop::launch

@@ -1,10 +1,10 @@
 #include "job_state.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <string.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "spikeloop/launch/programs.hpp"
 
@@ -39,10 +39,6 @@ std::string label_that_paces(const MusicFile& file) {
   return "";
 }
 
-std::string list(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
 }  // namespace
 
 JobState::JobState(const MusicFile& file) : file_(file), pacer_(label_that_paces(file)) {
@@ -55,18 +51,22 @@ JobState::JobState(const MusicFile& file) : file_(file), pacer_(label_that_paces
   progress_.total_s = total_time(file);
 }
 
-bool JobState::take(const json& message) {
+bool JobState::take(const json& message, Clock::time_point now) {
   const std::string type = message.at("type");
   const std::string label = message.at("process");
   Process& process = processes_[label];
   if (std::find(order_.begin(), order_.end(), label) == order_.end()) {
     order_.push_back(label);
   }
+  process.heard = now;
+  take_time(process, message, now);
   if (type == "started") {
     process.started = true;
     process.pid = value_of<pid_t>(message, "pid", 0);
   } else if (type == "first_tick") {
     process.ticked = true;
+  } else if (type == "alive") {
+    process.phase = status::phase_named(value_of(message, "phase", std::string()));
   } else if (type == "progress") {
     process.ticked = true;
     return take_progress(label, message);
@@ -79,6 +79,14 @@ bool JobState::take(const json& message) {
                 fmt::format("{}: {}", label, value_of(message, "message", std::string("failed")))};
   }
   return false;
+}
+
+void JobState::take_time(Process& process, const json& message, Clock::time_point now) {
+  const double before =
+      std::exchange(process.simulated_s, value_of(message, "simulated_s", process.simulated_s));
+  if (process.simulated_s != before || !process.ticked) {
+    process.moved = now;
+  }
 }
 
 bool JobState::take_progress(const std::string& label, const json& message) {
@@ -103,6 +111,9 @@ void JobState::take(const OutputLine& line) {
     }
     return;
   }
+  if (!aborted_ && line.text.find("(ompi_mpi_abort+") != std::string::npos) {
+    aborted_ = line.speaker;
+  }
   diagnosis_.read(line.text);
   if (line.text.find_first_not_of("- ") != std::string::npos) {
     last_words_of_mpirun_ = line.text;
@@ -126,27 +137,6 @@ bool JobState::any_ticked() const {
   });
 }
 
-std::string JobState::what_is_late() const {
-  std::vector<std::string> silent;
-  std::vector<std::string> waiting;
-  for (const std::string& label : order_) {
-    const Process& process = processes_.at(label);
-    if (process.program.empty() || process.ticked || !(process.ours || process.started)) {
-      continue;
-    }
-    (process.started ? waiting : silent)
-        .push_back(fmt::format("'{}' ({})", label, process.program));
-  }
-  std::vector<std::string> parts;
-  if (!silent.empty()) {
-    parts.push_back("not started: " + list(silent));
-  }
-  if (!waiting.empty()) {
-    parts.push_back("started, but still without a first tick: " + list(waiting));
-  }
-  return fmt::format("{}", fmt::join(parts, "; "));
-}
-
 bool JobState::all_reported() const {
   bool any = false;
   for (const auto& [label, process] : processes_) {
@@ -162,8 +152,7 @@ bool JobState::all_reported() const {
 std::string JobState::named(int rank) const {
   const std::string label = label_of_rank(file_, rank);
   const auto process = processes_.find(label);
-  return process == processes_.end() ? fmt::format("rank {}", rank)
-                                     : fmt::format("'{}' ({})", label, process->second.program);
+  return process == processes_.end() ? fmt::format("rank {}", rank) : shown(label);
 }
 
 Failure JobState::explain(int mpirun_exit_code) const {
@@ -174,7 +163,7 @@ Failure JobState::explain(int mpirun_exit_code) const {
   if (!music_error_.empty()) {
     return {diagnosis_.exit_code().value_or(otherwise), music_error_};
   }
-  const auto rank = diagnosis_.rank();
+  const auto rank = diagnosis_.rank() ? diagnosis_.rank() : aborted_;
   if (!rank) {
     return {otherwise,
             fmt::format(
@@ -187,7 +176,7 @@ Failure JobState::explain(int mpirun_exit_code) const {
     return {128 + *number, fmt::format("{} was killed by signal {} ({}){}", named(*rank), *number,
                                        strsignal(*number), last)};
   }
-  if (const auto code = diagnosis_.exit_code()) {
+  if (const auto code = aborted_ ? std::optional(otherwise) : diagnosis_.exit_code()) {
     return {*code, fmt::format("{} ended with exit code {}{}", named(*rank), *code, last)};
   }
   return {otherwise, fmt::format("{} ended without MUSIC's finalize{}", named(*rank), last)};

@@ -22,19 +22,27 @@ class JobState {
   explicit JobState(const MusicFile& file);
 
   /// Takes a datagram. Returns true when there is new progress.
-  bool take(const nlohmann::json& message);
+  bool take(const nlohmann::json& message, Clock::time_point now = Clock::now());
   /// Takes a line that a program printed under mpirun, or mpirun itself.
   void take(const OutputLine& line);
 
   const Progress& progress() const { return progress_; }
   /// The first failure that a process reported.
   const std::optional<Failure>& failure() const { return failure_; }
+  /// Whether a program has called MPI_Abort, which ends the job; mpirun may hang in doing so.
+  bool aborted() const { return aborted_.has_value(); }
   /// Process ids of those that have reported.
   std::vector<pid_t> pids() const;
   /// Whether any program of the file has ticked.
   bool any_ticked() const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
-  std::string what_is_late() const;
+  std::string what_is_late(Clock::time_point now = Clock::now()) const;
+  /// Who still reads files or compiles, and says so; empty: nobody.
+  std::string who_prepares(Clock::time_point now = Clock::now()) const;
+  /// Who has kept the job from going on for so long, and what everybody does; empty: nobody.
+  std::string who_stands_still(Clock::duration longest, Clock::time_point now = Clock::now()) const;
+  /// Who has left its loop before its time; empty: nobody.
+  std::string who_ended_early() const;
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;
   /// What mpirun's end means.
@@ -50,10 +58,19 @@ class JobState {
     bool ticked = false;
     bool reported = false;
     pid_t pid = 0;
+    std::optional<status::Phase> phase{};  ///< none: sends no heartbeats
+    Clock::time_point heard{};             ///< of the last message
+    Clock::time_point moved{};             ///< when its simulated time last changed
+    double simulated_s = 0;
     nlohmann::json counters = nlohmann::json::object();
     nlohmann::json summary = nlohmann::json::object();
   };
 
+  void take_time(Process& process, const nlohmann::json& message, Clock::time_point now);
+  std::vector<std::string> standing_still(Clock::duration longest, Clock::time_point now) const;
+  /// Foreign programs that have told nothing.
+  std::vector<std::string> without_news() const;
+  std::string shown(const std::string& label) const;
   bool take_progress(const std::string& label, const nlohmann::json& message);
   std::string named(int rank) const;
 
@@ -68,6 +85,7 @@ class JobState {
   std::string last_words_of_mpirun_;
   std::map<int, std::string> last_words_;  ///< by rank, of standard error
   MpirunDiagnosis diagnosis_;
+  std::optional<int> aborted_;  ///< the rank that called MPI_Abort
 };
 
 }  // namespace spikeloop::launch

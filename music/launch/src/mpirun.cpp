@@ -88,24 +88,21 @@ std::string own_directory() {
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
                                         const std::string& scratch) {
   // Waiting programs spin: without yielding and free placement they starve each other.
-  return {"mpirun",
-          "-np",
-          std::to_string(file.total_processes()),
-          "--oversubscribe",
-          "--bind-to",
-          "none",
-          "--mca",
-          "mpi_yield_when_idle",
-          "1",
-          "--mca",
-          "orte_tmpdir_base",
-          scratch,
-          "--mca",
-          "btl_vader_backing_directory",
-          scratch,
-          "--tag-output",
-          "music",
-          path};
+  const std::vector<std::pair<std::string, std::string>> settings{
+      {"mpi_yield_when_idle", "1"},
+      {"orte_tmpdir_base", scratch},
+      {"btl_vader_backing_directory", scratch},
+      // Who calls MPI_Abort says so itself: mpirun's own word of it is lost now and then ("Data
+      // unpack would read past end of buffer").
+      {"opal_abort_print_stack", "1"}};
+  std::vector<std::string> command{
+      "mpirun",          "-np",       std::to_string(file.total_processes()),
+      "--oversubscribe", "--bind-to", "none"};
+  for (const auto& [name, value] : settings) {
+    command.insert(command.end(), {"--mca", name, value});
+  }
+  command.insert(command.end(), {"--tag-output", "music", path});
+  return command;
 }
 
 std::map<std::string, std::string> program_environment() {
@@ -199,7 +196,11 @@ void TaggedOutput::flush(const Source& source) {
   std::string text = std::move(pieces_[source]);
   pieces_.erase(source);
   const bool own = source.rank < 0 || is_mpi_speaking(text);
-  handler_({own ? std::nullopt : std::optional(source.rank), source.error, std::move(text)});
+  OutputLine line{own ? std::nullopt : std::optional(source.rank), source.error, std::move(text)};
+  if (own && source.rank >= 0) {
+    line.speaker = source.rank;
+  }
+  handler_(std::move(line));
 }
 
 void TaggedOutput::finish() {

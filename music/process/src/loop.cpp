@@ -13,6 +13,7 @@ namespace spikeloop::music {
 namespace {
 
 using nlohmann::json;
+using status::Phase;
 
 // Tells the launcher how far we are: often from the process that paces, else once a second.
 class Progress {
@@ -84,6 +85,8 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   }
   impl_->open_setup();
   const auto pacer = make_pacer(keys);
+  Heartbeat& heartbeat = *impl_->heartbeat;
+  heartbeat.enter(Phase::meeting);
   if (keys.barrier && impl_->launched) {
     MPI_Barrier(MPI_COMM_WORLD);
   }
@@ -97,19 +100,24 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   pacer->start();
   Progress progress(*impl_->status, *pacer, keys.pace);
   for (TimeNs time = 0; !stop_requested() && (!keys.stoptime || time < *keys.stoptime);) {
+    heartbeat.enter(Phase::waiting);
     pacer->wait_until(time);
+    heartbeat.enter(Phase::computing);
     const TimeNs end = time + keys.music_timestep;
     if (hooks.before_step) {
       hooks.before_step(time, end);
     }
     graph.step();
+    heartbeat.enter(Phase::exchanging);
     runtime->tick();
     if (hooks.after_step) {
       hooks.after_step(time, end);
     }
     time = end;
+    heartbeat.at(time);
     progress.at(time);
   }
+  heartbeat.enter(Phase::finalizing);
   progress.tell(graph.time());
   const auto pace = pacer->report();
   if (hooks.after_loop) {

@@ -32,6 +32,7 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   impl_->program = argc > 0 ? basename_of(argv[0]) : impl_->label;
   impl_->status.emplace(impl_->label);
   impl_->status->started();
+  impl_->heartbeat.emplace(*impl_->status);
   const MPI_Comm own = impl_->setup->communicator();
   int size = 1;
   MPI_Comm_size(own, &size);

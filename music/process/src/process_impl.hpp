@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "heartbeat.hpp"
 #include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
@@ -33,6 +34,7 @@ struct Process::Impl {
   std::set<std::string> served;  ///< ports that have an endpoint
   std::set<std::string> asked;   ///< keys that some code has looked up
   std::optional<status::Sender> status;
+  std::optional<Heartbeat> heartbeat;
   std::unique_ptr<Recording> recording;
 
   /// @throws std::logic_error after run() has begun.

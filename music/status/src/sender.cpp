@@ -1,6 +1,8 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <utility>
@@ -55,7 +57,21 @@ std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
+constexpr std::array kPhaseNames{"preparing", "meeting",    "waiting",
+                                 "computing", "exchanging", "finalizing"};
+
 }  // namespace
+
+const char* name_of(Phase phase) {
+  return kPhaseNames.at(static_cast<std::size_t>(phase));
+}
+
+std::optional<Phase> phase_named(std::string_view name) {
+  const auto found = std::find(kPhaseNames.begin(), kPhaseNames.end(), name);
+  return found == kPhaseNames.end()
+             ? std::nullopt
+             : std::optional(static_cast<Phase>(found - kPhaseNames.begin()));
+}
 
 Sender::Sender(std::string process)
     : process_(std::move(process)), socket_(connect_to_launcher()) {}
@@ -92,6 +108,16 @@ void Sender::progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
   progress["wall_s"] = to_seconds(wall);
   progress["overruns"] = overruns;
   send_text(socket_.get(), text_of(progress), milliseconds{0});
+}
+
+void Sender::alive(Phase phase, TimeNs simulated) const {
+  if (socket_.get() < 0) {
+    return;
+  }
+  json alive = message("alive");
+  alive["phase"] = name_of(phase);
+  alive["simulated_s"] = to_seconds(simulated);
+  send_text(socket_.get(), text_of(alive), milliseconds{0});
 }
 
 void Sender::report(const json& counters, const json& summary) const {

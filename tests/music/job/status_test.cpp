@@ -9,8 +9,10 @@ namespace {
 
 using nlohmann::json;
 
-// Runs the job as a launcher would; all messages of `process`.
-std::vector<json> messages_of(const Job& job, const std::string& process, int exit_code) {
+// Runs the job as a launcher would; all messages of `process`, heartbeats in place of the others
+// when they are asked for.
+std::vector<json> messages_of(const Job& job, const std::string& process, int exit_code,
+                              bool heartbeats = false) {
   const std::string path = (job.directory.path() / "status").string();
   status::Receiver receiver(path);
   auto command = job.command();
@@ -19,7 +21,7 @@ std::vector<json> messages_of(const Job& job, const std::string& process, int ex
   EXPECT_EQ(outcome.exit_code, exit_code) << outcome.text();
   std::vector<json> found;
   while (const auto message = receiver.next(std::chrono::milliseconds(100))) {
-    if (message->at("process") == process) {
+    if (message->at("process") == process && (message->at("type") == "alive") == heartbeats) {
       found.push_back(*message);
     }
   }
@@ -34,6 +36,25 @@ std::vector<std::string> types(const std::vector<json>& messages) {
     }
   }
   return result;
+}
+
+TEST(Status, TellsThatAProcessLivesAndWhatItDoes) {
+  Job job;
+  job.global("stoptime=1.2");
+  job.raw("sink")
+      .node("relay", "spike_relay", "pace=true")
+      .raw("source", "map_out=9")
+      .connect("source.spikes -> relay.in [2]")
+      .connect("relay.out -> sink.spikes_in [2]");
+  const auto beats = messages_of(job, "relay", 0, true);
+  ASSERT_GE(beats.size(), 3U) << "every half second";
+  EXPECT_EQ(beats.front().at("phase"), "preparing");
+  EXPECT_EQ(beats.front().at("simulated_s"), 0.0);
+  const auto phase = status::phase_named(beats[1].at("phase").get<std::string>());
+  ASSERT_TRUE(phase.has_value());
+  EXPECT_GE(*phase, status::Phase::meeting);
+  EXPECT_LE(beats.back().at("simulated_s").get<double>(), 1.2);
+  EXPECT_GT(beats.back().at("simulated_s").get<double>(), 0.2);
 }
 
 TEST(Status, TellsTheWholeLifeOfAProcess) {

@@ -17,8 +17,12 @@ struct JobOptions {
   RunOptions run{};
   /// Run folder: effective.music, mpirun.log, summary.json, what programs record. Empty: none.
   std::string folder{};
-  /// For every program of ours to tick for the first time.
+  /// For every program of ours to tick for the first time; ten times as long while one of them says
+  /// that it still reads files or compiles.
   std::chrono::milliseconds start_timeout{60'000};
+  /// For the simulated time of any program of ours to go on, unless it waits for the clock; 0: for
+  /// ever.
+  std::chrono::milliseconds stall_timeout{60'000};
   bool roscore = false;  ///< start a ROS master when none answers
   bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
   std::vector<std::string> robot_arguments{};

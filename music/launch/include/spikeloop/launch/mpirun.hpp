@@ -40,6 +40,7 @@ struct OutputLine {
   std::optional<int> rank;
   bool error = false;  ///< came from standard error
   std::string text;
+  std::optional<int> speaker{};  ///< the rank inside which Open MPI speaks
 };
 
 /// Sorts what `mpirun --tag-output` prints into lines: it tags every piece that it reads of a

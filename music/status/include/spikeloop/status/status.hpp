@@ -31,6 +31,19 @@ class Descriptor {
   int fd_;
 };
 
+/// What a process does at the moment.
+enum class Phase {
+  preparing,   ///< reads its files, builds what it runs
+  meeting,     ///< waits for the other programs to be ready
+  waiting,     ///< waits for the clock
+  computing,   ///< its own step
+  exchanging,  ///< in MUSIC, which may wait for the others
+  finalizing,  ///< has left its loop
+};
+const char* name_of(Phase phase);
+/// Nothing for another name.
+std::optional<Phase> phase_named(std::string_view name);
+
 /// The reporting side, one a process. Without a launcher, or when it has gone, every call does
 /// nothing. No call throws, and all may be used from any thread.
 class Sender {
@@ -45,6 +58,8 @@ class Sender {
   /// Never waits: dropped when there is no room. The members of the object `extra` are added.
   void progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
                 const nlohmann::json& extra = {}) const;
+  /// A heartbeat, in every phase. Never waits.
+  void alive(Phase phase, TimeNs simulated) const;
   /// Once at the end. Waits up to 1 s for room. A report that does not fit a datagram (at least
   /// 200 kB do) is replaced by one whose member `too_large` holds its size.
   void report(const nlohmann::json& counters, const nlohmann::json& summary) const;

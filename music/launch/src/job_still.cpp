@@ -1,0 +1,155 @@
+// Why a job does not go on.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "job_state.hpp"
+#include "spikeloop/launch/effective_file.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+using status::Phase;
+
+/// Heartbeats come twice a second; a busy machine may hold some up.
+constexpr std::chrono::seconds kSilence{3};
+
+std::string list(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace
+
+std::string JobState::shown(const std::string& label) const {
+  return fmt::format("'{}' ({})", label, processes_.at(label).program);
+}
+
+std::string JobState::what_is_late(Clock::time_point now) const {
+  constexpr std::array kWhat{"not started: ",
+                             "silent: ",
+                             "still preparing: ",
+                             "started, but still without a first tick: ",
+                             "waiting for the others: ",
+                             "no news of: "};
+  std::array<std::vector<std::string>, kWhat.size()> labels;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (process.program.empty() || process.ticked) {
+      continue;
+    }
+    const bool silent = process.phase && now - process.heard > kSilence;
+    const std::size_t kind = !process.started                     ? (process.ours ? 0 : 5)
+                             : silent                             ? 1
+                             : !process.phase                     ? 3
+                             : *process.phase == Phase::preparing ? 2
+                                                                  : 4;
+    labels.at(kind).push_back(shown(label));
+  }
+  std::vector<std::string> parts;
+  for (std::size_t kind = 0; kind < kWhat.size(); ++kind) {
+    if (!labels.at(kind).empty()) {
+      parts.push_back(kWhat.at(kind) + list(labels.at(kind)));
+    }
+  }
+  const auto started = [](const auto& entry) { return entry.second.started; };
+  if (parts.size() == 1 && !labels.front().empty() && std::ranges::none_of(processes_, started)) {
+    parts.insert(parts.begin(), "mpirun has not started any program of ours");
+  }
+  const bool all_expected_tick = parts.empty() || (parts.size() == 1 && !labels.back().empty());
+  return all_expected_tick ? "" : fmt::format("{}", fmt::join(parts, "; "));
+}
+
+std::string JobState::who_prepares(Clock::time_point now) const {
+  std::vector<std::string> labels;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (process.phase == Phase::preparing && now - process.heard < kSilence) {
+      labels.push_back(shown(label));
+    }
+  }
+  return list(labels);
+}
+
+std::vector<std::string> JobState::standing_still(Clock::duration longest,
+                                                  Clock::time_point now) const {
+  std::vector<std::string> labels;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    const bool runs = !process.program.empty() && process.ticked && !process.reported;
+    const bool waits_for_the_clock =
+        process.phase == Phase::waiting && now - process.heard < kSilence;
+    if (runs && !waits_for_the_clock && now - process.moved > longest) {
+      labels.push_back(label);
+    }
+  }
+  return labels;
+}
+
+std::string JobState::who_stands_still(Clock::duration longest, Clock::time_point now) const {
+  std::vector<std::string> silent;
+  std::vector<std::string> computing;
+  std::vector<std::string> ending;
+  double earliest_s = INFINITY;
+  for (const std::string& label : standing_still(longest, now)) {
+    const Process& process = processes_.at(label);
+    earliest_s = std::min(earliest_s, process.simulated_s);
+    if (now - process.heard > kSilence) {
+      silent.push_back(shown(label));
+    } else if (process.phase == Phase::computing) {
+      computing.push_back(shown(label));
+    } else if (process.phase == Phase::finalizing) {
+      ending.push_back(shown(label));
+    }
+  }
+  if (std::isinf(earliest_s)) {
+    return "";
+  }
+  std::string what;
+  if (!silent.empty()) {
+    what = list(silent) + " neither ticks nor answers: it is stopped, or hangs";
+  } else if (!computing.empty()) {
+    what = list(computing) + " does not come to the end of its step";
+  } else if (!ending.empty()) {
+    what = list(ending) + " has left its loop, but does not end";
+  } else if (const auto foreign = without_news(); !foreign.empty()) {
+    what = "our programs wait in MUSIC for " + list(foreign);
+  } else {
+    what = "all programs wait for each other in MUSIC";
+  }
+  return fmt::format("at {:g} s of simulated time: {}", earliest_s, what);
+}
+
+std::vector<std::string> JobState::without_news() const {
+  std::vector<std::string> labels;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (!process.program.empty() && !process.ours && !process.started) {
+      labels.push_back(shown(label));
+    }
+  }
+  return labels;
+}
+
+std::string JobState::who_ended_early() const {
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    const MusicSection* section = file_.find_section(label);
+    if (section == nullptr || !process.reported) {
+      continue;
+    }
+    const auto end = stop_time(file_, *section);
+    const double tick_s = to_seconds(tick_of(file_, *section));
+    if (process.simulated_s > 0 && (!end || process.simulated_s < to_seconds(*end) - tick_s)) {
+      return fmt::format("{} ended at {:g} s of simulated time, {}", shown(label),
+                         process.simulated_s,
+                         end ? fmt::format("before its stoptime of {:g} s", to_seconds(*end))
+                             : std::string("though nobody asked it to"));
+    }
+  }
+  return "";
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,37 @@
+// Tells the launcher all the time that this process lives, and what it does: so that a job that
+// stands still can be explained.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "spikeloop/status/status.hpp"
+
+namespace spikeloop::music {
+
+class Heartbeat {
+ public:
+  /// Begins in Phase::preparing. The sender must outlive it.
+  explicit Heartbeat(const status::Sender& sender);
+  ~Heartbeat();
+  Heartbeat(const Heartbeat&) = delete;
+  Heartbeat& operator=(const Heartbeat&) = delete;
+
+  void enter(status::Phase phase) { phase_.store(phase, std::memory_order_relaxed); }
+  void at(TimeNs simulated) { simulated_.store(simulated, std::memory_order_relaxed); }
+
+ private:
+  void run();
+
+  const status::Sender& sender_;
+  std::atomic<status::Phase> phase_{status::Phase::preparing};
+  std::atomic<TimeNs> simulated_{0};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ended_ = false;
+  std::thread thread_;
+};
+
+}  // namespace spikeloop::music
