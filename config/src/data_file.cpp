@@ -1,5 +1,7 @@
 #include "spikeloop/config/data_file.hpp"
 
+#include <fmt/format.h>
+
 namespace spikeloop {
 
 std::optional<std::filesystem::path> find_data_file(const std::string& name,
@@ -14,6 +16,14 @@ std::optional<std::filesystem::path> find_data_file(const std::string& name,
     }
   }
   return std::nullopt;
+}
+
+std::string data_file_places(const std::filesystem::path& base) {
+  std::error_code ignored;
+  const auto here = std::filesystem::current_path(ignored);
+  const bool elsewhere = !base.empty() && !std::filesystem::equivalent(base, here, ignored);
+  return fmt::format("'{}'{}", here.string(),
+                     elsewhere ? fmt::format(" or '{}'", base.string()) : "");
 }
 
 }  // namespace spikeloop

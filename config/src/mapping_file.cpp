@@ -206,12 +206,9 @@ CommandMapping parse_mapping(std::string_view text, const std::string& file,
 CommandMapping read_mapping(const std::string& name, const MappingOptions& options) {
   const auto path = find_data_file(name, options.base_directory);
   if (!path) {
-    std::error_code ignored;
-    const std::string message = fmt::format(
-        "there is no mapping file '{}' in '{}'{}; write its path", music_text::shown(name),
-        std::filesystem::current_path(ignored).string(),
-        options.base_directory.empty() ? ""
-                                       : fmt::format(" or '{}'", options.base_directory.string()));
+    const std::string message =
+        fmt::format("there is no mapping file '{}' in {}; write its path", music_text::shown(name),
+                    data_file_places(options.base_directory));
     if (options.strict) {
       throw ConfigurationError(message);
     }

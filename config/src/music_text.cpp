@@ -38,6 +38,9 @@ std::string no_entry_message(std::string_view line) {
     remedy = fmt::format("write '{}=...' with '='", shown(line.substr(0, colon)));
   } else if (line.ends_with("]")) {
     remedy = "write '[label]' for a section and 'A.out -> B.in [width]' for a connection";
+  } else if (const auto blank = line.find_first_of(" \t"); blank != std::string_view::npos) {
+    remedy = fmt::format("write '{}={}', or '#' before a comment", shown(line.substr(0, blank)),
+                         shown(line.substr(line.find_first_not_of(" \t", blank))));
   }
   return fmt::format("'{}' is no section, no key and no connection; {}", shown(line), remedy);
 }

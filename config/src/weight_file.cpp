@@ -151,14 +151,10 @@ std::optional<WeightTable> short_form(const std::string& written) {
 }
 
 std::string missing_text(const std::string& written, const WeightOptions& options) {
-  std::error_code ignored;
   const std::string slip =
       options.short_forms ? nearest(written, {"uniform", "one_to_one"}) : std::string();
-  return fmt::format("there is no {} '{}' in '{}'{}; write its path{}{}", options.what,
-                     shown(written), std::filesystem::current_path(ignored).string(),
-                     options.base_directory.empty()
-                         ? ""
-                         : fmt::format(" or '{}'", options.base_directory.string()),
+  return fmt::format("there is no {} '{}' in {}; write its path{}{}", options.what, shown(written),
+                     data_file_places(options.base_directory),
                      options.short_forms ? ", 'uniform' or 'one_to_one'" : "",
                      slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
 }

@@ -353,5 +353,14 @@ TEST(Programs, TellWhetherAConnectionIsContinuous) {
   EXPECT_THAT(continuous, ElementsAre(true, true, false, false, true, true, false));
 }
 
+TEST(MakeEffective, NoPaceFromASourceThatHasNone) {
+  const auto made = make_effective(
+      parse_music("[a]\nnp=1\nbinary=zmq_cont_adapter\n[b]\nnp=1\nbinary=ros_command_adapter\n"
+                  "a.out -> b.in [2]\n",
+                  "f"),
+      {});
+  EXPECT_EQ(made.file.connections.size(), 1U);
+}
+
 }  // namespace
 }  // namespace spikeloop::launch

@@ -65,7 +65,7 @@ IsContinuous continuity(const MusicFile& file) {
 const MusicSection* first_source_of(const MusicFile& file, const std::string& label) {
   for (const MusicSection& section : file.sections) {
     const Program* program = find_program(file, section);
-    if (program != nullptr && program->source &&
+    if (program != nullptr && program->tells_age &&
         data_path(file, section.label, label, continuity(file))) {
       return &section;
     }
@@ -242,6 +242,16 @@ std::optional<double> total_time(const MusicFile& file) {
     }
   }
   return smallest;
+}
+
+std::vector<const MusicSection*> in_written_order(const MusicFile& file) {
+  std::vector<const MusicSection*> sections;
+  for (const MusicSection& section : file.sections) {
+    sections.push_back(&section);
+  }
+  std::ranges::stable_sort(sections, {},
+                           [](const MusicSection* section) { return section->where.line; });
+  return sections;
 }
 
 EffectiveFile make_effective(MusicFile file, const RunOptions& options) {

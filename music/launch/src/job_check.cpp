@@ -13,15 +13,14 @@
 namespace spikeloop::launch {
 namespace {
 
-bool says_true(const MusicFile& file, const MusicSection& section, const char* name,
-               bool otherwise) {
+bool says(const MusicFile& file, const MusicSection& section, const char* name, const char* value) {
   const MusicKey* key = file.find_key(section, name);
-  return key == nullptr ? otherwise : key->value == "true";
+  return key != nullptr && key->value == value;
 }
 
 bool any_strict(const MusicFile& file) {
   for (const MusicSection& section : file.sections) {
-    if (says_true(file, section, "strict", false)) {
+    if (says(file, section, "strict", "true")) {
       return true;
     }
   }
@@ -56,14 +55,12 @@ class TogetherCheck {
 
   /// Each of our programs against the first of them, and against itself.
   void check_ours() {
-    std::vector<const MusicSection*> ours;
-    for (const MusicSection& section : file_.sections) {
-      if (find_program(file_, section) != nullptr) {
-        ours.push_back(&section);
-      }
+    std::vector<const MusicSection*> ours = in_written_order(file_);
+    std::erase_if(ours,
+                  [&](const auto* section) { return find_program(file_, *section) == nullptr; });
+    if (ours.empty()) {
+      return;
     }
-    // The effective file has an order of its own.
-    std::ranges::sort(ours, {}, [](const MusicSection* section) { return section->where.line; });
     for (const MusicSection* section : ours) {
       check_length(*section);
       check_ticks(*ours.front(), *section);
@@ -112,8 +109,8 @@ class TogetherCheck {
   }
 
   void check_barriers(const MusicSection& a, const MusicSection& b) {
-    const bool barrier_a = says_true(file_, a, "barrier", true);
-    if (barrier_a != says_true(file_, b, "barrier", true)) {
+    const bool barrier_a = !says(file_, a, "barrier", "false");
+    if (barrier_a == says(file_, b, "barrier", "false")) {
       findings_.add_error(
           where(b, "barrier"),
           fmt::format("'{}' waits at the barrier before the first tick, '{}' does not, and the job "

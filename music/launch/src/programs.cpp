@@ -12,9 +12,17 @@ constexpr auto kEvents = Kind::events;
 
 /// The port `pace` of both ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
-    Program{.name = "ros_sensor_adapter", .output = kContinuous, .source = true, .ros = true},
+    Program{.name = "ros_sensor_adapter",
+            .output = kContinuous,
+            .source = true,
+            .ros = true,
+            .tells_age = true},
     Program{.name = "ros_command_adapter", .input = kContinuous, .ros = true, .measures_age = true},
-    Program{.name = "ros_cont_adapter", .output = kContinuous, .source = true, .ros = true},
+    Program{.name = "ros_cont_adapter",
+            .output = kContinuous,
+            .source = true,
+            .ros = true,
+            .tells_age = true},
     Program{.name = "cont_ros_adapter", .input = kContinuous, .ros = true, .measures_age = true},
     Program{.name = "zmq_cont_adapter", .output = kContinuous, .source = true},
     Program{.name = "cont_zmq_adapter", .input = kContinuous},

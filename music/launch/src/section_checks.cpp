@@ -26,16 +26,17 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
   return wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
 }
 
-/// Another program may have the name of one of ours; that one we must not start.
+/// Another program may have the name of one of ours; that one we must not start. Empty: none.
 std::string own_program(const MusicFile& file, const MusicSection& section,
                         const std::string& directory) {
   const MusicKey* binary = file.find_key(section, "binary");
-  if (binary == nullptr || find_program(file, section) == nullptr) {
+  std::error_code ignored;
+  if (binary == nullptr || find_program(file, section) == nullptr ||
+      !fs::is_directory(directory, ignored)) {
     return "";
   }
   const std::string path =
       find_executable(binary->value, directory, program_environment().at("PATH"));
-  std::error_code ignored;
   return !path.empty() && fs::equivalent(fs::path(path).parent_path(), own_directory(), ignored)
              ? path
              : "";
@@ -53,8 +54,8 @@ std::map<std::string, std::string> origin_environment(const std::string& file) {
 
 SectionChecks::SectionChecks(Crew& crew, const MusicFile& file, const Places& places)
     : crew_(crew), file_(file) {
-  for (const MusicSection& section : file.sections) {
-    start(section, places);
+  for (const MusicSection* section : in_written_order(file)) {
+    start(*section, places);
   }
 }
 

@@ -12,4 +12,7 @@ namespace spikeloop {
 std::optional<std::filesystem::path> find_data_file(const std::string& name,
                                                     const std::filesystem::path& base);
 
+/// Where find_data_file() looks: "'/here'" or "'/here' or '/there'".
+std::string data_file_places(const std::filesystem::path& base);
+
 }  // namespace spikeloop

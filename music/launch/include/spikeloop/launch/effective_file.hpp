@@ -40,6 +40,9 @@ struct EffectiveFile {
 ///   latencies add up to at least the ticks around the cycle.
 EffectiveFile make_effective(MusicFile file, const RunOptions& options);
 
+/// The sections as the user wrote them: the effective file has an order of its own.
+std::vector<const MusicSection*> in_written_order(const MusicFile& file);
+
 /// The tick of a section: `music_timestep`, 1 ms by default; when it cannot be read, too, because
 /// the program itself says so better.
 std::int64_t tick_of(const MusicFile& file, const MusicSection& section);

@@ -19,6 +19,7 @@ struct Program {
   std::optional<Kind> output{};  ///< none: has no MUSIC output
   bool source = false;           ///< waits for the wall clock unless told otherwise
   bool ros = false;              ///< needs a ROS master
+  bool tells_age = false;        ///< has the output `pace`
   bool measures_age = false;     ///< has the input `pace`
 };
 
