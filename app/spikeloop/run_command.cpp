@@ -32,6 +32,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
   spikeloop run loop.music --seed 7 --record --out run2
   spikeloop run loop.music --dry-run      what would be started, and how
+  spikeloop run loop.music --hostfile hosts --out run3     all hosts must see the folders
 
 The programs run in the directory of FILE. Keys that FILE has are never changed, save by the options
 that say so. Ctrl-C ends the programs' loops, as do SIGUSR1, SIGTERM, SIGQUIT and SIGHUP: whatever is
@@ -79,6 +80,7 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
       ->needs(out);
+  command.add_option("--hostfile", job.hostfile, "Open MPI's file of hosts to run on")->needs(out);
   command.add_flag("--roscore", job.roscore, "Start a ROS master of our own when none answers");
   command.add_flag("--robot", job.robot, "Start spikeloop-robot unless /scan is published already");
   command

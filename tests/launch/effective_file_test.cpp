@@ -353,7 +353,7 @@ TEST(Programs, TellWhetherAConnectionIsContinuous) {
   EXPECT_THAT(continuous, ElementsAre(true, true, false, false, true, true, false));
 }
 
-TEST(MakeEffective, NoPaceFromASourceThatHasNone) {
+TEST(EffectiveFile, AddsNoPaceConnectionFromASourceWithoutThePort) {
   const auto made = make_effective(
       parse_music("[a]\nnp=1\nbinary=zmq_cont_adapter\n[b]\nnp=1\nbinary=ros_command_adapter\n"
                   "a.out -> b.in [2]\n",

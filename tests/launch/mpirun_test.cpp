@@ -17,11 +17,31 @@ constexpr const char* kJob =
     "[a]\nnp=1\nbinary=x\n[b]\nnp=3\nbinary=y\n[c]\nnp=1\nbinary=z\na.out -> b.in\nb.out -> c.in\n";
 
 TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
-  EXPECT_THAT(mpirun_command(parse_music(kJob, "f"), "/run/x.music", "/s"),
-              ElementsAre("mpirun", "-np", "5", "--oversubscribe", "--bind-to", "none", "--mca",
-                          "mpi_yield_when_idle", "1", "--mca", "orte_tmpdir_base", "/s", "--mca",
-                          "btl_vader_backing_directory", "/s", "--mca", "opal_abort_print_stack",
-                          "1", "--tag-output", "music", "/run/x.music"));
+  EXPECT_EQ(
+      shell_text(mpirun_command(parse_music(kJob, "f"), "/run/x.music",
+                                {.scratch = "/s", .hostfile = {}})),
+      "mpirun -np 5 --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 --mca "
+      "opal_abort_print_stack 1 --mca orte_tmpdir_base /s --mca btl_vader_backing_directory /s "
+      "--tag-output music /run/x.music");
+}
+
+TEST(MpirunCommand, OnSeveralHostsPassesOnTheEnvironment) {
+  const std::string line = shell_text(
+      mpirun_command(parse_music(kJob, "f"), "/run/x.music", {.scratch = {}, .hostfile = "hosts"}));
+  EXPECT_THAT(line, testing::HasSubstr(" --hostfile hosts -x PATH -x SPIKELOOP_FILE "));
+  EXPECT_THAT(line, testing::Not(testing::HasSubstr("orte_tmpdir_base")));
+}
+
+TEST(SrunCommand, NamesEachSectionsRanksAndProgram) {
+  const MusicFile file = parse_music(std::string(kJob) + "[a]\nwd=my dir\n", "f");
+  EXPECT_EQ(multi_prog_text(file, "/job/x.music"),
+            "# for: srun --multi-prog; ranks, program\n"
+            "0  sh -c 'cd '\\''my dir'\\'' && exec x --music-config /job/x.music --app-label a'\n"
+            "1-3  y --music-config /job/x.music --app-label b\n"
+            "4  z --music-config /job/x.music --app-label c\n");
+  EXPECT_EQ(shell_text(srun_command(file, "/job/programs.conf", "/home")),
+            "srun -n 5 --mpi=pmix --overcommit --cpu-bind=none --kill-on-bad-exit=1 --chdir /home "
+            "--export ALL,OMPI_MCA_mpi_yield_when_idle=1 --multi-prog /job/programs.conf");
 }
 
 TEST(MpirunCommand, FindsOurProgramsFirst) {

@@ -262,7 +262,7 @@ INSTANTIATE_TEST_SUITE_P(
               {{"w.json", "[[1, 2, 3], [1, 2]]"}}},
         Wrong{"weights of another width, strict",
               {{"stoptime=0.1", kStrict}},
-              "w.json",
+              "the weights have 2 rows and 4 columns",
               2,
               {{"w.json", "[[1, 2, 3, 4], [1, 2, 3, 4]]"}}},
         Wrong{"weights with NaN, strict",

@@ -1,4 +1,4 @@
-#include "folders.hpp"
+#include "spikeloop/launch/folders.hpp"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 #include "spikeloop/launch/job.hpp"
 
-#include "folders.hpp"
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -21,7 +21,8 @@ Job::Job(const MusicFile& file, JobOptions options)
 
 std::string Job::command() const {
   const std::string folder = options_.folder.empty() ? "." : options_.folder;
-  return shell_text(mpirun_command(effective_.file, folder + "/effective.music", folder));
+  return shell_text(mpirun_command(effective_.file, folder + "/effective.music",
+                                   {.scratch = {}, .hostfile = options_.hostfile}));
 }
 
 JobResult Job::run(const JobEvents& events) {

@@ -38,7 +38,7 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       run_folder_(options.folder, effective.file),
       folder_(options.folder.empty() ? scratch_.path() : run_folder_.path()),
       file_(folder_ + "/effective.music"),
-      state_(effective.file),
+      state_(effective.file, options.hostfile.empty()),
       receiver_(scratch_.path() + "/status"),
       crew_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
                         [this](int number) { take_signal(number); }}) {
@@ -89,7 +89,10 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
 
 void JobRun::start_programs() {
   ProgramStart start;
-  start.arguments = mpirun_command(effective_.file, file_, scratch_.path());
+  const bool here = options_.hostfile.empty();
+  start.arguments =
+      mpirun_command(effective_.file, file_,
+                     {.scratch = here ? scratch_.path() : "", .hostfile = options_.hostfile});
   start.directory = directory_;
   mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);

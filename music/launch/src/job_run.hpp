@@ -7,9 +7,9 @@
 #include <string>
 
 #include "crew.hpp"
-#include "folders.hpp"
 #include "job_state.hpp"
 #include "run_folder.hpp"
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
 
 namespace spikeloop::launch {

@@ -41,11 +41,12 @@ std::string label_that_paces(const MusicFile& file) {
 
 }  // namespace
 
-JobState::JobState(const MusicFile& file) : file_(file), pacer_(label_that_paces(file)) {
+JobState::JobState(const MusicFile& file, bool all_here)
+    : file_(file), pacer_(label_that_paces(file)) {
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
     process.program = program_name(section);
-    process.ours = find_program(file, section) != nullptr;
+    process.ours = all_here && find_program(file, section) != nullptr;
     order_.push_back(section.label);
   }
   progress_.total_s = total_time(file);

@@ -19,7 +19,8 @@ struct Failure {
 
 class JobState {
  public:
-  explicit JobState(const MusicFile& file);
+  /// `all_here`: everybody can report; else only those who do are expected to go on.
+  explicit JobState(const MusicFile& file, bool all_here = true);
 
   /// Takes a datagram. Returns true when there is new progress.
   bool take(const nlohmann::json& message, Clock::time_point now = Clock::now());

@@ -86,23 +86,71 @@ std::string own_directory() {
 }
 
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
-                                        const std::string& scratch) {
-  // Waiting programs spin: without yielding and free placement they starve each other.
-  const std::vector<std::pair<std::string, std::string>> settings{
+                                        const Hosts& hosts) {
+  std::vector<std::pair<std::string, std::string>> settings{
       {"mpi_yield_when_idle", "1"},
-      {"orte_tmpdir_base", scratch},
-      {"btl_vader_backing_directory", scratch},
       // Who calls MPI_Abort says so itself: mpirun's own word of it is lost now and then ("Data
       // unpack would read past end of buffer").
       {"opal_abort_print_stack", "1"}};
+  if (!hosts.scratch.empty()) {
+    settings.emplace_back("orte_tmpdir_base", hosts.scratch);
+    settings.emplace_back("btl_vader_backing_directory", hosts.scratch);
+  }
+  // Waiting programs spin: without yielding and free placement they starve each other.
   std::vector<std::string> command{
       "mpirun",          "-np",       std::to_string(file.total_processes()),
       "--oversubscribe", "--bind-to", "none"};
   for (const auto& [name, value] : settings) {
     command.insert(command.end(), {"--mca", name, value});
   }
+  if (!hosts.hostfile.empty()) {
+    command.insert(command.end(), {"--hostfile", hosts.hostfile});
+    for (const char* name : {"PATH", "SPIKELOOP_FILE", "SPIKELOOP_FILE_NAME", "SPIKELOOP_OUT",
+                             "SPIKELOOP_STATUS", "ROS_MASTER_URI"}) {
+      command.insert(command.end(), {"-x", name});
+    }
+  }
   command.insert(command.end(), {"--tag-output", "music", path});
   return command;
+}
+
+std::string multi_prog_text(const MusicFile& file, const std::string& path) {
+  std::string text = "# for: srun --multi-prog; ranks, program\n";
+  int first = 0;
+  for (const MusicSection& section : file.sections) {
+    const MusicKey* binary = file.find_key(section, "binary");
+    const MusicKey* wd = file.find_key(section, "wd");
+    const int last = first + file.processes(section) - 1;
+    // MUSIC crashes when --music-config is the last argument.
+    std::string program = shell_text({binary == nullptr ? "" : binary->value, "--music-config",
+                                      path, "--app-label", section.label});
+    if (wd != nullptr) {
+      program = shell_text(
+          {"sh", "-c", fmt::format("cd {} && exec {}", shell_text({wd->value}), program)});
+    }
+    text += fmt::format(
+        "{}  {}\n", first == last ? fmt::format("{}", first) : fmt::format("{}-{}", first, last),
+        program);
+    first = last + 1;
+  }
+  return text;
+}
+
+std::vector<std::string> srun_command(const MusicFile& file, const std::string& multi_prog,
+                                      const std::string& directory) {
+  return {"srun",
+          "-n",
+          std::to_string(file.total_processes()),
+          "--mpi=pmix",
+          "--overcommit",
+          "--cpu-bind=none",
+          "--kill-on-bad-exit=1",
+          "--chdir",
+          directory,
+          "--export",
+          "ALL,OMPI_MCA_mpi_yield_when_idle=1",
+          "--multi-prog",
+          multi_prog};
 }
 
 std::map<std::string, std::string> program_environment() {

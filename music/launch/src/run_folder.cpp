@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "folders.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::launch {
 namespace {

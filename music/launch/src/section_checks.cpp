@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "folders.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::launch {

@@ -23,6 +23,9 @@ struct JobOptions {
   /// For the simulated time of any program of ours to go on, unless it waits for the clock; 0: for
   /// ever.
   std::chrono::milliseconds stall_timeout{60'000};
+  /// Open MPI's file of hosts; empty: this host. What runs elsewhere cannot report: the deadlines
+  /// then hold for what runs here.
+  std::string hostfile{};
   bool roscore = false;  ///< start a ROS master when none answers
   bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
   std::vector<std::string> robot_arguments{};
@@ -67,7 +70,7 @@ class Job {
 
   /// The file that is run.
   const EffectiveFile& effective() const { return effective_; }
-  /// As one would type it, with the run folder as place of Open MPI's session files.
+  /// As one would type it.
   std::string command() const;
 
   /// Runs the job to its end. SIGINT, SIGTERM, SIGQUIT, SIGHUP and SIGUSR1 stop it: every program

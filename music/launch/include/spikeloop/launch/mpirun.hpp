@@ -12,10 +12,24 @@
 
 namespace spikeloop::launch {
 
-/// `mpirun -np SUM ... music FILE`. `scratch` takes Open MPI's session files and shared memory, so
-/// that a job that was killed leaves none behind.
+/// Where a job's processes run, and where Open MPI keeps its files.
+struct Hosts {
+  /// Takes Open MPI's session files and shared memory, so that a job that was killed leaves none
+  /// behind. Empty: where Open MPI likes it, as it must be on several hosts.
+  std::string scratch{};
+  std::string hostfile{};  ///< Open MPI's; empty: this host
+};
+
+/// `mpirun -np SUM ... music FILE`.
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
-                                        const std::string& scratch);
+                                        const Hosts& hosts);
+
+/// What `srun --multi-prog` reads: a line a section, its ranks and its program, which finds its
+/// section by MUSIC's own options. @throws ConfigurationError as MusicFile::processes().
+std::string multi_prog_text(const MusicFile& file, const std::string& path);
+/// `srun -n SUM ... --multi-prog MULTI_PROG`, in `directory`.
+std::vector<std::string> srun_command(const MusicFile& file, const std::string& multi_prog,
+                                      const std::string& directory);
 
 /// What every program started for a job finds in its environment: our programs first in PATH; leave
 /// for root to use mpirun.

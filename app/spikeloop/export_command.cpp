@@ -1,0 +1,87 @@
+#include "export_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "output.hpp"
+#include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/effective_file.hpp"
+#include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/mpirun.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop export loop.music                        the file that would be run, and mpirun's line
+  spikeloop export loop.music --out job              writes job/effective.music; prints the line
+  spikeloop export loop.music --out job --srun       also job/programs.conf; prints srun's line
+  spikeloop export loop.music --out job --hostfile hosts
+
+For clusters where a batch system starts programs. Nobody supervises such a job: a program that
+hangs, hangs all of it. Our programs must be in PATH on every host.)";
+
+struct Arguments {
+  std::string file;
+  std::string folder;
+  std::string hostfile;
+  bool srun = false;
+};
+
+int export_job(const Arguments& arguments) {
+  if (arguments.srun && arguments.folder.empty()) {
+    throw ConfigurationError(
+        "--srun needs a folder for the list of programs; give one with --out, as in --out job");
+  }
+  MusicFile file = read_music_file(arguments.file);
+  check_structure(file);
+  const std::string directory = launch::directory_of(arguments.file);
+  const launch::EffectiveFile effective = launch::make_effective(std::move(file), {});
+  for (const std::string& warning : effective.warnings) {
+    put(stderr, fmt::format("spikeloop: warning: {}\n", warning));
+  }
+  const std::string text = to_text(effective.file);
+  if (arguments.folder.empty()) {
+    const auto line = launch::mpirun_command(effective.file, "effective.music",
+                                             {.scratch = {}, .hostfile = arguments.hostfile});
+    put(stdout, fmt::format("# {}\n{}", launch::shell_text(line), text));
+    return 0;
+  }
+  const std::string folder = launch::make_folder(arguments.folder);
+  const std::string path = folder + "/effective.music";
+  launch::write_text(path, text);
+  std::vector<std::string> line;
+  if (arguments.srun) {
+    const std::string programs = folder + "/programs.conf";
+    launch::write_text(programs, launch::multi_prog_text(effective.file, path));
+    line = launch::srun_command(effective.file, programs, directory);
+  } else {
+    line = launch::mpirun_command(effective.file, path,
+                                  {.scratch = {}, .hostfile = arguments.hostfile});
+    line.insert(line.begin() + 1, {"--wdir", directory});
+  }
+  put(stdout, launch::shell_text(line) + "\n");
+  return 0;
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
+  command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
+  command->add_option("--out", arguments->folder, "Folder to write to");
+  auto* srun = command->add_flag("--srun", arguments->srun, "For Slurm's srun instead of mpirun");
+  command->add_option("--hostfile", arguments->hostfile, "Open MPI's file of hosts")
+      ->excludes(srun);
+  command->footer(kFooter);
+  command->callback(
+      [arguments, &action] { action = [arguments] { return export_job(*arguments); }; });
+}
+
+}  // namespace spikeloop::app
