@@ -26,8 +26,9 @@ TEST(CommandLine, HelpHasExamplesAndExitCodes) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("spikeloop run braitenberg.music --roscore --robot"));
   EXPECT_THAT(outcome.out, HasSubstr("Exit codes:"));
-  EXPECT_THAT(outcome.out, HasSubstr("  3  a partner (program, robot, ROS master) is missing, is "
-                                     "silent or ended too early\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  3  a partner (program, robot, ROS master) is missing, stands "
+                        "still or ended too early\n"));
   EXPECT_THAT(outcome.out, HasSubstr("129, 130, 131, 138, 143  stopped by SIGHUP (a closed "
                                      "terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM\n"));
   EXPECT_THAT(outcome.out, HasSubstr("--start-timeout TIME=60 "));
