@@ -39,9 +39,12 @@ class State : public testing::Test {
 };
 
 TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
-  EXPECT_EQ(state_.what_is_late(),
-            "not started: 'a' (rate_encoder), 'c' (linear_readout_decoder); no news of: 'b' "
-            "(brain.py)");
+  EXPECT_EQ(state_.what_is_late(), "mpirun has not started any program of ours");
+  tell("a", "started");
+  EXPECT_EQ(
+      state_.what_is_late(),
+      "not started: 'c' (linear_readout_decoder); started, but still without a first tick: 'a' "
+      "(rate_encoder); no news of: 'b' (brain.py)");
   tell("a", "started", {{"pid", 4321}});
   tell("b", "started");
   EXPECT_EQ(state_.what_is_late(),

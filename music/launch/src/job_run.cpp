@@ -22,6 +22,11 @@ constexpr seconds kStopGrace{2};
 constexpr seconds kFailureGrace{3};
 /// A program that says that it still prepares itself has so many times the start timeout.
 constexpr int kMostPatience = 10;
+constexpr const char* kBarrierAdvice =
+    "A program that does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime "
+    "needs "
+    "barrier=false in the file; one that starts slowly needs a longer --start-timeout";
+constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
 /// Foreign programs may have files to write.
@@ -162,14 +167,14 @@ void JobRun::watch_start() {
     return;
   }
   const std::string late = state_.what_is_late();
-  if (!late.empty()) {
-    fail(3, fmt::format(
-                "the job has not begun within {:g} s; {}. A program that does not call "
-                "MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs barrier=false "
-                "in the file; one that starts slowly needs a longer --start-timeout",
-                std::chrono::duration<double>(options_.start_timeout).count(), late));
-    mpirun_->tree().end();
+  if (late.empty()) {
+    return;
   }
+  const bool some_wait = state_.any_started();
+  fail(3, fmt::format("the job has not begun within {:g} s; {}. {}",
+                      std::chrono::duration<double>(options_.start_timeout).count(), late,
+                      some_wait ? kBarrierAdvice : kSlowStartAdvice));
+  mpirun_->tree().end();
 }
 
 void JobRun::watch_progress() {

@@ -34,6 +34,8 @@ class JobState {
   bool aborted() const { return aborted_.has_value(); }
   /// Process ids of those that have reported.
   std::vector<pid_t> pids() const;
+  /// Whether any program has said that it lives.
+  bool any_started() const;
   /// Whether any program of the file has ticked.
   bool any_ticked() const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.

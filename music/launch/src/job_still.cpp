@@ -54,12 +54,15 @@ std::string JobState::what_is_late(Clock::time_point now) const {
       parts.push_back(kWhat.at(kind) + list(labels.at(kind)));
     }
   }
-  const auto started = [](const auto& entry) { return entry.second.started; };
-  if (parts.size() == 1 && !labels.front().empty() && std::ranges::none_of(processes_, started)) {
-    parts.insert(parts.begin(), "mpirun has not started any program of ours");
+  if (!labels.front().empty() && !any_started()) {
+    return "mpirun has not started any program of ours";
   }
   const bool all_expected_tick = parts.empty() || (parts.size() == 1 && !labels.back().empty());
   return all_expected_tick ? "" : fmt::format("{}", fmt::join(parts, "; "));
+}
+
+bool JobState::any_started() const {
+  return std::ranges::any_of(processes_, [](const auto& entry) { return entry.second.started; });
 }
 
 std::string JobState::who_prepares(Clock::time_point now) const {
