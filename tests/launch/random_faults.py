@@ -106,11 +106,14 @@ def spoil(path, dice):
 
 
 class Launch:
+    """One job, one fault."""
+
     def __init__(self, programs, dice):
         self.dice = dice
         self.programs = programs
         self.kind = dice.choice(["program"] * 7 + ["mpirun", "launcher", "file", "file"])
-        self.signal = dice.choice(SIGNALS)
+        # mpirun passes SIGABRT on to the programs.
+        self.signal = dice.choice([s for s in SIGNALS if s != "ABRT" or self.kind != "mpirun"])
         self.target = dice.choice(LABELS) if self.kind == "program" else self.kind
         self.moment_s = dice.uniform(0, 1.5)
 
