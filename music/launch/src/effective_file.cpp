@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cycles.hpp"
+#include "spikeloop/config/dialect.hpp"
 #include "spikeloop/config/order.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
@@ -53,6 +54,24 @@ void apply_options(MusicFile& file, const RunOptions& options) {
   for (MusicSection& section : file.sections) {
     if (options.record && find_program(file, section) != nullptr) {
       set_key(section.keys, "record", "true");
+    }
+  }
+}
+
+Dialect dialect_of(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* key = file.find_key(section, "dialect");
+  try {
+    return dialect_named(key == nullptr ? "" : key->value, programs_of(file));
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(key->where, error.what());
+  }
+}
+
+/// What our programs of dialect ma take for themselves; written here, the launcher knows it too.
+void set_stoptimes(MusicFile& file) {
+  for (MusicSection& section : file.sections) {
+    if (find_program(file, section) != nullptr && dialect_of(file, section) == Dialect::ma) {
+      add_key(file, section, "stoptime", "1");
     }
   }
 }
@@ -126,6 +145,25 @@ std::int64_t signal_delay(const MusicFile& file, const MusicSection& section) {
   }
 }
 
+/// Beside a path of n connections MUSIC serves the pace in batches: the ticks of n + 1 come in one
+/// burst, and none between the bursts. That is no silence: a watchdog of three ticks, the command
+/// adapter's own choice, would stop the robot in every pause.
+void add_watchdog(MusicFile& file, const std::string& label, std::size_t connections) {
+  constexpr double kOwnChoice = 0.1;
+  const MusicSection& section = file.section(label);
+  const MusicKey* rtf = file.find_key(section, "rtf");
+  try {
+    const double factor = rtf == nullptr ? 1 : parse_quantity(rtf->value, "1");
+    const auto ticks = static_cast<double>(connections + 1 + 2);
+    const double watchdog = ticks * to_seconds(tick_of(file, section)) / factor;
+    if (watchdog > kOwnChoice && std::isfinite(watchdog)) {
+      add_key(file, file.section(label), "watchdog", fmt::format("{:.6g}", watchdog));
+    }
+  } catch (const ConfigurationError&) {
+    return;  // the program itself reports it
+  }
+}
+
 void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
   const MusicFile data = without_pace(file);
   for (const std::string& label : age_measuring(file)) {
@@ -149,6 +187,7 @@ void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
       }
     }
     add_key(file, file.section(label), "pipeline_ticks", fmt::format("{}", ticks));
+    add_watchdog(file, label, path->connections.size());
   }
 }
 
@@ -256,6 +295,7 @@ std::vector<const MusicSection*> in_written_order(const MusicFile& file) {
 
 EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   apply_options(file, options);
+  set_stoptimes(file);
   if (options.pace) {
     add_pace_connections(file);
   }

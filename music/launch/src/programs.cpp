@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
+
+#include "spikeloop/config/dialect.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -50,6 +51,7 @@ constexpr std::array kPrograms{
             .node = "poisson_encoder",
             .input = kContinuous,
             .output = kEvents},
+    Program{.name = "nef_encoder", .node = "nef_encoder", .input = kContinuous, .output = kEvents},
     Program{.name = "linear_readout_decoder",
             .node = "linear_readout",
             .input = kEvents,
@@ -64,8 +66,7 @@ constexpr std::array kPrograms{
 }  // namespace
 
 std::string program_name(const MusicSection& section) {
-  const MusicKey* binary = find_key(section.keys, "binary");
-  return binary == nullptr ? "" : std::filesystem::path(binary->value).filename().string();
+  return program_of(section);
 }
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {

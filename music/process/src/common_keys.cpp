@@ -23,11 +23,15 @@ ParameterDescription choice(const char* name, std::vector<std::string> choices, 
   return {name, ParameterType::choice, "", choices.front(), -kInfinity, kInfinity, choices, text};
 }
 
-Dialect dialect_named(const std::string& name) {
-  if (name == "ma") {
-    return Dialect::ma;
+// The default of `stoptime` in dialect ma; in dialect rma it had none.
+constexpr TimeNs kStoptimeOfMa = kNsPerSecond;
+
+Dialect dialect_of(const Parameters& parameters, const std::vector<std::string>& programs) {
+  try {
+    return dialect_named(parameters.text("dialect"), programs);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(parameters.where("dialect"), error.what());
   }
-  return name == "rma" ? Dialect::rma : Dialect::automatic;
 }
 
 // Ways to keep time that experiment files know, but this version does not.
@@ -54,8 +58,10 @@ TimeNs latency(const Parameters& parameters, const CommonDefaults& defaults, Dia
 
 std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaults) {
   return {
-      number("stoptime", "s", "none", 0,
-             "simulated time at which the program ends; without it, it runs until stopped"),
+      number(
+          "stoptime", "s", "none", 0,
+          "simulated time at which the program ends; without it, it runs until stopped, in dialect "
+          "ma for 1 s"),
       number("music_timestep", "s", "0.001", 1e-9, "the tick, the same in all programs of a job"),
       boolean("barrier", true,
               "MPI_Barrier on all programs of the job, once before the first tick; true when all "
@@ -69,7 +75,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        {},
        "seed of all random numbers, with the section's name"},
       choice("dialect", {"rma", "ma", "auto"},
-             "whose defaults hold where older programs of these names differ"),
+             "whose defaults hold where older programs of these names differ; auto: those of the "
+             "family that the job's programs belong to"),
       boolean("strict", false, "what is only warned of becomes an error"),
       boolean("pace", defaults.pace, "wait for the wall clock; true in one program of a job"),
       number("rtf", "1", "1.0", 1e-6, "real-time factor of the program that paces"),
@@ -95,7 +102,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
   };
 }
 
-CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults) {
+CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults,
+                             const std::vector<std::string>& programs) {
   check_sync(written);
   auto declared = common_parameters(defaults);
   if (!written.contains("stoptime")) {
@@ -103,8 +111,11 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   }
   const Parameters parameters = resolve(declared, written, {});
   CommonKeys keys;
+  keys.dialect = dialect_of(parameters, programs);
   if (written.contains("stoptime")) {
     keys.stoptime = from_seconds(parameters.number("stoptime"));
+  } else if (keys.dialect == Dialect::ma) {
+    keys.stoptime = kStoptimeOfMa;
   }
   try {
     keys.music_timestep = tick_from_seconds(parameters.number("music_timestep"));
@@ -114,7 +125,6 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   }
   keys.barrier = parameters.boolean("barrier");
   keys.seed = static_cast<std::uint64_t>(parameters.integer("seed"));
-  keys.dialect = dialect_named(parameters.text("dialect"));
   keys.strict = parameters.boolean("strict");
   keys.pace = parameters.boolean("pace");
   keys.rtf = parameters.number("rtf");

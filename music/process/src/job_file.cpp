@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "spikeloop/config/dialect.hpp"
+
 namespace spikeloop::music {
 namespace {
 
@@ -114,6 +116,10 @@ std::vector<std::string> JobFile::own_keys(const std::string& label) const {
     }
   }
   return names;
+}
+
+std::vector<std::string> JobFile::programs() const {
+  return file_ ? programs_of(*file_) : std::vector<std::string>{};
 }
 
 std::vector<PortUse> JobFile::ports(const std::string& label) const {

@@ -46,6 +46,8 @@ class JobFile {
   Location where(const std::string& label, const std::string& key) const;
   /// Names of the keys written in the section itself.
   std::vector<std::string> own_keys(const std::string& label) const;
+  /// The programs of all sections; empty when the file was not found.
+  std::vector<std::string> programs() const;
   /// Ends of connections at this application.
   std::vector<PortUse> ports(const std::string& label) const;
   /// The first end at this port.

@@ -18,6 +18,8 @@ const char* side(Direction direction) {
 
 // What MUSIC itself reads in a section.
 constexpr const char* kMusicKeys[] = {"np", "binary", "args", "wd", "timebase"};
+// What older programs read and these have no use for.
+constexpr const char* kOlderKeys[] = {"verbose"};
 
 }  // namespace
 
@@ -82,7 +84,9 @@ const CommonKeys& Process::common() const {
     for (const auto& parameter : common_parameters()) {
       names.push_back(parameter.name);
     }
-    impl_->common = parse_common_keys(written(names), impl_->defaults);
+    std::vector<std::string> programs = impl_->file.programs();
+    programs.push_back(impl_->program);  // all that is known when the file was not found
+    impl_->common = parse_common_keys(written(names), impl_->defaults, programs);
   }
   return *impl_->common;
 }
@@ -275,6 +279,9 @@ void Process::Impl::check_ports() const {
 void Process::Impl::check_keys(bool strict) {
   std::set<std::string> known = asked;
   for (const char* key : kMusicKeys) {
+    known.insert(key);
+  }
+  for (const char* key : kOlderKeys) {
     known.insert(key);
   }
   const std::vector<std::string> names(known.begin(), known.end());

@@ -32,12 +32,15 @@ struct EffectiveFile {
 /// - `SENSOR.pace -> COMMAND.pace [1]` from the first ros_sensor_adapter that reaches a
 ///   ros_command_adapter, so that nobody runs far ahead and the age of data is measured;
 ///   `pipeline_ticks` for the latter: the ticks by which the pace is delayed to arrive with the
-///   data;
+///   data; `watchdog` for it where ticks are so long that the pauses between MUSIC's batches would
+///   stop the robot;
 /// - `pace`: exactly one process waits for the clock: the first ros_sensor_adapter, or else our
 ///   program that lies furthest upstream;
+/// - `stoptime=1` in our sections of dialect ma that have none;
 /// - `stamp_guard=false` where all receivers of a sender's spikes are ours;
 /// - `accept_latency`: 0, but in a cycle so much that MUSIC's rule holds, that the acceptable
 ///   latencies add up to at least the ticks around the cycle.
+/// @throws ConfigurationError for a dialect=auto that cannot choose
 EffectiveFile make_effective(MusicFile file, const RunOptions& options);
 
 /// The sections as the user wrote them: the effective file has an order of its own.

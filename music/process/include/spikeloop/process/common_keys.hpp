@@ -6,13 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
 
 namespace spikeloop::music {
-
-/// Whose defaults hold where the two older families of programs differ.
-enum class Dialect { rma, ma, automatic };
 
 /// Defaults that differ between programs.
 struct CommonDefaults {
@@ -24,15 +22,15 @@ struct CommonDefaults {
 };
 
 struct CommonKeys {
-  std::optional<TimeNs> stoptime;  ///< none: run until stopped
+  std::optional<TimeNs> stoptime;  ///< none: run until stopped; in dialect ma never none
   TimeNs music_timestep = 1'000'000;
   bool barrier = true;  ///< MPI_Barrier on all programs between Setup and Runtime
   std::uint64_t seed = 1;
-  Dialect dialect = Dialect::rma;
-  bool strict = false;        ///< what is only warned of becomes an error
-  bool pace = false;          ///< this process waits for the wall clock
-  double rtf = 1.0;           ///< real-time factor of the process that waits
-  bool unpaced = false;       ///< sync=unpaced: nobody waits
+  Dialect dialect = Dialect::rma;  ///< whose defaults hold
+  bool strict = false;             ///< what is only warned of becomes an error
+  bool pace = false;               ///< this process waits for the wall clock
+  double rtf = 1.0;                ///< real-time factor of the process that waits
+  bool unpaced = false;            ///< sync=unpaced: nobody waits
   bool stamp_guard = true;    ///< keep outgoing spikes 1 us away from the begin of their interval
   TimeNs accept_latency = 0;  ///< of spike inputs
   int signal_delay = 0;       ///< whole ticks by which MUSIC delays continuous inputs
@@ -42,8 +40,11 @@ struct CommonKeys {
 /// The declaration of these keys, for --help and the reference.
 std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaults = {});
 
+/// `programs` are those of the job, which decide what dialect=auto means.
 /// @throws ConfigurationError as resolve(), and for a tick that is no whole number of nanoseconds,
-/// a negative stoptime and a `sync` that this version does not have.
-CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults = {});
+/// a negative stoptime, a `sync` that this version does not have, and a dialect=auto that cannot
+/// choose.
+CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults = {},
+                             const std::vector<std::string>& programs = {});
 
 }  // namespace spikeloop::music
