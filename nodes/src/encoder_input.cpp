@@ -7,9 +7,14 @@
 
 namespace spikeloop {
 
-namespace {
+ParameterDescription initial_of_encoder_parameter() {
+  return {.name = "initial",
+          .type = ParameterType::text,
+          .default_value = "none",
+          .text = "Input value assumed until the first one comes; none: silence"};
+}
 
-std::optional<double> parse_initial(const Parameters& parameters, bool any_value) {
+std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_value) {
   const std::string& text = parameters.text("initial");
   if (text.empty() || text == "none") {
     return std::nullopt;
@@ -35,8 +40,6 @@ std::optional<double> parse_initial(const Parameters& parameters, bool any_value
   return value;
 }
 
-}  // namespace
-
 std::vector<PortDescription> encoder_ports() {
   return {
       {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one a channel"},
@@ -57,10 +60,7 @@ std::vector<ParameterDescription> encoder_parameters() {
                         .minimum = 0.0,
                         .maximum = SpikeSchedule::kFastest,
                         .text = "Firing rate at the input value 1"});
-  parameters.push_back({.name = "initial",
-                        .type = ParameterType::text,
-                        .default_value = "none",
-                        .text = "Input value assumed until the first one comes; none: silence"});
+  parameters.push_back(initial_of_encoder_parameter());
   append_encoder_input_policy(parameters);
   return parameters;
 }
@@ -69,7 +69,7 @@ EncoderInput::EncoderInput(const NodeSetup& setup)
     : policy_(setup),
       rate_min_(setup.parameters.number("rate_min")),
       rate_max_(setup.parameters.number("rate_max")),
-      initial_(parse_initial(setup.parameters, policy_.passes())) {}
+      initial_(initial_of_encoder(setup.parameters, policy_.passes())) {}
 
 double EncoderInput::rate_of(double x) {
   const double rate = rate_min_ + (x + 1.0) / 2.0 * (rate_max_ - rate_min_);

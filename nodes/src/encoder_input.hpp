@@ -13,6 +13,11 @@ namespace spikeloop {
 
 /// Ports `in` (signal) and `out` (spikes, same width).
 std::vector<PortDescription> encoder_ports();
+/// `initial`, which every encoder has.
+ParameterDescription initial_of_encoder_parameter();
+/// Its value; nothing for `none`. @throws ConfigurationError when it is no number, or outside
+/// [-1, 1] unless `any_value`.
+std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_value);
 /// rate_min, rate_max, initial, out_of_range, not_finite.
 std::vector<ParameterDescription> encoder_parameters();
 

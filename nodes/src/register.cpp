@@ -5,6 +5,7 @@
 #include "discretize.hpp"
 #include "elementwise.hpp"
 #include "linear_readout.hpp"
+#include "nef_encoder.hpp"
 #include "poisson_encoder.hpp"
 #include "rate_encoder.hpp"
 
@@ -18,6 +19,7 @@ void register_nodes(Registry& registry) {
   registry.add(discretize_class());
   registry.add(rate_encoder_class());
   registry.add(poisson_encoder_class());
+  registry.add(nef_encoder_class());
   registry.add(linear_readout_class());
 }
 
