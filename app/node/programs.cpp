@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/nodes/register.hpp"
@@ -26,6 +27,7 @@ constexpr NodeProgram kPrograms[] = {
      "  rate_min=1\n  rate_max=200\n"},
     {"poisson_encoder", "poisson_encoder", nullptr, nullptr, nullptr, false,
      "  rate_min=1\n  rate_max=200\n"},
+    {"nef_encoder", "nef_encoder", nullptr, nullptr, nullptr, false, "  gain_max=200\n"},
     {"linear_readout_decoder", "linear_readout", "weights", "weights_filename",
      "readout_weights.dat", true, "  tau=0.03\n  weights=readout.json\n"},
     {"linear_decoder", "linear_readout", "weights", nullptr, "one_to_one", false, "  tau=0.03\n"},
@@ -73,6 +75,7 @@ music::ProgramText text_of(const NodeProgram& program) {
   text.summary = description.text;
   text.ports = port_lines(description);
   text.parameters = description.parameters;
+  set_dialect_defaults(text.parameters, program.name, Dialect::rma);
   text.example = example_of(program);
   if (program.table != nullptr) {
     for (ParameterDescription& parameter : text.parameters) {
@@ -90,6 +93,7 @@ music::ProgramText text_of(const NodeProgram& program) {
             : "Unless strict=true, a file that is missing or not readable gives 1 / inputs, with a "
               "warning.\n";
   }
+  text.notes += dialect_note(program.name);
   text.defaults.accept_one_tick = program.accept_one_tick;
   return text;
 }
@@ -118,6 +122,27 @@ WrittenValues older_key(const music::Process& process, const NodeProgram& progra
 
 std::uint32_t width_or_zero(const music::Process& process, const std::string& port) {
   return process.connected_input(port, PortKind::signal) ? process.width(port) : 0;
+}
+
+// The weights of linear_decoder cannot be written in an older file.
+bool one_to_one_by_default(const NodeProgram* program, const WrittenValues& written) {
+  return program != nullptr && program->table != nullptr && program->older_key == nullptr &&
+         !written.contains(program->table);
+}
+
+WeightLoader table_loader(const music::Process& process, const NodeClass& node_class) {
+  WeightOptions options;
+  options.base_directory = process.file_directory();
+  options.strict = process.common().strict;
+  options.rows = width_or_zero(process, "out");
+  options.columns = width_or_zero(process, "in");
+  if (reads_grid(node_class.description)) {
+    options.strict = true;
+    options.what = "grid file";
+    options.short_forms = false;
+    options.columns *= 2;
+  }
+  return weight_loader(options);
 }
 
 }  // namespace
@@ -177,29 +202,30 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
 }
 
 Parameters node_parameters(music::Process& process, const NodeClass& node_class) {
-  const auto& declared = node_class.description.parameters;
+  auto declared = node_class.description.parameters;
   std::vector<std::string> names;
   for (const auto& parameter : declared) {
     names.push_back(parameter.name);
   }
   const auto& keys = process.common();
   WrittenValues written = process.written(names);
-  if (const NodeProgram* program = find_node_program(process.program());
-      program != nullptr && program->table != nullptr) {
-    add_older_spelling(written, older_key(process, *program), *program);
+  const NodeProgram* program = find_node_program(process.program());
+  WeightLoader load_table = table_loader(process, node_class);
+  if (one_to_one_by_default(program, written)) {
+    auto uneven =
+        uneven_one_to_one(width_or_zero(process, "in"), width_or_zero(process, "out"), keys.strict);
+    if (uneven) {
+      load_table = [table = std::move(*uneven)](const WrittenValue&) { return table; };
+    }
   }
-  WeightOptions options;
-  options.base_directory = process.file_directory();
-  options.strict = keys.strict;
-  options.rows = width_or_zero(process, "out");
-  options.columns = width_or_zero(process, "in");
-  if (reads_grid(node_class.description)) {
-    options.strict = true;
-    options.what = "grid file";
-    options.short_forms = false;
-    options.columns *= 2;
+  if (program != nullptr) {
+    set_dialect_defaults(declared, program->name, keys.dialect);
+    process.written(ignored_keys(program->name));  // so that they are known
+    if (program->table != nullptr) {
+      add_older_spelling(written, older_key(process, *program), *program);
+    }
   }
-  return resolve(declared, written, weight_loader(options));
+  return resolve(declared, written, load_table);
 }
 
 }  // namespace spikeloop

@@ -38,7 +38,7 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
   words("message_type", "", "Without a mapping file: FloatArray; with one, the file decides");
   number("command_rate", "Hz", program.command_rate,
          "Commands are sent again that often, times rtf; 0: never");
-  number("command_update_rate", "Hz", program.command_rate, "Older spelling of command_rate");
+  number("command_update_rate", "Hz", program.command_rate, "Another spelling of command_rate");
   number("deadband", "1", "0.01",
          "Part of its range by which a field must move to be sent at once");
   number("min_interval", "s", "0.001",
@@ -58,15 +58,24 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
   return parameters;
 }
 
-double command_rate(const Parameters& parameters) {
-  const bool older = parameters.given("command_update_rate");
-  if (older && parameters.given("command_rate")) {
-    throw ConfigurationError(
-        parameters.where("command_update_rate"),
-        "'command_rate' and 'command_update_rate' are two spellings of one key; leave out "
-        "'command_update_rate'");
+// Each family had one of the two spellings and did not look at the other.
+double command_rate(const Parameters& parameters, const RosProgram& program, bool strict) {
+  const std::string own = program.command_rate_key;
+  const std::string other =
+      own == "command_rate" ? "command_update_rate" : std::string("command_rate");
+  if (!parameters.given(own) && parameters.given(other)) {
+    return parameters.number(other);
   }
-  return parameters.number(older ? "command_update_rate" : "command_rate");
+  if (parameters.given(own) && parameters.given(other)) {
+    const std::string text = fmt::format(
+        "'command_rate' and 'command_update_rate' are two spellings of one key; leave out '{}'",
+        other);
+    if (strict) {
+      throw ConfigurationError(parameters.where(other), text);
+    }
+    log::warning("{}, which {} ignores", text, program.name);
+  }
+  return parameters.number(own);
 }
 
 CommandMapping all_channels() {
@@ -124,7 +133,7 @@ std::vector<std::string> field_paths(const CommandMapping& mapping) {
 }
 
 CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
-                                 const command::ComponentMap& map) {
+                                 const command::ComponentMap& map, const RosProgram& program) {
   const auto& keys = process.common();
   const auto wall = [&](double simulated_s) { return from_seconds(simulated_s / keys.rtf); };
   const TimeNs tick = wall(to_seconds(keys.music_timestep));
@@ -136,7 +145,7 @@ CommandSettings command_settings(const music::Process& process, const Parameters
     settings.gate.min_interval = std::max(tick, kLeastInterval);
     settings.gate.tolerance = tick / 2;
   }
-  const double rate = command_rate(parameters);
+  const double rate = command_rate(parameters, program, keys.strict);
   settings.gate.period = rate > 0 ? wall(1 / rate) : 0;
   // Fast ticks repeat commands themselves, with newer values.
   settings.gate.grace = tick < settings.gate.period ? tick + tick / 2 : 0;
@@ -187,7 +196,7 @@ int run_command(music::Process& process, const RosProgram& program) {
           : nullptr;
 
   command::ComponentMap map = component_map(mapping, width);
-  const CommandSettings settings = command_settings(process, parameters, map);
+  const CommandSettings settings = command_settings(process, parameters, map, program);
   if (process.checking()) {
     ros1::Publisher::check(topic, mapping.message_type, field_paths(mapping));
     process.check();

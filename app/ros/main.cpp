@@ -21,6 +21,7 @@ constexpr RosProgram kPrograms[] = {
      .node_name = "cmd_out",
      .topic = "/cmd_vel",
      .command_rate = "20",
+     .command_rate_key = "command_update_rate",
      .mapping_file = "mapping.json"},
 };
 

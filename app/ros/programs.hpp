@@ -15,6 +15,7 @@ struct RosProgram {
   const char* node_name;
   const char* topic = "";         ///< "": must be given
   const char* command_rate = "";  ///< Hz
+  const char* command_rate_key = "command_rate";
   const char* mapping_file = "";  ///< "": none
 };
 

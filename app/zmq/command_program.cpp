@@ -46,6 +46,7 @@ music::ProgramText zmq_command_text() {
 
 int run_zmq_command(music::Process& process) {
   const Parameters parameters = process.read(parameters_of_command());
+  process.written({"zmq_topic"});  // the older programs never read it: so that it is known
   const zmq::PublisherSettings settings{
       .address = parameters.text("zmq_addr"),
       .message_type = required_type(process, parameters, "GymCommand or FloatArray"),

@@ -54,6 +54,7 @@ music::ProgramText zmq_sensor_text() {
 int run_zmq_sensor(music::Process& process) {
   process.set_defaults({.pace = true, .accept_one_tick = false});
   const Parameters parameters = process.read(parameters_of_sensor());
+  process.written({"zmq_topic"});  // the older programs never read it: so that it is known
   zmq::Subscriber subscriber(
       {.address = parameters.text("zmq_addr"),
        .message_type = required_type(process, parameters, "GymObservation or FloatArray"),

@@ -81,11 +81,14 @@ TEST(ObservationReader, MessagesThatDoNotFitAreCroppedWithOneWarningOrRefused) {
   EXPECT_EQ(lax.take_warning(), "");
   EXPECT_TRUE(lax.read("[7]", 0));
   EXPECT_EQ(lax.take_warning(),
-            "a message brought 1 values, but the port has 2 channels: the others keep their value; "
-            "write [1] in its connection");
+            "a message brought 1 values, but the port has 2 channels: the others keep their value, "
+            "0 at first; write [1] in its connection");
   EXPECT_EQ(channels(lax), (std::vector<double>{7, 5}));
   EXPECT_EQ(lax.counts().cropped, 2u);
   EXPECT_EQ(lax.counts().short_messages, 1u);
+  ObservationReader fresh("FloatArray", 3, false);
+  EXPECT_TRUE(fresh.read("[7]", 0));
+  EXPECT_EQ(channels(fresh), (std::vector<double>{7, 0, 0}));
   ObservationReader strict("FloatArray", 2, true);
   try {
     strict.read("[1]", 0);

@@ -98,10 +98,14 @@ void ObservationReader::fit(std::size_t count) {
   }
   std::uint64_t& counter = count > channels_.size() ? counts_.cropped : counts_.short_messages;
   if (++counter == 1) {
-    warning_ = fmt::format(
-        "{}: {}; write [{}] in its connection", text,
-        count > channels_.size() ? "the last ones are left out" : "the others keep their value",
-        count);
+    warning_ = fmt::format("{}: {}; write [{}] in its connection", text,
+                           count > channels_.size() ? "the last ones are left out"
+                                                    : "the others keep their value, 0 at first",
+                           count);
+  }
+  // As in the older program: a channel that nothing has filled yet must not hold back the others.
+  for (std::size_t i = count; i < channels_.size(); ++i) {
+    channels_[i] = std::isnan(channels_[i]) ? 0.0 : channels_[i];
   }
 }
 
