@@ -146,6 +146,44 @@ TEST(EffectiveFile, CountsTheTicksThatDataNeedBesideThePaceConnection) {
             "9");
 }
 
+// Beside five connections MUSIC serves the pace in batches of six ticks; two more are grace. The
+// command adapter's own choice, 0.1 s or three ticks, is enough for short ticks.
+TEST(EffectiveFile, AWatchdogWaitsForTheNextBatch) {
+  const auto watchdog = [](const std::string& globals) {
+    return value(effective(globals + kLoop), "command", "watchdog");
+  };
+  EXPECT_EQ(watchdog("music_timestep=0.05\n"), "0.4");
+  EXPECT_EQ(watchdog("music_timestep=0.05\nrtf=0.5\n"), "0.8");
+  EXPECT_EQ(watchdog("music_timestep=0.001\n"), "-");
+  EXPECT_EQ(watchdog("music_timestep=0.001\nrtf=slow\n"), "-");
+  EXPECT_EQ(watchdog("music_timestep=0.05\nwatchdog=0.2\n"), "0.2");
+  EXPECT_EQ(value(effective("music_timestep=0.05\n" + std::string(kLoop), {.pace = false}),
+                  "command", "watchdog"),
+            "-");
+}
+
+TEST(EffectiveFile, ProgramsOfDialectMaEndAfterASecond) {
+  const std::string loop = std::string(kLoop).substr(std::string("\nstoptime=10").size());
+  EXPECT_EQ(value(effective(loop), "sensor", "stoptime"), "-");
+  const MusicFile file = effective("dialect=ma" + loop);
+  EXPECT_EQ(value(file, "sensor", "stoptime"), "1");
+  EXPECT_EQ(value(file, "brain", "stoptime"), "-") << "it is somebody else's";
+  EXPECT_EQ(total_time(file), 1.0);
+  EXPECT_EQ(value(effective("dialect=ma" + std::string(kLoop)), "sensor", "stoptime"), "10");
+  EXPECT_EQ(value(effective("dialect=auto" + loop), "sensor", "stoptime"), "-");
+  std::string other = loop;
+  other.replace(other.find("ros_sensor_adapter"), 18, "zmq_cont_adapter");
+  try {
+    effective("dialect=auto" + other);
+    FAIL();
+  } catch (const ConfigurationError& error) {
+    EXPECT_STREQ(error.what(),
+                 "loop.music:1:1: dialect=auto cannot choose: connect_adapter is a program of "
+                 "dialect rma, and zmq_cont_adapter one of dialect ma; write dialect=rma or "
+                 "dialect=ma");
+  }
+}
+
 TEST(EffectiveFile, ASensorThatIsConnectedToTheCommandAloneNeedsNoExtraTick) {
   const MusicFile file = effective(R"(
 [sensor]

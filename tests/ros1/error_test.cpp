@@ -51,7 +51,8 @@ TEST_F(ErrorTest, missing_and_wrong_keys) {
   EXPECT_THAT(outcome_of(sensor_ + "initial=many", command_).text(),
               HasSubstr("; or write initial=none"));
   EXPECT_THAT(
-      outcome_of(sensor_, command_ + "command_rate=10\ncommand_update_rate=20").text(),
+      outcome_of(sensor_, command_ + "command_rate=10\ncommand_update_rate=20", "strict=true")
+          .text(),
       HasSubstr("'command_rate' and 'command_update_rate' are two spellings of one key; leave out "
                 "'command_update_rate'"));
 }

@@ -46,12 +46,15 @@ void check_sync(const WrittenValues& written) {
   }
 }
 
-TimeNs latency(const Parameters& parameters, const CommonDefaults& defaults, Dialect dialect,
-               TimeNs tick) {
+// The older program accepted a tick of latency and added it to the times of all spikes. Otherwise
+// its sums would miss the newest ones, which come a tick late.
+void set_latency(const Parameters& parameters, const CommonDefaults& defaults, CommonKeys& keys) {
   if (parameters.given("accept_latency")) {
-    return from_seconds(parameters.number("accept_latency"));
+    keys.accept_latency = from_seconds(parameters.number("accept_latency"));
+  } else if (defaults.accept_one_tick && keys.dialect == Dialect::rma) {
+    keys.accept_latency = keys.music_timestep;
+    keys.spike_delay = keys.music_timestep;
   }
-  return defaults.accept_one_tick && dialect == Dialect::rma ? tick : 0;
 }
 
 }  // namespace
@@ -86,7 +89,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
               "blocks a channel for ever after an earlier one"),
       number("accept_latency", "s", "0", 0,
              defaults.accept_one_tick
-                 ? "acceptable latency of spike inputs; in dialect rma one tick unless written"
+                 ? "acceptable latency of spike inputs; in dialect rma, unless written, one tick, "
+                   "which is added to their times"
                  : "acceptable latency of spike inputs; a tick of it delays them by one tick"),
       {"signal_delay",
        ParameterType::integer,
@@ -130,7 +134,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   keys.rtf = parameters.number("rtf");
   keys.unpaced = parameters.text("sync") == "unpaced";
   keys.stamp_guard = parameters.boolean("stamp_guard");
-  keys.accept_latency = latency(parameters, defaults, keys.dialect, keys.music_timestep);
+  set_latency(parameters, defaults, keys);
   keys.signal_delay = static_cast<int>(parameters.integer("signal_delay"));
   keys.record = parameters.boolean("record");
   return keys;

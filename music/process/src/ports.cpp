@@ -1,6 +1,7 @@
 // MUSIC ports as sources and sinks. Every connection gets maxBuffered 1 on our side: MUSIC's
 // default would batch up to a whole run.
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "process_impl.hpp"
@@ -49,8 +50,11 @@ class SignalSource : public Source {
 
 class SpikeSource : public Source, private MUSIC::EventHandlerGlobalIndex {
  public:
-  SpikeSource(MUSIC::Setup& setup, const EndpointPort& port, TimeNs accept_latency)
+  SpikeSource(MUSIC::Setup& setup, const EndpointPort& port, TimeNs accept_latency, TimeNs delay)
       : port_(port), inbox_(port.width) {
+    if (delay != 0) {
+      delay_.emplace(delay);
+    }
     // A foreign sender may map fewer or more channels than the file says. The wildcard takes
     // whatever comes, and the inbox counts what does not belong.
     MUSIC::LinearIndex any(0, MUSIC::Index::WILDCARD_MAX);
@@ -60,7 +64,8 @@ class SpikeSource : public Source, private MUSIC::EventHandlerGlobalIndex {
   std::vector<EndpointPort> ports() const override { return {port_}; }
 
   void receive(const Step& step) override {
-    step.spike_output().emit(inbox_.spikes());
+    step.spike_output().emit(delay_ ? delay_->pass(inbox_.spikes(), step.interval())
+                                    : inbox_.spikes());
     inbox_.clear();
   }
   std::vector<Counter> counters() const override {
@@ -73,6 +78,7 @@ class SpikeSource : public Source, private MUSIC::EventHandlerGlobalIndex {
 
   EndpointPort port_;
   SpikeInbox inbox_;
+  std::optional<SpikeDelay> delay_;
 };
 
 class SignalSink : public Sink {
@@ -133,8 +139,8 @@ std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPo
   return std::make_unique<SignalSource>(setup, port, delay);
 }
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
-                                          TimeNs accept_latency) {
-  return std::make_unique<SpikeSource>(setup, port, accept_latency);
+                                          TimeNs accept_latency, TimeNs delay) {
+  return std::make_unique<SpikeSource>(setup, port, accept_latency, delay);
 }
 std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port) {
   return std::make_unique<SignalSink>(setup, port);

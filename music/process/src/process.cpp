@@ -142,7 +142,8 @@ std::unique_ptr<Source> Process::spike_input(const std::string& port) {
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::spikes, width};
   return impl_->checking ? make_idle_source(end)
-                         : make_spike_source(impl_->open_setup(), end, common().accept_latency);
+                         : make_spike_source(impl_->open_setup(), end, common().accept_latency,
+                                             common().spike_delay);
 }
 
 std::unique_ptr<Sink> Process::signal_output(const std::string& port) {

@@ -66,7 +66,7 @@ struct Process::Impl {
 std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port,
                                            TimeNs delay);
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
-                                          TimeNs accept_latency);
+                                          TimeNs accept_latency, TimeNs delay);
 std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port);
 std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
                                       bool stamp_guard);

@@ -21,6 +21,21 @@ void SpikeInbox::add(double seconds, int id) {
   }
 }
 
+std::span<const Spike> SpikeDelay::pass(std::span<const Spike> spikes, const Interval& interval) {
+  for (const Spike& spike : spikes) {
+    waiting_.push_back(make_spike(spike.time_ns + delay_, spike.channel));
+  }
+  due_.clear();
+  std::erase_if(waiting_, [&](const Spike& spike) {
+    const bool due = spike.time_ns <= interval.end;
+    if (due) {
+      due_.push_back(spike);
+    }
+    return due;
+  });
+  return due_;
+}
+
 bool SignalBlock::update(std::span<const double> values) {
   if (std::memcmp(values.data(), values_.data(), values_.size() * sizeof(double)) == 0) {
     return false;

@@ -17,7 +17,7 @@ TEST(Standalone, EveryNameHasItsHelp) {
   for (const std::string name :
        {"rate_encoder", "poisson_encoder", "connect_adapter", "cont_cont_adapter",
         "threshold_adapter", "sigmoid_adapter", "argmax_adapter", "discretize_adapter",
-        "linear_readout_decoder", "linear_decoder", "spikeloop-node"}) {
+        "nef_encoder", "linear_readout_decoder", "linear_decoder", "spikeloop-node"}) {
     const auto outcome = run_program(name, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, "");
@@ -27,6 +27,8 @@ TEST(Standalone, EveryNameHasItsHelp) {
     }
   }
   EXPECT_TRUE(run_program("rate_encoder", {"--help"}).says("rate_max"));
+  EXPECT_TRUE(run_program("rate_encoder", {"--help"}).says("Defaults in dialect ma: initial=0."));
+  EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("tau_m=0.01, v_th=15, gain_min=100"));
   EXPECT_TRUE(run_program("linear_readout_decoder", {"--help"}).says("readout_weights.dat"));
   EXPECT_TRUE(run_program("connect_adapter", {"--help"}).says("connection_weights.dat"));
   EXPECT_TRUE(run_program("cont_cont_adapter", {"--help"}).says("weights.json"));

@@ -6,12 +6,13 @@ namespace spikeloop::music {
 namespace {
 
 CommonKeys parse(const std::map<std::string, std::string>& texts,
-                 const CommonDefaults& defaults = {}) {
+                 const CommonDefaults& defaults = {},
+                 const std::vector<std::string>& programs = {}) {
   WrittenValues written;
   for (const auto& [name, text] : texts) {
     written[name] = {text, {"loop.music", 7, 3}};
   }
-  return parse_common_keys(written, defaults);
+  return parse_common_keys(written, defaults, programs);
 }
 
 std::string error_of(const std::map<std::string, std::string>& texts) {
@@ -82,9 +83,33 @@ TEST(CommonKeys, LetTheSourceOfAJobPaceByDefault) {
 TEST(CommonKeys, AcceptOneTickOnlyInTheDialectWhoseProgramDid) {
   const CommonDefaults decoder{.accept_one_tick = true};
   EXPECT_EQ(parse({{"music_timestep", "0.002"}}, decoder).accept_latency, 2'000'000);
+  EXPECT_EQ(parse({{"music_timestep", "0.002"}}, decoder).spike_delay, 2'000'000);
   EXPECT_EQ(parse({{"dialect", "ma"}}, decoder).accept_latency, 0);
-  EXPECT_EQ(parse({{"dialect", "auto"}}, decoder).accept_latency, 0);
+  EXPECT_EQ(parse({{"dialect", "ma"}}, decoder).spike_delay, 0);
+  EXPECT_EQ(parse({{"accept_latency", "0.001"}}, decoder).spike_delay, 0);
+  EXPECT_EQ(parse({{"dialect", "auto"}}, decoder, {"linear_decoder"}).accept_latency, 0);
+  EXPECT_EQ(parse({{"dialect", "auto"}}, decoder).accept_latency, 1'000'000);
   EXPECT_EQ(parse({{"accept_latency", "0"}}, decoder).accept_latency, 0);
+}
+
+TEST(CommonKeys, EndAfterOneSecondInTheDialectWhoseProgramsDid) {
+  EXPECT_FALSE(parse({{"dialect", "rma"}}).stoptime.has_value());
+  EXPECT_EQ(parse({{"dialect", "ma"}}).stoptime, kNsPerSecond);
+  EXPECT_EQ(parse({{"dialect", "ma"}, {"stoptime", "5"}}).stoptime, 5 * kNsPerSecond);
+}
+
+TEST(CommonKeys, AutoIsTheDialectOfTheJobsPrograms) {
+  const auto dialect_of = [](const std::vector<std::string>& programs) {
+    return parse({{"dialect", "auto"}}, {}, programs).dialect;
+  };
+  EXPECT_EQ(dialect_of({"rate_encoder"}), Dialect::rma);
+  EXPECT_EQ(dialect_of({"rate_encoder", "cont_zmq_adapter"}), Dialect::ma);
+  try {
+    dialect_of({"connect_adapter", "cont_zmq_adapter"});
+    FAIL();
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(std::string(error.what()).find("loop.music:7:3: dialect=auto cannot choose: "), 0U);
+  }
 }
 
 TEST(CommonKeys, SayWhatIsWrongAndWhatToWrite) {

@@ -34,6 +34,22 @@ TEST(MusicSeconds, IsTheDoubleThatAForeignProgramComputes) {
   EXPECT_EQ(music_seconds(123'456'789), 0.123456789);
 }
 
+TEST(SpikeDelay, MakesEarlyAndLateSpikesComeAtOneTime) {
+  const auto times = [](std::span<const Spike> spikes) {
+    std::vector<TimeNs> result;
+    for (const Spike& spike : spikes) {
+      result.push_back(spike.time_ns);
+    }
+    return result;
+  };
+  SpikeDelay delay(100);
+  const std::vector<Spike> first = {make_spike(110, 0), make_spike(20, 1), make_spike(200, 2)};
+  // Spike 1 came late; spike 0 is due in the next interval, spike 2 at the very end of it.
+  EXPECT_EQ(times(delay.pass(first, {100, 200})), std::vector<TimeNs>{120});
+  EXPECT_EQ(times(delay.pass({}, {200, 300})), (std::vector<TimeNs>{210, 300}));
+  EXPECT_TRUE(delay.pass({}, {300, 400}).empty());
+}
+
 TEST(SpikeInbox, KeepsTimesToTheNanosecondThroughFortyDays) {
   SpikeInbox inbox(1);
   const TimeNs forty_days = TimeNs{40} * 86400 * kNsPerSecond;

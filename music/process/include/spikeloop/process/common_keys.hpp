@@ -33,6 +33,7 @@ struct CommonKeys {
   bool unpaced = false;            ///< sync=unpaced: nobody waits
   bool stamp_guard = true;    ///< keep outgoing spikes 1 us away from the begin of their interval
   TimeNs accept_latency = 0;  ///< of spike inputs
+  TimeNs spike_delay = 0;     ///< of spike inputs: added to their times
   int signal_delay = 0;       ///< whole ticks by which MUSIC delays continuous inputs
   bool record = false;
 };

@@ -44,6 +44,22 @@ class SpikeInbox {
   std::uint64_t without_time_ = 0;
 };
 
+/// Moves spikes to later times: those that MUSIC brings early wait here until they are due, those
+/// that it brings late are no longer late.
+class SpikeDelay {
+ public:
+  explicit SpikeDelay(TimeNs delay) : delay_(delay) {}
+
+  /// The spikes that are due by the interval's end, with their new times; valid until the next
+  /// call.
+  std::span<const Spike> pass(std::span<const Spike> spikes, const Interval& interval);
+
+ private:
+  TimeNs delay_;
+  std::vector<Spike> waiting_;
+  std::vector<Spike> due_;
+};
+
 /// Gives a block of numbers without validity or revision both: all NaN is "no value yet", and a
 /// change of any bit is a new revision.
 class SignalBlock {
