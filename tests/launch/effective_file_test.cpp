@@ -157,8 +157,10 @@ TEST(EffectiveFile, AWatchdogWaitsForTheNextBatch) {
   EXPECT_EQ(watchdog("music_timestep=0.001\n"), "-");
   EXPECT_EQ(watchdog("music_timestep=0.001\nrtf=slow\n"), "-");
   EXPECT_EQ(watchdog("music_timestep=0.05\nwatchdog=0.2\n"), "0.2");
-  EXPECT_EQ(value(effective("music_timestep=0.05\n" + std::string(kLoop), {.pace = false}),
-                  "command", "watchdog"),
+  RunOptions no_pace;
+  no_pace.pace = false;
+  EXPECT_EQ(value(effective("music_timestep=0.05\n" + std::string(kLoop), no_pace), "command",
+                  "watchdog"),
             "-");
 }
 

@@ -145,9 +145,10 @@ TEST(EncoderParameters, RatesHaveBounds) {
 TEST(Register, ClassesHaveTextsForTheReference) {
   Registry registry;
   register_nodes(registry);
-  EXPECT_EQ(registry.names(),
-            (std::vector<std::string>{"argmax", "connect", "discretize", "linear_readout",
-                                      "poisson_encoder", "rate_encoder", "sigmoid", "threshold"}));
+  EXPECT_EQ(
+      registry.names(),
+      (std::vector<std::string>{"argmax", "connect", "discretize", "linear_readout", "nef_encoder",
+                                "poisson_encoder", "rate_encoder", "sigmoid", "threshold"}));
   for (const std::string& name : registry.names()) {
     const NodeDescription& description = registry.find(name).description;
     EXPECT_FALSE(description.text.empty());

@@ -235,6 +235,20 @@ TEST_F(OlderRosExample, VehicleOfRosMusicAdaptersDrives) {
   expect_commands(0.004, 0.006);
 }
 
+// As its users start it. Without the launcher there is no pace connection beside the data.
+TEST_F(OlderRosExample, VehicleDrivesUnderMusicsOwnLauncher) {
+  write_vehicle("[[0.002, 0.002], [-0.004, 0.004]]", 2);
+  publish_scans();
+  Command command = music_job(job_.directory, 6, vehicle(), "vehicle.music");
+  command.environment["PATH"] = std::string(SPIKELOOP_BIN) + ":" + getenv("PATH");
+  command.environment["ROS_MASTER_URI"] = core_.uri();
+  command.environment["ROS_HOSTNAME"] = "localhost";
+  const Outcome outcome = run(command);
+  expect_clean(outcome);
+  EXPECT_THAT(warnings(outcome), ElementsAre(kCropped)) << outcome.text();
+  expect_commands(0.002, 0.004);
+}
+
 TEST_F(OlderRosExample, StrictDoesNotCropAScan) {
   write_vehicle("[[0.002, 0.002], [-0.004, 0.004]]", 2);
   publish_scans();
