@@ -119,7 +119,7 @@ TEST_F(OlderZmqExample, SpikesOfAnObservation) {
   }
 }
 
-// Here `one_hot` is given, and a key that the program never read.
+// Keys that never did anything, or do nothing any more, are no fault in a strict file either.
 TEST_F(OlderZmqExample, NeuronsReachAScriptUnderAPortOfItsOwn) {
   job_.stand_in("neurons.py");
   const std::string text = fmt::format(
@@ -133,11 +133,13 @@ TEST_F(OlderZmqExample, NeuronsReachAScriptUnderAPortOfItsOwn) {
       in_port_);
   const ZmqPeer peer(in_port_, out_port_, three_readings);
   ASSERT_TRUE(peer.bound());
-  const Outcome outcome = run(job_.command(text));
-  expect_clean(outcome);
-  EXPECT_THAT(warnings(outcome), ElementsAre()) << outcome.text();
-  EXPECT_THAT(outcome.text(), testing::ContainsRegex("stand-in: [1-9][0-9]* spikes, highest "
-                                                     "channel [1-9][0-9]"));
+  for (const std::string first : {"", "strict=true\n"}) {
+    const Outcome outcome = run(job_.command(first + text));
+    expect_clean(outcome);
+    EXPECT_THAT(warnings(outcome), ElementsAre()) << outcome.text();
+    EXPECT_THAT(outcome.text(), testing::ContainsRegex("stand-in: [1-9][0-9]* spikes, highest "
+                                                       "channel [1-9][0-9]"));
+  }
 }
 
 // The observation has one entry and the port three channels: the older program left the others 0.
@@ -173,6 +175,21 @@ TEST_F(OlderZmqExample, SaysWhichKeysTheOlderProgramsDemandedToo) {
   EXPECT_THAT(run(job_.command("stoptime=1.\n" + input("") + output() + connection)).text(),
               HasSubstr("section 'input' has no message_type; write message_type=GymObservation "
                         "or FloatArray"));
+}
+
+// The older decoder wrote past its memory here.
+TEST_F(OlderZmqExample, SurplusNeuronsHaveNoOutput) {
+  const std::string text =
+      "stoptime=0.5\n" + input() + section("encoder", "nef_encoder", "") +
+      section("decoder", "linear_decoder", "") + output() +
+      "input.out->encoder.in[3]\nencoder.out->decoder.in[5]\ndecoder.out->output.in[2]\n";
+  const ZmqPeer peer(in_port_, out_port_, three_readings);
+  ASSERT_TRUE(peer.bound());
+  const Outcome outcome = run(job_.command(text));
+  expect_clean(outcome);
+  EXPECT_THAT(warnings(outcome),
+              ElementsAre("warning: port 'in' has 5 channels and port 'out' 2: inputs from channel "
+                          "2 on are left out; make both connections equally wide"));
 }
 
 TEST_F(OlderZmqExample, StrictDoesNotDecodeOntoAWiderPort) {
