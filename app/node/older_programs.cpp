@@ -16,13 +16,10 @@ struct DialectDefault {
   const char* ma;
 };
 
-// An encoder began with the value that stood in its input before the first one came.
 constexpr DialectDefault kDefaults[] = {
-    {"rate_encoder", "initial", "-1", "0"},    {"poisson_encoder", "initial", "0", "0"},
-    {"nef_encoder", "initial", "0", "0"},      {"nef_encoder", "tau_m", "0.02", "0.01"},
-    {"nef_encoder", "v_th", "10", "15"},       {"nef_encoder", "gain_min", "0", "100"},
-    {"nef_encoder", "gain_max", "300", "100"}, {"nef_encoder", "bias_min", "0", "275"},
-    {"nef_encoder", "bias_max", "200", "475"},
+    {"nef_encoder", "tau_m", "0.02", "0.01"}, {"nef_encoder", "v_th", "10", "15"},
+    {"nef_encoder", "gain_min", "0", "100"},  {"nef_encoder", "gain_max", "300", "100"},
+    {"nef_encoder", "bias_min", "0", "275"},  {"nef_encoder", "bias_max", "200", "475"},
 };
 
 }  // namespace

@@ -36,40 +36,25 @@ class DialectOfAJob : public testing::Test {
   OlderJob job_;
 };
 
-TEST_F(DialectOfAJob, DecidesWhatAnEncoderEncodesBeforeTheFirstValue) {
+TEST_F(DialectOfAJob, HasSilentEncodersUnlessAnInitialValueIsWritten) {
   const std::string rates = "stoptime=2\nrate_min=10\nrate_max=100\n";
   const std::vector<std::pair<std::string, double>> expected = {
-      {"", 10},                       // the input -1
-      {"dialect=rma\n", 10},          //
-      {"dialect=ma\n", 55},           // the input 0
-      {"dialect=auto\n", 55},         // zmq_cont_adapter is a program of ma
-      {"initial=none\n", 0},          //
-      {"dialect=ma\ninitial=1", 100}  // what is written holds
+      {"", 0},
+      {"initial=-1\n", 10},  // as rma began
+      {"initial=0\n", 55},   // as ma began
   };
   for (const auto& [keys, rate] : expected) {
     // `initial` is a key of the sensor, too, which must have no value here.
-    std::string text = silent_job(rates, "rate_encoder\n  " + keys);
-    if (keys.starts_with("dialect")) {
-      text.insert(0, keys.substr(0, keys.find('\n') + 1));
-    }
-    const Outcome outcome = run(job_.command(text));
+    const Outcome outcome = run(job_.command(silent_job(rates, "rate_encoder\n  " + keys)));
     expect_clean(outcome);
     EXPECT_NEAR(static_cast<double>(spikes_in(outcome)), 2 * rate, 2) << keys << outcome.text();
   }
 }
 
-TEST_F(DialectOfAJob, PoissonEncodersBeganInTheMiddleInBoth) {
-  for (const char* dialect : {"rma", "ma"}) {
-    const Outcome outcome = run(job_.command(silent_job(
-        fmt::format("stoptime=2\nrate_max=2000\ndialect={}", dialect), "poisson_encoder")));
-    expect_clean(outcome);
-    EXPECT_NEAR(static_cast<double>(spikes_in(outcome)), 2000, 4 * std::sqrt(2000) + 20) << dialect;
-  }
-}
-
 // The script goes on for 3 s; the encoder ends after the 1 s that dialect ma has for stoptime.
 TEST_F(DialectOfAJob, OfMusicAdaptersEndsAfterASecond) {
-  const std::string text = silent_job("dialect=auto\nrate_min=10\n", "rate_encoder", "3");
+  const std::string text =
+      silent_job("dialect=auto\nrate_min=10\n", "rate_encoder\n  initial=0", "3");
   const Outcome launched = run(job_.command(text));
   expect_clean(launched);
   EXPECT_NEAR(static_cast<double>(spikes_in(launched)), 55, 2) << launched.text();

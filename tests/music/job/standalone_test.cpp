@@ -27,7 +27,7 @@ TEST(Standalone, EveryNameHasItsHelp) {
     }
   }
   EXPECT_TRUE(run_program("rate_encoder", {"--help"}).says("rate_max"));
-  EXPECT_TRUE(run_program("rate_encoder", {"--help"}).says("Defaults in dialect ma: initial=0."));
+  EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("Defaults in dialect ma: tau_m=0.01"));
   EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("tau_m=0.01, v_th=15, gain_min=100"));
   EXPECT_TRUE(run_program("linear_readout_decoder", {"--help"}).says("readout_weights.dat"));
   EXPECT_TRUE(run_program("connect_adapter", {"--help"}).says("connection_weights.dat"));
