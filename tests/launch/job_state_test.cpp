@@ -219,6 +219,15 @@ TEST_F(State, WhoAbortsSaysSoItself) {
   EXPECT_EQ(state_.explain(9).exit_code, 9);
 }
 
+TEST_F(State, ThenWhoWasEndedFirst) {
+  tell("c", "terminated");
+  tell("a", "terminated");
+  EXPECT_EQ(state_.explain(1).message, "mpirun ended with exit code 1") << "which was ended itself";
+  EXPECT_EQ(state_.explain(143).message,
+            "'c' (linear_readout_decoder) was ended by signal 15 (Terminated)");
+  EXPECT_EQ(state_.explain(143).exit_code, 143);
+}
+
 TEST_F(State, ThenWhatMpirunSaidLast) {
   EXPECT_EQ(state_.explain(3).message, "mpirun ended with exit code 3");
   line({}, "not enough slots");

@@ -1,6 +1,7 @@
 #include "job_state.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <string.h>
 
 #include <algorithm>
@@ -66,6 +67,8 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.pid = value_of<pid_t>(message, "pid", 0);
   } else if (type == "first_tick") {
     process.ticked = true;
+  } else if (type == "terminated" && terminated_.empty()) {
+    terminated_ = label;
   } else if (type == "alive") {
     process.phase = status::phase_named(value_of(message, "phase", std::string()));
   } else if (type == "progress") {
@@ -165,6 +168,10 @@ Failure JobState::explain(int mpirun_exit_code) const {
     return {diagnosis_.exit_code().value_or(otherwise), music_error_};
   }
   const auto rank = diagnosis_.rank() ? diagnosis_.rank() : aborted_;
+  if (!rank && mpirun_exit_code == 128 + SIGTERM && !terminated_.empty()) {
+    return {mpirun_exit_code, fmt::format("{} was ended by signal {} ({})", shown(terminated_),
+                                          SIGTERM, strsignal(SIGTERM))};
+  }
   if (!rank) {
     return {otherwise,
             fmt::format(

@@ -88,6 +88,7 @@ class JobState {
   std::string last_words_of_mpirun_;
   std::map<int, std::string> last_words_;  ///< by rank, of standard error
   MpirunDiagnosis diagnosis_;
+  std::string terminated_;      ///< label of the first that SIGTERM has ended
   std::optional<int> aborted_;  ///< the rank that called MPI_Abort
 };
 

@@ -35,6 +35,7 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   impl_->status.emplace(impl_->label);
   impl_->status->started();
   impl_->heartbeat.emplace(*impl_->status);
+  impl_->on_termination.emplace([this] { impl_->status->terminated(); });
   const MPI_Comm own = impl_->setup->communicator();
   int size = 1;
   MPI_Comm_size(own, &size);

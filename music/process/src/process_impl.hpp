@@ -17,6 +17,7 @@
 #include "job_file.hpp"
 #include "recording.hpp"
 #include "spikeloop/process/process.hpp"
+#include "spikeloop/process/signals.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::music {
@@ -35,6 +36,7 @@ struct Process::Impl {
   std::set<std::string> asked;   ///< keys that some code has looked up
   std::optional<status::Sender> status;
   std::optional<Heartbeat> heartbeat;
+  std::optional<TerminationHook> on_termination;
   std::unique_ptr<Recording> recording;
 
   /// @throws std::logic_error after run() has begun.

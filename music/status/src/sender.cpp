@@ -120,6 +120,12 @@ void Sender::alive(Phase phase, TimeNs simulated) const {
   send_text(socket_.get(), text_of(alive), milliseconds{0});
 }
 
+void Sender::terminated() const {
+  if (socket_.get() >= 0) {
+    send_text(socket_.get(), text_of(message("terminated")), milliseconds{0});
+  }
+}
+
 void Sender::report(const json& counters, const json& summary) const {
   if (socket_.get() < 0) {
     return;

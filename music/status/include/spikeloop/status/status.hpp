@@ -63,6 +63,8 @@ class Sender {
   /// Once at the end. Waits up to 1 s for room. A report that does not fit a datagram (at least
   /// 200 kB do) is replaced by one whose member `too_large` holds its size.
   void report(const nlohmann::json& counters, const nlohmann::json& summary) const;
+  /// SIGTERM ends the process. Never waits.
+  void terminated() const;
   /// Before the process ends because of an error. Waits up to 1 s for room; a message longer than
   /// 64 kB is cut.
   void failure(int exit_code, std::string_view message) const;
