@@ -114,6 +114,24 @@ TEST_F(WatchTest, ticks_from_a_fast_loop_never_count_as_silence) {
   EXPECT_EQ(silent_, 0);
 }
 
+TEST_F(WatchTest, beats_before_during_and_after_silence) {
+  std::atomic<int> beats{0};
+  Watch::Actions with_beat = actions();
+  with_beat.beat = [&](TimeNs now) {
+    ++beats;
+    return now + 5 * kMs;
+  };
+  Watch watch(20 * kMs, with_beat);
+  EXPECT_TRUE(eventually([&] { return beats >= 3; })) << "no tick yet";
+  watch.heartbeat();
+  EXPECT_TRUE(eventually([&] { return silent_ == 1; }));
+  const int before = beats;
+  EXPECT_TRUE(eventually([&] { return beats >= before + 3; }));
+  watch.rest();
+  const int later = beats;
+  EXPECT_TRUE(eventually([&] { return beats >= later + 3; }));
+}
+
 /// Without file descriptors while it lives.
 class NoDescriptors {
  public:

@@ -71,7 +71,7 @@ struct Watch::Impl {
   void run() {
     while (!ending.load()) {
       const TimeNs now = wall_now();
-      const TimeNs deadline = std::min(check_ticks(now), send_due(now));
+      const TimeNs deadline = std::min({check_ticks(now), send_due(now), beat_due(now)});
       // Whoever brings an earlier time from now on wakes us.
       sleeping_until.store(deadline);
       if (due.load() < deadline) {
@@ -110,6 +110,14 @@ struct Watch::Impl {
     return next;
   }
 
+  /// Also while the loop is silent: whoever listens waits for the end of this thread.
+  TimeNs beat_due(TimeNs now) {
+    if (next_beat <= now) {
+      next_beat = actions.beat ? actions.beat(now) : kNever;
+    }
+    return next_beat;
+  }
+
   void wait(TimeNs deadline) {
     pollfd descriptors[2] = {{signals.get(), POLLIN, 0}, {wakeup.get(), POLLIN, 0}};
     timespec left{};
@@ -139,6 +147,7 @@ struct Watch::Impl {
   std::atomic<TimeNs> last_beat{kResting};
   std::atomic<TimeNs> due{kNever};
   std::atomic<TimeNs> sleeping_until{kNever};
+  TimeNs next_beat = 0;  ///< the thread's own
   std::thread thread;
 };
 

@@ -15,7 +15,9 @@ class Watch {
   struct Actions {
     std::function<void(StopReason)> stop;    ///< with `silent` or `continued`: zero command, now
     std::function<TimeNs(TimeNs now)> poll;  ///< sends what is due; returns when to call again
-    std::function<void()> interrupted;       ///< SIGINT has come
+    std::function<void()> interrupted{};     ///< SIGINT has come
+    /// Tells somebody outside that the watch lives; returns when to call again. May be left out.
+    std::function<TimeNs(TimeNs now)> beat{};
   };
 
   /// Blocks SIGCONT and SIGINT in the calling thread, and so in every thread it starts afterwards.
