@@ -5,8 +5,8 @@
 #include <cerrno>
 #include <utility>
 
-#include "address.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/status/address.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::status {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "address.hpp"
+#include "spikeloop/status/address.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::status {

@@ -1,4 +1,4 @@
-// What both ends of the status socket need.
+// What both ends of a Unix socket need.
 #pragma once
 
 #include <sys/socket.h>

@@ -1,0 +1,72 @@
+// When a guard stops the robot. A pure function of messages and times, so that every rule is a
+// test.
+#pragma once
+
+#include <optional>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::guard {
+
+/// A command adapter says so often that it lives.
+inline constexpr TimeNs kBeatPeriod = 20'000'000;
+/// Its watchdog and that much without a beat: then it cannot stop the robot itself. The thread that
+/// beats may be that late on a busy machine.
+inline constexpr TimeNs kMargin = 100'000'000;
+
+/// A robot that is stopped gets this many zero commands, so that one is the last whatever was still
+/// on its way; then no more: somebody else may want to drive.
+inline constexpr int kZeros = 5;
+inline constexpr TimeNs kZeroInterval = 50'000'000;
+/// Zeros that no subscriber could hear do not count, but this is the end of them.
+inline constexpr TimeNs kLongestStop = kNsPerSecond;
+
+/// Later than any time.
+inline constexpr TimeNs kNever = INT64_MAX;
+
+enum class Cause {
+  lost,   ///< the connection has ended, and the adapter has not said that it stopped the robot
+  silent  ///< no beat for too long
+};
+
+/// The watch over one command adapter. All times are wall time.
+class Vigil {
+ public:
+  /// @param watchdog the adapter's own: how long it leaves the robot without a new command
+  Vigil(TimeNs watchdog, TimeNs now);
+
+  void beat(TimeNs now);
+  /// The adapter has stopped the robot for good.
+  void done();
+  /// The connection has ended.
+  void lost(TimeNs now);
+
+  /// True: a zero command leaves now.
+  /// @param heard whether anybody subscribes to the commands
+  bool poll(TimeNs now, bool heard);
+  /// When poll() may say true if nothing comes.
+  TimeNs next_due() const;
+
+  /// Zeros are still to be sent.
+  bool stopping() const { return state_ == State::stopping; }
+  /// Nothing more can come of it.
+  bool over() const { return state_ == State::over; }
+  /// Why the robot was stopped; nothing while the adapter drives it, or has stopped it itself.
+  std::optional<Cause> cause() const { return cause_; }
+  /// Longest time without a beat.
+  TimeNs deadline() const { return deadline_; }
+
+ private:
+  void begin(Cause cause, TimeNs now);
+
+  enum class State { watching, stopping, silent, over };
+  TimeNs deadline_;
+  TimeNs last_beat_;
+  State state_ = State::watching;
+  std::optional<Cause> cause_;
+  TimeNs stopping_since_ = 0;
+  TimeNs next_zero_ = 0;
+  int zeros_left_ = 0;
+};
+
+}  // namespace spikeloop::guard

@@ -1,0 +1,70 @@
+#include "spikeloop/guard/vigil.hpp"
+
+#include <algorithm>
+
+namespace spikeloop::guard {
+
+// A watchdog of years must not overflow.
+Vigil::Vigil(TimeNs watchdog, TimeNs now)
+    : deadline_(std::clamp<TimeNs>(watchdog, 0, kNever / 4) + kMargin), last_beat_(now) {}
+
+void Vigil::beat(TimeNs now) {
+  if (state_ == State::over || cause_ == Cause::lost) {
+    return;
+  }
+  // Zeros that are still to be sent are not: after SIGCONT the adapter sends its own and waits.
+  state_ = State::watching;
+  cause_.reset();
+  last_beat_ = now;
+}
+
+void Vigil::done() {
+  if (cause_ != Cause::lost) {
+    state_ = State::over;
+    cause_.reset();
+  }
+}
+
+void Vigil::lost(TimeNs now) {
+  if (state_ != State::over && cause_ != Cause::lost) {
+    begin(Cause::lost, now);
+  }
+}
+
+void Vigil::begin(Cause cause, TimeNs now) {
+  state_ = State::stopping;
+  cause_ = cause;
+  stopping_since_ = now;
+  next_zero_ = now;
+  zeros_left_ = kZeros;
+}
+
+bool Vigil::poll(TimeNs now, bool heard) {
+  if (state_ == State::watching && now - last_beat_ > deadline_) {
+    begin(Cause::silent, now);
+  }
+  if (state_ != State::stopping || now < next_zero_) {
+    return false;
+  }
+  next_zero_ = now + kZeroInterval;
+  zeros_left_ -= heard ? 1 : 0;
+  if (zeros_left_ == 0 || now - stopping_since_ >= kLongestStop) {
+    state_ = cause_ == Cause::lost ? State::over : State::silent;
+  }
+  return true;
+}
+
+TimeNs Vigil::next_due() const {
+  switch (state_) {
+    case State::watching:
+      return last_beat_ + deadline_ + 1;
+    case State::stopping:
+      return next_zero_;
+    case State::silent:
+    case State::over:
+      break;
+  }
+  return kNever;
+}
+
+}  // namespace spikeloop::guard

@@ -1,0 +1,212 @@
+// What a command adapter says and hears, with a guard played by the test.
+#include "spikeloop/guard/link.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/status/address.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using namespace spikeloop::guard;
+using testing::ElementsAre;
+
+constexpr const char* kAlone = ". Nothing stops the robot when this program is killed or stopped";
+
+Hello example() {
+  Hello hello;
+  hello.process = "command";
+  hello.topic = "/cmd_vel";
+  hello.message_type = "geometry_msgs/Twist";
+  hello.master_uri = "http://localhost:11311";
+  hello.watchdog = 100'000'000;
+  hello.zero = {std::byte{0}, std::byte{255}, std::byte{7}};
+  return hello;
+}
+
+TEST(Protocol, a_hello_arrives_as_it_was) {
+  const auto hello = read_hello(to_packet(example()));
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->protocol, kProtocol);
+  EXPECT_EQ(hello->process, "command");
+  EXPECT_EQ(hello->topic, "/cmd_vel");
+  EXPECT_EQ(hello->message_type, "geometry_msgs/Twist");
+  EXPECT_EQ(hello->master_uri, "http://localhost:11311");
+  EXPECT_EQ(hello->watchdog, 100'000'000);
+  EXPECT_EQ(hello->zero, example().zero);
+}
+
+TEST(Protocol, what_is_no_hello_is_none) {
+  EXPECT_FALSE(read_hello(make_packet("hello")));
+  EXPECT_FALSE(read_hello(make_packet("beat")));
+  EXPECT_FALSE(read_hello(nullptr));
+  auto packet = to_packet(example());
+  packet["watchdog"] = "soon";
+  EXPECT_FALSE(read_hello(packet));
+}
+
+class LinkTest : public testing::Test {
+ protected:
+  LinkTest() {
+    log::set_sink([this](log::Level, std::string_view text) {
+      const std::lock_guard lock(mutex_);
+      said_.emplace_back(text);
+    });
+    ::setenv(kSocketVariable, path_.c_str(), 1);
+  }
+  ~LinkTest() override {
+    ::unsetenv(kSocketVariable);
+    log::set_sink({});
+  }
+
+  void listen() {
+    listener_ = Descriptor{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+    const auto address = status::socket_address(path_);
+    ASSERT_EQ(::bind(listener_.get(), status::generic(*address), sizeof *address), 0);
+    ASSERT_EQ(::listen(listener_.get(), 5), 0);
+  }
+  Descriptor accept() const {
+    return Descriptor{::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)};
+  }
+  /// Reads a packet of this type, which is what comes next.
+  static void expect(const Descriptor& adapter, const char* type) {
+    ASSERT_TRUE(wait_readable(adapter.get(), 10 * kNsPerSecond));
+    EXPECT_EQ(type_of(receive_packet(adapter.get()).packet), type);
+  }
+
+  test::TemporaryDirectory directory_;
+  std::string path_ = (directory_.path() / "guard").string();
+  Descriptor listener_;
+  std::mutex mutex_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(LinkTest, hello_beats_and_done) {
+  listen();
+  std::thread adapter([] {
+    Link link(example());
+    EXPECT_TRUE(link.guarded());
+    const TimeNs now = wall_now();
+    EXPECT_EQ(link.beat(now), now + kBeatPeriod);
+    link.done();
+    EXPECT_EQ(link.beat(now), kNever) << "nothing follows";
+  });
+  const Descriptor socket = accept();
+  expect(socket, "hello");
+  send_packet(socket.get(), make_packet("ready"));
+  expect(socket, "beat");
+  expect(socket, "done");
+  adapter.join();
+  EXPECT_TRUE(receive_packet(socket.get()).closed);
+  EXPECT_THAT(said_, ElementsAre());
+}
+
+TEST_F(LinkTest, without_the_variable_there_is_no_guard) {
+  ::unsetenv(kSocketVariable);
+  Link link(example());
+  EXPECT_FALSE(link.guarded());
+  EXPECT_EQ(link.beat(0), kNever);
+  link.done();
+  EXPECT_THAT(said_, ElementsAre());
+}
+
+TEST_F(LinkTest, nobody_listens) {
+  const Link link(example());
+  EXPECT_FALSE(link.guarded());
+  EXPECT_THAT(said_, ElementsAre("no guard answers at '" + path_ +
+                                 "' (No such file or directory); start one with spikeloop-guard "
+                                 "--socket " +
+                                 path_ + ", or unset SPIKELOOP_GUARD" + kAlone));
+}
+
+TEST_F(LinkTest, a_path_that_is_too_long) {
+  ::setenv(kSocketVariable, std::string(200, 'x').c_str(), 1);
+  const Link link(example());
+  EXPECT_THAT(said_, ElementsAre(testing::HasSubstr("(File name too long)")));
+}
+
+TEST_F(LinkTest, a_guard_that_refuses) {
+  listen();
+  std::thread adapter([] { EXPECT_FALSE(Link(example()).guarded()); });
+  const Descriptor socket = accept();
+  expect(socket, "hello");
+  auto refusal = make_packet("refused");
+  refusal["reason"] = "no ROS master";
+  send_packet(socket.get(), refusal);
+  adapter.join();
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard refuses: no ROS master") + kAlone));
+}
+
+TEST_F(LinkTest, a_guard_that_ends_before_it_answers) {
+  listen();
+  std::thread adapter([] { EXPECT_FALSE(Link(example()).guarded()); });
+  { const Descriptor socket = accept(); }
+  adapter.join();
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone));
+}
+
+TEST_F(LinkTest, a_guard_that_ends_later_is_missed_once) {
+  listen();
+  std::thread adapter([this] {
+    Link link(example());
+    listener_.reset();
+    while (link.beat(0) != kNever) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(link.beat(0), kNever);
+    link.done();
+  });
+  {
+    const Descriptor socket = accept();
+    expect(socket, "hello");
+    send_packet(socket.get(), make_packet("ready"));
+    expect(socket, "beat");
+  }
+  adapter.join();
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone));
+}
+
+TEST_F(LinkTest, a_guard_that_does_not_answer) {
+  listen();
+  const Link link(example());
+  EXPECT_FALSE(link.guarded());
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard does not answer within 5 s") + kAlone));
+}
+
+TEST_F(LinkTest, a_message_that_is_too_large) {
+  listen();
+  Hello hello = example();
+  hello.zero.resize(64u << 20);
+  const Link link(hello);
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard could not be told about /cmd_vel (Message "
+                                             "too long)") +
+                                 kAlone));
+}
+
+TEST_F(LinkTest, a_guard_that_is_late_does_not_stop_the_beats) {
+  listen();
+  std::thread adapter([] {
+    Link link(example());
+    for (int i = 0; i < 20000; ++i) {
+      EXPECT_EQ(link.beat(0), kBeatPeriod);
+    }
+  });
+  const Descriptor socket = accept();
+  expect(socket, "hello");
+  send_packet(socket.get(), make_packet("ready"));
+  adapter.join();
+  EXPECT_THAT(said_, ElementsAre());
+}
+
+}  // namespace
