@@ -1,0 +1,140 @@
+#include "server.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/status/address.hpp"
+
+namespace spikeloop::guard {
+namespace {
+
+constexpr int kBacklog = 64;
+
+Descriptor make_socket() {
+  return Descriptor{socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+}
+
+bool somebody_listens(const sockaddr_un& address) {
+  const Descriptor probe = make_socket();
+  return connect(probe.get(), status::generic(address), sizeof address) == 0 || errno == EAGAIN;
+}
+
+bool bind_to(int fd, const sockaddr_un& address) {
+  // Whoever can connect can have a robot stopped: nobody but the user.
+  const mode_t before = umask(077);
+  const bool bound = bind(fd, status::generic(address), sizeof address) == 0;
+  umask(before);
+  return bound;
+}
+
+bool is_ignored(int number) {
+  struct sigaction action {};
+  sigaction(number, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
+
+/// What stops us, as something to poll. Blocks it in all threads that are started later.
+Descriptor watch_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  // A blocked signal waits for us even when nohup has it ignored.
+  if (!is_ignored(SIGHUP)) {
+    sigaddset(&set, SIGHUP);
+  }
+  pthread_sigmask(SIG_SETMASK, &set, nullptr);
+  return Descriptor{signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};
+}
+
+}  // namespace
+
+Listener::Listener(const std::string& path) : path_(path), socket_(make_socket()) {
+  const auto address = status::socket_address(path);
+  if (!address) {
+    throw FileError("make the socket", path, ENAMETOOLONG);
+  }
+  bool bound = bind_to(socket_.get(), *address);
+  struct stat file {};
+  if (!bound && errno == EADDRINUSE && lstat(path.c_str(), &file) == 0 && S_ISSOCK(file.st_mode)) {
+    if (somebody_listens(*address)) {
+      throw FileError(
+          fmt::format("another guard listens at '{}'; give another path with --socket", path));
+    }
+    unlink(path.c_str());
+    bound = bind_to(socket_.get(), *address);
+  }
+  if (!bound || listen(socket_.get(), kBacklog) != 0) {
+    throw FileError("make the socket", path, errno);
+  }
+}
+
+Listener::~Listener() {
+  unlink(path_.c_str());
+}
+
+Descriptor Listener::accept() const {
+  return Descriptor{accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
+}
+
+Server::Server(const Options& options)
+    : listener_(options.socket),
+      signals_(watch_signals()),
+      wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      owner_(options.owner) {
+  if (owner_ >= 0) {
+    send_packet(owner_, make_packet("listening"));
+  }
+}
+
+void Server::run() {
+  while (!stopped() && (!owner_gone() || needed())) {
+    turn();
+    take_in();
+    wards_.remove_if([](const Ward& ward) { return ward.ended(); });
+  }
+}
+
+void Server::turn() {
+  // An owner that has gone would always be ready.
+  pollfd files[] = {{listener_.fd(), POLLIN, 0},
+                    {signals_.get(), POLLIN, 0},
+                    {wakeup_.get(), POLLIN, 0},
+                    {owner_gone() ? -1 : owner_, POLLIN, 0}};
+  poll(files, std::size(files), -1);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const auto drained = read(wakeup_.get(), &count, sizeof count);
+}
+
+void Server::take_in() {
+  for (Descriptor adapter = listener_.accept(); adapter.get() >= 0; adapter = listener_.accept()) {
+    wards_.emplace_back(std::move(adapter), robots_, [this] {
+      const std::uint64_t one = 1;
+      [[maybe_unused]] const auto written = write(wakeup_.get(), &one, sizeof one);
+    });
+  }
+}
+
+bool Server::stopped() {
+  signalfd_siginfo signal{};
+  return read(signals_.get(), &signal, sizeof signal) == sizeof signal;
+}
+
+bool Server::owner_gone() const {
+  pollfd owner{owner_, POLLIN, 0};
+  return owner_ >= 0 && poll(&owner, 1, 0) > 0;
+}
+
+bool Server::needed() const {
+  return std::ranges::any_of(wards_, [](const Ward& ward) { return ward.needed(); });
+}
+
+}  // namespace spikeloop::guard

@@ -1,0 +1,49 @@
+// One command adapter that the guard watches over, in a thread of its own: setting up ROS may take
+// seconds, in which another robot must not be left alone.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "robots.hpp"
+#include "spikeloop/guard/protocol.hpp"
+#include "spikeloop/guard/vigil.hpp"
+
+namespace spikeloop::guard {
+
+class Ward {
+ public:
+  /// @param changed called from the ward's thread when needed() or ended() may have changed
+  Ward(Descriptor socket, Robots& robots, std::function<void()> changed);
+  /// Lets the adapter alone; a robot that is just being stopped gets the rest of its zeros.
+  ~Ward();
+  Ward(const Ward&) = delete;
+  Ward& operator=(const Ward&) = delete;
+
+  /// Whether the adapter lives, or its robot is just being stopped.
+  bool needed() const { return needed_.load(); }
+  bool ended() const { return ended_.load(); }
+
+ private:
+  void run();
+  bool read_introduction();
+  std::unique_ptr<ros1::RawPublisher> advertise();
+  void watch(ros1::RawPublisher& robot);
+  void listen(Vigil& vigil);
+  void announce(const Vigil& vigil);
+  void refuse(const std::string& reason);
+  void set_needed(bool needed);
+
+  Descriptor socket_;
+  Descriptor leave_;  ///< eventfd: readable when the guard ends
+  Robots& robots_;
+  std::function<void()> changed_;
+  Hello hello_;
+  std::optional<Cause> announced_;
+  std::atomic<bool> needed_{false};
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+}  // namespace spikeloop::guard
