@@ -14,7 +14,9 @@
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/guard/link.hpp"
 #include "spikeloop/process/signals.hpp"
+#include "spikeloop/ros1/master.hpp"
 #include "spikeloop/ros1/publisher.hpp"
 
 namespace spikeloop {
@@ -157,6 +159,19 @@ CommandSettings command_settings(const music::Process& process, const Parameters
   return settings;
 }
 
+/// What the guard has to know to stop the robot in our place.
+guard::Hello guard_hello(const music::Process& process, const std::string& topic,
+                         const std::string& message_type, const CommandSettings& settings,
+                         const ros1::Publisher& publisher) {
+  const std::vector<double> zero(settings.width, 0.0);
+  return {.process = process.label(),
+          .topic = topic,
+          .message_type = message_type,
+          .master_uri = ros1::master_uri(),
+          .watchdog = settings.watchdog,
+          .zero = publisher.message(zero)};
+}
+
 }  // namespace
 
 music::ProgramText command_text(const RosProgram& program) {
@@ -178,7 +193,9 @@ music::ProgramText command_text(const RosProgram& program) {
       "A command that has moved by more than the deadband leaves at once. A zero command leaves "
       "when\n"
       "the run ends in whatever way, when no tick comes, when data are too old, and instead of a\n"
-      "command with NaN or infinity in it.\n";
+      "command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it "
+      "when\n"
+      "this program cannot: killed by SIGKILL, or stopped by SIGSTOP.\n";
   return text;
 }
 
@@ -205,8 +222,16 @@ int run_command(music::Process& process, const RosProgram& program) {
   ros1::Session session(session_settings(parameters));
   ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
   const NodeClass fields = command_map_class(std::move(map));
-  CommandSink sink(settings, {[&](auto values) { publisher.publish(values); },
-                              [&] { publisher.drain(); }, [] { ::kill(::getpid(), SIGTERM); }});
+  // Here, so that subscribers are connected to the guard before the robot is driven.
+  guard::Link guard(guard_hello(process, topic, mapping.message_type, settings, publisher));
+  CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
+                              .finish =
+                                  [&] {
+                                    publisher.drain();
+                                    guard.done();
+                                  },
+                              .interrupted = [] { ::kill(::getpid(), SIGTERM); },
+                              .beat = [&](TimeNs now) { return guard.beat(now); }});
   const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
 
   GraphDescription description;

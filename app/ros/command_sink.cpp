@@ -41,12 +41,12 @@ CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
     : settings_(settings),
       carrier_(std::move(carrier)),
       channel_(settings.gate, carrier_.publish),
-      watch_(settings.watchdog,
-             {[this](StopReason reason) {
-                channel_.stop(reason, wall_now());
-                announce(wall_now());
-              },
-              [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted}) {}
+      watch_(settings.watchdog, {[this](StopReason reason) {
+                                   channel_.stop(reason, wall_now());
+                                   announce(wall_now());
+                                 },
+                                 [this](TimeNs now) { return channel_.poll(now); },
+                                 carrier_.interrupted, carrier_.beat}) {}
 
 CommandSink::~CommandSink() {
   stop(StopReason::terminated);
@@ -108,7 +108,7 @@ void CommandSink::stop(StopReason reason) {
   stopped_ = true;
   watch_.rest();
   channel_.stop(reason, wall_now());
-  carrier_.drain();
+  carrier_.finish();
 }
 
 std::vector<Counter> CommandSink::counters() const {

@@ -27,8 +27,9 @@ class CommandSink : public Sink {
   /// What carries the commands.
   struct Carrier {
     command::CommandChannel::Publish publish;
-    std::function<void()> drain;        ///< waits until what was published is on its way
+    std::function<void()> finish;       ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
+    std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
   };
 
   CommandSink(const CommandSettings& settings, Carrier carrier);

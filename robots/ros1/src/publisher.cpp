@@ -16,9 +16,20 @@ struct Publisher::Impl {
                                              .has_value()),
         publisher(session, topic, writer.type().name) {}
 
+  void write(std::span<const double> numbers, std::vector<std::byte>& message) const {
+    std::vector<messages::FieldValue> values;
+    if (one_array) {
+      values.push_back({numbers, {}});
+    } else {
+      for (const double& number : numbers) {
+        values.push_back({std::span(&number, 1), {}});
+      }
+    }
+    writer.write(values, message);
+  }
+
   messages::MessageWriter writer;
   bool one_array;
-  std::vector<messages::FieldValue> values;
   std::vector<std::byte> bytes;
   RawPublisher publisher;
 };
@@ -35,16 +46,14 @@ void Publisher::check(const std::string& topic, const std::string& message_type,
   check_topic(topic);
 }
 
+std::vector<std::byte> Publisher::message(std::span<const double> values) const {
+  std::vector<std::byte> bytes;
+  impl_->write(values, bytes);
+  return bytes;
+}
+
 void Publisher::publish(std::span<const double> values) {
-  impl_->values.clear();
-  if (impl_->one_array) {
-    impl_->values.push_back({values, {}});
-  } else {
-    for (const double& value : values) {
-      impl_->values.push_back({std::span(&value, 1), {}});
-    }
-  }
-  impl_->writer.write(impl_->values, impl_->bytes);
+  impl_->write(values, impl_->bytes);
   impl_->publisher.publish(impl_->bytes);
 }
 

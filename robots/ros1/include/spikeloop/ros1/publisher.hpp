@@ -1,6 +1,7 @@
 // Command messages from components' values.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,7 +25,9 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// One message with these values, all other fields zero; as RawPublisher::publish.
+  /// The bytes of a message with these values, all other fields zero.
+  std::vector<std::byte> message(std::span<const double> values) const;
+  /// Sends that; as RawPublisher::publish.
   void publish(std::span<const double> values);
   /// As RawPublisher::drain.
   void drain() const;
