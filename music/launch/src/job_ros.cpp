@@ -161,6 +161,7 @@ void JobRun::end_helper(Member* helper) {
 }
 
 void JobRun::end_helpers() {
+  end_guard();  // while there still is a master to say goodbye to
   end_helper(robot_);
   end_helper(roscore_);
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "guard_process.hpp"
 #include "section_checks.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/check.hpp"
@@ -51,6 +52,8 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
   write_text(folder_ + "/mpirun.log", "");
   log_.open(folder_ + "/mpirun.log");
 }
+
+JobRun::~JobRun() = default;
 
 void JobRun::fail(int exit_code, const std::string& reason) {
   if (!outcome_) {
@@ -109,6 +112,7 @@ void JobRun::start_programs() {
 void JobRun::run() {
   try {
     if (check() && start_ros() && !stopped_already()) {
+      start_guard();
       start_programs();
       supervise();
     }
@@ -147,6 +151,7 @@ void JobRun::supervise() {
     watch_start();
     watch_progress();
     watch_robot();
+    watch_guard();
     watch_end();
     watch_stop();
   }

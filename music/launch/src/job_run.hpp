@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -14,11 +15,14 @@
 
 namespace spikeloop::launch {
 
+class GuardProcess;
+
 class JobRun {
  public:
   /// The references must outlive it. @throws FileError
   JobRun(const EffectiveFile& effective, const JobOptions& options, const std::string& directory,
          const JobEvents& events);
+  ~JobRun();
 
   /// @throws Error when something cannot be started.
   void run();
@@ -47,6 +51,9 @@ class JobRun {
   void watch_progress();
   void watch_failures();
   void watch_robot();
+  void start_guard();
+  void watch_guard();
+  void end_guard();
   bool robot_ended() const;
   /// The job's, when the robot ended too early with `code`: an end that was good for the robot is
   /// none for the job.
@@ -74,6 +81,7 @@ class JobRun {
   Member* roscore_ = nullptr;
   Member* robot_ = nullptr;
   Member* mpirun_ = nullptr;
+  std::unique_ptr<GuardProcess> guard_;
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;
   Clock::time_point started_{};

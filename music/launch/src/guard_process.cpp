@@ -1,0 +1,157 @@
+#include "guard_process.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+constexpr const char* kProgram = "spikeloop-guard";
+constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
+/// More than the guard itself allows.
+constexpr TimeNs kLongestEnd = 4 * kNsPerSecond;
+
+[[noreturn]] void fail(const std::string& reason) {
+  throw TransportError(fmt::format("cannot start '{}': {}", kProgram, reason));
+}
+
+struct Connection {
+  Descriptor ours;
+  Descriptor theirs;
+};
+
+Connection connect_pair() {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
+    fail(std::strerror(errno));
+  }
+  return {Descriptor{ends[0]}, Descriptor{ends[1]}};
+}
+
+/// In the forked process: becomes the guard, or says why not.
+[[noreturn]] void become(const std::string& socket, int connection,
+                         const std::map<std::string, std::string>& environment) {
+  // Our terminal's Ctrl-C and hang-up are not for it.
+  setsid();
+  // Once more, so that it is nobody's child.
+  if (const pid_t pid = fork(); pid != 0) {
+    auto packet = guard::make_packet("started");
+    packet["pid"] = pid;
+    guard::send_packet(connection, packet);
+    _exit(0);
+  }
+  const int nowhere = open("/dev/null", O_RDWR);
+  dup2(nowhere, 0);
+  dup2(nowhere, 1);
+  fcntl(connection, F_SETFD, 0);
+  for (const auto& [name, value] : environment) {
+    setenv(name.c_str(), value.c_str(), 1);
+  }
+  const std::string owner = std::to_string(connection);
+  execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), nullptr);
+  auto packet = guard::make_packet("log");
+  packet["text"] = std::strerror(errno);
+  guard::send_packet(connection, packet);
+  _exit(127);
+}
+
+void start(const std::string& socket, int connection,
+           const std::map<std::string, std::string>& environment) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    become(socket, connection, environment);
+  }
+  if (pid < 0) {
+    fail(std::strerror(errno));
+  }
+  waitpid(pid, nullptr, 0);
+}
+
+}  // namespace
+
+GuardProcess::GuardProcess(const std::string& socket,
+                           const std::map<std::string, std::string>& environment, Listener listener)
+    : listener_(std::move(listener)) {
+  Connection connection = connect_pair();
+  start(socket, connection.theirs.get(), environment);
+  connection_ = std::move(connection.ours);
+  connection.theirs.reset();
+  await_listening();
+}
+
+void GuardProcess::await_listening() {
+  const TimeNs deadline = wall_now() + kLongestStart;
+  while (guard::wait_readable(connection_.get(), deadline - wall_now())) {
+    const guard::Received news = guard::receive_packet(connection_.get());
+    const std::string type = guard::type_of(news.packet);
+    if (type == "listening") {
+      return;
+    }
+    if (news.closed || type == "log") {
+      fail(news.closed ? "it ended before it listened" : guard::text_of(news.packet, "text"));
+    }
+    take(news.packet);
+  }
+  kill();
+  fail(fmt::format("it does not listen within {}", format_time(kLongestStart)));
+}
+
+GuardProcess::~GuardProcess() {
+  end();
+}
+
+bool GuardProcess::read() {
+  while (connection_.get() >= 0) {
+    const guard::Received news = guard::receive_packet(connection_.get());
+    if (news.nothing) {
+      return true;
+    }
+    if (news.closed) {
+      connection_.reset();
+      break;
+    }
+    take(news.packet);
+  }
+  return false;
+}
+
+void GuardProcess::take(const nlohmann::json& packet) {
+  const std::string type = guard::type_of(packet);
+  if (type == "started") {
+    pid_ = packet.value("pid", 0);
+  } else if (type == "log") {
+    const bool plain = guard::text_of(packet, "level") == "info";
+    listener_(plain ? log::Level::info : log::Level::warning, guard::text_of(packet, "text"));
+  }
+}
+
+void GuardProcess::end() {
+  if (connection_.get() < 0) {
+    return;
+  }
+  shutdown(connection_.get(), SHUT_WR);
+  const TimeNs deadline = wall_now() + kLongestEnd;
+  while (read() && guard::wait_readable(connection_.get(), deadline - wall_now())) {
+  }
+  kill();
+}
+
+void GuardProcess::kill() {
+  // As long as it has its end of the connection, the number is still its own.
+  if (connection_.get() >= 0 && pid_ > 1) {
+    ::kill(pid_, SIGKILL);
+  }
+  connection_.reset();
+}
+
+}  // namespace spikeloop::launch

@@ -1,0 +1,47 @@
+// spikeloop-guard beside a job: outside of every tree that a keeper or mpirun ends.
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/guard/protocol.hpp"
+
+namespace spikeloop::launch {
+
+using status::Descriptor;
+
+/// A process in a session of its own, no child of ours, so that whatever kills this job at once
+/// leaves it the time to stop the robot. It ends by itself when we have gone.
+class GuardProcess {
+ public:
+  using Listener = std::function<void(log::Level, const std::string&)>;
+
+  /// Waits until it listens at `socket`.
+  /// @param environment added to ours; PATH says where it is
+  /// @throws TransportError when it does not.
+  GuardProcess(const std::string& socket, const std::map<std::string, std::string>& environment,
+               Listener listener);
+  ~GuardProcess();
+  GuardProcess(const GuardProcess&) = delete;
+  GuardProcess& operator=(const GuardProcess&) = delete;
+
+  /// Passes on what it has said. False when it has ended.
+  bool read();
+  /// Lets it end, and waits until it has; kills one that does not.
+  void end();
+
+ private:
+  void await_listening();
+  void kill();
+  void take(const nlohmann::json& packet);
+
+  Listener listener_;
+  Descriptor connection_;  ///< it has the other end, and nobody else
+  pid_t pid_ = 0;
+};
+
+}  // namespace spikeloop::launch

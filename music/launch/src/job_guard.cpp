@@ -1,0 +1,53 @@
+// The part of a run that stops the robot when nothing else does.
+#include <algorithm>
+
+#include "guard_process.hpp"
+#include "job_run.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+constexpr const char* kUnguarded =
+    "nothing stops the robot when its command adapter is killed or stopped";
+
+bool commands_robot(const MusicFile& file) {
+  return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
+    const Program* program = find_program(file, section);
+    return program != nullptr && program->ros && program->input;
+  });
+}
+
+}  // namespace
+
+void JobRun::start_guard() {
+  if (!commands_robot(effective_.file)) {
+    return;
+  }
+  const std::string socket = scratch_.path() + "/guard";
+  try {
+    guard_ = std::make_unique<GuardProcess>(socket, with_environment({}).environment,
+                                            [this](log::Level level, const std::string& text) {
+                                              log_ << "guard: " << text << std::endl;
+                                              log::write(level, text);
+                                            });
+    ros_environment_[guard::kSocketVariable] = socket;
+  } catch (const TransportError& error) {
+    log::warning("{}; {}", error.what(), kUnguarded);
+  }
+}
+
+void JobRun::watch_guard() {
+  if (guard_ && !guard_->read()) {
+    guard_.reset();
+    log::warning("spikeloop-guard has ended; {}", kUnguarded);
+  }
+}
+
+void JobRun::end_guard() {
+  guard_.reset();
+}
+
+}  // namespace spikeloop::launch
