@@ -113,6 +113,32 @@ TEST_F(CommandChannelTest, after_a_continue_nothing_leaves_until_mpirun_would_ha
   EXPECT_EQ(channel_.stopped_by(), std::nullopt);
 }
 
+// A process that was stopped finds its last tick long past, and its data old.
+TEST_F(CommandChannelTest, no_other_stop_shortens_the_pause_after_a_continue) {
+  for (const StopReason reason : {StopReason::silent, StopReason::stale, StopReason::no_value}) {
+    const TimeNs begin = 10 * kContinuedPause * static_cast<int>(reason);
+    command(1, 0, begin);
+    channel_.stop(StopReason::continued, begin + 10 * kMs);
+    channel_.stop(reason, begin + 11 * kMs);
+    command(1, 0, begin + 12 * kMs);
+    command(1, 0, begin + kContinuedPause + 9 * kMs);
+    EXPECT_THAT(sent_.back(), ElementsAre(0, 0)) << stop_reason_name(reason);
+    command(1, 0, begin + kContinuedPause + 10 * kMs);
+    EXPECT_THAT(sent_.back(), ElementsAre(1, 0)) << stop_reason_name(reason);
+  }
+}
+
+TEST_F(CommandChannelTest, zeros_are_repeated_in_the_pause_after_a_continue) {
+  command(1, 0, 0);
+  channel_.stop(StopReason::continued, 10 * kMs);
+  channel_.stop(StopReason::stale, 11 * kMs);
+  command(1, 0, 12 * kMs);
+  EXPECT_EQ(next_, 111 * kMs);
+  channel_.poll(111 * kMs);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(1, 0), ElementsAre(0, 0), ElementsAre(0, 0),
+                                 ElementsAre(0, 0)));
+}
+
 TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
   for (const StopReason reason : {StopReason::terminated, StopReason::ended}) {
     std::vector<std::vector<double>> sent;

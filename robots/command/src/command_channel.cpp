@@ -35,8 +35,9 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (state_ == State::closed) {
     return kNever;
   }
-  if (state_ == State::suspended && now < suspended_until_) {
-    return kNever;
+  // Whatever else has stopped the robot since then.
+  if (now < suspended_until_) {
+    return state_ == State::stopped ? gate_.next_due() : kNever;
   }
   if (state_ != State::running) {
     resumed_ += state_ == State::idle ? 0 : 1;
@@ -66,7 +67,9 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   state_ = is_final(reason)       ? State::closed
            : is_from_loop(reason) ? State::stopped
                                   : State::suspended;
-  suspended_until_ = reason == StopReason::continued ? now + kContinuedPause : now;
+  if (reason == StopReason::continued) {
+    suspended_until_ = now + kContinuedPause;
+  }
   send_zero(now);
   return state_ == State::stopped ? gate_.next_due() : kNever;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -71,7 +72,7 @@ class CommandChannel {
   enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
   State state_ = State::idle;
   StopReason reason_ = StopReason::no_value;
-  TimeNs suspended_until_ = 0;
+  TimeNs suspended_until_ = std::numeric_limits<TimeNs>::min();  ///< no command before
   std::uint64_t commands_ = 0;
   std::uint64_t resumed_ = 0;
   std::array<std::uint64_t, kStopReasons> stops_{};
