@@ -17,6 +17,9 @@
 
 namespace spikeloop::test {
 
+// The watchdog's 100 ms and 200 ms for a machine that does other things too.
+inline constexpr double kDeadlineMs = 300;
+
 class RobotJob : public testing::Test {
  protected:
   RobotJob() {
@@ -83,6 +86,21 @@ class RobotJob : public testing::Test {
     return good ? ::testing::AssertionSuccess()
                 : ::testing::AssertionFailure() << "no commands:\n"
                                                 << child_->output();
+  }
+
+  /// Time in ms from `begin` to the first zero after it.
+  double time_to_zero(std::int64_t begin, double limit_s) {
+    std::int64_t zero = 0;
+    ros_peer::eventually(limit_s, [&] {
+      for (const ros_peer::Twist& twist : robot_.twists()) {
+        if (twist.time_ns > begin && twist.is_zero()) {
+          zero = twist.time_ns;
+          return true;
+        }
+      }
+      return false;
+    });
+    return zero == 0 ? 1e9 : 1e-6 * static_cast<double>(zero - begin);
   }
 
   /// The process of the job that runs this program.

@@ -117,10 +117,14 @@ int Peer::subscribers(const std::string& topic) const {
 
 void Peer::listen_twist(const std::string& topic) {
   impl_->subscribers[topic] = impl_->node->subscribe<geometry_msgs::Twist>(
-      topic, 1000, [this](const geometry_msgs::Twist::ConstPtr& twist) {
-        const std::lock_guard<std::mutex> lock(impl_->mutex);
-        impl_->twists.push_back({twist->linear.x, twist->angular.z, monotonic_now()});
-      });
+      topic, 1000,
+      boost::function<void(const ros::MessageEvent<geometry_msgs::Twist const>&)>(
+          [this](const ros::MessageEvent<geometry_msgs::Twist const>& event) {
+            const auto twist = event.getConstMessage();
+            const std::lock_guard<std::mutex> lock(impl_->mutex);
+            impl_->twists.push_back(
+                {twist->linear.x, twist->angular.z, monotonic_now(), event.getPublisherName()});
+          }));
 }
 
 void Peer::listen_array(const std::string& topic) {

@@ -13,6 +13,7 @@ struct Twist {
   double linear_x = 0;
   double angular_z = 0;
   std::int64_t time_ns = 0;  ///< monotonic clock, on arrival
+  std::string publisher{};   ///< the node that sent it
 
   bool is_zero() const { return linear_x == 0 && angular_z == 0; }
 };

@@ -9,26 +9,8 @@ using namespace spikeloop::test;
 using ros_peer::eventually;
 using ros_peer::Twist;
 
-// The watchdog's 100 ms and 200 ms for a machine that does other things too.
-constexpr double kDeadlineMs = 300;
-
 class StopTest : public RobotJob {
  protected:
-  /// Time in ms from `begin` to the first zero after it; no command but zero may follow the last.
-  double time_to_zero(std::int64_t begin, double limit_s) {
-    std::int64_t zero = 0;
-    eventually(limit_s, [&] {
-      for (const Twist& twist : robot_.twists()) {
-        if (twist.time_ns > begin && twist.is_zero()) {
-          zero = twist.time_ns;
-          return true;
-        }
-      }
-      return false;
-    });
-    return zero == 0 ? 1e9 : 1e-6 * static_cast<double>(zero - begin);
-  }
-
   void expect_zero_since(std::int64_t begin, const char* what) {
     const double ms = time_to_zero(begin, 10);
     std::printf("%s: zero command after %.1f ms\n", what, ms);

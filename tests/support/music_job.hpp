@@ -16,7 +16,8 @@ inline std::map<std::string, std::string> mpi_environment(const TemporaryDirecto
           {"OMPI_MCA_orte_tmpdir_base", directory.path().string()},
           {"TMPDIR", directory.path().string()},
           {"SPIKELOOP_STATUS", ""},
-          {"SPIKELOOP_OUT", ""}};
+          {"SPIKELOOP_OUT", ""},
+          {"SPIKELOOP_GUARD", ""}};
 }
 
 /// `mpirun -np PROCESSES music FILE` in the temporary directory, where FILE has this text.

@@ -87,6 +87,7 @@ class RosCore {
   }
 
   std::string uri() const { return "http://localhost:" + std::to_string(port_); }
+  void signal(int number) const { child_->signal(number); }
 
  private:
   bool answers() {

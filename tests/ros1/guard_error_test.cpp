@@ -1,0 +1,197 @@
+// What the guard says when it cannot do its work.
+#include <gmock/gmock.h>
+
+#include "guarded_job.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/guard/link.hpp"
+
+namespace {
+
+using namespace spikeloop::test;
+namespace guard = spikeloop::guard;
+using ros_peer::eventually;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kAlone = ". Nothing stops the robot when this program is killed or stopped";
+
+/// spikeloop-guard as a user starts it, and adapters played by the test.
+class GuardErrorTest : public testing::Test {
+ protected:
+  GuardErrorTest() {
+    spikeloop::log::set_sink(
+        [this](spikeloop::log::Level, std::string_view text) { said_.emplace_back(text); });
+    ::setenv(guard::kSocketVariable, socket_.c_str(), 1);
+    ::setenv("ROS_HOSTNAME", "localhost", 0);
+  }
+  ~GuardErrorTest() override {
+    ::unsetenv(guard::kSocketVariable);
+    spikeloop::log::set_sink({});
+  }
+
+  static std::string binary(const std::string& name) {
+    return std::string(SPIKELOOP_BIN) + "/" + name;
+  }
+  static Command guard_command(const std::vector<std::string>& arguments) {
+    Command made;
+    made.arguments = {binary("spikeloop-guard")};
+    made.arguments.insert(made.arguments.end(), arguments.begin(), arguments.end());
+    return made;
+  }
+  std::unique_ptr<Child> started() const {
+    auto child = std::make_unique<Child>(guard_command({"--socket", socket_}));
+    EXPECT_TRUE(eventually(10, [&] { return std::filesystem::is_socket(socket_); }));
+    return child;
+  }
+  static guard::Hello hello(const std::string& master_uri) {
+    guard::Hello made;
+    made.process = "command";
+    made.topic = "/cmd_vel";
+    made.message_type = "std_msgs/Empty";
+    made.master_uri = master_uri;
+    made.watchdog = 100'000'000;
+    return made;
+  }
+
+  TemporaryDirectory directory_;
+  std::string socket_ = (directory_.path() / "guard").string();
+  std::vector<std::string> said_;
+};
+
+TEST_F(GuardErrorTest, no_master) {
+  const auto child = started();
+  const std::string uri = "http://localhost:" + std::to_string(free_port());
+  const guard::Link link(hello(uri));
+  EXPECT_THAT(said_, ElementsAre("the guard refuses: no ROS master answers at " + uri +
+                                 " within 3 s (Connection refused); start one with roscore, or set "
+                                 "ROS_MASTER_URI to where it is" +
+                                 kAlone));
+}
+
+TEST_F(GuardErrorTest, a_master_that_hangs) {
+  const auto child = started();
+  const SilentHost host;
+  const guard::Link link(hello(host.uri()));
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("no ROS master answers at " + host.uri())));
+  child->signal(SIGTERM);
+  EXPECT_EQ(child->wait().exit_code, 0);
+}
+
+TEST_F(GuardErrorTest, unknown_type) {
+  const auto child = started();
+  const RosCore core;
+  auto strange = hello(core.uri());
+  strange.message_type = "geometry_msgs/Twits";
+  const guard::Link link(strange);
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("the guard refuses: unknown message type")));
+}
+
+TEST_F(GuardErrorTest, another_version) {
+  const auto child = started();
+  auto strange = hello("http://localhost:1");
+  strange.protocol = guard::kProtocol + 1;
+  const guard::Link link(strange);
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard refuses: guard and command adapter are of "
+                                             "different versions of Spikeloop; use those of one") +
+                                 kAlone));
+}
+
+TEST_F(GuardErrorTest, a_second_master) {
+  const auto child = started();
+  const RosCore first;
+  const RosCore second;
+  const guard::Link good(hello(first.uri()));
+  EXPECT_TRUE(good.guarded()) << testing::PrintToString(said_);
+  const guard::Link other(hello(second.uri()));
+  EXPECT_THAT(said_, ElementsAre("the guard refuses: it is with the ROS master at " + first.uri() +
+                                 ", not with that at " + second.uri() +
+                                 "; start another guard for this one" + kAlone));
+}
+
+TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {
+  const auto taken = run(guard_command({"--socket", directory_.write("file", "")}));
+  EXPECT_EQ(taken.exit_code, 4);
+  EXPECT_EQ(taken.err, "spikeloop-guard: cannot make the socket '" + directory_.path().string() +
+                           "/file': Address already in use\n");
+  const auto nowhere = run(guard_command({"--socket", "/no/such/folder/guard"}));
+  EXPECT_EQ(nowhere.exit_code, 4);
+  EXPECT_THAT(nowhere.err, HasSubstr("No such file or directory"));
+  const auto longer = run(guard_command({"--socket", "/tmp/" + std::string(120, 'x')}));
+  EXPECT_EQ(longer.exit_code, 4);
+  EXPECT_THAT(longer.err, HasSubstr("File name too long"));
+}
+
+TEST_F(GuardErrorTest, a_second_guard_and_one_that_was_killed) {
+  const auto child = started();
+  const auto second = run(guard_command({"--socket", socket_}));
+  EXPECT_EQ(second.exit_code, 4);
+  EXPECT_EQ(second.err, "spikeloop-guard: another guard listens at '" + socket_ +
+                            "'; give another path with --socket\n");
+  child->signal(SIGKILL);
+  child->wait();
+  ASSERT_TRUE(std::filesystem::exists(socket_));
+  Child third(guard_command({"--socket", socket_}));
+  const RosCore core;
+  EXPECT_TRUE(eventually(10, [&] { return guard::Link(hello(core.uri())).guarded(); }));
+  third.signal(SIGHUP);
+  EXPECT_EQ(third.wait().exit_code, 0);
+}
+
+TEST_F(GuardErrorTest, command_line) {
+  const auto help = run(guard_command({"--help"}));
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* words : {"--socket", "SPIKELOOP_GUARD=/tmp/guard mpirun", "Exit codes: 0"}) {
+    EXPECT_THAT(help.out, HasSubstr(words));
+  }
+  const auto without = run(guard_command({}));
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("--socket is required"));
+  const auto unknown = run(guard_command({"--socket", "x", "--sokcet"}));
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("--sokcet"));
+  EXPECT_EQ(run(guard_command({"--version"})).out.find("spikeloop-guard "), 0u);
+}
+
+/// A launcher without our guard beside it.
+class NoGuardTest : public GuardedJob {
+ protected:
+  /// Runs a job to its end; returns what was said.
+  std::string text_with_guard(const std::string& script) {
+    const auto launcher = directory_.path() / "spikeloop";
+    std::filesystem::copy_file(binary("spikeloop"), launcher);
+    if (!script.empty()) {
+      std::filesystem::permissions(directory_.write("spikeloop-guard", script),
+                                   std::filesystem::perms::owner_all);
+    }
+    Command made = launched(scan_to_twist("stoptime=0.5"));
+    made.arguments[0] = launcher.string();
+    const auto outcome = run(made);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+    EXPECT_EQ(outcome.left_behind, 0);
+    return outcome.text();
+  }
+  const std::string end_ =
+      "; nothing stops the robot when its command adapter is killed or stopped\n";
+};
+
+TEST_F(NoGuardTest, is_not_installed) {
+  EXPECT_THAT(text_with_guard(""), HasSubstr("spikeloop: warning: cannot start 'spikeloop-guard': "
+                                             "No such file or directory" +
+                                             end_));
+}
+
+TEST_F(NoGuardTest, ends_at_once) {
+  EXPECT_THAT(text_with_guard("#!/bin/sh\nexit 1\n"),
+              HasSubstr("spikeloop: warning: cannot start 'spikeloop-guard': it ended before it "
+                        "listened" +
+                        end_));
+}
+
+TEST_F(NoGuardTest, never_listens) {
+  EXPECT_THAT(text_with_guard("#!/bin/sh\nexec sleep 1000\n"),
+              HasSubstr("spikeloop: warning: cannot start 'spikeloop-guard': it does not listen "
+                        "within 5 s" +
+                        end_));
+}
+
+}  // namespace

@@ -1,0 +1,245 @@
+// What nobody inside the job can do: a zero command when the command adapter itself is killed or
+// stopped. These are safety deadlines: they may be asserted.
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "guarded_job.hpp"
+
+namespace {
+
+using namespace spikeloop::test;
+using ros_peer::eventually;
+using ros_peer::monotonic_now;
+using ros_peer::Twist;
+using testing::HasSubstr;
+using testing::Not;
+
+using GuardTest = GuardedJob;
+
+TEST_F(GuardTest, adapter_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t adapter = named("ros_command_ada");
+  const auto begin = monotonic_now();
+  kill(adapter, SIGKILL);
+  expect_zero_since(begin, "adapter killed");
+  EXPECT_TRUE(eventually(10, [&] { return guards_commands() == 5; }));
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_THAT(outcome.text(), HasSubstr("spikeloop: warning: the robot on /cmd_vel is stopped: its "
+                                        "command adapter 'command' has died"));
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL) << outcome.text();
+}
+
+TEST_F(GuardTest, adapter_stopped) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t adapter = named("ros_command_ada");
+  auto begin = monotonic_now();
+  kill(adapter, SIGSTOP);
+  expect_zero_since(begin, "adapter stopped");
+  ASSERT_TRUE(
+      child_->wait_for("its command adapter 'command' has not been heard for 200 ms "
+                       "(stopped by SIGSTOP, or the machine is too busy)",
+                       std::chrono::seconds(10)))
+      << child_->output();
+  const std::size_t zeros = settled_number_of_commands();
+  begin = monotonic_now();
+  kill(adapter, SIGCONT);
+  expect_zero_since(begin, "adapter continued");
+  EXPECT_TRUE(
+      child_->wait_for("the command adapter 'command' is heard again", std::chrono::seconds(10)));
+  ASSERT_TRUE(eventually(20, [&] {
+    const auto twists = robot_.twists();
+    return twists.size() > zeros + 5 && !twists.back().is_zero() &&
+           twists.back().time_ns - begin > 1'400'000'000;
+  })) << "the adapter drives again";
+  EXPECT_EQ(guards_commands(zeros), 0) << "the guard does not fight with the adapter";
+  // A command may still leave before the adapter hears of the signal; its zero follows.
+  expect_quiet_after_zero(begin, 1'400'000'000);
+  child_->signal(SIGINT);
+  EXPECT_EQ(child_->wait().left_behind, 0);
+}
+
+TEST_F(GuardTest, stopped_adapter_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t adapter = named("ros_command_ada");
+  kill(adapter, SIGSTOP);
+  ASSERT_TRUE(child_->wait_for("has not been heard", std::chrono::seconds(10)));
+  const std::size_t zeros = settled_number_of_commands();
+  const auto begin = monotonic_now();
+  kill(adapter, SIGKILL);
+  expect_zero_since(begin, "stopped adapter killed");
+  EXPECT_EQ(child_->wait().left_behind, 0);
+  EXPECT_GT(robot_.twists().size(), zeros);
+}
+
+TEST_F(GuardTest, launcher_and_mpirun_killed_at_once) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t mpirun = named("mpirun");
+  ASSERT_GT(mpirun, 0);
+  const auto begin = monotonic_now();
+  child_->signal(SIGKILL);
+  kill(mpirun, SIGKILL);
+  expect_zero_since(begin, "launcher and mpirun killed at once");
+  expect_nothing_left(begin);
+}
+
+TEST_F(GuardTest, everything_else_killed_at_once) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t guard = named("spikeloop-guard");
+  ASSERT_GT(guard, 0);
+  const auto begin = kill_all_but(guard);
+  expect_zero_since(begin, "everything but the guard killed at once");
+  expect_nothing_left(begin);
+  EXPECT_THAT(child_->wait().err,
+              HasSubstr("spikeloop-guard: warning: the robot on /cmd_vel is stopped: its command "
+                        "adapter 'command' has died"))
+      << "the launcher is no longer there to say it";
+}
+
+TEST_F(GuardTest, everything_stopped_then_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t adapter = named("ros_command_ada");
+  const auto begin = monotonic_now();
+  kill(adapter, SIGSTOP);
+  child_->signal(SIGKILL);
+  expect_zero_since(begin, "adapter stopped and launcher killed");
+  expect_nothing_left(begin);
+}
+
+TEST_F(GuardTest, master_killed_before) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  core_.signal(SIGKILL);
+  const pid_t adapter = named("ros_command_ada");
+  const auto begin = monotonic_now();
+  kill(adapter, SIGKILL);
+  expect_zero_since(begin, "adapter killed, master gone");
+  EXPECT_EQ(child_->wait().left_behind, 0);
+}
+
+TEST_F(GuardTest, master_that_hangs) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  core_.signal(SIGSTOP);
+  const auto begin = kill_all_but(named("spikeloop-guard"));
+  expect_zero_since(begin, "all killed, master hangs");
+  expect_nothing_left(begin);
+  core_.signal(SIGCONT);
+}
+
+TEST_F(GuardTest, launcher_killed_while_the_master_hangs) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  core_.signal(SIGSTOP);
+  const auto begin = monotonic_now();
+  child_->signal(SIGKILL);
+  expect_zero_since(begin, "launcher killed, master hangs");
+  expect_nothing_left(begin);
+  core_.signal(SIGCONT);
+}
+
+TEST_F(GuardTest, good_end) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=3"));
+  EXPECT_TRUE(eventually(2, [&] { return robot_.publishers("/cmd_vel") == 2; }))
+      << "the robot listens to the guard before there is need";
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+  expect_no_zero_of_the_guard(outcome);
+}
+
+TEST_F(GuardTest, ctrl_c) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  child_->signal(SIGINT);
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+  expect_no_zero_of_the_guard(outcome);
+}
+
+TEST_F(GuardTest, guard_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  kill(named("spikeloop-guard"), SIGKILL);
+  EXPECT_TRUE(
+      child_->wait_for("spikeloop: warning: spikeloop-guard has ended; nothing stops the "
+                       "robot when its command adapter is killed or stopped",
+                       std::chrono::seconds(10)))
+      << child_->output();
+  EXPECT_TRUE(
+      child_->wait_for("the guard has ended. Nothing stops the robot when this program is "
+                       "killed or stopped",
+                       std::chrono::seconds(10)))
+      << child_->output();
+  const std::size_t before = robot_.twists().size();
+  EXPECT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 5; }))
+      << "the job goes on";
+  EXPECT_FALSE(robot_.twists().back().is_zero());
+  child_->signal(SIGINT);
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST_F(GuardTest, guard_stopped_delays_nothing) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const pid_t guard = named("spikeloop-guard");
+  kill(guard, SIGSTOP);
+  // More beats than the connection holds.
+  std::this_thread::sleep_for(std::chrono::seconds(8));
+  const std::size_t before = robot_.twists().size();
+  kill(guard, SIGCONT);
+  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 10; }));
+  EXPECT_EQ(guards_commands(before), 0) << "its own absence is not the adapter's";
+  kill(guard, SIGSTOP);
+  child_->signal(SIGINT);
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0) << "a guard that does not end is killed";
+}
+
+TEST_F(GuardTest, two_jobs_at_once) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  robot_.listen_array("/motors");
+  Child other(launched(scan_to_motors("stoptime=100"), "other.music"));
+  const auto values = [&] { return robot_.arrays(); };
+  ASSERT_TRUE(eventually(60, [&] { return values().size() > 3 && values().back()[0] != 0; }))
+      << other.output();
+  const pid_t adapter = named("ros_command_ada");
+  const auto begin = monotonic_now();
+  kill(adapter, SIGKILL);
+  expect_zero_since(begin, "one of two adapters killed");
+  EXPECT_EQ(child_->wait().left_behind, 0);
+  const std::size_t before = values().size();
+  EXPECT_TRUE(eventually(10, [&] {
+    return values().size() > before + 5 && values().back()[0] != 0;
+  })) << "the other robot drives on";
+  EXPECT_THAT(other.output(), Not(HasSubstr("has died")));
+  kill(named("ros_command_ada", other), SIGKILL);
+  EXPECT_TRUE(eventually(10, [&] { return values().back()[0] == 0; }));
+  EXPECT_EQ(other.wait().left_behind, 0);
+}
+
+TEST_F(GuardTest, a_job_by_hand) {
+  const std::string socket = (directory_.path() / "guard").string();
+  Child guard({.arguments = {binary("spikeloop-guard"), "--socket", socket}});
+  ASSERT_TRUE(eventually(10, [&] { return std::filesystem::exists(socket); }));
+  publish_scans();
+  robot_.listen_twist("/cmd_vel");
+  Command job = command(3, scan_to_twist("stoptime=100"));
+  job.environment["SPIKELOOP_GUARD"] = socket;
+  child_ = std::make_unique<Child>(job);
+  ASSERT_TRUE(drives());
+  const pid_t adapter = named("ros_command_ada");
+  const auto begin = monotonic_now();
+  kill(adapter, SIGKILL);
+  expect_zero_since(begin, "adapter killed, all started by hand");
+  EXPECT_EQ(child_->wait().left_behind, 0);
+  guard.signal(SIGINT);
+  const auto outcome = guard.wait();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err,
+            "spikeloop-guard: warning: the robot on /cmd_vel is stopped: its command adapter "
+            "'command' has died\n");
+  EXPECT_FALSE(std::filesystem::exists(socket));
+}
+
+}  // namespace
