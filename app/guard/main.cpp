@@ -17,7 +17,7 @@ namespace {
 using namespace spikeloop;
 
 /// From the end of our work to that of the process, whatever the ROS master does.
-constexpr std::chrono::milliseconds kLongestEnd{1500};
+constexpr std::chrono::milliseconds kLongestEnd{1000};
 
 const char* level_name(log::Level level) {
   return level == log::Level::warning ? "warning" : level == log::Level::error ? "error" : "info";
