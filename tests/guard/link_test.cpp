@@ -151,7 +151,10 @@ TEST_F(LinkTest, a_guard_that_refuses) {
 TEST_F(LinkTest, a_guard_that_ends_before_it_answers) {
   listen();
   std::thread adapter([] { EXPECT_FALSE(Link(example()).guarded()); });
-  { const Descriptor socket = accept(); }
+  {
+    const Descriptor socket = accept();
+    expect(socket, "hello");
+  }
   adapter.join();
   EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone));
 }
