@@ -122,9 +122,11 @@ TEST_F(State, WhoWaitsForTheClockHoldsUpNobody) {
   run();
   now_ += 11s;
   beat("a", "waiting", 1.0);
-  tell("b", "report");
-  tell("c", "report");
-  EXPECT_EQ(state_.who_stands_still(10s, now_), "");
+  beat("b", "exchanging", 1.0);
+  beat("c", "exchanging", 1.0);
+  EXPECT_EQ(state_.who_stands_still(10s, now_), "") << "a tick is longer than 10 s";
+  beat("a", "waiting", 2.0);
+  EXPECT_NE(state_.who_stands_still(10s, now_), "") << "the clock goes on, the others do not";
 }
 
 TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {

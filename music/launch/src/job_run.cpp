@@ -25,8 +25,7 @@ constexpr seconds kFailureGrace{3};
 constexpr int kMostPatience = 10;
 constexpr const char* kBarrierAdvice =
     "A program that does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime "
-    "needs "
-    "barrier=false in the file; one that starts slowly needs a longer --start-timeout";
+    "needs barrier=false in the file; one that starts slowly needs a longer --start-timeout";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
