@@ -194,14 +194,11 @@ int run(const Options& options) {
     std::fprintf(stderr, "latency_probe: no command followed a step\n");
     return 1;
   }
-  const nlohmann::json result = {{"trials", options.trials},
-                                 {"answered", latencies.size()},
-                                 {"latencies_ms", latencies},
-                                 {"median_ms", quantile(latencies, 0.5)},
-                                 {"p90_ms", quantile(latencies, 0.9)},
-                                 {"p99_ms", quantile(latencies, 0.99)},
-                                 {"min_ms", quantile(latencies, 0.0)},
-                                 {"max_ms", quantile(latencies, 1.0)}};
+  const nlohmann::json result = {
+      {"trials", options.trials},           {"answered", latencies.size()},
+      {"latencies_ms", latencies},          {"median_ms", quantile(latencies, 0.5)},
+      {"p90_ms", quantile(latencies, 0.9)}, {"p99_ms", quantile(latencies, 0.99)},
+      {"min_ms", quantile(latencies, 0.0)}, {"max_ms", quantile(latencies, 1.0)}};
   std::printf("%s\n", result.dump().c_str());
   return 0;
 }

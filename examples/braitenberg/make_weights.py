@@ -19,7 +19,7 @@ The offset gives the path its bias: it curls through the arena instead of runnin
 line. Without spikes the speed is 0 and the vehicle only turns on the spot.
 
 The profiles are piecewise linear between the angles of KNOTS. Their values were found by an evolution
-strategy (CMA-ES), 60 s a drive, first on a simplified robot that moves as it is told, in the arenas of
+strategy (benchmarks/braitenberg/fit_weights.py), 60 s a drive, first on a simplified robot that moves as it is told, in the arenas of
 seeds 1 to 25, then on the simulated physics in those of seeds 1 to 10, with delay (3 to 25 ms) and
 spike phases varied. It was asked for no collision, speed, and coverage. So seeds 1 to 10 are what it
 was fitted to, no test of how well it does elsewhere: in the arenas of seeds 11 to 70, 4 of 60 drives
@@ -53,16 +53,16 @@ MAPPING = {
 }
 
 
-def weights():
-    """2 x 100, in m/s and rad/s a hertz."""
+def weights(speed, open_side, left):
+    """2 x 100, in m/s and rad/s a hertz, from the values at the knots."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, BEAMS)
-    profile = [np.interp(np.abs(angles), KNOTS, values) for values in (SPEED, OPEN, LEFT)]
+    profile = [np.interp(np.abs(angles), KNOTS, values) for values in (speed, open_side, left)]
     rows = np.array([profile[0], np.sign(angles) * profile[1] + profile[2]])
     return rows / (BEAMS * RATE_MAX_HZ)
 
 
 def files():
-    rows = ",\n".join("[" + ", ".join(f"{value:.6e}" for value in row) + "]" for row in weights())
+    rows = ",\n".join("[" + ", ".join(f"{value:.6e}" for value in row) + "]" for row in weights(SPEED, OPEN, LEFT))
     return {"readout_weights.json": f"[{rows}]\n",
             "mapping.json": json.dumps(MAPPING, indent=2) + "\n"}
 
