@@ -200,6 +200,7 @@ music::ProgramText command_text(const RosProgram& program) {
 }
 
 int run_command(music::Process& process, const RosProgram& program) {
+  process.declare_ports({"in", "pace"});
   const Parameters parameters = process.read(command_parameters(program));
   const std::string topic = required_topic(process, parameters, "/cmd_vel");
   const CommandMapping mapping = read_command_mapping(process, parameters);

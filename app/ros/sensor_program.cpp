@@ -91,6 +91,7 @@ music::ProgramText sensor_text(const RosProgram& program) {
 int run_sensor(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
   process.set_defaults({.pace = true, .accept_one_tick = false});
+  process.declare_ports({"out", "pace"});
   const Parameters parameters = process.read(sensor_parameters(program));
   ros1::SensorSettings settings;
   settings.topic = required_topic(process, parameters, "/scan");

@@ -21,7 +21,8 @@ Starts no job and needs no ROS. Checks MUSIC's grammar, how the programs are con
 can be started, and lets each of our programs check its section, its keys and its files. The keys of
 other people's programs are not judged. `spikeloop run` makes the same checks.
 
-Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read)";
+Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read,
+130 Ctrl-C)";
 
 std::string count(std::size_t number, const char* what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
@@ -42,6 +43,10 @@ int check(const std::string& path, bool strict) {
   launch::RunOptions options;
   options.strict = strict;
   const launch::Findings findings = launch::check_job(file, options);
+  if (!findings.errors.empty() && findings.errors.front().exit_code > 128) {
+    put(stderr, fmt::format("spikeloop: {}\n", findings.errors.front().text));
+    return findings.errors.front().exit_code;
+  }
   for (const launch::Finding& error : findings.errors) {
     put(stderr, fmt::format("error: {}\n", error.text));
   }
@@ -49,7 +54,7 @@ int check(const std::string& path, bool strict) {
     put(stderr, fmt::format("warning: {}\n", warning));
   }
   if (findings.errors.empty() && findings.warnings.empty()) {
-    put(stdout, summary_of(file));
+    put_result(summary_of(file));
     return 0;
   }
   put(stderr, fmt::format("spikeloop: {}: {}, {}\n", path, count(findings.errors.size(), "error"),

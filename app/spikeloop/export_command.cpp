@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -48,11 +49,12 @@ int export_job(const Arguments& arguments) {
   if (arguments.folder.empty()) {
     const auto line = launch::mpirun_command(effective.file, "effective.music",
                                              {.scratch = {}, .hostfile = arguments.hostfile});
-    put(stdout, fmt::format("# {}\n{}", launch::shell_text(line), text));
+    put_result(fmt::format("# {}\n{}", launch::shell_text(line), text));
     return 0;
   }
   const std::string folder = launch::make_folder(arguments.folder);
   const std::string path = folder + "/effective.music";
+  launch::refuse_to_overwrite(arguments.file, path);
   launch::write_text(path, text);
   std::vector<std::string> line;
   if (arguments.srun) {
@@ -64,7 +66,7 @@ int export_job(const Arguments& arguments) {
                                   {.scratch = {}, .hostfile = arguments.hostfile});
     line.insert(line.begin() + 1, {"--wdir", directory});
   }
-  put(stdout, launch::shell_text(line) + "\n");
+  put_result(launch::shell_text(line) + "\n");
   return 0;
 }
 
@@ -75,7 +77,7 @@ void add_export_command(CLI::App& app, std::function<int()>& action) {
   CLI::App* command =
       app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
   command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
-  command->add_option("--out", arguments->folder, "Folder to write to");
+  command->add_option("--out", arguments->folder, "Folder to write to")->check(named_folder());
   auto* srun = command->add_flag("--srun", arguments->srun, "For Slurm's srun instead of mpirun");
   command->add_option("--hostfile", arguments->hostfile, "Open MPI's file of hosts")
       ->excludes(srun);

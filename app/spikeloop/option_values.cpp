@@ -70,6 +70,14 @@ double stall_timeout_s(const std::string& text) {
               text);
 }
 
+CLI::Validator named_folder() {
+  return {[](const std::string& text) {
+            return text.empty() ? std::string("the name of the folder is empty; write one")
+                                : std::string();
+          },
+          ""};
+}
+
 std::uint64_t seed(const std::string& text) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
   std::uint64_t value = 0;

@@ -1,6 +1,7 @@
 // What stands behind the options of `spikeloop run`, read strictly.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 
@@ -19,5 +20,8 @@ double start_timeout_s(const std::string& text);
 double stall_timeout_s(const std::string& text);
 /// Up to the largest that the programs read.
 std::uint64_t seed(const std::string& text);
+
+/// For an option that names a folder: an unset variable of a shell is no name.
+CLI::Validator named_folder();
 
 }  // namespace spikeloop::app

@@ -1,10 +1,104 @@
 #include "output.hpp"
 
+#include <signal.h>
+
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "spikeloop/core/error.hpp"
+
 namespace spikeloop::app {
 
+struct BackgroundOutput::Impl {
+  static constexpr std::size_t kMost = 1'000'000;
+  struct Piece {
+    std::FILE* stream;
+    std::string text;
+  };
+
+  void queue(std::FILE* stream, std::string_view text) {
+    const std::lock_guard lock(mutex);
+    if (bytes + text.size() <= kMost) {
+      bytes += text.size();
+      pieces.push_back({stream, std::string(text)});
+      wake.notify_one();
+    }
+  }
+
+  void run() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      wake.wait(lock, [this] { return ended || !pieces.empty(); });
+      if (pieces.empty()) {
+        return;
+      }
+      const Piece piece = std::move(pieces.front());
+      pieces.pop_front();
+      bytes -= piece.text.size();
+      lock.unlock();
+      std::fwrite(piece.text.data(), 1, piece.text.size(), piece.stream);
+      std::fflush(piece.stream);
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::deque<Piece> pieces;
+  std::size_t bytes = 0;
+  bool ended = false;
+  std::thread thread{[this] { run(); }};
+};
+
+namespace {
+
+BackgroundOutput::Impl* background = nullptr;
+
+}  // namespace
+
+BackgroundOutput::BackgroundOutput() {
+  // Signals are the main thread's.
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  impl_ = std::make_unique<Impl>();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  background = impl_.get();
+}
+
+BackgroundOutput::~BackgroundOutput() {
+  background = nullptr;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->ended = true;
+  }
+  impl_->wake.notify_one();
+  impl_->thread.join();
+}
+
 void put(std::FILE* stream, std::string_view text) noexcept {
+  if (background != nullptr) {
+    try {
+      background->queue(stream, text);
+    } catch (const std::bad_alloc&) {
+      // As what cannot be written.
+    }
+    return;
+  }
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
+}
+
+void put_result(std::string_view text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw FileError("write", "standard output", errno);
+  }
 }
 
 }  // namespace spikeloop::app

@@ -75,8 +75,10 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   auto& job = arguments.job;
   command.add_option("FILE", arguments.file, "MUSIC configuration file")->required();
   add_values(command, arguments);
-  auto* out = command.add_option(
-      "--out", job.folder, "Run folder: summary.json, effective.music, mpirun.log, recordings");
+  auto* out = command
+                  .add_option("--out", job.folder,
+                              "Run folder: summary.json, effective.music, mpirun.log, recordings")
+                  ->check(named_folder());
   command
       .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
       ->needs(out);
@@ -108,12 +110,14 @@ int run(RunArguments& arguments) {
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   launch::Job job(read_music_file(arguments.file), arguments.job);
   if (arguments.dry_run) {
+    std::string text;
     for (const std::string& warning : job.effective().warnings) {
-      put(stdout, fmt::format("# warning: {}\n", warning));
+      text += fmt::format("# warning: {}\n", warning);
     }
-    put(stdout, fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
+    put_result(text + fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
     return 0;
   }
+  const BackgroundOutput output;
   Console console(arguments.quiet     ? Console::Volume::quiet
                   : arguments.verbose ? Console::Volume::verbose
                                       : Console::Volume::normal);

@@ -45,6 +45,7 @@ music::ProgramText zmq_command_text() {
 }
 
 int run_zmq_command(music::Process& process) {
+  process.declare_ports({"in"});
   const Parameters parameters = process.read(parameters_of_command());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
   const zmq::PublisherSettings settings{

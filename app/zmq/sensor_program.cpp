@@ -52,6 +52,7 @@ music::ProgramText zmq_sensor_text() {
 }
 
 int run_zmq_sensor(music::Process& process) {
+  process.declare_ports({"out"});
   process.set_defaults({.pace = true, .accept_one_tick = false});
   const Parameters parameters = process.read(parameters_of_sensor());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known

@@ -59,9 +59,9 @@ TEST(CommandLine, SaysWhatAnOptionNeeds) {
             "spikeloop: --record requires --out; see spikeloop run --help\n");
   const Outcome nowhere = type({"run", "x.music", "--record", "--out", ""});
   EXPECT_EQ(nowhere.exit_code, 2);
-  EXPECT_EQ(nowhere.err,
-            "spikeloop: --record: there is no folder to record to; give one with --out, as in "
-            "--out run1\n");
+  EXPECT_EQ(
+      nowhere.err,
+      "spikeloop: --out: the name of the folder is empty; write one; see spikeloop run --help\n");
   EXPECT_EQ(type({"run"}).err, "spikeloop: FILE is required; see spikeloop run --help\n");
 }
 

@@ -39,7 +39,6 @@ class State : public testing::Test {
 };
 
 TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
-  EXPECT_EQ(state_.what_is_late(), "mpirun has not started any program of ours");
   tell("a", "started");
   EXPECT_EQ(
       state_.what_is_late(),
@@ -58,6 +57,14 @@ TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
   tell("c", "report");
   EXPECT_EQ(state_.what_is_late(), "");
   EXPECT_EQ(state_.pids(), std::vector<pid_t>{4321});
+}
+
+TEST_F(State, SaysWhyNobodyStarts) {
+  EXPECT_EQ(state_.why_nobody_starts({}), "mpirun has not started any program");
+  EXPECT_EQ(state_.why_nobody_starts({"a", "c"}),
+            "'b' (brain.py) has ended without MUSIC's Setup, where the others wait for it");
+  EXPECT_EQ(state_.why_nobody_starts({"a", "b", "c"}),
+            "our programs wait in MUSIC's Setup, which these may not have called: 'b' (brain.py)");
 }
 
 TEST_F(State, SaysWhomEverybodyWaitsFor) {

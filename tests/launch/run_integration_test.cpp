@@ -256,7 +256,7 @@ TEST(Run, OutputThatNobodyReadsDoesNotEndIt) {
 TEST(Run, AFailureThatNobodyReadsKeepsItsExitCode) {
   EXPECT_EQ(run(TwoPrograms("", "behaviour=fail").in_shell(">/dev/full 2>&1")).exit_code, 5);
   EXPECT_EQ(run(TwoPrograms("", "", "nowhere").in_shell(">/dev/full 2>&1")).exit_code, 2);
-  EXPECT_EQ(run(TwoPrograms().in_shell("--dry-run >/dev/full 2>&1")).exit_code, 0);
+  EXPECT_EQ(run(TwoPrograms().in_shell("--dry-run >/dev/full 2>&1")).exit_code, 4);
 }
 
 /// Waits, by the log, until both programs tick.
@@ -352,6 +352,25 @@ TEST(Run, AMissingProgramIsFoundBeforeAnythingStarts) {
   EXPECT_THAT(
       last_line(outcome.err),
       HasSubstr("/two.music:10:1: section 'b': there is no program 'rate_encodre' in PATH"));
+}
+
+/// As in a terminal held by Ctrl-S: the launcher's output is a pipe that is full.
+TEST(Run, OutputThatIsHeldUpHoldsUpNothing) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Command command = job.in_shell(">&3 2>&1");
+  const std::string pipe = (job.directory().path() / "pipe").string();
+  command.arguments[2].insert(
+      0, "mkfifo '" + pipe + "'; exec 3<>'" + pipe + "'; head -c 65536 /dev/zero >&3; exec ");
+  Child child(command);
+  wait_for_ticks(job);
+  child.signal(SIGINT);
+  const std::string summary = job.folder() + "/summary.json";
+  for (int i = 0; i < 100 && !std::filesystem::exists(summary); ++i) {
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_EQ(job.summary()["exit_code"], 130) << "stopped, though nobody could be told";
+  child.signal(SIGKILL);  // it waits for its last words to be read
+  EXPECT_EQ(child.wait().left_behind, 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace spikeloop::launch {
 namespace {
@@ -46,6 +47,21 @@ std::vector<pid_t> descendants(pid_t ancestor) {
   }
   found.erase(found.begin());
   return found;
+}
+
+std::set<std::string> living_sections(pid_t ancestor) {
+  constexpr std::string_view kVariable = "_MUSIC_CONFIG_=";
+  std::set<std::string> labels;
+  for (const pid_t pid : descendants(ancestor)) {
+    std::ifstream environment("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+    for (std::string entry; std::getline(environment, entry, '\0');) {
+      if (entry.starts_with(kVariable)) {
+        entry.erase(0, kVariable.size());
+        labels.insert(entry.substr(0, entry.find(':')));
+      }
+    }
+  }
+  return labels;
 }
 
 }  // namespace spikeloop::launch

@@ -3,11 +3,16 @@
 
 #include <sys/types.h>
 
+#include <set>
+#include <string>
 #include <vector>
 
 namespace spikeloop::launch {
 
 /// Every living descendant of `ancestor`; those that have ended and wait to be reaped are left out.
 std::vector<pid_t> descendants(pid_t ancestor);
+
+/// Labels of the sections whose programs live below `ancestor`, as MUSIC's launcher has told them.
+std::set<std::string> living_sections(pid_t ancestor);
 
 }  // namespace spikeloop::launch

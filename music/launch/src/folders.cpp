@@ -43,6 +43,16 @@ std::string make_folder(const std::string& path) {
   return whole.lexically_normal().string();
 }
 
+void refuse_to_overwrite(const std::string& file, const std::string& path) {
+  std::error_code ignored;
+  if (fs::equivalent(file, path, ignored)) {
+    throw ConfigurationError(
+        "the file '" + file +
+        "' would be overwritten with what is made from it; give another folder "
+        "with --out");
+  }
+}
+
 void write_text(const std::string& path, std::string_view text) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);

@@ -63,6 +63,9 @@ bool JobRun::start_ros() {
   ros_environment_["ROS_MASTER_URI"] = master.uri();
   ros_environment_["ROS_LOG_DIR"] = folder_ + "/ros";
   if (!master.answers()) {
+    if (stopped_already()) {
+      return false;  // while it was asked
+    }
     if (!options_.roscore) {
       if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
         throw TransportError(

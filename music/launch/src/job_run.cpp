@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "descendants.hpp"
 #include "guard_process.hpp"
 #include "section_checks.hpp"
 #include "spikeloop/core/log.hpp"
@@ -26,6 +27,9 @@ constexpr int kMostPatience = 10;
 constexpr const char* kBarrierAdvice =
     "A program that does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime "
     "needs barrier=false in the file; one that starts slowly needs a longer --start-timeout";
+constexpr const char* kSetupAdvice =
+    "Every program of a job has to be a MUSIC program (Setup, Runtime, finalize); one that starts "
+    "slowly needs a longer --start-timeout";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
@@ -70,9 +74,7 @@ void JobRun::take_signal(int number) {
   // Some batch systems repeat SIGUSR1: that is no impatience.
   const bool again = number != SIGUSR1 && stop_signals_ > 0;
   ++stop_signals_;
-  fail(128 + number, number == SIGINT
-                         ? "stopped by Ctrl-C"
-                         : fmt::format("stopped by signal {} ({})", number, strsignal(number)));
+  fail(128 + number, stopped_by(number));
   if (mpirun_ != nullptr && again) {
     mpirun_->tree().kill();
   }
@@ -170,14 +172,18 @@ void JobRun::watch_start() {
   if (outcome_ || failed_since_ || now - prepared_ < options_.start_timeout) {
     return;
   }
-  const std::string late = state_.what_is_late();
+  std::string late = state_.what_is_late();
   if (late.empty()) {
     return;
   }
-  const bool some_wait = state_.any_started();
+  const char* advice = kBarrierAdvice;
+  if (!state_.any_started() && options_.hostfile.empty()) {
+    const auto living = living_sections(mpirun_->tree().pid());
+    late = state_.why_nobody_starts(living);
+    advice = living.empty() ? kSlowStartAdvice : kSetupAdvice;
+  }
   fail(3, fmt::format("the job has not begun within {:g} s; {}. {}",
-                      std::chrono::duration<double>(options_.start_timeout).count(), late,
-                      some_wait ? kBarrierAdvice : kSlowStartAdvice));
+                      std::chrono::duration<double>(options_.start_timeout).count(), late, advice));
   mpirun_->tree().end();
 }
 

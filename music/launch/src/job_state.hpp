@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ class JobState {
   bool any_ticked() const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
   std::string what_is_late(Clock::time_point now = Clock::now()) const;
+  /// Why none of our programs has said that it lives, when these sections' programs do.
+  std::string why_nobody_starts(const std::set<std::string>& living) const;
   /// Who still reads files or compiles, and says so; empty: nobody.
   std::string who_prepares(Clock::time_point now = Clock::now()) const;
   /// Who has kept the job from going on for so long, and what everybody does; empty: nobody.

@@ -54,11 +54,33 @@ std::string JobState::what_is_late(Clock::time_point now) const {
       parts.push_back(kWhat.at(kind) + list(labels.at(kind)));
     }
   }
-  if (!labels.front().empty() && !any_started()) {
-    return "mpirun has not started any program of ours";
-  }
   const bool all_expected_tick = parts.empty() || (parts.size() == 1 && !labels.back().empty());
   return all_expected_tick ? "" : fmt::format("{}", fmt::join(parts, "; "));
+}
+
+std::string JobState::why_nobody_starts(const std::set<std::string>& living) const {
+  std::vector<std::string> ended;
+  std::vector<std::string> foreign;
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (process.program.empty()) {
+      continue;
+    }
+    if (!living.contains(label)) {
+      ended.push_back(shown(label));
+    } else if (!process.ours) {
+      foreign.push_back(shown(label));
+    }
+  }
+  if (living.empty()) {
+    return "mpirun has not started any program";
+  }
+  if (!ended.empty()) {
+    return list(ended) + " has ended without MUSIC's Setup, where the others wait for it";
+  }
+  return foreign.empty() ? "all programs wait in MUSIC's Setup"
+                         : "our programs wait in MUSIC's Setup, which these may not have called: " +
+                               list(foreign);
 }
 
 bool JobState::any_started() const {

@@ -75,6 +75,7 @@ void clear(const fs::path& folder, const MusicFile& file) {
 RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
   if (!path.empty()) {
     path_ = make_folder(path);
+    refuse_to_overwrite(file.path, (fs::path(path_) / kEffective).string());
     lock_ = lock(path_, path);
     clear(path_, file);
   }

@@ -1,6 +1,8 @@
 #include "section_checks.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
+#include <string.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -26,13 +28,19 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
   return wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
 }
 
+/// Also where the section does not say which of our programs it is.
+bool has_our_name(const MusicFile& file, const MusicSection& section) {
+  const std::string name = program_name(section);
+  return find_program(file, section) != nullptr || name == "spikeloop-node" ||
+         name == "spikeloop-ros" || name == "spikeloop-zmq";
+}
+
 /// Another program may have the name of one of ours; that one we must not start. Empty: none.
 std::string own_program(const MusicFile& file, const MusicSection& section,
                         const std::string& directory) {
   const MusicKey* binary = file.find_key(section, "binary");
   std::error_code ignored;
-  if (binary == nullptr || find_program(file, section) == nullptr ||
-      !fs::is_directory(directory, ignored)) {
+  if (binary == nullptr || !has_our_name(file, section) || !fs::is_directory(directory, ignored)) {
     return "";
   }
   const std::string path =
@@ -50,6 +58,11 @@ std::map<std::string, std::string> origin_environment(const std::string& file) {
   environment["SPIKELOOP_FILE"] = fs::absolute(file, ignored).string();
   environment["SPIKELOOP_FILE_NAME"] = file;
   return environment;
+}
+
+std::string stopped_by(int signal) {
+  return signal == SIGINT ? "stopped by Ctrl-C"
+                          : fmt::format("stopped by signal {} ({})", signal, strsignal(signal));
 }
 
 SectionChecks::SectionChecks(Crew& crew, const MusicFile& file, const Places& places)
@@ -150,7 +163,7 @@ Findings check_job(const MusicFile& file, const RunOptions& options) {
   SectionChecks sections(crew, effective.file, {path, directory, scratch.path()});
   findings.append(sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
-    findings.errors = {{fmt::format("stopped by signal {}", signal), 128 + signal}};
+    findings.errors = {{stopped_by(signal), 128 + signal}};
   }
   return findings;
 }

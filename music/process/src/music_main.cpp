@@ -48,6 +48,9 @@ int check_section(const SectionCheck& section, const ProgramText& text, const Bo
   } catch (const Error& error) {
     print(stderr, fmt::format("error: {}\n", error.what()));
     return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    print(stderr, "error: there is not enough memory; look for a width that is too large\n");
+    return kUsage;
   }
 }
 
@@ -117,16 +120,9 @@ int fail(const std::string& label, int exit_code, const std::string& message) {
   return exit_code;
 }
 
-void warn_of_arguments(int argc, char** argv) {
-  if (argc > 1) {
-    log::warning("argument '{}' in args= is ignored; parameters are keys of the section", argv[1]);
-  }
-}
-
 int run_body(int argc, char** argv, const ProgramText& text,
              const std::function<int(Process&)>& body) {
   Process process(argc, argv, text.defaults);
-  warn_of_arguments(argc, argv);
   const int exit_code = body(process);
   int finalized = 0;
   MPI_Finalized(&finalized);

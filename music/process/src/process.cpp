@@ -278,7 +278,23 @@ void Process::Impl::check_ports() const {
   }
 }
 
+void Process::Impl::check_arguments(bool strict) const {
+  const auto arguments = file.key(label, "args");
+  if (!arguments || arguments->empty()) {
+    return;
+  }
+  const std::string message =
+      fmt::format("args={} is for {}, whose parameters are keys of the section; leave it out",
+                  *arguments, program);
+  if (strict) {
+    throw ConfigurationError(file.where(label, "args"), message);
+  }
+  const std::string place = file.where(label, "args").text();
+  log::warning("{}{}{}; it is ignored", place, place.empty() ? "" : ": ", message);
+}
+
 void Process::Impl::check_keys(bool strict) {
+  check_arguments(strict);
   std::set<std::string> known = asked;
   for (const char* key : kMusicKeys) {
     known.insert(key);

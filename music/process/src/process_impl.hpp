@@ -60,6 +60,7 @@ struct Process::Impl {
   void check_port_names(const std::vector<std::string>& names) const;
   /// Warns of keys of the section that look like a slip of the pen; an error when strict.
   void check_keys(bool strict);
+  void check_arguments(bool strict) const;
   /// "-> encoder.in [N]" with the program's label.
   std::string example(const std::string& port, Direction direction, const char* width) const;
 };

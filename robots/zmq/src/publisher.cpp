@@ -32,6 +32,7 @@ struct Publisher::Impl {
 };
 
 void Publisher::check(const PublisherSettings& settings) {
+  check_address(settings.address);
   const bool gym = settings.message_type == kGymCommand;
   if (!gym && settings.message_type != "FloatArray") {
     throw ConfigurationError(

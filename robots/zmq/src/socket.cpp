@@ -12,28 +12,46 @@ namespace {
 
 constexpr int kLingerMs = 100;
 
-[[noreturn]] void fail(const std::string& address, int error) {
-  const char* const reason = ::zmq_strerror(error);
-  if (error == EADDRINUSE || error == EACCES) {
-    throw TransportError(
-        fmt::format("cannot bind {}: {}; write another port in zmq_addr", address, reason));
-  }
+[[noreturn]] void refuse(const std::string& address, const std::string& reason) {
   throw ConfigurationError(
       fmt::format("zmq_addr '{}' is no address ({}); write tcp://HOST:PORT, or tcp://*:PORT to "
                   "publish on every interface",
                   address, reason));
 }
 
-// ZeroMQ takes port 99999 for 34463.
-void check_port(const std::string& address) {
-  const std::string port = address.substr(address.rfind(':') + 1);
-  const bool is_number = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
-  if (address.starts_with("tcp://") && is_number && (port.size() > 5 || std::stoi(port) > 65535)) {
-    fail(address, EINVAL);
+[[noreturn]] void fail(const std::string& address, int error) {
+  const char* const reason = ::zmq_strerror(error);
+  const bool is_file = address.starts_with("ipc://");
+  if (error == EADDRINUSE || error == EACCES || (is_file && error == ENOENT)) {
+    throw TransportError(fmt::format("cannot bind {}: {}; write another {} in zmq_addr", address,
+                                     reason, is_file ? "path" : "port"));
   }
+  if (error == EADDRNOTAVAIL) {
+    throw ConfigurationError(fmt::format(
+        "zmq_addr '{}' is no address of this machine ({}); write tcp://*:PORT to publish "
+        "on every interface",
+        address, reason));
+  }
+  refuse(address, reason);
 }
 
 }  // namespace
+
+void check_address(const std::string& address) {
+  if (address.starts_with("ipc://") && address.size() > 6) {
+    return;
+  }
+  const auto colon = address.rfind(':');
+  if (!address.starts_with("tcp://") || colon < 7) {
+    refuse(address, "Invalid argument");
+  }
+  // ZeroMQ takes port 99999 for 34463.
+  const std::string port = address.substr(colon + 1);
+  const bool digits = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  if (port != "*" && (!digits || port.size() > 5 || std::stoi(port) > 65535)) {
+    refuse(address, "Invalid argument");
+  }
+}
 
 Socket::Socket(int type) : context_(::zmq_ctx_new()), socket_(::zmq_socket(context_, type)) {
   if (socket_ == nullptr) {
@@ -54,14 +72,14 @@ Socket::~Socket() {
 }
 
 void Socket::connect(const std::string& address) {
-  check_port(address);
+  check_address(address);
   if (::zmq_connect(socket_, address.c_str()) != 0) {
     fail(address, ::zmq_errno());
   }
 }
 
 void Socket::bind(const std::string& address) {
-  check_port(address);
+  check_address(address);
   if (::zmq_bind(socket_, address.c_str()) != 0) {
     fail(address, ::zmq_errno());
   }

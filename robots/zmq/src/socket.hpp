@@ -8,6 +8,9 @@
 
 namespace spikeloop::zmq {
 
+/// @throws ConfigurationError unless it is tcp://HOST:PORT or ipc://PATH.
+void check_address(const std::string& address);
+
 class Socket {
  public:
   /// @param type ZMQ_SUB or ZMQ_PUB

@@ -162,14 +162,16 @@ TEST(Errors, ANodeThatFailsInTheMiddleEndsTheJobAtOnce) {
 }
 
 TEST(Errors, AnArgumentIsIgnoredWithAWarning) {
+  const std::string words =
+      "args=--rate 5 is for rate_encoder, whose parameters are keys of the section; leave it out";
   Job job;
   encoder_job(job, "args=--rate 5");
   const auto outcome = job.run();
   expect_clean(outcome);
-  EXPECT_TRUE(
-      outcome.says("encoder: warning: argument '--rate' in args= is ignored; parameters are "
-                   "keys of the section\n"))
-      << outcome.text();
+  EXPECT_TRUE(outcome.says(words + "; it is ignored\n")) << outcome.text();
+  Job strict;
+  encoder_job(strict, "args=--rate 5\nstrict=true");
+  EXPECT_TRUE(strict.run().says(words + "\n"));
 }
 
 TEST(Errors, WithoutALineNumberWhenTheFileIsOutOfReach) {

@@ -28,6 +28,9 @@ std::string directory_of(const std::string& file);
 /// Makes a directory and those above it; returns its absolute path. @throws FileError
 std::string make_folder(const std::string& path);
 
+/// @throws ConfigurationError when `path`, which we are about to write, is the user's `file`.
+void refuse_to_overwrite(const std::string& file, const std::string& path);
+
 /// @throws FileError
 void write_text(const std::string& path, std::string_view text);
 

@@ -26,7 +26,7 @@ class Publisher : public Sink {
   /// address; TransportError when the address is taken
   explicit Publisher(const PublisherSettings& settings);
   ~Publisher() override;
-  /// Throws what the constructor would, but for the address, which it leaves alone.
+  /// Throws what the constructor would, but does not bind the address.
   static void check(const PublisherSettings& settings);
 
   std::vector<EndpointPort> ports() const override;
