@@ -49,6 +49,7 @@ class RobotJob {
                           {"ROS_HOSTNAME", "127.0.0.1"},
                           {"ROS_HOME", home},
                           {"ROS_LOG_DIR", home},
+                          {"PYTHONUNBUFFERED", "1"},  // its lines come when it prints them
                           {"SPIKELOOP_STATUS", status_socket()}};
     result.directory = home;
     return result;

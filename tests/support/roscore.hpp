@@ -76,7 +76,8 @@ class RosCore {
       Command command;
       command.arguments = {"rosmaster", "--core", "-p", std::to_string(port_)};
       command.timeout = std::chrono::minutes(10);
-      command.environment = {{"ROS_MASTER_URI", uri()}, {"ROS_HOSTNAME", "localhost"}};
+      command.environment = {
+          {"ROS_MASTER_URI", uri()}, {"ROS_HOSTNAME", "localhost"}, {"PYTHONUNBUFFERED", "1"}};
       child_ = std::make_unique<Child>(command);
       // It may be somebody else's that answers there: then ours ends at once, and says so.
       if (answers() && !child_->wait_for("already in use", std::chrono::milliseconds(100))) {

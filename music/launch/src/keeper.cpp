@@ -100,6 +100,7 @@ class Keeper {
         break;
       }
     }
+    reap();  // those that have ended since we looked: none of them is left as a zombie
     if (orphaned_ && !start_.scratch.empty()) {
       std::error_code ignored;
       std::filesystem::remove_all(start_.scratch, ignored);

@@ -157,6 +157,9 @@ std::map<std::string, std::string> program_environment() {
   const char* path = std::getenv("PATH");
   std::map<std::string, std::string> environment;
   environment["PATH"] = own_directory() + (path == nullptr ? "" : fmt::format(":{}", path));
+  if (std::getenv("PYTHONUNBUFFERED") == nullptr) {
+    environment["PYTHONUNBUFFERED"] = "1";  // what scripts print is shown when they print it
+  }
   if (geteuid() == 0) {
     environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
     environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";

@@ -32,7 +32,7 @@ std::vector<std::string> srun_command(const MusicFile& file, const std::string& 
                                       const std::string& directory);
 
 /// What every program started for a job finds in its environment: our programs first in PATH; leave
-/// for root to use mpirun.
+/// for root to use mpirun; Python's output unbuffered.
 std::map<std::string, std::string> program_environment();
 
 /// The directory of the running program.
