@@ -68,11 +68,13 @@ endfunction()
 
 # What the sanitizer builds make: the programs of all tests labelled `unit`.
 add_custom_target(unit_tests)
+# Those whose code has threads: what ThreadSanitizer is for.
+add_custom_target(threaded_tests)
 
-# spikeloop_test(NAME SOURCES file... USES target... [LABELS label...] [TIMEOUT s])
+# spikeloop_test(NAME SOURCES file... USES target... [LABELS label...] [TIMEOUT s] [THREADS])
 # makes a GoogleTest program; every TEST is a test of ctest's.
 function(spikeloop_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "THREADS" "TIMEOUT" "SOURCES;USES;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -81,6 +83,9 @@ function(spikeloop_test name)
   target_link_libraries(${name} PRIVATE spikeloop_warnings ${ARG_USES} GTest::gmock GTest::gtest_main)
   if("unit" IN_LIST ARG_LABELS)
     add_dependencies(unit_tests ${name})
+  endif()
+  if(ARG_THREADS)
+    add_dependencies(threaded_tests ${name})
   endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT}
                        LABELS "${ARG_LABELS}")

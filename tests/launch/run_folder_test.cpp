@@ -45,14 +45,17 @@ TEST_F(Folder, LosesWhatAnEarlierRunWrote) {
   directory_.write("notes.txt", "");
   const RunFolder folder(path_, file_with("new"));
   EXPECT_EQ(folder.path(), path_);
-  EXPECT_THAT(files(), UnorderedElementsAre("mine.h5", "notes.txt"));
+  EXPECT_EQ(files().size(), 6U) << "the run may not begin after all";
+  directory_.write("effective.music", "");
+  folder.clear();
+  EXPECT_THAT(files(), UnorderedElementsAre("mine.h5", "notes.txt", "effective.music"));
 }
 
 TEST_F(Folder, KeepsFilesOfOthersWithTheNameOfASection) {
   directory_.write("new.h5", "\x89HDF\r\n of somebody else");
   directory_.write("effective.music", "no such thing [");
-  const RunFolder folder(path_, file_with("new"));
-  EXPECT_THAT(files(), UnorderedElementsAre("new.h5"));
+  RunFolder(path_, file_with("new")).clear();
+  EXPECT_THAT(files(), UnorderedElementsAre("new.h5", "effective.music"));
 }
 
 TEST_F(Folder, IsHeldByOneRun) {
@@ -74,17 +77,32 @@ TEST_F(Folder, IsHeldByOneRun) {
 }
 
 TEST_F(Folder, MayBeNone) {
-  EXPECT_EQ(RunFolder("", file_with("a")).path(), "");
+  const RunFolder none("", file_with("a"));
+  EXPECT_EQ(none.path(), "");
+  EXPECT_NO_THROW(none.clear());
 }
 
 TEST_F(Folder, ThatCannotBeClearedIsAnError) {
   std::filesystem::create_directories(directory_.path() / "summary.json" / "x");
   try {
-    const RunFolder folder(path_, file_with("a"));
+    RunFolder(path_, file_with("a")).clear();
     FAIL() << "it was removed";
   } catch (const FileError& error) {
     EXPECT_EQ(std::string(error.what()),
               "cannot remove '" + path_ + "/summary.json': Directory not empty");
+  }
+}
+
+TEST_F(Folder, IsNotThatOfTheFileThatItWouldOverwrite) {
+  directory_.write("effective.music", "[a]\nnp=1\nbinary=rate_encoder\n");
+  try {
+    const RunFolder folder(path_, read_music_file(path_ + "/effective.music"));
+    FAIL() << "it would be overwritten";
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "the file '" + path_ +
+                  "/effective.music' would be overwritten with what is made from it; give another "
+                  "folder with --out");
   }
 }
 

@@ -137,6 +137,9 @@ bool JobRun::check() {
     const Finding first = first_error(findings, effective_.file.path);
     fail(first.exit_code, first.text);
   }
+  if (!outcome_) {
+    run_folder_.clear();
+  }
   return !outcome_;
 }
 

@@ -56,20 +56,6 @@ void remove_file(const fs::path& path) {
   }
 }
 
-void clear(const fs::path& folder, const MusicFile& file) {
-  std::vector<std::string> labels = earlier_labels(folder);
-  const std::vector<std::string> present = file.labels();
-  labels.insert(labels.end(), present.begin(), present.end());
-  for (const std::string& label : labels) {
-    const fs::path recording = folder / (label + ".h5");
-    if (is_recording(recording)) {
-      remove_file(recording);
-    }
-  }
-  remove_file(folder / "summary.json");
-  remove_file(folder / kEffective);
-}
-
 }  // namespace
 
 RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
@@ -77,8 +63,23 @@ RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
     path_ = make_folder(path);
     refuse_to_overwrite(file.path, (fs::path(path_) / kEffective).string());
     lock_ = lock(path_, path);
-    clear(path_, file);
+    labels_ = earlier_labels(path_);
+    const std::vector<std::string> present = file.labels();
+    labels_.insert(labels_.end(), present.begin(), present.end());
   }
+}
+
+void RunFolder::clear() const {
+  if (path_.empty()) {
+    return;
+  }
+  for (const std::string& label : labels_) {
+    const fs::path recording = fs::path(path_) / (label + ".h5");
+    if (is_recording(recording)) {
+      remove_file(recording);
+    }
+  }
+  remove_file(fs::path(path_) / "summary.json");
 }
 
 }  // namespace spikeloop::launch
