@@ -129,8 +129,7 @@ bool Server::stopped() {
 }
 
 bool Server::owner_gone() const {
-  pollfd owner{owner_, POLLIN, 0};
-  return owner_ >= 0 && poll(&owner, 1, 0) > 0;
+  return owner_ >= 0 && wait_readable(owner_, 0);
 }
 
 bool Server::needed() const {

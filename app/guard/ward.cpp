@@ -14,11 +14,6 @@
 namespace spikeloop::guard {
 namespace {
 
-bool is_readable(int fd) {
-  pollfd file{fd, POLLIN, 0};
-  return ::poll(&file, 1, 0) > 0;
-}
-
 /// Until one of them can be read; a descriptor of -1 never can.
 void wait(TimeNs deadline, int first, int second) {
   pollfd files[2] = {{first, POLLIN, 0}, {second, POLLIN, 0}};
@@ -63,7 +58,7 @@ void Ward::run() {
 
 bool Ward::read_introduction() {
   wait(kNever, socket_.get(), leave_.get());
-  if (is_readable(leave_.get())) {
+  if (wait_readable(leave_.get(), 0)) {
     return false;
   }
   const Received first = receive_packet(socket_.get());
@@ -99,7 +94,7 @@ void Ward::refuse(const std::string& reason) {
 void Ward::watch(ros1::RawPublisher& robot) {
   Vigil vigil(hello_.watchdog, wall_now());
   set_needed(true);
-  while (!vigil.over() && (vigil.stopping() || !is_readable(leave_.get()))) {
+  while (!vigil.over() && (vigil.stopping() || !wait_readable(leave_.get(), 0))) {
     // What would always be ready must not keep us from waiting.
     wait(vigil.next_due(), vigil.cause() == Cause::lost ? -1 : socket_.get(),
          vigil.stopping() ? -1 : leave_.get());

@@ -71,7 +71,7 @@ Dialect dialect_of(const MusicFile& file, const MusicSection& section) {
 void set_stoptimes(MusicFile& file) {
   for (MusicSection& section : file.sections) {
     if (find_program(file, section) != nullptr && dialect_of(file, section) == Dialect::ma) {
-      add_key(file, section, "stoptime", "1");
+      add_key(file, section, "stoptime", fmt::format("{}", kStoptimeOfMa_s));
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "spikeloop/config/dialect.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::launch {
@@ -46,7 +47,7 @@ JobState::JobState(const MusicFile& file, bool all_here)
     : file_(file), pacer_(label_that_paces(file)) {
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
-    process.program = program_name(section);
+    process.program = program_of(section);
     process.ours = all_here && find_program(file, section) != nullptr;
     order_.push_back(section.label);
   }

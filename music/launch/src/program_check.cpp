@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/mpirun.hpp"
@@ -69,8 +70,7 @@ class ProgramCheck {
 
   void check(const MusicSection& section, const MusicKey& binary) {
     const MusicKey* wd = file_.find_key(section, "wd");
-    const std::string from =
-        wd == nullptr ? directory_ : (fs::path(directory_) / wd->value).string();
+    const std::string from = working_directory(file_, section, directory_);
     if (std::error_code ignored; !fs::is_directory(from, ignored)) {
       add(section, wd == nullptr ? binary : *wd,
           fmt::format("there is no directory '{}' to run in; make it, or leave out wd", from));
@@ -80,13 +80,13 @@ class ProgramCheck {
     if (found.empty()) {
       missing(section, binary, from);
     } else if (const MusicKey* args = file_.find_key(section, "args");
-               args != nullptr && !args->value.empty() && is_interpreter(program_name(section))) {
+               args != nullptr && !args->value.empty() && is_interpreter(program_of(section))) {
       add(section, binary,
           fmt::format("binary={} would run the .music file instead of '{}', because MUSIC hands a "
                       "program its args only later; write  binary=./{}  and make that file begin "
                       "with '#!/usr/bin/env {}' and executable (chmod +x)",
                       binary.value, args->value, args->value.substr(0, args->value.find(' ')),
-                      program_name(section)));
+                      program_of(section)));
     } else {
       check_script(section, binary, found);
     }

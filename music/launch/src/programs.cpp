@@ -65,12 +65,14 @@ constexpr std::array kPrograms{
 
 }  // namespace
 
-std::string program_name(const MusicSection& section) {
-  return program_of(section);
+std::string working_directory(const MusicFile& file, const MusicSection& section,
+                              const std::string& directory) {
+  const MusicKey* wd = file.find_key(section, "wd");
+  return wd == nullptr ? directory : (std::filesystem::path(directory) / wd->value).string();
 }
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
-  const std::string name = program_name(section);
+  const std::string name = program_of(section);
   const MusicKey* node = name == "spikeloop-node" ? file.find_key(section, "node") : nullptr;
   const auto found = std::find_if(kPrograms.begin(), kPrograms.end(), [&](const Program& program) {
     return node == nullptr ? program.name == name : program.node == node->value;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -22,15 +23,9 @@ constexpr Milliseconds kPatience{60'000};
 constexpr std::string_view kError = "error: ";
 constexpr std::string_view kWarning = "warning: ";
 
-std::string working_directory(const MusicFile& file, const MusicSection& section,
-                              const std::string& directory) {
-  const MusicKey* wd = file.find_key(section, "wd");
-  return wd == nullptr ? directory : (fs::path(directory) / wd->value).string();
-}
-
 /// Also where the section does not say which of our programs it is.
 bool has_our_name(const MusicFile& file, const MusicSection& section) {
-  const std::string name = program_name(section);
+  const std::string name = program_of(section);
   return find_program(file, section) != nullptr || name == "spikeloop-node" ||
          name == "spikeloop-ros" || name == "spikeloop-zmq";
 }

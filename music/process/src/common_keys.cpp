@@ -23,9 +23,6 @@ ParameterDescription choice(const char* name, std::vector<std::string> choices, 
   return {name, ParameterType::choice, "", choices.front(), -kInfinity, kInfinity, choices, text};
 }
 
-// The default of `stoptime` in dialect ma; in dialect rma it had none.
-constexpr TimeNs kStoptimeOfMa = kNsPerSecond;
-
 Dialect dialect_of(const Parameters& parameters, const std::vector<std::string>& programs) {
   try {
     return dialect_named(parameters.text("dialect"), programs);
@@ -119,7 +116,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   if (written.contains("stoptime")) {
     keys.stoptime = from_seconds(parameters.number("stoptime"));
   } else if (keys.dialect == Dialect::ma) {
-    keys.stoptime = kStoptimeOfMa;
+    keys.stoptime = from_seconds(kStoptimeOfMa_s);
   }
   try {
     keys.music_timestep = tick_from_seconds(parameters.number("music_timestep"));

@@ -7,7 +7,11 @@ constexpr std::chrono::milliseconds kPeriod{500};
 
 }  // namespace
 
-Heartbeat::Heartbeat(const status::Sender& sender) : sender_(sender), thread_([this] { run(); }) {}
+Heartbeat::Heartbeat(const status::Sender& sender) : sender_(sender) {
+  if (sender_.connected()) {
+    thread_ = std::thread([this] { run(); });
+  }
+}
 
 Heartbeat::~Heartbeat() {
   {
@@ -15,7 +19,9 @@ Heartbeat::~Heartbeat() {
     ended_ = true;
   }
   wake_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
 }
 
 void Heartbeat::run() {

@@ -13,7 +13,7 @@ namespace spikeloop::music {
 
 class Heartbeat {
  public:
-  /// Begins in Phase::preparing. The sender must outlive it.
+  /// Begins in Phase::preparing; does nothing without a launcher. The sender must outlive it.
   explicit Heartbeat(const status::Sender& sender);
   ~Heartbeat();
   Heartbeat(const Heartbeat&) = delete;

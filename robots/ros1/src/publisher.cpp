@@ -16,8 +16,8 @@ struct Publisher::Impl {
                                              .has_value()),
         publisher(session, topic, writer.type().name) {}
 
-  void write(std::span<const double> numbers, std::vector<std::byte>& message) const {
-    std::vector<messages::FieldValue> values;
+  void write(std::span<const double> numbers, std::vector<std::byte>& message) {
+    values.clear();
     if (one_array) {
       values.push_back({numbers, {}});
     } else {
@@ -30,6 +30,7 @@ struct Publisher::Impl {
 
   messages::MessageWriter writer;
   bool one_array;
+  std::vector<messages::FieldValue> values;  ///< kept from message to message
   std::vector<std::byte> bytes;
   RawPublisher publisher;
 };

@@ -12,6 +12,9 @@ namespace spikeloop {
 
 enum class Dialect { rma, ma };
 
+/// The default of `stoptime` in dialect ma, in seconds; in dialect rma it had none.
+inline constexpr double kStoptimeOfMa_s = 1;
+
 /// The last part of the section's `binary`; empty when it has none.
 std::string program_of(const MusicSection& section);
 /// That of every section.

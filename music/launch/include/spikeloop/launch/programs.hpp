@@ -28,8 +28,9 @@ const Program* find_program(const MusicFile& file, const MusicSection& section);
 /// Null for a foreign program or a label that no section has.
 const Program* find_program(const MusicFile& file, std::string_view label);
 
-/// The last part of the section's `binary`; empty when it has none.
-std::string program_name(const MusicSection& section);
+/// Where the section's program runs: its `wd`, seen from `directory`.
+std::string working_directory(const MusicFile& file, const MusicSection& section,
+                              const std::string& directory);
 
 /// As the sender's table entry says, else as the receiver's; between foreign programs: false.
 bool is_continuous(const MusicFile& file, const MusicConnection& connection);

@@ -51,6 +51,9 @@ class Sender {
   /// `process` is the section's label. Reads SPIKELOOP_STATUS.
   explicit Sender(std::string process);
 
+  /// Whether there is a launcher to tell anything.
+  bool connected() const { return socket_.get() >= 0; }
+
   /// After MUSIC's Setup. Waits up to 1 s for room.
   void started() const;
   /// When the loop has begun. Waits up to 10 ms for room.
