@@ -54,17 +54,17 @@ void check_width(const music::Process& process, const std::string& port, std::ui
   const std::uint32_t width = process.width(port);
   if (wanted == 0) {
     throw ConfigurationError(
-        {network.path, 0, 0},
-        fmt::format("'{0}.{1}' is connected, but the network has no input population; write  {1}: "
-                    "{{model: input, size: {2}}}",
-                    process.label(), port, width));
+        process.where(port),
+        fmt::format("'{0}.{1}' is connected, but the network {3} has no input population; write  "
+                    "{1}: {{model: input, size: {2}}}",
+                    process.label(), port, width, network.path));
   }
   if (width != wanted) {
     throw ConfigurationError(
-        {network.path, 0, 0},
-        fmt::format("the network's port '{}' has {} channels, but the connection of '{}.{}' has "
-                    "the width {}; write [{}] there",
-                    port, wanted, process.label(), port, width, wanted));
+        process.where(port),
+        fmt::format("the connection of '{}.{}' has the width {}, but the network {} has {} "
+                    "channels there; write [{}]",
+                    process.label(), port, width, network.path, wanted, wanted));
   }
 }
 
@@ -80,7 +80,8 @@ void check(const music::Process& process, const NetworkFile& network) {
 
 int body(music::Process& process) {
   const Parameters parameters = process.read(network_class().description.parameters);
-  const NetworkFile network = read_network_file(parameters.text("network"));
+  const NetworkFile network = located_at(
+      parameters.where("network"), [&] { return read_network_file(parameters.text("network")); });
   check(process, network);
   NodeClass node_class = network_class(network);
   const Node* node = nullptr;

@@ -88,7 +88,9 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   const std::string& file = parameters.text("message_mapping_filename");
   const bool strict = process.common().strict;
   if (!file.empty()) {
-    return read_mapping(file, {.base_directory = process.file_directory(), .strict = strict});
+    return located_at(parameters.where("message_mapping_filename"), [&] {
+      return read_mapping(file, {.base_directory = process.file_directory(), .strict = strict});
+    });
   }
   const std::string& type = parameters.text("message_type");
   const bool plain = !type.empty() && canonical_message_type(type) == "std_msgs/Float64MultiArray";
@@ -216,6 +218,10 @@ int run_command(music::Process& process, const RosProgram& program) {
   command::ComponentMap map = component_map(mapping, width);
   const CommandSettings settings = command_settings(process, parameters, map, program);
   if (process.checking()) {
+    for (const CommandField& field : mapping.fields) {
+      located_at(field.where,
+                 [&] { ros1::Publisher::check(topic, mapping.message_type, {field.field}); });
+    }
     ros1::Publisher::check(topic, mapping.message_type, field_paths(mapping));
     process.check();
     return 0;

@@ -37,6 +37,7 @@ std::string required_topic(const music::Process& process, const Parameters& para
         parameters.where("ros_topic"),
         fmt::format("section '{}' has no ros_topic; write ros_topic={}", process.label(), example));
   }
+  located_at(parameters.where("ros_topic"), [&] { ros1::check_topic(topic); });
   return topic;
 }
 

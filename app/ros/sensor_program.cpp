@@ -7,6 +7,7 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/process/initial_key.hpp"
 #include "spikeloop/ros1/sensor.hpp"
 
@@ -57,11 +58,7 @@ std::string message_type(const Parameters& parameters) {
   if (!parameters.text("fields").empty()) {
     return text;  // any type that has a definition
   }
-  try {
-    return canonical_message_type(text);
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(where, error.what());
-  }
+  return located_at(where, [&] { return canonical_message_type(text); });
 }
 
 }  // namespace
@@ -105,7 +102,8 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   const auto pace =
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
   if (process.checking()) {
-    ros1::Sensor::check(settings);
+    located_at(settings.fields.empty() ? process.where("out") : parameters.where("fields"),
+               [&] { ros1::Sensor::check(settings); });
     process.check();
     return 0;
   }
@@ -125,6 +123,12 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   process.attach_recorders(description);
   Graph graph(std::move(description));
   music::Process::LoopHooks hooks;
+  hooks.after_loop = [&] {
+    if (sensor.counters().front().value == 0) {
+      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
+                   settings.topic);
+    }
+  };
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
   return process.run(graph, hooks);
 }

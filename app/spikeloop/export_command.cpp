@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/hostfile.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 
 namespace spikeloop::app {
@@ -33,11 +35,24 @@ struct Arguments {
   bool srun = false;
 };
 
+/// Nobody but the user sets variables for such a job.
+launch::Hosts hosts_of(const Arguments& arguments) {
+  launch::Hosts hosts{.hostfile = arguments.hostfile, .variables = {"PATH"}};
+  if (std::getenv("ROS_MASTER_URI") != nullptr) {
+    hosts.variables.emplace_back("ROS_MASTER_URI");
+  }
+  if (!arguments.hostfile.empty()) {
+    launch::check_hostfile(arguments.hostfile);
+  }
+  return hosts;
+}
+
 int export_job(const Arguments& arguments) {
   if (arguments.srun && arguments.folder.empty()) {
     throw ConfigurationError(
         "--srun needs a folder for the list of programs; give one with --out, as in --out job");
   }
+  const launch::Hosts hosts = hosts_of(arguments);
   MusicFile file = read_music_file(arguments.file);
   check_structure(file);
   const std::string directory = launch::directory_of(arguments.file);
@@ -47,8 +62,7 @@ int export_job(const Arguments& arguments) {
   }
   const std::string text = to_text(effective.file);
   if (arguments.folder.empty()) {
-    const auto line = launch::mpirun_command(effective.file, "effective.music",
-                                             {.scratch = {}, .hostfile = arguments.hostfile});
+    const auto line = launch::mpirun_command(effective.file, "effective.music", hosts);
     put_result(fmt::format("# {}\n{}", launch::shell_text(line), text));
     return 0;
   }
@@ -62,8 +76,7 @@ int export_job(const Arguments& arguments) {
     launch::write_text(programs, launch::multi_prog_text(effective.file, path));
     line = launch::srun_command(effective.file, programs, directory);
   } else {
-    line = launch::mpirun_command(effective.file, path,
-                                  {.scratch = {}, .hostfile = arguments.hostfile});
+    line = launch::mpirun_command(effective.file, path, hosts);
     line.insert(line.begin() + 1, {"--wdir", directory});
   }
   put_result(launch::shell_text(line) + "\n");

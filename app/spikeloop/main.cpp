@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -109,6 +110,7 @@ int main(int argc, char** argv) {
   // Whoever reads our output may stop reading: that must not end a job without stopping it.
   signal(SIGPIPE, SIG_IGN);
   open_standard_files();
+  unsetenv("_MUSIC_CONFIG_");  // of a job that we were started in: ours are other programs
   try {
     return run(argc, argv);
   } catch (const spikeloop::Error& error) {

@@ -84,11 +84,13 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       ->needs(out);
   command.add_option("--hostfile", job.hostfile, "Open MPI's file of hosts to run on")->needs(out);
   command.add_flag("--roscore", job.roscore, "Start a ROS master of our own when none answers");
-  command.add_flag("--robot", job.robot, "Start spikeloop-robot unless /scan is published already");
+  auto* robot = command.add_flag("--robot", job.robot,
+                                 "Start spikeloop-robot unless /scan is published already");
   command
       .add_option("--robot-arg", job.robot_arguments,
                   "Passed on to spikeloop-robot; may be repeated: --robot-arg=--world=arena.xml")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->needs(robot);
   command.add_flag("--no-pace", arguments.no_pace,
                    "Do not connect sensor adapter and command adapter by a pace connection");
   command.add_flag("--dry-run", arguments.dry_run, "Print the file that would be run, and how");

@@ -49,7 +49,7 @@ int run_zmq_command(music::Process& process) {
   const Parameters parameters = process.read(parameters_of_command());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
   const zmq::PublisherSettings settings{
-      .address = parameters.text("zmq_addr"),
+      .address = required_address(parameters),
       .message_type = required_type(process, parameters, "GymCommand or FloatArray"),
       .minimum = parameters.number("min"),
       .maximum = parameters.number("max"),

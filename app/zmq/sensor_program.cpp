@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/process/initial_key.hpp"
+#include "spikeloop/zmq/address.hpp"
 #include "spikeloop/zmq/subscriber.hpp"
 
 namespace spikeloop {
@@ -35,6 +37,12 @@ const std::string& required_type(const music::Process& process, const Parameters
   return type;
 }
 
+std::string required_address(const Parameters& parameters) {
+  const std::string& address = parameters.text("zmq_addr");
+  located_at(parameters.where("zmq_addr"), [&] { zmq::check_address(address); });
+  return address;
+}
+
 music::ProgramText zmq_sensor_text() {
   music::ProgramText text;
   text.name = "zmq_cont_adapter";
@@ -56,8 +64,9 @@ int run_zmq_sensor(music::Process& process) {
   process.set_defaults({.pace = true, .accept_one_tick = false});
   const Parameters parameters = process.read(parameters_of_sensor());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
+  const std::string address = required_address(parameters);
   zmq::Subscriber subscriber(
-      {.address = parameters.text("zmq_addr"),
+      {.address = address,
        .message_type = required_type(process, parameters, "GymObservation or FloatArray"),
        .width = process.width("out"),
        .strict = process.common().strict,
@@ -71,7 +80,14 @@ int run_zmq_sensor(music::Process& process) {
   description.connections = {{"socket.out", "out.out", 0, 0, {}}};
   process.attach_recorders(description);
   Graph graph(std::move(description));
-  return process.run(graph);
+  music::Process::LoopHooks hooks;
+  hooks.after_loop = [&] {
+    if (subscriber.counters().front().value == 0) {
+      log::warning("not one message came from {}; see whether its publisher binds this address",
+                   address);
+    }
+  };
+  return process.run(graph, hooks);
 }
 
 }  // namespace spikeloop

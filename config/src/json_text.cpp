@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -74,6 +75,19 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
         fmt::format("the key '{}' stands there twice; remove one", music_text::shown(twice)));
   }
   return value;
+}
+
+Location locate_key(std::string_view text, const std::vector<std::string>& keys,
+                    const std::string& file) {
+  std::optional<std::size_t> found;
+  for (const std::string& key : keys) {
+    const auto place = text.find('"' + key + '"', found.value_or(0));
+    if (place == std::string_view::npos) {
+      break;  // escaped in another way: its parent is near enough
+    }
+    found = place;
+  }
+  return found ? locate(text, *found, file) : Location{file};
 }
 
 std::string shown(const nlohmann::ordered_json& value) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "spikeloop/core/error.hpp"
 
@@ -18,6 +19,10 @@ std::string not_text(std::string_view text);
 /// Keeps the order of keys. C comments are allowed, as the older programs' parser did.
 /// @throws ConfigurationError at the line and column: not JSON, a key written twice.
 nlohmann::ordered_json parse(std::string_view text, const std::string& file);
+
+/// Where the last of these keys stands, each inside of the one before it; as far as it is found.
+Location locate_key(std::string_view text, const std::vector<std::string>& keys,
+                    const std::string& file);
 
 /// A value for messages: at most 60 characters of its JSON, "an array" or "an object".
 std::string shown(const nlohmann::ordered_json& value);

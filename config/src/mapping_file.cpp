@@ -1,6 +1,7 @@
 #include "spikeloop/config/mapping_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +26,8 @@ constexpr const char* kExample =
 
 class MappingReader {
  public:
-  MappingReader(const Json& json, const std::string& file, bool strict)
-      : json_(json), strict_(strict) {
+  MappingReader(const Json& json, std::string_view text, const std::string& file, bool strict)
+      : json_(json), text_(text), strict_(strict) {
     mapping_.file = file;
   }
 
@@ -34,9 +35,9 @@ class MappingReader {
     if (!json_.is_object()) {
       fail(fmt::format("the file holds {}, no object; write {}", shown(json_), kExample));
     }
-    check_keys(json_, {"message_type", "mapping", "min", "max"}, "");
+    check_keys(json_, {"message_type", "mapping", "min", "max"}, {});
     read_message_type();
-    read_limits(json_, "", minimum_, maximum_);
+    read_limits(json_, {}, minimum_, maximum_);
     if (json_.contains("mapping")) {
       read_fields(json_["mapping"]);
     } else if (mapping_.message_type == kArray) {
@@ -48,24 +49,38 @@ class MappingReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const {
-    throw ConfigurationError(Location{mapping_.file}, message);
+  /// Of a key and those that it stands in.
+  using Path = std::vector<std::string>;
+
+  static Path below(Path path, const std::string& key) {
+    path.push_back(key);
+    return path;
   }
-  /// An error when strict, else a warning that says what is done.
-  void complain(const std::string& message, const std::string& consequence) const {
-    if (strict_) {
-      fail(message);
-    }
-    log::warning("{}: {}; {}", mapping_.file, message, consequence);
+  static std::string name_of(const Path& path) {
+    return music_text::shown(fmt::format("{}", fmt::join(path, ".")));
+  }
+  Location where(const Path& path) const {
+    return json_text::locate_key(text_, path, mapping_.file);
   }
 
-  void check_keys(const Json& object, const std::vector<std::string>& known,
-                  const std::string& of) const {
+  [[noreturn]] void fail(const std::string& message, const Path& path = {}) const {
+    throw ConfigurationError(where(path), message);
+  }
+  /// An error when strict, else a warning that says what is done.
+  void complain(const std::string& message, const std::string& consequence,
+                const Path& path = {}) const {
+    if (strict_) {
+      fail(message, path);
+    }
+    log::warning("{}: {}; {}", where(path).text(), message, consequence);
+  }
+
+  void check_keys(const Json& object, const std::vector<std::string>& known, const Path& of) const {
     for (const auto& item : object.items()) {
       if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
-        complain(fmt::format("unknown key '{}{}'{}", of, music_text::shown(item.key()),
-                             did_you_mean(item.key(), known)),
-                 "it is ignored");
+        const Path path = below(of, item.key());
+        complain(fmt::format("unknown key '{}'{}", name_of(path), did_you_mean(item.key(), known)),
+                 "it is ignored", path);
       }
     }
   }
@@ -76,24 +91,27 @@ class MappingReader {
     }
     const Json& type = json_["message_type"];
     if (!type.is_string()) {
-      fail(fmt::format("'message_type' is {}, no text; write {}", shown(type), kExample));
+      fail(fmt::format("'message_type' is {}, no text; write {}", shown(type), kExample),
+           {"message_type"});
     }
     try {
       mapping_.message_type = canonical_message_type(type.get<std::string>());
     } catch (const ConfigurationError& error) {
-      fail(fmt::format("'message_type': {}", error.what()));
+      fail(fmt::format("'message_type': {}", error.what()), {"message_type"});
     }
   }
 
-  double number(const Json& object, const std::string& key, const std::string& of) const {
+  double number(const Json& object, const std::string& key, const Path& of) const {
     const Json& value = object[key];
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
-      fail(fmt::format("'{}{}' is {}, no finite number; write a number", of, key, shown(value)));
+      const Path path = below(of, key);
+      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path), shown(value)),
+           path);
     }
     return value.get<double>();
   }
 
-  void read_limits(const Json& object, const std::string& of, std::optional<double>& minimum,
+  void read_limits(const Json& object, const Path& of, std::optional<double>& minimum,
                    std::optional<double>& maximum) const {
     if (object.contains("min")) {
       minimum = number(object, "min", of);
@@ -102,10 +120,9 @@ class MappingReader {
       maximum = number(object, "max", of);
     }
     if (minimum && maximum && *minimum > *maximum) {
-      fail(
-          fmt::format("'{0}min' is {1} and '{0}max' is {2}; write a minimum that is not above the "
-                      "maximum",
-                      of, *minimum, *maximum));
+      fail(fmt::format("'{}' is {} and '{}' is {}; write a minimum that is not above the maximum",
+                       name_of(below(of, "min")), *minimum, name_of(below(of, "max")), *maximum),
+           below(of, object.contains("max") ? "max" : "min"));
     }
   }
 
@@ -116,17 +133,18 @@ class MappingReader {
           "'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, or "
           "map "
           "every element: {\"mapping\": {\"data[0]\": 0}}",
-          "they are ignored");
+          "they are ignored", {minimum_ ? "min" : "max"});
     }
   }
 
   void read_fields(const Json& fields) {
     if (!fields.is_object()) {
-      fail(fmt::format("'mapping' is {}, no object; write {}", shown(fields), kExample));
+      fail(fmt::format("'mapping' is {}, no object; write {}", shown(fields), kExample),
+           {"mapping"});
     }
     if (mapping_.message_type == kArray && !strict_) {
       complain("'mapping' does not hold for a Float64MultiArray; remove it",
-               "all channels are sent");
+               "all channels are sent", {"mapping"});
       mapping_.all_channels = true;
       return;
     }
@@ -134,48 +152,52 @@ class MappingReader {
       read_field(item.key(), item.value());
     }
     if (minimum_ == 0.0 && maximum_ == 0.0) {
-      log::warning("{}: 'min' and 'max' are both 0; every field is 0", mapping_.file);
+      log::warning("{}: 'min' and 'max' are both 0; every field is 0", where({"max"}).text());
     }
   }
 
   void read_field(const std::string& name, const Json& value) {
-    const std::string of = fmt::format("mapping.{}", music_text::shown(name));
-    CommandField field{name};
+    const Path path{"mapping", name};
+    CommandField field{.field = name, .where = where(path)};
     field.minimum = minimum_;
     field.maximum = maximum_;
     if (!value.is_object()) {
-      if (const auto channel = read_channel(value, of)) {
+      if (const auto channel = read_channel(value, path)) {
         field.channel = *channel;
         mapping_.fields.push_back(field);
       }
       return;
     }
-    check_keys(value, {"channel", "scale", "offset", "min", "max"}, of + ".");
+    check_keys(value, {"channel", "scale", "offset", "min", "max"}, path);
     if (!value.contains("channel")) {
-      fail(fmt::format("'{}' has no channel; write {{\"channel\": 0}}", of));
+      fail(fmt::format("'{}' has no channel; write {{\"channel\": 0}}", name_of(path)), path);
     }
-    field.scale = value.contains("scale") ? number(value, "scale", of + ".") : 1.0;
-    field.offset = value.contains("offset") ? number(value, "offset", of + ".") : 0.0;
-    read_limits(value, of + ".", field.minimum, field.maximum);
-    if (const auto channel = read_channel(value["channel"], of + ".channel")) {
+    field.scale = value.contains("scale") ? number(value, "scale", path) : 1.0;
+    field.offset = value.contains("offset") ? number(value, "offset", path) : 0.0;
+    read_limits(value, path, field.minimum, field.maximum);
+    if (const auto channel = read_channel(value["channel"], below(path, "channel"))) {
       field.channel = *channel;
       mapping_.fields.push_back(field);
     }
   }
 
-  std::optional<std::uint32_t> read_channel(const Json& value, const std::string& of) const {
+  std::optional<std::uint32_t> read_channel(const Json& value, const Path& path) const {
     const double number = value.is_number() ? value.get<double>() : std::nan("");
     if (number == -1.0) {
-      complain(fmt::format("'{}' is -1, no channel; remove the field", of), "the field is 0");
+      complain(fmt::format("'{}' is -1, no channel; remove the field", name_of(path)),
+               "the field is 0", path);
       return std::nullopt;
     }
     if (!(number >= 0 && number <= 2147483647.0 && number == std::floor(number))) {
-      fail(fmt::format("'{}' is {}, no channel; write a whole number from 0", of, shown(value)));
+      fail(fmt::format("'{}' is {}, no channel; write a whole number from 0", name_of(path),
+                       shown(value)),
+           path);
     }
     return static_cast<std::uint32_t>(number);
   }
 
   const Json& json_;
+  std::string_view text_;
   bool strict_;
   CommandMapping mapping_;
   std::optional<double> minimum_;
@@ -200,7 +222,7 @@ CommandMapping parse_mapping(std::string_view text, const std::string& file,
     }
     return array_instead(file, error.what());
   }
-  return MappingReader(json, file, options.strict).read();
+  return MappingReader(json, text, file, options.strict).read();
 }
 
 CommandMapping read_mapping(const std::string& name, const MappingOptions& options) {
@@ -215,14 +237,23 @@ CommandMapping read_mapping(const std::string& name, const MappingOptions& optio
     return array_instead(name, message);
   }
   constexpr std::uint64_t kLimit = 16'000'000;
-  return parse_mapping(read_text_file(*path, kLimit, "mapping file"), path->string(), options);
+  std::string text;
+  try {
+    text = read_text_file(*path, kLimit, "mapping file");
+  } catch (const FileError& error) {
+    if (options.strict) {
+      throw;
+    }
+    return array_instead(name, error.what());
+  }
+  return parse_mapping(text, path->string(), options);
 }
 
 void check_channels(const CommandMapping& mapping, std::uint32_t width) {
   for (const auto& field : mapping.fields) {
     if (field.channel >= width) {
       throw ConfigurationError(
-          Location{mapping.file},
+          field.where,
           fmt::format("'mapping.{}' reads channel {}, but the port has {} (0 to {}); write one of "
                       "these or widen the connection",
                       music_text::shown(field.field), field.channel, width,

@@ -187,8 +187,16 @@ WeightTable read_weights(const std::string& written, const WeightOptions& option
     }
     return uniform_instead(message);
   }
-  return parse_weights(read_text_file(*path, options.maximum_bytes, options.what), path->string(),
-                       options);
+  std::string text;
+  try {
+    text = read_text_file(*path, options.maximum_bytes, options.what);
+  } catch (const FileError& error) {
+    if (options.strict) {
+      throw;
+    }
+    return uniform_instead(error.what());
+  }
+  return parse_weights(text, path->string(), options);
 }
 
 WeightLoader weight_loader(WeightOptions options) {

@@ -38,7 +38,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-std::string located(const Location& where, const std::string& message) {
+std::string with_place(const Location& where, const std::string& message) {
   const std::string place = where.text();
   return place.empty() ? message : fmt::format("{}: {}", place, message);
 }
@@ -55,7 +55,7 @@ std::string Location::text() const {
 }
 
 ConfigurationError::ConfigurationError(const Location& where, const std::string& message)
-    : Error(located(where, message)) {}
+    : Error(with_place(where, message)), located_(!where.text().empty()) {}
 
 FileError::FileError(std::string_view action, std::string_view path, int error_number)
     : Error(fmt::format("cannot {} '{}': {}", action, path,

@@ -130,6 +130,9 @@ void Graph::Impl::make_elements(const GraphDescription& description, const Graph
     try {
       elements[index++].node = entry.node_class->create(setup);
     } catch (const ConfigurationError& error) {
+      if (error.located()) {
+        throw;  // a line is nearer than a name
+      }
       throw ConfigurationError(entry.where, fmt::format("'{}': {}", entry.name, error.what()));
     }
   }

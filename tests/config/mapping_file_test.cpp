@@ -99,16 +99,16 @@ TEST(MappingFile, AbsentLimitsLimitNothing) {
   EXPECT_EQ(mapping.fields.at(0).maximum, std::nullopt);
   test::LogCapture log;
   EXPECT_EQ(parse_mapping(twist("{}", ", \"min\": 0, \"max\": 0"), "m").fields.size(), 0u);
-  EXPECT_THAT(log.messages, ElementsAre("m: 'min' and 'max' are both 0; every field is 0"));
+  EXPECT_THAT(log.messages, ElementsAre("m:1:52: 'min' and 'max' are both 0; every field is 0"));
 }
 
 TEST(MappingFile, ChannelsMustBeOnThePort) {
   const CommandMapping mapping = parse_mapping(twist("{\"linear.x\": 0, \"angular.z\": 2}"), "m");
   EXPECT_NO_THROW(check_channels(mapping, 3));
-  EXPECT_EQ(
-      message_of([&] { check_channels(mapping, 2); }),
-      "m: 'mapping.angular.z' reads channel 2, but the port has 2 (0 to 1); write one of these "
-      "or widen the connection");
+  EXPECT_EQ(message_of([&] { check_channels(mapping, 2); }),
+            "m:1:54: 'mapping.angular.z' reads channel 2, but the port has 2 (0 to 1); write one "
+            "of these "
+            "or widen the connection");
   EXPECT_NO_THROW(check_channels(parse_mapping(test::data_text("array.json"), "m"), 0));
 }
 
@@ -123,36 +123,41 @@ TEST(MappingFile, SaysWhatIsWrong) {
       {"[1]", "m: the file holds an array, no object; write " + kExample},
       {"3", "m: the file holds 3, no object; write " + kExample},
       {"{}", "m: 'message_type' is missing; write " + kExample},
-      {"{\"message_type\": 3}", "m: 'message_type' is 3, no text; write " + kExample},
+      {"{\"message_type\": 3}", "m:1:2: 'message_type' is 3, no text; write " + kExample},
       {"{\"message_type\": \"Twits\"}",
-       "m: 'message_type': unknown message type 'Twits'; did you mean 'Twist'?"},
+       "m:1:2: 'message_type': unknown message type 'Twits'; did you mean 'Twist'?"},
       {"{\"message_type\": \"Twist\"}", "m: 'mapping' is missing; write " + kExample},
       {"{\"message_typ\": \"Twist\"}",
-       "m: unknown key 'message_typ'; did you mean 'message_type'?"},
-      {twist("3"), "m: 'mapping' is 3, no object; write " + kExample},
+       "m:1:2: unknown key 'message_typ'; did you mean 'message_type'?"},
+      {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample},
       {twist("{\"x\": 0, \"x\": 1}"), "m: the key 'x' stands there twice; remove one"},
-      {twist("{\"x\": 0.5}"), "m: 'mapping.x' is 0.5, no channel; write a whole number from 0"},
-      {twist("{\"x\": -2}"), "m: 'mapping.x' is -2, no channel; write a whole number from 0"},
-      {twist("{\"x\": \"0\"}"), "m: 'mapping.x' is \"0\", no channel; write a whole number from 0"},
-      {twist("{\"x\": -1}"), "m: 'mapping.x' is -1, no channel; remove the field"},
-      {twist("{\"x\": {}}"), "m: 'mapping.x' has no channel; write {\"channel\": 0}"},
+      {twist("{\"x\": 0.5}"),
+       "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0"},
+      {twist("{\"x\": -2}"), "m:1:39: 'mapping.x' is -2, no channel; write a whole number from 0"},
+      {twist("{\"x\": \"0\"}"),
+       "m:1:39: 'mapping.x' is \"0\", no channel; write a whole number from 0"},
+      {twist("{\"x\": -1}"), "m:1:39: 'mapping.x' is -1, no channel; remove the field"},
+      {twist("{\"x\": {}}"), "m:1:39: 'mapping.x' has no channel; write {\"channel\": 0}"},
       {twist("{\"x\": {\"chanel\": 0}}"),
-       "m: unknown key 'mapping.x.chanel'; did you mean 'channel'?"},
+       "m:1:45: unknown key 'mapping.x.chanel'; did you mean 'channel'?"},
       {twist("{\"x\": {\"channel\": []}}"),
-       "m: 'mapping.x.channel' is an array, no channel; write a whole number from 0"},
+       "m:1:45: 'mapping.x.channel' is an array, no channel; write a whole number from 0"},
       {twist("{\"x\": {\"channel\": 0, \"scale\": \"a\"}}"),
-       "m: 'mapping.x.scale' is \"a\", no finite number; write a number"},
+       "m:1:59: 'mapping.x.scale' is \"a\", no finite number; write a number"},
       {twist("{\"x\": {\"channel\": 0, \"offset\": null}}"),
-       "m: 'mapping.x.offset' is null, no finite number; write a number"},
-      {twist("{}", ", \"min\": true"), "m: 'min' is true, no finite number; write a number"},
-      {twist("{}", ", \"max\": {}"), "m: 'max' is an object, no finite number; write a number"},
+       "m:1:59: 'mapping.x.offset' is null, no finite number; write a number"},
+      {twist("{}", ", \"min\": true"), "m:1:42: 'min' is true, no finite number; write a number"},
+      {twist("{}", ", \"max\": {}"),
+       "m:1:42: 'max' is an object, no finite number; write a number"},
       {twist("{}", ", \"min\": 1, \"max\": -1"),
-       "m: 'min' is 1 and 'max' is -1; write a minimum that is not above the maximum"},
+       "m:1:52: 'min' is 1 and 'max' is -1; write a minimum that is not above the maximum"},
       {twist("{\"x\": {\"channel\": 0, \"max\": -1}}", ", \"min\": 0.5"),
-       "m: 'mapping.x.min' is 0.5 and 'mapping.x.max' is -1; write a minimum that is not above the "
+       "m:1:59: 'mapping.x.min' is 0.5 and 'mapping.x.max' is -1; write a minimum that is not "
+       "above the "
        "maximum"},
       {"{\"message_type\": \"FloatArray\", \"min\": 0}",
-       "m: 'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, or "
+       "m:1:32: 'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, "
+       "or "
        "map "
        "every element: {\"mapping\": {\"data[0]\": 0}}"},
   };
@@ -162,6 +167,12 @@ TEST(MappingFile, SaysWhatIsWrong) {
   EXPECT_THAT(error("{\"message_type\":\n x}"),
               testing::StartsWith("m:2:2: not JSON: invalid literal; last read: "));
   EXPECT_EQ(error(twist("{}", ", \"min\": 1e999")), "m: not JSON: number overflow parsing '1e999'");
+}
+
+TEST(MappingFile, NamesTheLine) {
+  EXPECT_EQ(error("{\"message_type\": \"Twist\",\n \"mapping\": {\n  \"linear.x\": 0,\n  "
+                  "\"angular.z\": {\"channel\": 1, \"scale\": []}}}"),
+            "m:4:31: 'mapping.angular.z.scale' is an array, no finite number; write a number");
 }
 
 TEST(MappingFile, SaysWhereItLookedForAMissingFile) {
@@ -184,7 +195,10 @@ TEST(MappingFile, OlderProgramsSendEverythingWithoutAFile) {
   EXPECT_EQ(missing.message_type, "std_msgs/Float64MultiArray");
   EXPECT_TRUE(missing.all_channels);
   EXPECT_TRUE(parse_mapping("{", "m", lax()).all_channels);
-  ASSERT_EQ(log.messages.size(), 2u);
+  const test::TemporaryDirectory directory;
+  EXPECT_TRUE(read_mapping(directory.path().string(), lax()).all_channels);
+  EXPECT_THROW(read_mapping(directory.path().string(), {}), FileError);
+  ASSERT_EQ(log.messages.size(), 3u);
   for (const auto& message : log.messages) {
     EXPECT_THAT(message, testing::EndsWith("; all channels are sent as a Float64MultiArray"));
   }
@@ -203,11 +217,12 @@ TEST(MappingFile, OlderProgramsIgnoreSomeMistakes) {
                   .all_channels);
   ASSERT_EQ(log.messages.size(), 5u);
   EXPECT_THAT(log.messages[0], testing::EndsWith("; it is ignored"));
-  EXPECT_EQ(log.messages[1], "m: 'mapping.x' is -1, no channel; remove the field; the field is 0");
+  EXPECT_EQ(log.messages[1],
+            "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0");
   EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0"));
   EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored"));
   EXPECT_EQ(log.messages[4],
-            "m: 'mapping' does not hold for a Float64MultiArray; remove it; all "
+            "m:1:39: 'mapping' does not hold for a Float64MultiArray; remove it; all "
             "channels are sent");
 }
 

@@ -253,6 +253,8 @@ TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
   test::LogCapture log;
   EXPECT_EQ(read_weights("none.json", lax()).kind, Kind::uniform);
   EXPECT_THAT(log.messages.at(0), testing::StartsWith("there is no weight file 'none.json' in "));
+  EXPECT_EQ(read_weights("/", lax()).kind, Kind::uniform);
+  EXPECT_EQ(log.messages.at(1), "cannot read '/': Is a directory; every weight is 1 / inputs");
 }
 
 TEST(WeightFile, OlderProgramsFitATableToThePorts) {

@@ -145,6 +145,37 @@ TEST(CheckTogether, OneBarrier) {
                   "the job would hang; write one  barrier=  at the top of the file"));
 }
 
+TEST(CheckTogether, AnOptionIsNoLineOfTheFile) {
+  RunOptions options;
+  options.duration_s = 0.0001;
+  EXPECT_THAT(texts(together("stoptime=5\n" + std::string(kTwo), options)),
+              ElementsAre("--duration 0.0001 is less than the tick of 1 ms; write a longer one, or "
+                          "a shorter music_timestep"));
+}
+
+TEST(CheckTogether, AJobThatHearsItself) {
+  const std::string loop =
+      "[a]\nnp=1\nbinary=ros_sensor_adapter\nros_topic=cmd_vel\n"
+      "[b]\nnp=1\nbinary=cont_ros_adapter\na.out -> b.in [3]\n";
+  EXPECT_THAT(together(loop).warnings,
+              ElementsAre("f:4:1: 'a' subscribes to /cmd_vel, which 'b' publishes: the job hears "
+                          "itself; write another ros_topic in one of them"));
+  EXPECT_THAT(together(loop + "ros_topic=/other\n").warnings, IsEmpty());
+}
+
+TEST(CheckTogether, TwoThatPublishAtOnePlace) {
+  const auto two = [](const std::string& keys) {
+    return "[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\n" + keys + "[c]\nnp=1\n" + keys +
+           "a.out -> b.in [3]\na.out -> c.in [3]\n";
+  };
+  EXPECT_THAT(together(two("binary=ros_command_adapter\nros_topic=/go\n")).warnings,
+              ElementsAre("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in turn; "
+                          "write another ros_topic in one of them"));
+  EXPECT_THAT(texts(together(two("binary=cont_zmq_adapter\n"))),
+              ElementsAre("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which only one "
+                          "program can; write another zmq_addr in one of them"));
+}
+
 TEST(CheckTogether, KindsOfPorts) {
   EXPECT_THAT(
       texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"

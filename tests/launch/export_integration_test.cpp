@@ -77,5 +77,13 @@ TEST(Run, TakesAFileOfHosts) {
             "spikeloop: --hostfile requires --out; see spikeloop run --help\n");
 }
 
+TEST(Export, PassesOnOnlyVariablesThatAreSet) {
+  const TwoPrograms job;
+  const std::string hosts = job.directory().write("hosts", "robot slots=4\n");
+  Command command = launcher({"export", job.file(), "--hostfile", hosts});
+  command.environment["ROS_MASTER_URI"] = "http://robot:11311";
+  EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI --tag-output "));
+}
+
 }  // namespace
 }  // namespace spikeloop::test

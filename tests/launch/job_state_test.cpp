@@ -61,9 +61,11 @@ TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
 
 TEST_F(State, SaysWhyNobodyStarts) {
   EXPECT_EQ(state_.why_nobody_starts({}), "mpirun has not started any program");
-  EXPECT_EQ(state_.why_nobody_starts({"a", "c"}),
+  EXPECT_EQ(state_.why_nobody_starts({{"a", false}, {"c", true}}),
             "'b' (brain.py) has ended without MUSIC's Setup, where the others wait for it");
-  EXPECT_EQ(state_.why_nobody_starts({"a", "b", "c"}),
+  EXPECT_EQ(state_.why_nobody_starts({{"a", true}, {"b", false}, {"c", false}}),
+            "'a' (rate_encoder) has been stopped (SIGSTOP), and the others wait for it");
+  EXPECT_EQ(state_.why_nobody_starts({{"a", false}, {"b", false}, {"c", false}}),
             "our programs wait in MUSIC's Setup, which these may not have called: 'b' (brain.py)");
 }
 
@@ -244,6 +246,12 @@ TEST_F(State, ThenWhatMpirunSaidLast) {
   EXPECT_EQ(state_.explain(3).message,
             "mpirun ended with exit code 3; its last line: not enough slots");
   EXPECT_EQ(state_.explain(3).exit_code, 3);
+}
+
+TEST_F(State, MpirunItselfMayBeKilled) {
+  EXPECT_EQ(state_.explain(137, true).message, "mpirun was killed by signal 9 (Killed)");
+  EXPECT_EQ(state_.explain(137).message, "mpirun ended with exit code 137");
+  EXPECT_EQ(state_.explain(137, true).exit_code, 137);
 }
 
 TEST_F(State, ARankThatNoSectionHasIsNamedByItsNumber) {

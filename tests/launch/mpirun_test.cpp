@@ -27,8 +27,9 @@ TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
 
 TEST(MpirunCommand, OnSeveralHostsPassesOnTheEnvironment) {
   const std::string line = shell_text(
-      mpirun_command(parse_music(kJob, "f"), "/run/x.music", {.scratch = {}, .hostfile = "hosts"}));
-  EXPECT_THAT(line, testing::HasSubstr(" --hostfile hosts -x PATH -x SPIKELOOP_FILE "));
+      mpirun_command(parse_music(kJob, "f"), "/run/x.music",
+                     {.scratch = {}, .hostfile = "hosts", .variables = {"PATH", "ROS_IP"}}));
+  EXPECT_THAT(line, testing::HasSubstr(" --hostfile hosts -x PATH -x ROS_IP --tag-output "));
   EXPECT_THAT(line, testing::Not(testing::HasSubstr("orte_tmpdir_base")));
 }
 

@@ -152,16 +152,16 @@ TEST_F(NetworkProgram, EndsTheJobWithPlaceAndRemedy) {
   outcome = run(music_job(directory_, 3, job("network=relay.yaml", 0.001, 0.1, 19)));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.text(),
-              HasSubstr("network: relay.yaml: the network's port 'in' has 20 channels, but the "
-                        "connection of 'network.in' has the width 19; write [20] there"));
+              HasSubstr("the connection of 'network.in' has the width 19, but the network "
+                        "relay.yaml has 20 channels there; write [20]"));
 
   directory_.write("relay.yaml",
                    "populations:\n  cell: {model: repeater, size: 20}\noutput: [cell]\n");
   outcome = run(music_job(directory_, 3, job("network=relay.yaml", 0.001, 0.1)));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.text(),
-              HasSubstr("network: relay.yaml: 'network.in' is connected, but the network has no "
-                        "input population; write  in: {model: input, size: 20}"));
+              HasSubstr("'network.in' is connected, but the network relay.yaml has no input "
+                        "population; write  in: {model: input, size: 20}"));
 }
 
 TEST_F(NetworkProgram, NamesTheKeyAndTheFileThatAreMissing) {

@@ -10,6 +10,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/zmq/publisher.hpp"
 #include "spikeloop/zmq/subscriber.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::zmq {
 namespace {
@@ -52,6 +53,19 @@ TEST(Publisher, SaysWhenItsPortIsTaken) {
               Publisher({address, "FloatArray", 0, 0, 1});
             }),
             "cannot bind " + address + ": Address already in use; write another port in zmq_addr");
+}
+
+TEST(Publisher, AFileThatIsTakenIsNotTakenOver) {
+  const test::TemporaryDirectory directory;
+  const std::string address = "ipc://" + (directory.path() / "socket").string();
+  const PublisherSettings settings{address, "FloatArray", 0, 0, 1};
+  {
+    const Publisher first(settings);
+    EXPECT_EQ(
+        message_of([&] { Publisher second(settings); }),
+        "cannot bind " + address + ": Address already in use; write another path in zmq_addr");
+  }
+  EXPECT_NO_THROW(Publisher{settings}) << "what the first has left is no hindrance";
 }
 
 TEST(Publisher, AGymCommandNeedsARange) {

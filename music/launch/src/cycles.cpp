@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "spikeloop/core/parameters.hpp"
 #include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -67,14 +66,11 @@ bool takes_events(const MusicFile& file, const std::string& label) {
 }
 
 std::optional<TimeNs> written_latency(const MusicFile& file, const MusicSection& section) {
-  const MusicKey* key = file.find_key(section, "accept_latency");
-  if (key == nullptr) {
-    return std::nullopt;
-  }
+  const auto latency_s = number_of(file, section, "accept_latency", "s");
   try {
-    return from_seconds(parse_quantity(key->value, "s"));
+    return latency_s ? std::optional(from_seconds(*latency_s)) : std::nullopt;
   } catch (const ConfigurationError&) {
-    return 0;  // the program itself reports it
+    return std::nullopt;  // longer than time itself: the program reports it
   }
 }
 

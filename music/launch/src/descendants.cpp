@@ -49,19 +49,23 @@ std::vector<pid_t> descendants(pid_t ancestor) {
   return found;
 }
 
-std::set<std::string> living_sections(pid_t ancestor) {
+std::map<std::string, bool> living_sections(pid_t ancestor) {
   constexpr std::string_view kVariable = "_MUSIC_CONFIG_=";
-  std::set<std::string> labels;
+  std::map<std::string, bool> stopped;
   for (const pid_t pid : descendants(ancestor)) {
-    std::ifstream environment("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+    const std::filesystem::path process = "/proc/" + std::to_string(pid);
+    std::ifstream environment(process / "environ", std::ios::binary);
     for (std::string entry; std::getline(environment, entry, '\0');) {
       if (entry.starts_with(kVariable)) {
         entry.erase(0, kVariable.size());
-        labels.insert(entry.substr(0, entry.find(':')));
+        char state = 'Z';
+        pid_t parent = 0;
+        read_parent(process, state, parent);
+        stopped[entry.substr(0, entry.find(':'))] |= state == 'T';
       }
     }
   }
-  return labels;
+  return stopped;
 }
 
 }  // namespace spikeloop::launch

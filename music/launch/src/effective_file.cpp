@@ -24,7 +24,8 @@ std::string seconds_text(TimeNs time) {
 }
 
 void set_everywhere(MusicFile& file, const char* name, const std::string& value) {
-  set_key(file.globals, name, value);
+  std::erase_if(file.globals, [name](const MusicKey& key) { return key.name == name; });
+  set_key(file.globals, name, value);  // it stands nowhere in the file
   for (MusicSection& section : file.sections) {
     std::erase_if(section.keys, [name](const MusicKey& key) { return key.name == name; });
   }
@@ -60,11 +61,9 @@ void apply_options(MusicFile& file, const RunOptions& options) {
 
 Dialect dialect_of(const MusicFile& file, const MusicSection& section) {
   const MusicKey* key = file.find_key(section, "dialect");
-  try {
+  return located_at(key == nullptr ? section.where : key->where, [&] {
     return dialect_named(key == nullptr ? "" : key->value, programs_of(file));
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(key->where, error.what());
-  }
+  });
 }
 
 /// What our programs of dialect ma take for themselves; written here, the launcher knows it too.
@@ -135,14 +134,8 @@ MusicFile without_pace(MusicFile file) {
 
 /// The delay in ticks that one of our programs gives its continuous inputs.
 std::int64_t signal_delay(const MusicFile& file, const MusicSection& section) {
-  const MusicKey* key = file.find_key(section, "signal_delay");
-  try {
-    return key == nullptr || find_program(file, section) == nullptr
-               ? 0
-               : std::llround(parse_quantity(key->value, "1"));
-  } catch (const ConfigurationError&) {
-    return 0;  // the program itself reports it
-  }
+  const bool ours = find_program(file, section) != nullptr;
+  return ours ? std::llround(number_of(file, section, "signal_delay", "1").value_or(0)) : 0;
 }
 
 /// Beside a path of n connections MUSIC serves the pace in batches: the ticks of n + 1 come in one
@@ -151,16 +144,11 @@ std::int64_t signal_delay(const MusicFile& file, const MusicSection& section) {
 void add_watchdog(MusicFile& file, const std::string& label, std::size_t connections) {
   constexpr double kOwnChoice = 0.1;
   const MusicSection& section = file.section(label);
-  const MusicKey* rtf = file.find_key(section, "rtf");
-  try {
-    const double factor = rtf == nullptr ? 1 : parse_quantity(rtf->value, "1");
-    const auto ticks = static_cast<double>(connections + 1 + 2);
-    const double watchdog = ticks * to_seconds(tick_of(file, section)) / factor;
-    if (watchdog > kOwnChoice && std::isfinite(watchdog)) {
-      add_key(file, file.section(label), "watchdog", fmt::format("{:.6g}", watchdog));
-    }
-  } catch (const ConfigurationError&) {
-    return;  // the program itself reports it
+  const double factor = number_of(file, section, "rtf", "1").value_or(1);
+  const auto ticks = static_cast<double>(connections + 1 + 2);
+  const double watchdog = ticks * to_seconds(tick_of(file, section)) / factor;
+  if (watchdog > kOwnChoice && std::isfinite(watchdog)) {
+    add_key(file, file.section(label), "watchdog", fmt::format("{:.6g}", watchdog));
   }
 }
 
@@ -254,22 +242,31 @@ void set_latencies(MusicFile& file, const Latencies& latencies) {
 
 }  // namespace
 
-TimeNs tick_of(const MusicFile& file, const MusicSection& section) {
-  const MusicKey* key = file.find_key(section, "music_timestep");
+std::optional<double> number_of(const MusicFile& file, const MusicSection& section,
+                                const char* name, const char* unit) {
+  const MusicKey* key = file.find_key(section, name);
   try {
-    return key == nullptr ? kDefaultTick : tick_from_seconds(parse_quantity(key->value, "s"));
+    return key == nullptr ? std::nullopt : std::optional(parse_quantity(key->value, unit));
+  } catch (const ConfigurationError&) {
+    return std::nullopt;
+  }
+}
+
+TimeNs tick_of(const MusicFile& file, const MusicSection& section) {
+  const auto tick_s = number_of(file, section, "music_timestep", "s");
+  try {
+    return tick_s ? tick_from_seconds(*tick_s) : kDefaultTick;
   } catch (const ConfigurationError&) {
     return kDefaultTick;
   }
 }
 
 std::optional<TimeNs> stop_time(const MusicFile& file, const MusicSection& section) {
-  const MusicKey* key = file.find_key(section, "stoptime");
+  const auto time_s = number_of(file, section, "stoptime", "s");
   try {
-    return key == nullptr ? std::nullopt
-                          : std::optional(from_seconds(parse_quantity(key->value, "s")));
+    return time_s ? std::optional(from_seconds(*time_s)) : std::nullopt;
   } catch (const ConfigurationError&) {
-    return std::nullopt;  // the program itself reports it
+    return std::nullopt;
   }
 }
 

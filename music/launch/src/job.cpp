@@ -3,6 +3,7 @@
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/hostfile.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -17,12 +18,18 @@ EffectiveFile checked(const MusicFile& file, const RunOptions& options) {
 Job::Job(const MusicFile& file, JobOptions options)
     : options_(std::move(options)),
       effective_(checked(file, options_.run)),
-      directory_(directory_of(file.path)) {}
+      directory_(directory_of(file.path)) {
+  if (!options_.hostfile.empty()) {
+    check_hostfile(options_.hostfile);
+  }
+}
 
 std::string Job::command() const {
   const std::string folder = options_.folder.empty() ? "." : options_.folder;
   return shell_text(mpirun_command(effective_.file, folder + "/effective.music",
-                                   {.scratch = {}, .hostfile = options_.hostfile}));
+                                   {.scratch = {},
+                                    .hostfile = options_.hostfile,
+                                    .variables = variables_of_job(effective_.file)}));
 }
 
 JobResult Job::run(const JobEvents& events) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "cycles.hpp"
+#include "outside.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
@@ -41,6 +42,7 @@ class TogetherCheck {
       check_ranks(section);
     }
     check_connections();
+    findings_.append(check_outside(file_, strict_));
     for (const std::string& warning : effective_.warnings) {
       findings_.add_warning({}, warning, strict_ || all_ours(file_));
     }
@@ -61,6 +63,7 @@ class TogetherCheck {
     if (ours.empty()) {
       return;
     }
+    check_duration(*ours.front());
     for (const MusicSection* section : ours) {
       check_length(*section);
       check_ticks(*ours.front(), *section);
@@ -69,14 +72,29 @@ class TogetherCheck {
     }
   }
 
-  void check_length(const MusicSection& section) {
+  bool is_too_short(const MusicSection& section) const {
     const auto length = stop_time(file_, section);
-    const TimeNs tick = tick_of(file_, section);
-    if (length && *length > 0 && *length < tick) {
-      findings_.add_error(where(section, "stoptime"),
+    return length && *length > 0 && *length < tick_of(file_, section);
+  }
+
+  /// The option holds for all sections: once is enough.
+  void check_duration(const MusicSection& section) {
+    const MusicKey* key = file_.find_key(section, "stoptime");
+    if (is_too_short(section) && key->where.line == 0) {
+      findings_.add_error({}, fmt::format("--duration {} is less than the tick of {}; write a "
+                                          "longer one, or a shorter music_timestep",
+                                          key->value, format_time(tick_of(file_, section))));
+    }
+  }
+
+  void check_length(const MusicSection& section) {
+    const MusicKey* key = file_.find_key(section, "stoptime");
+    if (is_too_short(section) && key->where.line != 0) {
+      findings_.add_error(key->where,
                           fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
                                       "stoptime, or a shorter music_timestep",
-                                      section.label, format_time(*length), format_time(tick)));
+                                      section.label, format_time(*stop_time(file_, section)),
+                                      format_time(tick_of(file_, section))));
     }
   }
 

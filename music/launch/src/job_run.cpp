@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 
@@ -30,7 +31,12 @@ constexpr const char* kBarrierAdvice =
 constexpr const char* kSetupAdvice =
     "Every program of a job has to be a MUSIC program (Setup, Runtime, finalize); one that starts "
     "slowly needs a longer --start-timeout";
+constexpr const char* kContinueAdvice = "kill -CONT PID lets a stopped program go on";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
+/// mpirun does not always notice that a program has ended which does not know MPI yet.
+constexpr seconds kNoticeGrace{5};
+/// Looking through /proc takes a few milliseconds.
+constexpr seconds kLookInterval{1};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
 /// Foreign programs may have files to write.
@@ -99,15 +105,16 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
 void JobRun::start_programs() {
   ProgramStart start;
   const bool here = options_.hostfile.empty();
-  start.arguments =
-      mpirun_command(effective_.file, file_,
-                     {.scratch = here ? scratch_.path() : "", .hostfile = options_.hostfile});
+  start.arguments = mpirun_command(effective_.file, file_,
+                                   {.scratch = here ? scratch_.path() : "",
+                                    .hostfile = options_.hostfile,
+                                    .variables = variables_of_job(effective_.file)});
   start.directory = directory_;
   mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : "mpirun", line);
   });
-  started_ = prepared_ = Clock::now();
+  started_ = prepared_ = complete_ = Clock::now();
 }
 
 void JobRun::run() {
@@ -160,11 +167,29 @@ void JobRun::supervise() {
     watch_stop();
   }
   crew_.turn(Milliseconds{0});
-  const int code = exit_code(mpirun_->tree().status().value_or(1));
+  const int status = mpirun_->tree().status().value_or(1);
+  const int code = exit_code(status);
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
-    const Failure failure = state_.explain(code);
+    const Failure failure = state_.explain(code, WIFSIGNALED(status));
     fail(failure.exit_code, failure.message);
   }
+}
+
+bool JobRun::one_has_gone(Clock::time_point now) {
+  if (state_.any_started() || !options_.hostfile.empty() || now - looked_ < kLookInterval) {
+    return false;
+  }
+  looked_ = now;
+  const auto living = living_sections(mpirun_->tree().pid());
+  const bool all_here =
+      std::ranges::all_of(seen_, [&](const auto& label) { return living.contains(label); });
+  for (const auto& [label, stopped] : living) {
+    seen_.insert(label);
+  }
+  if (all_here) {
+    complete_ = now;
+  }
+  return now - complete_ > kNoticeGrace;
 }
 
 void JobRun::watch_start() {
@@ -172,7 +197,11 @@ void JobRun::watch_start() {
   if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
     prepared_ = now;
   }
-  if (outcome_ || failed_since_ || now - prepared_ < options_.start_timeout) {
+  if (outcome_ || failed_since_) {
+    return;
+  }
+  const bool too_late = now - prepared_ >= options_.start_timeout;
+  if (!one_has_gone(now) && !too_late) {
     return;
   }
   std::string late = state_.what_is_late();
@@ -182,11 +211,17 @@ void JobRun::watch_start() {
   const char* advice = kBarrierAdvice;
   if (!state_.any_started() && options_.hostfile.empty()) {
     const auto living = living_sections(mpirun_->tree().pid());
+    const bool stopped =
+        std::ranges::any_of(living, [](const auto& entry) { return entry.second; });
     late = state_.why_nobody_starts(living);
-    advice = living.empty() ? kSlowStartAdvice : kSetupAdvice;
+    advice = living.empty() ? kSlowStartAdvice : stopped ? kContinueAdvice : kSetupAdvice;
   }
-  fail(3, fmt::format("the job has not begun within {:g} s; {}. {}",
-                      std::chrono::duration<double>(options_.start_timeout).count(), late, advice));
+  fail(3, fmt::format(
+              "the job has not begun{}; {}. {}",
+              too_late ? fmt::format(" within {:g} s",
+                                     std::chrono::duration<double>(options_.start_timeout).count())
+                       : "",
+              late, advice));
   mpirun_->tree().end();
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "crew.hpp"
@@ -48,6 +49,8 @@ class JobRun {
   bool stopped_already();
   void supervise();
   void watch_start();
+  /// Whether a program that has been seen is not there any more, before MPI knows it.
+  bool one_has_gone(Clock::time_point now);
   void watch_progress();
   void watch_failures();
   void watch_robot();
@@ -86,6 +89,9 @@ class JobRun {
   int stop_signals_ = 0;
   Clock::time_point started_{};
   Clock::time_point prepared_{};  ///< when a program last said that it prepares itself
+  std::set<std::string> seen_;    ///< sections whose programs have lived before any reported
+  Clock::time_point looked_{};    ///< when we last looked who lives
+  Clock::time_point complete_{};  ///< when all that had been seen lived
   std::optional<Clock::time_point> stopping_since_;
   std::optional<Clock::time_point> failed_since_;
   std::optional<Clock::time_point> reported_since_;

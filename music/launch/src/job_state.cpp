@@ -160,7 +160,7 @@ std::string JobState::named(int rank) const {
   return process == processes_.end() ? fmt::format("rank {}", rank) : shown(label);
 }
 
-Failure JobState::explain(int mpirun_exit_code) const {
+Failure JobState::explain(int mpirun_exit_code, bool mpirun_killed) const {
   if (failure_) {
     return *failure_;
   }
@@ -172,6 +172,11 @@ Failure JobState::explain(int mpirun_exit_code) const {
   if (!rank && mpirun_exit_code == 128 + SIGTERM && !terminated_.empty()) {
     return {mpirun_exit_code, fmt::format("{} was ended by signal {} ({})", shown(terminated_),
                                           SIGTERM, strsignal(SIGTERM))};
+  }
+  if (!rank && mpirun_killed) {
+    const int number = mpirun_exit_code - 128;
+    return {otherwise,
+            fmt::format("mpirun was killed by signal {} ({})", number, strsignal(number))};
   }
   if (!rank) {
     return {otherwise,

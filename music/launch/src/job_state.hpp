@@ -4,7 +4,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -41,8 +40,9 @@ class JobState {
   bool any_ticked() const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
   std::string what_is_late(Clock::time_point now = Clock::now()) const;
-  /// Why none of our programs has said that it lives, when these sections' programs do.
-  std::string why_nobody_starts(const std::set<std::string>& living) const;
+  /// Why none of our programs has said that it lives, when these sections' programs do; true: but
+  /// is stopped.
+  std::string why_nobody_starts(const std::map<std::string, bool>& living) const;
   /// Who still reads files or compiles, and says so; empty: nobody.
   std::string who_prepares(Clock::time_point now = Clock::now()) const;
   /// Who has kept the job from going on for so long, and what everybody does; empty: nobody.
@@ -51,8 +51,8 @@ class JobState {
   std::string who_ended_early() const;
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;
-  /// What mpirun's end means.
-  Failure explain(int mpirun_exit_code) const;
+  /// What mpirun's end means; `mpirun_killed`: by a signal, and the code is 128 + its number.
+  Failure explain(int mpirun_exit_code, bool mpirun_killed = false) const;
   /// Without the outcome: file, times, what the reports say.
   nlohmann::json summary() const;
 

@@ -58,8 +58,9 @@ std::string JobState::what_is_late(Clock::time_point now) const {
   return all_expected_tick ? "" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
-std::string JobState::why_nobody_starts(const std::set<std::string>& living) const {
+std::string JobState::why_nobody_starts(const std::map<std::string, bool>& living) const {
   std::vector<std::string> ended;
+  std::vector<std::string> stopped;
   std::vector<std::string> foreign;
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
@@ -68,6 +69,8 @@ std::string JobState::why_nobody_starts(const std::set<std::string>& living) con
     }
     if (!living.contains(label)) {
       ended.push_back(shown(label));
+    } else if (living.at(label)) {
+      stopped.push_back(shown(label));
     } else if (!process.ours) {
       foreign.push_back(shown(label));
     }
@@ -77,6 +80,9 @@ std::string JobState::why_nobody_starts(const std::set<std::string>& living) con
   }
   if (!ended.empty()) {
     return list(ended) + " has ended without MUSIC's Setup, where the others wait for it";
+  }
+  if (!stopped.empty()) {
+    return list(stopped) + " has been stopped (SIGSTOP), and the others wait for it";
   }
   return foreign.empty() ? "all programs wait in MUSIC's Setup"
                          : "our programs wait in MUSIC's Setup, which these may not have called: " +

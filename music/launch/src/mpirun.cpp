@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "spikeloop/launch/programs.hpp"
+
 namespace spikeloop::launch {
 namespace {
 
@@ -85,6 +87,15 @@ std::string own_directory() {
   return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
 }
 
+std::vector<std::string> variables_of_job(const MusicFile& file) {
+  std::vector<std::string> names{"PATH", "SPIKELOOP_FILE", "SPIKELOOP_FILE_NAME", "SPIKELOOP_OUT",
+                                 "SPIKELOOP_STATUS"};
+  if (needs_ros(file)) {
+    names.emplace_back("ROS_MASTER_URI");
+  }
+  return names;
+}
+
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
                                         const Hosts& hosts) {
   std::vector<std::pair<std::string, std::string>> settings{
@@ -105,8 +116,7 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
   }
   if (!hosts.hostfile.empty()) {
     command.insert(command.end(), {"--hostfile", hosts.hostfile});
-    for (const char* name : {"PATH", "SPIKELOOP_FILE", "SPIKELOOP_FILE_NAME", "SPIKELOOP_OUT",
-                             "SPIKELOOP_STATUS", "ROS_MASTER_URI"}) {
+    for (const std::string& name : hosts.variables) {
       command.insert(command.end(), {"-x", name});
     }
   }

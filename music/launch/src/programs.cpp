@@ -11,22 +11,39 @@ namespace {
 constexpr auto kContinuous = Kind::continuous;
 constexpr auto kEvents = Kind::events;
 
+constexpr Outside kTopic{"ros_topic"};
+
 /// The port `pace` of both ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter",
             .output = kContinuous,
             .source = true,
             .ros = true,
-            .tells_age = true},
-    Program{.name = "ros_command_adapter", .input = kContinuous, .ros = true, .measures_age = true},
+            .tells_age = true,
+            .outside = kTopic},
+    Program{.name = "ros_command_adapter",
+            .input = kContinuous,
+            .ros = true,
+            .measures_age = true,
+            .outside = kTopic},
     Program{.name = "ros_cont_adapter",
             .output = kContinuous,
             .source = true,
             .ros = true,
-            .tells_age = true},
-    Program{.name = "cont_ros_adapter", .input = kContinuous, .ros = true, .measures_age = true},
-    Program{.name = "zmq_cont_adapter", .output = kContinuous, .source = true},
-    Program{.name = "cont_zmq_adapter", .input = kContinuous},
+            .tells_age = true,
+            .outside = kTopic},
+    Program{.name = "cont_ros_adapter",
+            .input = kContinuous,
+            .ros = true,
+            .measures_age = true,
+            .outside = {"ros_topic", "/cmd_vel"}},
+    Program{.name = "zmq_cont_adapter",
+            .output = kContinuous,
+            .source = true,
+            .outside = {"zmq_addr", "tcp://localhost:5555"}},
+    Program{.name = "cont_zmq_adapter",
+            .input = kContinuous,
+            .outside = {"zmq_addr", "tcp://127.0.0.1:5556"}},
     Program{
         .name = "connect_adapter", .node = "connect", .input = kContinuous, .output = kContinuous},
     Program{.name = "cont_cont_adapter",

@@ -132,9 +132,21 @@ Findings SectionChecks::run(const std::function<bool()>& stopped) {
     } else {
       finish(section);
     }
+    drop_repeated(section);
     findings.append(section.findings);
   }
   return findings;
+}
+
+/// All sections complain of a key at the top of the file: the first one's word is enough.
+void SectionChecks::drop_repeated(Section& section) {
+  const auto repeated = [&](const std::string& text) {
+    const std::string said = text.substr(std::min(text.size(), section.label.size() + 2));
+    return said.starts_with(file_.path + ":") && !said_.insert(said).second;
+  };
+  std::erase_if(section.findings.errors,
+                [&](const Finding& error) { return repeated(error.text); });
+  std::erase_if(section.findings.warnings, repeated);
 }
 
 Findings check_job(const MusicFile& file, const RunOptions& options) {

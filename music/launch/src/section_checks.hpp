@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
 #include "crew.hpp"
@@ -44,10 +45,12 @@ class SectionChecks {
   static void take(Section& section, const OutputLine& line);
   /// What its end means.
   static void finish(Section& section);
+  void drop_repeated(Section& section);
 
   Crew& crew_;
   const MusicFile& file_;
   std::deque<Section> sections_;  // handlers refer to them
+  std::set<std::string> said_;    ///< of lines of the file, without the label before it
 };
 
 }  // namespace spikeloop::launch

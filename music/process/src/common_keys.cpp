@@ -24,11 +24,8 @@ ParameterDescription choice(const char* name, std::vector<std::string> choices, 
 }
 
 Dialect dialect_of(const Parameters& parameters, const std::vector<std::string>& programs) {
-  try {
-    return dialect_named(parameters.text("dialect"), programs);
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(parameters.where("dialect"), error.what());
-  }
+  return located_at(parameters.where("dialect"),
+                    [&] { return dialect_named(parameters.text("dialect"), programs); });
 }
 
 // Ways to keep time that experiment files know, but this version does not.

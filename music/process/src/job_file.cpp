@@ -108,6 +108,11 @@ Location JobFile::where(const std::string& label, const std::string& key) const 
   return found != nullptr ? found->where : Location{};
 }
 
+Location JobFile::section_where(const std::string& label) const {
+  const auto* section = file_ ? file_->find_section(label) : nullptr;
+  return section != nullptr ? section->where : Location{};
+}
+
 std::vector<std::string> JobFile::own_keys(const std::string& label) const {
   std::vector<std::string> names;
   if (const auto* section = file_ ? file_->find_section(label) : nullptr) {

@@ -44,6 +44,8 @@ class JobFile {
   int processes(const std::string& label) const;
   /// Where the section's, or else the global, key stands.
   Location where(const std::string& label, const std::string& key) const;
+  /// Of the section's first line.
+  Location section_where(const std::string& label) const;
   /// Names of the keys written in the section itself.
   std::vector<std::string> own_keys(const std::string& label) const;
   /// The programs of all sections; empty when the file was not found.

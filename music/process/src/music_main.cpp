@@ -42,11 +42,17 @@ int check_section(const SectionCheck& section, const ProgramText& text, const Bo
       print(stderr, fmt::format("warning: {}\n", message));
     }
   });
+  Location where;
   try {
     Process process(section, text.defaults);
+    where = process.where();
     return body(process);
   } catch (const Error& error) {
-    print(stderr, fmt::format("error: {}\n", error.what()));
+    // What has no line of its own is somewhere in the section.
+    const auto* wrong = dynamic_cast<const ConfigurationError*>(&error);
+    const bool located = where.line == 0 || (wrong != nullptr && wrong->located());
+    const std::string place = located ? "" : where.text() + ": ";
+    print(stderr, fmt::format("error: {}{}\n", place, error.what()));
     return error.exit_code();
   } catch (const std::bad_alloc&) {
     print(stderr, "error: there is not enough memory; look for a width that is too large\n");

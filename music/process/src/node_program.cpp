@@ -9,6 +9,17 @@
 namespace spikeloop::music {
 namespace {
 
+/// The last line that gives the node a width: where widths that do not fit are looked for.
+Location last_connection(const Process& process, const std::vector<PortDescription>& ports) {
+  Location last;
+  for (const auto& port : ports) {
+    if (const Location where = process.where(port.name); where.line > last.line) {
+      last = where;
+    }
+  }
+  return last;
+}
+
 class NodeProgram {
  public:
   NodeProgram(Process& process, const NodeClass& node_class)
@@ -19,7 +30,8 @@ class NodeProgram {
   }
 
   GraphDescription describe(const NodeClass& node_class, const Parameters& parameters) {
-    description_.nodes.push_back({process_.label(), &node_class, parameters, {}});
+    description_.nodes.push_back(
+        {process_.label(), &node_class, parameters, last_connection(process_, ports_)});
     std::vector<std::string> names;
     for (const auto& port : ports_) {
       names.push_back(port.name);
@@ -51,7 +63,7 @@ class NodeProgram {
     }
     description_.sources.push_back({endpoint_name(port), sources_.back().get()});
     description_.connections.push_back(
-        {endpoint_name(port) + "." + port.name, node_end(port), 0, 0, {}});
+        {endpoint_name(port) + "." + port.name, node_end(port), 0, 0, process_.where(port.name)});
   }
 
   void add_output(const PortDescription& port) {
@@ -62,7 +74,7 @@ class NodeProgram {
     sinks_.push_back(spikes ? process_.spike_output(port.name) : process_.signal_output(port.name));
     description_.sinks.push_back({endpoint_name(port), sinks_.back().get()});
     description_.connections.push_back(
-        {node_end(port), endpoint_name(port) + "." + port.name, 0, 0, {}});
+        {node_end(port), endpoint_name(port) + "." + port.name, 0, 0, process_.where(port.name)});
   }
 
   std::uint32_t silent_width(const PortDescription& port) const {

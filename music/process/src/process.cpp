@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "process_impl.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/process/music_main.hpp"
 
@@ -128,6 +129,15 @@ std::uint32_t Process::width(const std::string& port) const {
   return impl_->checked_width(port, use ? use->direction : Direction::input);
 }
 
+Location Process::where(const std::string& port) const {
+  const auto use = impl_->file.port(impl_->label, port);
+  return use ? use->connection->where : Location{};
+}
+
+Location Process::where() const {
+  return impl_->file.section_where(impl_->label);
+}
+
 std::unique_ptr<Source> Process::signal_input(const std::string& port,
                                               std::optional<int> delay_ticks) {
   const auto width = impl_->checked_width(port, Direction::input);
@@ -163,6 +173,13 @@ std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
 }
 
 void Process::attach_recorders(GraphDescription& description) {
+  if (common().record && label().find('/') != std::string::npos) {
+    throw ConfigurationError(
+        impl_->file.where(label(), "record"),
+        fmt::format("the section '{}' cannot be recorded: its file would be {}.h5; write a label "
+                    "without '/'",
+                    label(), label()));
+  }
   if (common().record && !impl_->checking) {
     impl_->recording = music::attach_recorders(description, impl_->label);
   }
@@ -239,6 +256,11 @@ std::uint32_t Process::Impl::checked_width(const std::string& port, Direction di
                     side(direction), side(use->direction), example(port, direction, "WIDTH")));
   }
   const auto width = connection_width(port);
+  if (width && *width > static_cast<int>(kMaximumChannels)) {
+    throw ConfigurationError(
+        where, fmt::format("the connection of '{}.{}' has the width {}; write at most {}", label,
+                           port, *width, kMaximumChannels));
+  }
   if (!width) {
     const std::string line =
         use ? describe(*use->connection) + " [100]" : example(port, direction, "100");

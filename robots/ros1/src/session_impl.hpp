@@ -20,7 +20,4 @@ struct Session::Impl {
   std::thread thread;
 };
 
-/// @throws ConfigurationError when roscpp would refuse the name.
-void check_topic(const std::string& topic);
-
 }  // namespace spikeloop::ros1

@@ -1,6 +1,9 @@
 #include "socket.hpp"
 
 #include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -33,6 +36,22 @@ constexpr int kLingerMs = 100;
         address, reason));
   }
   refuse(address, reason);
+}
+
+/// ZeroMQ takes over the file of an ipc:// address that another program is bound to.
+bool is_taken_file(const std::string& address) {
+  constexpr std::size_t kScheme = 6;
+  sockaddr_un place{};
+  place.sun_family = AF_UNIX;
+  if (!address.starts_with("ipc://") || address.size() - kScheme >= sizeof place.sun_path) {
+    return false;
+  }
+  address.copy(place.sun_path, sizeof place.sun_path - 1, kScheme);
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool answers =
+      ::connect(probe, reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
+  ::close(probe);
+  return answers;
 }
 
 }  // namespace
@@ -80,6 +99,9 @@ void Socket::connect(const std::string& address) {
 
 void Socket::bind(const std::string& address) {
   check_address(address);
+  if (is_taken_file(address)) {
+    fail(address, EADDRINUSE);
+  }
   if (::zmq_bind(socket_, address.c_str()) != 0) {
     fail(address, ::zmq_errno());
   }

@@ -6,10 +6,9 @@
 #include <optional>
 #include <string>
 
-namespace spikeloop::zmq {
+#include "spikeloop/zmq/address.hpp"
 
-/// @throws ConfigurationError unless it is tcp://HOST:PORT or ipc://PATH.
-void check_address(const std::string& address);
+namespace spikeloop::zmq {
 
 class Socket {
  public:

@@ -87,8 +87,8 @@ TEST(Errors, WidthsThatTheNodeCannotJoin) {
   job.raw("sink").ours("encoder", "rate_encoder").raw("source");
   job.connect("source.values -> encoder.in [3]").connect("encoder.out -> sink.spikes_in [4]");
   expect_error(job, 2,
-               "encoder: port 'encoder.out' has 4 channels but must have 3, as many as "
-               "'encoder.in'");
+               "encoder: " + job.place("encoder.out ->") +
+                   ": port 'encoder.out' has 4 channels but must have 3, as many as 'encoder.in'");
 }
 
 TEST(Errors, AValueThatIsNoNumber) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
 
@@ -27,6 +28,7 @@ struct CommandField {
   double offset = 0;
   std::optional<double> minimum{};  ///< none: no limit
   std::optional<double> maximum{};
+  Location where{};  ///< of its line in the file
 };
 
 struct CommandMapping {

@@ -33,7 +33,25 @@ class ConfigurationError : public Error {
   /// Puts the location before the message.
   ConfigurationError(const Location& where, const std::string& message);
   int exit_code() const override { return 2; }
+  /// Whether the message begins with where in a file the fault is.
+  bool located() const { return located_; }
+
+ private:
+  bool located_ = false;
 };
+
+/// What `work` returns; a ConfigurationError of its that says no place gets this one.
+template <typename Work>
+auto located_at(const Location& where, Work&& work) {
+  try {
+    return work();
+  } catch (const ConfigurationError& error) {
+    if (error.located()) {
+      throw;
+    }
+    throw ConfigurationError(where, error.what());
+  }
+}
 
 /// A partner outside (ROS master, MUSIC, another process) is missing, silent or broken.
 class TransportError : public Error {

@@ -46,8 +46,12 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options);
 /// The sections as the user wrote them: the effective file has an order of its own.
 std::vector<const MusicSection*> in_written_order(const MusicFile& file);
 
-/// The tick of a section: `music_timestep`, 1 ms by default; when it cannot be read, too, because
-/// the program itself says so better.
+/// The number in a key of a section; none: it is not written, or cannot be read, of which the
+/// program itself says more.
+std::optional<double> number_of(const MusicFile& file, const MusicSection& section,
+                                const char* name, const char* unit);
+
+/// The tick of a section: `music_timestep`; 1 ms when there is none that can be read.
 std::int64_t tick_of(const MusicFile& file, const MusicSection& section);
 
 /// `stoptime` of a section; none: it is not written, or cannot be read.

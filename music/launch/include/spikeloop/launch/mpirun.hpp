@@ -18,7 +18,12 @@ struct Hosts {
   /// behind. Empty: where Open MPI likes it, as it must be on several hosts.
   std::string scratch{};
   std::string hostfile{};  ///< Open MPI's; empty: this host
+  /// Variables of the environment that programs on other hosts get, too; they must be set.
+  std::vector<std::string> variables{};
 };
+
+/// Those that a supervised job sets for its programs.
+std::vector<std::string> variables_of_job(const MusicFile& file);
 
 /// `mpirun -np SUM ... music FILE`.
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,

@@ -11,6 +11,12 @@ namespace spikeloop::launch {
 
 enum class Kind { continuous, events };
 
+/// The key that says where a program meets the world: a topic, an address.
+struct Outside {
+  std::string_view key{};
+  std::string_view otherwise{};  ///< its default; empty: must be written
+};
+
 /// One of our programs.
 struct Program {
   std::string_view name;         ///< as the last part of `binary`
@@ -21,6 +27,7 @@ struct Program {
   bool ros = false;              ///< needs a ROS master
   bool tells_age = false;        ///< has the output `pace`
   bool measures_age = false;     ///< has the input `pace`
+  Outside outside{};             ///< has no key: meets nobody
 };
 
 /// Null for a foreign program. The program spikeloop-node is known by its key `node`.

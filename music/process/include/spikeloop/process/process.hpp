@@ -81,7 +81,12 @@ class Process {
   bool connected_output(const std::string& port, PortKind kind) const;
   /// The width that the file gives a connected port.
   /// @throws ConfigurationError when the port is not connected or its connection has no width.
+  /// At most 16777216, as many as a table of weights can have.
   std::uint32_t width(const std::string& port) const;
+  /// Where the file connects a port; nothing is known of one that is not connected.
+  Location where(const std::string& port) const;
+  /// Where its section begins.
+  Location where() const;
 
   /// Endpoints with one port, named as MUSIC names it. They must outlive run().
   /// @throws ConfigurationError when the port is not connected, has no width, or when the file uses

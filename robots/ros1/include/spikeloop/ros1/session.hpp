@@ -41,4 +41,7 @@ class Session {
   std::unique_ptr<Impl> impl_;
 };
 
+/// @throws ConfigurationError when roscpp would refuse the name.
+void check_topic(const std::string& topic);
+
 }  // namespace spikeloop::ros1

@@ -1,0 +1,57 @@
+// Open MPI's file of hosts, before mpirun reads it.
+#include "spikeloop/launch/hostfile.hpp"
+
+#include <gtest/gtest.h>
+
+#include "spikeloop/core/error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::launch {
+namespace {
+
+/// What is wrong with a hostfile of this text, without its path.
+std::string problem(const std::string& text) {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.write("hosts", text);
+  try {
+    check_hostfile(path);
+    return "";
+  } catch (const ConfigurationError& error) {
+    return std::string(error.what()).substr(path.size());
+  }
+}
+
+TEST(Hostfile, TakesWhatOpenMpiTakes) {
+  EXPECT_EQ(problem("# ours\nlocalhost slots=4 max_slots=8\n\nme@robot.lab  # the other\n"), "");
+  EXPECT_EQ(problem("10.0.0.1 username=me\nfe80::1 slots=2"), "");
+}
+
+TEST(Hostfile, NamesTheLineThatMpirunWouldNotUnderstand) {
+  EXPECT_EQ(problem("localhost\nrobot slot=4\n"),
+            ":2: 'slot=4' is none of Open MPI's options of a host; write a line like  robot "
+            "slots=4");
+  EXPECT_EQ(problem("robot slots=four\n"),
+            ":1: 'slots=four' is none of Open MPI's options of a host; write a line like  robot "
+            "slots=4");
+  EXPECT_EQ(problem("{\"hosts\": 3}\n"),
+            ":1: '{\"hosts\":' is no name of a host; write a line like  robot slots=4");
+  EXPECT_EQ(problem("# nobody\n"),
+            ": the hostfile names no host; write a line like  robot slots=4");
+}
+
+TEST(Hostfile, MustBeReadable) {
+  const test::TemporaryDirectory directory;
+  const std::string folder = directory.path().string();
+  try {
+    check_hostfile(folder + "/hosts");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.what(),
+              "cannot open the hostfile '" + folder + "/hosts': No such file or directory");
+    EXPECT_EQ(error.exit_code(), 4);
+  }
+  EXPECT_THROW(check_hostfile(folder), FileError);
+}
+
+}  // namespace
+}  // namespace spikeloop::launch
