@@ -2,6 +2,7 @@
 #include "job_state.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 namespace spikeloop::launch {
 namespace {
@@ -155,6 +156,29 @@ TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {
             "'a' (rate_encoder) ended at 2 s of simulated time, though nobody asked it to");
 }
 
+TEST_F(State, ADeathThatMpirunDoesNotNotice) {
+  tell("a", "started", {{"pid", 10}});
+  tell("c", "started", {{"pid", 12}});
+  std::map<pid_t, int> ended;
+  const auto end_of = [&](pid_t pid) {
+    const auto found = ended.find(pid);
+    return found == ended.end() ? std::nullopt : std::optional(found->second);
+  };
+  EXPECT_FALSE(state_.first_death(end_of));
+  ended[12] = SIGKILL;
+  EXPECT_EQ(state_.first_death(end_of)->message,
+            "'c' (linear_readout_decoder) was killed by signal 9 (Killed)");
+  EXPECT_EQ(state_.first_death(end_of)->exit_code, 137);
+  ended[12] = 7 << 8;
+  EXPECT_EQ(state_.first_death(end_of)->message,
+            "'c' (linear_readout_decoder) ended with exit code 7");
+  ended[12] = -1;
+  EXPECT_EQ(state_.first_death(end_of)->message,
+            "'c' (linear_readout_decoder) has ended before its time");
+  tell("c", "report");
+  EXPECT_FALSE(state_.first_death(end_of)) << "it had done its work";
+}
+
 TEST_F(State, EverybodyHasReportedWhenThoseThatAreExpectedHave) {
   tell("a", "report");
   EXPECT_FALSE(state_.all_reported());
@@ -192,24 +216,24 @@ TEST_F(State, TheFirstFailureIsTheReason) {
   tell("c", "failure", {{"exit_code", 5}, {"message", "tau is 0"}});
   tell("a", "failure", {{"exit_code", 3}, {"message", "peer gone"}});
   line(0, "Error in MUSIC library: x");
-  const Failure failure = state_.explain(1);
+  const Failure failure = state_.explain({1});
   EXPECT_EQ(failure.exit_code, 5);
   EXPECT_EQ(failure.message, "c: tau is 0");
 }
 
 TEST_F(State, AFailureWithoutWordsOrCodeIsOne) {
   tell("c", "failure", {{"exit_code", "five"}});
-  EXPECT_EQ(state_.explain(0).exit_code, 1);
-  EXPECT_EQ(state_.explain(0).message, "c: failed");
+  EXPECT_EQ(state_.explain({0}).exit_code, 1);
+  EXPECT_EQ(state_.explain({0}).message, "c: failed");
 }
 
 TEST_F(State, ThenMusicsError) {
   line(0, "Error in MUSIC library: too short latency (0.02 s) around loop: , ");
   line({}, "MPI_ABORT was invoked on rank 0 in communicator MPI_COMM_WORLD");
   line({}, "with errorcode 1.");
-  EXPECT_EQ(state_.explain(1).message,
+  EXPECT_EQ(state_.explain({1}).message,
             "Error in MUSIC library: too short latency (0.02 s) around loop: , ");
-  EXPECT_EQ(state_.explain(1).exit_code, 1);
+  EXPECT_EQ(state_.explain({1}).exit_code, 1);
 }
 
 TEST_F(State, ThenHowAProgramEnded) {
@@ -218,7 +242,7 @@ TEST_F(State, ThenHowAProgramEnded) {
   line(1, "printed", false);
   line({}, "  Process name: [[16537,1],1]");
   line({}, "  Exit code:    2");
-  EXPECT_EQ(state_.explain(2).message,
+  EXPECT_EQ(state_.explain({2}).message,
             "'b' (brain.py) ended with exit code 2; its last line: ImportError: no nest");
 }
 
@@ -226,37 +250,44 @@ TEST_F(State, WhoAbortsSaysSoItself) {
   const std::string place = "/lib/libmpi.so.40(ompi_mpi_abort+0x15f) [0x7f]";
   state_.take(OutputLine{{}, true, "[vm:10] [1] func:" + place, 1});
   line({}, "ORTE_ERROR_LOG: Out of resource in file show_help.c at line 501");
-  EXPECT_EQ(state_.explain(9).message, "'b' (brain.py) ended with exit code 9");
-  EXPECT_EQ(state_.explain(9).exit_code, 9);
+  EXPECT_EQ(state_.explain({9}).message, "'b' (brain.py) ended with exit code 9");
+  EXPECT_EQ(state_.explain({9}).exit_code, 9);
 }
 
 TEST_F(State, ThenWhoWasEndedFirst) {
   tell("c", "terminated");
   tell("a", "terminated");
-  EXPECT_EQ(state_.explain(1).message, "mpirun ended with exit code 1") << "which was ended itself";
-  EXPECT_EQ(state_.explain(143).message,
+  EXPECT_EQ(state_.explain({1}).message, "mpirun ended with exit code 1")
+      << "which was ended itself";
+  EXPECT_EQ(state_.explain({143}).message,
             "'c' (linear_readout_decoder) was ended by signal 15 (Terminated)");
-  EXPECT_EQ(state_.explain(143).exit_code, 143);
+  EXPECT_EQ(state_.explain({143}).exit_code, 143);
 }
 
 TEST_F(State, ThenWhatMpirunSaidLast) {
-  EXPECT_EQ(state_.explain(3).message, "mpirun ended with exit code 3");
+  EXPECT_EQ(state_.explain({3}).message, "mpirun ended with exit code 3");
   line({}, "not enough slots");
   line({}, "-------------");
-  EXPECT_EQ(state_.explain(3).message,
+  EXPECT_EQ(state_.explain({3}).message,
             "mpirun ended with exit code 3; its last line: not enough slots");
-  EXPECT_EQ(state_.explain(3).exit_code, 3);
+  EXPECT_EQ(state_.explain({3}).exit_code, 3);
 }
 
 TEST_F(State, MpirunItselfMayBeKilled) {
-  EXPECT_EQ(state_.explain(137, true).message, "mpirun was killed by signal 9 (Killed)");
-  EXPECT_EQ(state_.explain(137).message, "mpirun ended with exit code 137");
-  EXPECT_EQ(state_.explain(137, true).exit_code, 137);
+  EXPECT_EQ(state_.explain({137, true}).message, "mpirun was killed by signal 9 (Killed)");
+  EXPECT_EQ(state_.explain({137}).message, "mpirun ended with exit code 137");
+  EXPECT_EQ(state_.explain({137, true}).exit_code, 137);
+}
+
+TEST_F(State, WhoWasMissedWhenMpirunNamesNobody) {
+  EXPECT_EQ(state_.explain({129, false, {"b"}}).message,
+            "'b' (brain.py) ended before MUSIC's Setup, with exit code 129");
+  EXPECT_EQ(state_.explain({129, true, {"b"}}).message, "mpirun was killed by signal 1 (Hangup)");
 }
 
 TEST_F(State, ARankThatNoSectionHasIsNamedByItsNumber) {
   line({}, "mpirun has exited due to process rank 9 with PID 0 on");
-  EXPECT_EQ(state_.explain(1).message, "rank 9 ended without MUSIC's finalize");
+  EXPECT_EQ(state_.explain({1}).message, "rank 9 ended without MUSIC's finalize");
 }
 
 }  // namespace

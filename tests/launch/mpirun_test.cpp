@@ -17,12 +17,12 @@ constexpr const char* kJob =
     "[a]\nnp=1\nbinary=x\n[b]\nnp=3\nbinary=y\n[c]\nnp=1\nbinary=z\na.out -> b.in\nb.out -> c.in\n";
 
 TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
-  EXPECT_EQ(
-      shell_text(mpirun_command(parse_music(kJob, "f"), "/run/x.music",
-                                {.scratch = "/s", .hostfile = {}})),
-      "mpirun -np 5 --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 --mca "
-      "opal_abort_print_stack 1 --mca orte_tmpdir_base /s --mca btl_vader_backing_directory /s "
-      "--tag-output music /run/x.music");
+  EXPECT_EQ(shell_text(mpirun_command(parse_music(kJob, "f"), "/run/x.music",
+                                      {.scratch = "/s", .hostfile = {}})),
+            "mpirun -np 5 --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 --mca "
+            "opal_abort_print_stack 1 --mca opal_signal '' --mca orte_tmpdir_base /s --mca "
+            "btl_vader_backing_directory /s "
+            "--tag-output music /run/x.music");
 }
 
 TEST(MpirunCommand, OnSeveralHostsPassesOnTheEnvironment) {

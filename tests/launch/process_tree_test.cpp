@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -122,6 +123,39 @@ TEST(Descendants, AreFoundOverGenerations) {
   }
   EXPECT_EQ(descendants(tree.pid()).size(), 3u);
   EXPECT_GE(descendants(getpid()).size(), 5u) << "keeper, shell and its three";
+}
+
+TEST(IsStopped, TellsWhoWaitsForSigcont) {
+  EXPECT_FALSE(is_stopped(getpid()));
+  const pid_t child = fork();
+  if (child == 0) {
+    raise(SIGSTOP);
+    _exit(0);
+  }
+  siginfo_t info{};
+  waitid(P_PID, static_cast<id_t>(child), &info, WSTOPPED | WNOWAIT);
+  EXPECT_TRUE(is_stopped(child));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_FALSE(is_stopped(child));
+}
+
+TEST(EndOf, ReadsWhatTheParentHasNotAskedFor) {
+  EXPECT_EQ(end_of(getpid()), std::nullopt);
+  const auto status_after = [](auto work) {
+    const pid_t child = fork();
+    if (child == 0) {
+      work();
+    }
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT);  // it stays a zombie
+    const auto status = end_of(child);
+    waitpid(child, nullptr, 0);
+    EXPECT_EQ(end_of(child), -1) << "it is gone";
+    return status;
+  };
+  EXPECT_EQ(status_after([] { _exit(7); }), 7 << 8);
+  EXPECT_EQ(status_after([] { raise(SIGKILL); }), SIGKILL);
 }
 
 }  // namespace

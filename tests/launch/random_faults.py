@@ -20,7 +20,7 @@ import tempfile
 import time
 
 LABELS = ["source", "encoder", "network", "decoder", "sink"]
-JOB = """stoptime={stoptime}
+JOB = """stoptime=4
 music_timestep=0.002
 [source]
 np=1
@@ -118,7 +118,7 @@ class Launch:
         self.moment_s = dice.uniform(0, 1.5)
 
     def write_files(self, folder):
-        (folder / "job.music").write_text(JOB.format(folder=folder, stoptime=4))
+        (folder / "job.music").write_text(JOB.format(folder=folder))
         (folder / "net.yaml").write_text(NETWORK)
         (folder / "w.json").write_text(WEIGHTS)
         if self.kind == "file":
@@ -132,9 +132,10 @@ class Launch:
             self.marker = f"SPIKELOOP_FAULTS={name}".encode()
             environment = dict(os.environ, SPIKELOOP_FAULTS=name)
             started = time.time()
+            # A spoilt stoptime would let it run for ever.
             child = subprocess.Popen(
                 [self.programs / "spikeloop", "run", "job.music", "--start-timeout", str(START_S),
-                 "--stall-timeout", str(STALL_S)], cwd=folder, env=environment,
+                 "--stall-timeout", str(STALL_S), "--duration", "4"], cwd=folder, env=environment,
                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace")
             self.strike(child)
             self.wait(child)
@@ -167,7 +168,7 @@ class Launch:
         self.last_line = lines[-1] if lines else ""
 
     def what_is_left(self):
-        deadline = time.time() + 3  # the launcher itself may have been killed
+        deadline = time.time() + 5  # the launcher itself may have been killed
         while (left := processes(self.marker)) and time.time() < deadline:
             time.sleep(0.05)
         for pid in left:

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -49,23 +50,49 @@ std::vector<pid_t> descendants(pid_t ancestor) {
   return found;
 }
 
+bool is_stopped(pid_t process) {
+  char state = 'Z';
+  pid_t parent = 0;
+  read_parent("/proc/" + std::to_string(process), state, parent);
+  return state == 'T';
+}
+
 std::map<std::string, bool> living_sections(pid_t ancestor) {
   constexpr std::string_view kVariable = "_MUSIC_CONFIG_=";
   std::map<std::string, bool> stopped;
   for (const pid_t pid : descendants(ancestor)) {
-    const std::filesystem::path process = "/proc/" + std::to_string(pid);
-    std::ifstream environment(process / "environ", std::ios::binary);
+    std::ifstream environment("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
     for (std::string entry; std::getline(environment, entry, '\0');) {
       if (entry.starts_with(kVariable)) {
         entry.erase(0, kVariable.size());
-        char state = 'Z';
-        pid_t parent = 0;
-        read_parent(process, state, parent);
-        stopped[entry.substr(0, entry.find(':'))] |= state == 'T';
+        stopped[entry.substr(0, entry.find(':'))] |= is_stopped(pid);
       }
     }
   }
   return stopped;
+}
+
+std::optional<int> end_of(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(file, text);
+  const auto end_of_name = text.rfind(')');
+  if (end_of_name == std::string::npos) {
+    return -1;
+  }
+  // man 5 proc: the state is field 3, the exit code field 52.
+  std::istringstream fields(text.substr(end_of_name + 1));
+  std::string state;
+  fields >> state;
+  if (state != "Z" && state != "X") {
+    return std::nullopt;
+  }
+  std::string skipped;
+  for (int field = 4; field < 52; ++field) {
+    fields >> skipped;
+  }
+  int status = -1;
+  return fields >> status ? status : -1;
 }
 
 }  // namespace spikeloop::launch

@@ -33,10 +33,9 @@ constexpr const char* kSetupAdvice =
     "slowly needs a longer --start-timeout";
 constexpr const char* kContinueAdvice = "kill -CONT PID lets a stopped program go on";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
-/// mpirun does not always notice that a program has ended which does not know MPI yet.
-constexpr seconds kNoticeGrace{5};
-/// Looking through /proc takes a few milliseconds.
-constexpr seconds kLookInterval{1};
+/// mpirun ends a job within a second of a death; now and then it does not notice one.
+constexpr seconds kDeathGrace{2};
+constexpr std::chrono::milliseconds kCountInterval{500};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
 /// Foreign programs may have files to write.
@@ -114,7 +113,8 @@ void JobRun::start_programs() {
     state_.take(line);
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : "mpirun", line);
   });
-  started_ = prepared_ = complete_ = Clock::now();
+  started_ = prepared_ = Clock::now();
+  starting_.emplace(effective_.file.labels(), started_);
 }
 
 void JobRun::run() {
@@ -159,6 +159,7 @@ void JobRun::supervise() {
   while (!mpirun_->gone()) {
     crew_.turn(Milliseconds{100});
     watch_failures();
+    watch_deaths();
     watch_start();
     watch_progress();
     watch_robot();
@@ -170,26 +171,10 @@ void JobRun::supervise() {
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
-    const Failure failure = state_.explain(code, WIFSIGNALED(status));
+    const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
+    const Failure failure = state_.explain({code, WIFSIGNALED(status), missed});
     fail(failure.exit_code, failure.message);
   }
-}
-
-bool JobRun::one_has_gone(Clock::time_point now) {
-  if (state_.any_started() || !options_.hostfile.empty() || now - looked_ < kLookInterval) {
-    return false;
-  }
-  looked_ = now;
-  const auto living = living_sections(mpirun_->tree().pid());
-  const bool all_here =
-      std::ranges::all_of(seen_, [&](const auto& label) { return living.contains(label); });
-  for (const auto& [label, stopped] : living) {
-    seen_.insert(label);
-  }
-  if (all_here) {
-    complete_ = now;
-  }
-  return now - complete_ > kNoticeGrace;
 }
 
 void JobRun::watch_start() {
@@ -197,32 +182,36 @@ void JobRun::watch_start() {
   if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
     prepared_ = now;
   }
-  if (outcome_ || failed_since_) {
-    return;
+  const bool before_setup = !state_.any_started() && options_.hostfile.empty();
+  if (before_setup && starting_->is_due(now)) {
+    starting_->take(living_sections(mpirun_->tree().pid()), now);
   }
   const bool too_late = now - prepared_ >= options_.start_timeout;
-  if (!one_has_gone(now) && !too_late) {
+  const bool one_has_gone = before_setup && starting_->one_has_gone(now);
+  if (outcome_ || failed_since_ || !(too_late || one_has_gone)) {
     return;
   }
-  std::string late = state_.what_is_late();
-  if (late.empty()) {
+  const std::string reason = before_setup ? why_nobody_starts() : state_.what_is_late();
+  if (reason.empty()) {
     return;
   }
-  const char* advice = kBarrierAdvice;
-  if (!state_.any_started() && options_.hostfile.empty()) {
-    const auto living = living_sections(mpirun_->tree().pid());
-    const bool stopped =
-        std::ranges::any_of(living, [](const auto& entry) { return entry.second; });
-    late = state_.why_nobody_starts(living);
-    advice = living.empty() ? kSlowStartAdvice : stopped ? kContinueAdvice : kSetupAdvice;
-  }
-  fail(3, fmt::format(
-              "the job has not begun{}; {}. {}",
-              too_late ? fmt::format(" within {:g} s",
-                                     std::chrono::duration<double>(options_.start_timeout).count())
-                       : "",
-              late, advice));
+  const double limit_s = std::chrono::duration<double>(options_.start_timeout).count();
+  fail(3, fmt::format("the job has not begun{}; {}{}",
+                      too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
+                      before_setup ? "" : fmt::format(". {}", kBarrierAdvice)));
   mpirun_->tree().end();
+}
+
+std::string JobRun::why_nobody_starts() const {
+  if (is_stopped(mpirun_->tree().pid())) {
+    return fmt::format("mpirun has been stopped (SIGSTOP). {}", kContinueAdvice);
+  }
+  const auto living = starting_->living();
+  const bool stopped = std::ranges::any_of(living, [](const auto& entry) { return entry.second; });
+  return fmt::format("{}. {}", state_.why_nobody_starts(living),
+                     living.empty() ? kSlowStartAdvice
+                     : stopped      ? kContinueAdvice
+                                    : kSetupAdvice);
 }
 
 void JobRun::watch_progress() {
@@ -248,6 +237,24 @@ void JobRun::watch_failures() {
     failed_since_ = Clock::now();
   }
   if (failed_since_ && Clock::now() - *failed_since_ > kFailureGrace) {
+    mpirun_->tree().end();
+  }
+}
+
+void JobRun::watch_deaths() {
+  const auto now = Clock::now();
+  if (outcome_ || failed_since_ || !options_.hostfile.empty() || now - counted_ < kCountInterval) {
+    return;
+  }
+  counted_ = now;
+  const auto death = state_.first_death(end_of);
+  if (!death) {
+    died_since_.reset();
+    return;
+  }
+  died_since_ = died_since_.value_or(now);
+  if (now - *died_since_ > kDeathGrace) {
+    fail(death->exit_code, death->message);
     mpirun_->tree().end();
   }
 }

@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "crew.hpp"
@@ -13,6 +12,7 @@
 #include "run_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
+#include "start_watch.hpp"
 
 namespace spikeloop::launch {
 
@@ -49,10 +49,11 @@ class JobRun {
   bool stopped_already();
   void supervise();
   void watch_start();
-  /// Whether a program that has been seen is not there any more, before MPI knows it.
-  bool one_has_gone(Clock::time_point now);
+  /// Before MUSIC's Setup, with advice.
+  std::string why_nobody_starts() const;
   void watch_progress();
   void watch_failures();
+  void watch_deaths();
   void watch_robot();
   void start_guard();
   void watch_guard();
@@ -89,9 +90,9 @@ class JobRun {
   int stop_signals_ = 0;
   Clock::time_point started_{};
   Clock::time_point prepared_{};  ///< when a program last said that it prepares itself
-  std::set<std::string> seen_;    ///< sections whose programs have lived before any reported
-  Clock::time_point looked_{};    ///< when we last looked who lives
-  Clock::time_point complete_{};  ///< when all that had been seen lived
+  std::optional<StartWatch> starting_;
+  Clock::time_point counted_{};  ///< when we last saw whether all live
+  std::optional<Clock::time_point> died_since_;
   std::optional<Clock::time_point> stopping_since_;
   std::optional<Clock::time_point> failed_since_;
   std::optional<Clock::time_point> reported_since_;

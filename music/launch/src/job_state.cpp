@@ -1,6 +1,7 @@
 #include "job_state.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <signal.h>
 #include <string.h>
 
@@ -160,28 +161,36 @@ std::string JobState::named(int rank) const {
   return process == processes_.end() ? fmt::format("rank {}", rank) : shown(label);
 }
 
-Failure JobState::explain(int mpirun_exit_code, bool mpirun_killed) const {
+Failure JobState::explain(const MpirunEnd& end) const {
   if (failure_) {
     return *failure_;
   }
-  const int otherwise = mpirun_exit_code == 0 ? 1 : mpirun_exit_code;
+  const int otherwise = end.exit_code == 0 ? 1 : end.exit_code;
   if (!music_error_.empty()) {
     return {diagnosis_.exit_code().value_or(otherwise), music_error_};
   }
   const auto rank = diagnosis_.rank() ? diagnosis_.rank() : aborted_;
-  if (!rank && mpirun_exit_code == 128 + SIGTERM && !terminated_.empty()) {
-    return {mpirun_exit_code, fmt::format("{} was ended by signal {} ({})", shown(terminated_),
-                                          SIGTERM, strsignal(SIGTERM))};
+  if (!rank && end.exit_code == 128 + SIGTERM && !terminated_.empty()) {
+    return {end.exit_code, fmt::format("{} was ended by signal {} ({})", shown(terminated_),
+                                       SIGTERM, strsignal(SIGTERM))};
   }
-  if (!rank && mpirun_killed) {
-    const int number = mpirun_exit_code - 128;
+  if (!rank && end.killed) {
+    const int number = end.exit_code - 128;
     return {otherwise,
             fmt::format("mpirun was killed by signal {} ({})", number, strsignal(number))};
+  }
+  if (!rank && !end.missed.empty()) {
+    std::vector<std::string> names;
+    for (const std::string& label : end.missed) {
+      names.push_back(shown(label));
+    }
+    return {otherwise, fmt::format("{} ended before MUSIC's Setup, with exit code {}",
+                                   fmt::join(names, ", "), otherwise)};
   }
   if (!rank) {
     return {otherwise,
             fmt::format(
-                "mpirun ended with exit code {}{}", mpirun_exit_code,
+                "mpirun ended with exit code {}{}", end.exit_code,
                 last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
   }
   const auto words = last_words_.find(*rank);

@@ -1,6 +1,7 @@
 // What the processes of a job have told so far.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +16,12 @@ namespace spikeloop::launch {
 struct Failure {
   int exit_code = 1;
   std::string message;
+};
+
+struct MpirunEnd {
+  int exit_code = 0;
+  bool killed = false;                ///< by a signal: the code is 128 + its number
+  std::vector<std::string> missed{};  ///< sections whose programs ended before MPI knew them
 };
 
 class JobState {
@@ -32,8 +39,10 @@ class JobState {
   const std::optional<Failure>& failure() const { return failure_; }
   /// Whether a program has called MPI_Abort, which ends the job; mpirun may hang in doing so.
   bool aborted() const { return aborted_.has_value(); }
-  /// Process ids of those that have reported.
+  /// Process ids of those that have said that they live.
   std::vector<pid_t> pids() const;
+  /// Of those that still have to report, the first that has ended as `end_of` says.
+  std::optional<Failure> first_death(const std::function<std::optional<int>(pid_t)>& end_of) const;
   /// Whether any program has said that it lives.
   bool any_started() const;
   /// Whether any program of the file has ticked.
@@ -51,8 +60,8 @@ class JobState {
   std::string who_ended_early() const;
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;
-  /// What mpirun's end means; `mpirun_killed`: by a signal, and the code is 128 + its number.
-  Failure explain(int mpirun_exit_code, bool mpirun_killed = false) const;
+  /// What mpirun's end means.
+  Failure explain(const MpirunEnd& end) const;
   /// Without the outcome: file, times, what the reports say.
   nlohmann::json summary() const;
 

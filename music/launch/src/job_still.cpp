@@ -1,6 +1,8 @@
 // Why a job does not go on.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <string.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +10,7 @@
 
 #include "job_state.hpp"
 #include "spikeloop/launch/effective_file.hpp"
+#include "spikeloop/launch/process_tree.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -165,6 +168,30 @@ std::vector<std::string> JobState::without_news() const {
     }
   }
   return labels;
+}
+
+std::optional<Failure> JobState::first_death(
+    const std::function<std::optional<int>(pid_t)>& end_of) const {
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    if (process.program.empty() || process.pid <= 1 || process.reported) {
+      continue;
+    }
+    const auto status = end_of(process.pid);
+    if (!status) {
+      continue;
+    }
+    if (*status == -1) {
+      return Failure{3, shown(label) + " has ended before its time"};
+    }
+    const int code = exit_code(*status);
+    return Failure{std::max(1, code),
+                   WIFSIGNALED(*status)
+                       ? fmt::format("{} was killed by signal {} ({})", shown(label),
+                                     WTERMSIG(*status), strsignal(WTERMSIG(*status)))
+                       : fmt::format("{} ended with exit code {}", shown(label), code)};
+  }
+  return std::nullopt;
 }
 
 std::string JobState::who_ended_early() const {

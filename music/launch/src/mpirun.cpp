@@ -102,7 +102,9 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
       {"mpi_yield_when_idle", "1"},
       // Who calls MPI_Abort says so itself: mpirun's own word of it is lost now and then ("Data
       // unpack would read past end of buffer").
-      {"opal_abort_print_stack", "1"}};
+      {"opal_abort_print_stack", "1"},
+      // Open MPI's handler prints a trace, and hangs in it after a crash inside of malloc.
+      {"opal_signal", ""}};
   if (!hosts.scratch.empty()) {
     settings.emplace_back("orte_tmpdir_base", hosts.scratch);
     settings.emplace_back("btl_vader_backing_directory", hosts.scratch);
