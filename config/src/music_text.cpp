@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "spikeloop/core/error.hpp"
+
 namespace spikeloop::music_text {
 
 std::string shown(std::string_view text) {
   constexpr std::size_t kLimit = 60;
-  std::string result(text.substr(0, kLimit));
-  for (char& c : result) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      c = '?';
-    }
-  }
+  const std::string result = one_line(text.substr(0, kLimit));
   return text.size() > kLimit ? result + "..." : result;
 }
 

@@ -45,6 +45,16 @@ std::string with_place(const Location& where, const std::string& message) {
 
 }  // namespace
 
+std::string one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      c = c == '\n' || c == '\r' || c == '\t' ? ' ' : '?';
+    }
+  }
+  return line;
+}
+
 std::string Location::text() const {
   if (line == 0) {
     return file;

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <mutex>
 
+#include "spikeloop/core/error.hpp"
+
 namespace spikeloop::log {
 
 namespace {
@@ -40,7 +42,7 @@ void write(Level level, std::string_view message) {
   State& s = state();
   const std::lock_guard lock(s.mutex);
   if (s.sink && level >= s.level.load()) {
-    s.sink(level, message);
+    s.sink(level, one_line(message));
   }
 }
 

@@ -61,7 +61,7 @@ TEST(MusicText, RefusesWhatNoFileCanSay) {
   file.connections.clear();
   file.sections[0].label = "a\n";
   EXPECT_EQ(message_of([&] { to_text(file); }),
-            "the label 'a?' cannot be written in a .music file; use a name without line ends and "
+            "the label 'a ' cannot be written in a .music file; use a name without line ends and "
             "without blanks at its end");
   file.sections[0].label = "a:b";
   EXPECT_EQ(message_of([&] { to_text(file); }),

@@ -64,6 +64,16 @@ TEST(Errors, CarryTheirPlaceAndExitCode) {
   EXPECT_EQ(NodeError("a", "b").exit_code(), 5);
 }
 
+TEST(Errors, AreOneLine) {
+  EXPECT_STREQ(ConfigurationError("key 'a\nb\x1b[2J\x7F\xc3\xa4'").what(),
+               "key 'a b?[2J?\xc3\xa4'");
+  std::string seen;
+  log::set_sink([&](log::Level, std::string_view message) { seen = message; });
+  log::warning("'{}'", "x\r\ny");
+  log::set_sink({});
+  EXPECT_EQ(seen, "'x  y'");
+}
+
 TEST(DidYouMean, FindsSlipsAndListsOtherwise) {
   const std::vector<std::string> names = {"rate_encoder", "poisson_encoder", "connect"};
   EXPECT_EQ(did_you_mean("rate_encodre", names), "; did you mean 'rate_encoder'?");

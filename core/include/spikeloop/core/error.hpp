@@ -19,10 +19,15 @@ struct Location {
   std::string text() const;
 };
 
+/// Text for one line of a terminal: line ends are blanks, other control characters '?'. Values that
+/// a user wrote may hold any byte.
+std::string one_line(std::string_view text);
+
 /// Base of every exception Spikeloop throws on purpose.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// The message becomes one line.
+  explicit Error(std::string_view message) : std::runtime_error(one_line(message)) {}
   virtual int exit_code() const = 0;
 };
 
