@@ -204,6 +204,7 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
 Parameters node_parameters(music::Process& process, const NodeClass& node_class) {
   auto declared = node_class.description.parameters;
   std::vector<std::string> names;
+  names.reserve(declared.size());
   for (const auto& parameter : declared) {
     names.push_back(parameter.name);
   }

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   using namespace spikeloop;
   ros1::CommandLine line = ros1::split_command_line(argc, argv);
   std::vector<char*> pointers;
+  pointers.reserve(line.own.size() + 1);
   for (auto& argument : line.own) pointers.push_back(argument.data());
   int exit_code = 0;
   const auto options =

@@ -11,9 +11,9 @@ using messages::FieldValue;
 
 // Whole seconds and the nanoseconds after them, exactly.
 struct Stamp {
-  explicit Stamp(TimeNs time)
-      : secs(static_cast<double>(time / kNsPerSecond)),
-        nsecs(static_cast<double>(time % kNsPerSecond)) {}
+  explicit Stamp(TimeNs time) : Stamp(time / kNsPerSecond, time % kNsPerSecond) {}
+  Stamp(std::int64_t whole, std::int64_t rest)
+      : secs(static_cast<double>(whole)), nsecs(static_cast<double>(rest)) {}
   double secs;
   double nsecs;
 };
@@ -27,8 +27,8 @@ FieldValue text(std::string_view value) {
 
 }  // namespace
 
-Message::Message(const char* type, std::vector<std::string> paths)
-    : writer_(Catalog::builtin(), type, std::move(paths)) {}
+Message::Message(const char* type, const std::vector<std::string>& paths)
+    : writer_(Catalog::builtin(), type, paths) {}
 
 const std::vector<std::byte>& Message::write(std::span<const FieldValue> values) {
   writer_.write(values, bytes_);

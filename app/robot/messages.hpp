@@ -21,7 +21,7 @@ inline constexpr const char* kTwistType = "geometry_msgs/Twist";
 /// One message type with fixed fields in a fixed order. The bytes hold until the next write.
 class Message {
  public:
-  Message(const char* type, std::vector<std::string> paths);
+  Message(const char* type, const std::vector<std::string>& paths);
 
  protected:
   const std::vector<std::byte>& write(std::span<const messages::FieldValue> values);

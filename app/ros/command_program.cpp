@@ -217,6 +217,7 @@ int run_command(music::Process& process, const RosProgram& program) {
 
   command::ComponentMap map = component_map(mapping, width);
   const CommandSettings settings = command_settings(process, parameters, map, program);
+  const ros1::SessionSettings node = session_settings(parameters);
   if (process.checking()) {
     for (const CommandField& field : mapping.fields) {
       located_at(field.where,
@@ -226,7 +227,7 @@ int run_command(music::Process& process, const RosProgram& program) {
     process.check();
     return 0;
   }
-  ros1::Session session(session_settings(parameters));
+  ros1::Session session(node);
   ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
   const NodeClass fields = command_map_class(std::move(map));
   // Here, so that subscribers are connected to the guard before the robot is driven.
@@ -234,11 +235,21 @@ int run_command(music::Process& process, const RosProgram& program) {
   CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
                               .finish =
                                   [&] {
+                                    if (!session.alive()) {
+                                      guard.abandon();
+                                    }
                                     publisher.drain();
                                     guard.done();
                                   },
                               .interrupted = [] { ::kill(::getpid(), SIGTERM); },
-                              .beat = [&](TimeNs now) { return guard.beat(now); }});
+                              .beat =
+                                  [&](TimeNs now) {
+                                    if (!session.alive()) {
+                                      guard.abandon();
+                                    }
+                                    return guard.beat(now);
+                                  },
+                              .require = [&] { session.require_alive(); }});
   const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
 
   GraphDescription description;

@@ -61,6 +61,9 @@ std::vector<EndpointPort> CommandSink::ports() const {
 }
 
 void CommandSink::send(const Step& step) {
+  if (carrier_.require) {
+    carrier_.require();
+  }
   const TimeNs now = wall_now();
   watch_.heartbeat(forward(step, now));
   announce(now);

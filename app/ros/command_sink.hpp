@@ -30,6 +30,7 @@ class CommandSink : public Sink {
     std::function<void()> finish;       ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
+    std::function<void()> require{};           ///< throws in the loop when nothing leaves any more
   };
 
   CommandSink(const CommandSettings& settings, Carrier carrier);

@@ -22,6 +22,8 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
 }
 
 ros1::SessionSettings session_settings(const Parameters& parameters) {
+  located_at(parameters.where("ros_node_name"),
+             [&] { ros1::check_node_name(parameters.text("ros_node_name")); });
   ros1::SessionSettings settings;
   settings.node_name = parameters.text("ros_node_name");
   settings.unique_name = !parameters.given("ros_node_name");

@@ -101,13 +101,14 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   const auto out = process.signal_output("out");
   const auto pace =
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
+  const ros1::SessionSettings node = session_settings(parameters);
   if (process.checking()) {
     located_at(settings.fields.empty() ? process.where("out") : parameters.where("fields"),
                [&] { ros1::Sensor::check(settings); });
     process.check();
     return 0;
   }
-  ros1::Session session(session_settings(parameters));
+  ros1::Session session(node);
   ros1::Sensor sensor(session, settings);
 
   GraphDescription description;

@@ -64,6 +64,12 @@ int check(const std::string& path, bool strict) {
 
 }  // namespace
 
+int refuse(const launch::Findings& findings, const std::string& file) {
+  const launch::Finding first = launch::first_error(findings, file);
+  put(stderr, fmt::format("spikeloop: {}\n", first.text));
+  return first.exit_code;
+}
+
 void add_check_command(CLI::App& app, std::function<int()>& action) {
   struct Arguments {
     std::string file;

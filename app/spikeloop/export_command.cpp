@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "check_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
@@ -43,6 +44,7 @@ launch::Hosts hosts_of(const Arguments& arguments) {
   }
   if (!arguments.hostfile.empty()) {
     launch::check_hostfile(arguments.hostfile);
+    hosts.hostfile = std::filesystem::absolute(arguments.hostfile).string();
   }
   return hosts;
 }
@@ -54,12 +56,15 @@ int export_job(const Arguments& arguments) {
   }
   const launch::Hosts hosts = hosts_of(arguments);
   MusicFile file = read_music_file(arguments.file);
-  check_structure(file);
-  const std::string directory = launch::directory_of(arguments.file);
-  const launch::EffectiveFile effective = launch::make_effective(std::move(file), {});
-  for (const std::string& warning : effective.warnings) {
+  const launch::Findings findings = launch::check_job(file, {}, false);
+  for (const std::string& warning : findings.warnings) {
     put(stderr, fmt::format("spikeloop: warning: {}\n", warning));
   }
+  if (!findings.errors.empty()) {
+    return refuse(findings, arguments.file);
+  }
+  const std::string directory = launch::directory_of(arguments.file);
+  const launch::EffectiveFile effective = launch::make_effective(std::move(file), {});
   const std::string text = to_text(effective.file);
   if (arguments.folder.empty()) {
     const auto line = launch::mpirun_command(effective.file, "effective.music", hosts);

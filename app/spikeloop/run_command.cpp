@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "check_command.hpp"
 #include "console.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
@@ -99,6 +100,18 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       ->excludes(quiet);
 }
 
+int dry_run(const launch::Job& job, const launch::Findings& findings, const std::string& path) {
+  if (!findings.errors.empty()) {
+    return refuse(findings, path);
+  }
+  std::string text;
+  for (const std::string& warning : findings.warnings) {
+    text += fmt::format("# warning: {}\n", warning);
+  }
+  put_result(text + fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
+  return 0;
+}
+
 int run(RunArguments& arguments) {
   if (arguments.job.run.record && arguments.job.folder.empty()) {
     throw ConfigurationError(
@@ -110,14 +123,10 @@ int run(RunArguments& arguments) {
   };
   arguments.job.start_timeout = milliseconds(arguments.start_timeout_s);
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
-  launch::Job job(read_music_file(arguments.file), arguments.job);
+  const MusicFile file = read_music_file(arguments.file);
+  launch::Job job(file, arguments.job);
   if (arguments.dry_run) {
-    std::string text;
-    for (const std::string& warning : job.effective().warnings) {
-      text += fmt::format("# warning: {}\n", warning);
-    }
-    put_result(text + fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
-    return 0;
+    return dry_run(job, launch::check_job(file, arguments.job.run), arguments.file);
   }
   const BackgroundOutput output;
   Console console(arguments.quiet     ? Console::Volume::quiet

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
+#include "spikeloop/zmq/address.hpp"
 #include "spikeloop/zmq/publisher.hpp"
 
 namespace spikeloop {
@@ -48,15 +49,18 @@ int run_zmq_command(music::Process& process) {
   process.declare_ports({"in"});
   const Parameters parameters = process.read(parameters_of_command());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
+  const std::string& address = parameters.text("zmq_addr");
+  located_at(parameters.where("zmq_addr"), [&] { zmq::check_bind_address(address); });
   const zmq::PublisherSettings settings{
-      .address = required_address(parameters),
-      .message_type = required_type(process, parameters, "GymCommand or FloatArray"),
+      .address = address,
+      .message_type = required_type(process, parameters, {"GymCommand", "FloatArray"}),
       .minimum = parameters.number("min"),
       .maximum = parameters.number("max"),
       .width = process.width("in")};
   const auto in = process.signal_input("in");
   if (process.checking()) {
-    zmq::Publisher::check(settings);
+    located_at(parameters.where(parameters.given("max") ? "max" : "min"),
+               [&] { zmq::Publisher::check(settings); });
     process.check();
     return 0;
   }

@@ -1,6 +1,9 @@
 // The two ZeroMQ adapters as MUSIC programs.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "spikeloop/process/music_main.hpp"
 
 namespace spikeloop {
@@ -11,12 +14,9 @@ int run_zmq_sensor(music::Process& process);
 music::ProgramText zmq_command_text();
 int run_zmq_command(music::Process& process);
 
-/// `zmq_addr`. @throws ConfigurationError for an impossible address
-std::string required_address(const Parameters& parameters);
-
 /// `message_type`, which must be given.
-/// @throws ConfigurationError naming the choices when it is missing
+/// @throws ConfigurationError naming the choices when it is missing or another one
 const std::string& required_type(const music::Process& process, const Parameters& parameters,
-                                 const char* choices);
+                                 const std::vector<std::string>& choices);
 
 }  // namespace spikeloop

@@ -1,6 +1,8 @@
 // zmq_cont_adapter: the newest message of a ZeroMQ publisher as a continuous signal.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
@@ -27,20 +29,19 @@ std::vector<ParameterDescription> parameters_of_sensor() {
 }  // namespace
 
 const std::string& required_type(const music::Process& process, const Parameters& parameters,
-                                 const char* choices) {
+                                 const std::vector<std::string>& choices) {
   const std::string& type = parameters.text("message_type");
+  const std::string remedy = fmt::format("write message_type={}", fmt::join(choices, " or "));
   if (type.empty()) {
+    throw ConfigurationError(
+        parameters.where("message_type"),
+        fmt::format("section '{}' has no message_type; {}", process.label(), remedy));
+  }
+  if (std::ranges::find(choices, type) == choices.end()) {
     throw ConfigurationError(parameters.where("message_type"),
-                             fmt::format("section '{}' has no message_type; write message_type={}",
-                                         process.label(), choices));
+                             fmt::format("message_type '{}' is not known; {}", type, remedy));
   }
   return type;
-}
-
-std::string required_address(const Parameters& parameters) {
-  const std::string& address = parameters.text("zmq_addr");
-  located_at(parameters.where("zmq_addr"), [&] { zmq::check_address(address); });
-  return address;
 }
 
 music::ProgramText zmq_sensor_text() {
@@ -64,10 +65,11 @@ int run_zmq_sensor(music::Process& process) {
   process.set_defaults({.pace = true, .accept_one_tick = false});
   const Parameters parameters = process.read(parameters_of_sensor());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
-  const std::string address = required_address(parameters);
+  const std::string& address = parameters.text("zmq_addr");
+  located_at(parameters.where("zmq_addr"), [&] { zmq::check_connect_address(address); });
   zmq::Subscriber subscriber(
       {.address = address,
-       .message_type = required_type(process, parameters, "GymObservation or FloatArray"),
+       .message_type = required_type(process, parameters, {"GymObservation", "FloatArray"}),
        .width = process.width("out"),
        .strict = process.common().strict,
        .initial = music::initial_value(parameters)});

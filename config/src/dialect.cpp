@@ -33,6 +33,7 @@ std::string program_of(const MusicSection& section) {
 
 std::vector<std::string> programs_of(const MusicFile& file) {
   std::vector<std::string> programs;
+  programs.reserve(file.sections.size());
   for (const MusicSection& section : file.sections) {
     programs.push_back(program_of(section));
   }

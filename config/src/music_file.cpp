@@ -144,9 +144,7 @@ namespace {
 void adopt_locations(std::vector<MusicKey>& keys, const std::vector<MusicKey>& origin) {
   for (MusicKey& key : keys) {
     const MusicKey* const found = find_in(origin, key.name);
-    if (found != nullptr && *found == key) {
-      key.where = found->where;
-    }
+    key.where = found != nullptr && *found == key ? found->where : Location{};
   }
 }
 
@@ -162,9 +160,7 @@ void adopt_locations(MusicFile& file, const MusicFile& origin) {
   }
   for (MusicConnection& connection : file.connections) {
     const auto found = std::find(origin.connections.begin(), origin.connections.end(), connection);
-    if (found != origin.connections.end()) {
-      connection.where = found->where;
-    }
+    connection.where = found != origin.connections.end() ? found->where : Location{};
   }
 }
 

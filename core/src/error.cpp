@@ -38,15 +38,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-std::string with_place(const Location& where, const std::string& message) {
+std::string with_place(const Location& where, std::string_view message) {
   const std::string place = where.text();
-  return place.empty() ? message : fmt::format("{}: {}", place, message);
+  return place.empty() ? std::string(message) : fmt::format("{}: {}", place, message);
 }
 
 }  // namespace
 
 std::string one_line(std::string_view text) {
+  constexpr std::size_t kBegin = 1500;
+  constexpr std::size_t kEnd = 500;
   std::string line(text);
+  if (line.size() > kBegin + kEnd) {
+    line.replace(kBegin, line.size() - kBegin - kEnd, " ... ");  // the remedy is at the end
+  }
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
       c = c == '\n' || c == '\r' || c == '\t' ? ' ' : '?';
@@ -64,8 +69,8 @@ std::string Location::text() const {
   return file.empty() ? "line " + place : fmt::format("{}:{}", file, place);
 }
 
-ConfigurationError::ConfigurationError(const Location& where, const std::string& message)
-    : Error(with_place(where, message)), located_(!where.text().empty()) {}
+Error::Error(const Location& where, std::string_view message)
+    : std::runtime_error(one_line(with_place(where, message))), located_(!where.text().empty()) {}
 
 FileError::FileError(std::string_view action, std::string_view path, int error_number)
     : Error(fmt::format("cannot {} '{}': {}", action, path,

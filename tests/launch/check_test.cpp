@@ -176,6 +176,48 @@ TEST(CheckTogether, TwoThatPublishAtOnePlace) {
                           "program can; write another zmq_addr in one of them"));
 }
 
+TEST(CheckTogether, OtherSpellingsOfOnePlace) {
+  const auto two = [](const std::string& first, const std::string& second) {
+    const std::string start =
+        "[a]\nnp=1\nbinary=connect_adapter\na.out -> b.in [3]\na.out -> c.in [3]\n";
+    return start + "[b]\nnp=1\nbinary=cont_zmq_adapter\nzmq_addr=" + first +
+           "\n[c]\nnp=1\nbinary=cont_zmq_adapter\nzmq_addr=" + second + "\n";
+  };
+  for (const auto& [first, second] :
+       std::vector<std::pair<std::string, std::string>>{{"tcp://*:5", "tcp://127.0.0.1:05"},
+                                                        {"tcp://lo:5", "tcp://127.0.0.1:5"},
+                                                        {"ipc:///tmp//x", "ipc:///tmp/./x"},
+                                                        {"tcp://0.0.0.0:5", "tcp://10.0.0.1:5"}}) {
+    EXPECT_EQ(texts(together(two(first, second))).size(), 1u) << first;
+  }
+  for (const auto& [first, second] :
+       std::vector<std::pair<std::string, std::string>>{{"tcp://127.0.0.1:0", "tcp://127.0.0.1:0"},
+                                                        {"ipc://*", "ipc://*"},
+                                                        {"tcp://10.0.0.1:5", "tcp://127.0.0.1:5"},
+                                                        {"tcp://*:5", "tcp://*:6"}}) {
+    EXPECT_THAT(texts(together(two(first, second))), IsEmpty()) << first;
+  }
+}
+
+TEST(CheckTogether, OneNameANode) {
+  const std::string text =
+      "[a]\nnp=1\nbinary=ros_sensor_adapter\nros_topic=/s\nros_node_name=n\n"
+      "[b]\nnp=1\nbinary=cont_ros_adapter\nros_node_name=n\na.out -> b.in [3]\n";
+  EXPECT_THAT(texts(together(text)),
+              ElementsAre("f:9:1: 'a' and 'b' have the ros_node_name n, and ROS would end the one "
+                          "that comes first; write another ros_node_name in one of them"));
+}
+
+TEST(CheckTogether, AMisspeltKeyAtTheTop) {
+  EXPECT_THAT(together("stoptim=4\nmine=3\n" + std::string(kTwo)).warnings,
+              ElementsAre("f:1:1: unknown key 'stoptim' at the top of the file; did you mean "
+                          "'stoptime'?; it is ignored"));
+  EXPECT_THAT(together("stoptim=4\n[a]\nnp=1\nbinary=./x\n[b]\nnp=1\nbinary=./y\na.o -> b.i [3]\n")
+                  .warnings,
+              IsEmpty())
+      << "others may have such a key";
+}
+
 TEST(CheckTogether, KindsOfPorts) {
   EXPECT_THAT(
       texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"

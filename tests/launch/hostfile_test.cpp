@@ -1,6 +1,7 @@
 // Open MPI's file of hosts, before mpirun reads it.
 #include "spikeloop/launch/hostfile.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "spikeloop/core/error.hpp"
@@ -24,6 +25,9 @@ std::string problem(const std::string& text) {
 TEST(Hostfile, TakesWhatOpenMpiTakes) {
   EXPECT_EQ(problem("# ours\nlocalhost slots=4 max_slots=8\n\nme@robot.lab  # the other\n"), "");
   EXPECT_EQ(problem("10.0.0.1 username=me\nfe80::1 slots=2"), "");
+  EXPECT_EQ(
+      problem("localhost slots = 4 // ours\n/* not\n these */ robot 4\nrobot\n+n0 cpu-max=2\n"),
+      "");
 }
 
 TEST(Hostfile, NamesTheLineThatMpirunWouldNotUnderstand) {
@@ -35,6 +39,12 @@ TEST(Hostfile, NamesTheLineThatMpirunWouldNotUnderstand) {
             "slots=4");
   EXPECT_EQ(problem("{\"hosts\": 3}\n"),
             ":1: '{\"hosts\":' is no name of a host; write a line like  robot slots=4");
+  EXPECT_EQ(problem("localhost:4\n"),
+            ":1: 'localhost:4' is no name of a host; write a line like  robot slots=4");
+  EXPECT_EQ(problem("a slots=2\nb\na slots=2\n"),
+            ":3: the host 'a' stands in line 1 already; write it once, with all its slots");
+  EXPECT_THAT(problem("a slots=2\r\n"),
+              testing::StartsWith(":1: the line ends as on Windows; write  sed -i 's/\\r$//' "));
   EXPECT_EQ(problem("# nobody\n"),
             ": the hostfile names no host; write a line like  robot slots=4");
 }
@@ -51,6 +61,7 @@ TEST(Hostfile, MustBeReadable) {
     EXPECT_EQ(error.exit_code(), 4);
   }
   EXPECT_THROW(check_hostfile(folder), FileError);
+  EXPECT_THROW(check_hostfile("/dev/zero"), FileError) << "which has no end";
 }
 
 }  // namespace

@@ -281,7 +281,9 @@ TEST_F(State, MpirunItselfMayBeKilled) {
 
 TEST_F(State, WhoWasMissedWhenMpirunNamesNobody) {
   EXPECT_EQ(state_.explain({129, false, {"b"}}).message,
-            "'b' (brain.py) ended before MUSIC's Setup, with exit code 129");
+            "'b' (brain.py) was killed by signal 1 (Hangup)");
+  EXPECT_EQ(state_.explain({7, false, {"b"}}).message,
+            "'b' (brain.py) ended before MUSIC's Setup, with exit code 7");
   EXPECT_EQ(state_.explain({129, true, {"b"}}).message, "mpirun was killed by signal 1 (Hangup)");
 }
 

@@ -127,7 +127,7 @@ TEST(Run, AForeignProgramThatExitsIsNamedWithItsLastLine) {
 TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
   const TwoPrograms job("", "silent=yes\nbehaviour=leave", "./foreign");
   const Outcome outcome = run(job.command());
-  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(last_line(outcome.err),
               StartsWith("spikeloop: 'b' (foreign) ended without MUSIC's finalize"));
 }

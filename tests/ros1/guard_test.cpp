@@ -108,6 +108,29 @@ TEST_F(GuardTest, everything_stopped_then_killed) {
   expect_nothing_left(begin);
 }
 
+TEST_F(GuardTest, adapter_shut_down_by_ros) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = monotonic_now();
+  shut_down("/ros_command_node");
+  expect_zero_since(begin, "adapter shut down by rosnode kill");
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: command: the ROS node /ros_command_node_"));
+  EXPECT_THAT(outcome.err, HasSubstr(" has been shut down: another node took its name, or somebody "
+                                     "ended it (rosnode kill)\n"));
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST_F(GuardTest, sensor_shut_down_by_ros) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = monotonic_now();
+  shut_down("/ros_sensor_node");
+  expect_zero_since(begin, "sensor shut down by rosnode kill");
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: sensor: the ROS node /ros_sensor_node_"));
+}
+
 TEST_F(GuardTest, master_killed_before) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   core_.signal(SIGKILL);

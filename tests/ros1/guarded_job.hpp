@@ -53,6 +53,22 @@ class GuardedJob : public RobotJob {
   }
   pid_t named(const std::string& name) const { return named(name, *child_); }
 
+  /// What `rosnode kill` does to the node whose name begins so.
+  void shut_down(const std::string& node) const {
+    Command command;
+    command.arguments = {"/usr/bin/python3", "-c",
+                         "import sys, xmlrpc.client as rpc\n"
+                         "master = rpc.ServerProxy(sys.argv[1])\n"
+                         "state = master.getSystemState('/test')[2]\n"
+                         "names = {name for kind in state for _, nodes in kind for name in nodes}\n"
+                         "for name in names:\n"
+                         "    if name.startswith(sys.argv[2]):\n"
+                         "        uri = master.lookupNode('/test', name)[2]\n"
+                         "        rpc.ServerProxy(uri).shutdown('/test', 'by the test')\n",
+                         core_.uri(), node};
+    EXPECT_EQ(run(command).exit_code, 0);
+  }
+
   /// The adapter first: others' deaths are a signal to it, and it would stop the robot itself.
   /// Returns when it began.
   std::int64_t kill_all_but(pid_t spared) const {

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,13 +29,35 @@ TEST(Publisher, NeedsAnAddress) {
   EXPECT_EQ(message_of([] {
               Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
             }),
-            "zmq_addr 'tcp://*:99999' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "zmq_addr 'tcp://*:99999' is no address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
   EXPECT_EQ(message_of([] {
               Publisher({"5555", "FloatArray", 0, 0, 1});
             }),
-            "zmq_addr '5555' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "zmq_addr '5555' is no address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
+}
+
+TEST(Publisher, NeedsAPlaceOfItsOwn) {
+  const auto problem = [](const std::string& address) {
+    return message_of([&] { Publisher({address, "FloatArray", 0, 0, 1}); });
+  };
+  const std::string remedy =
+      "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 to publish "
+      "on every interface";
+  EXPECT_EQ(problem("tcp://localhost:5599"),
+            "zmq_addr 'tcp://localhost:5599' is no address to publish at; " + remedy);
+  EXPECT_EQ(problem("tcp://[::1]:5599"),
+            "zmq_addr 'tcp://[::1]:5599' is no address to publish at; " + remedy);
+  EXPECT_NO_THROW(Publisher({"tcp://lo:*", "FloatArray", 0, 0, 1}));
+  const std::string far = "ipc:///" + std::string(107, 'x');
+  EXPECT_EQ(problem(far),
+            "zmq_addr '" + far + "' has a path of 108 bytes; write one of at most 107");
+  const test::TemporaryDirectory directory;
+  const std::string file = "ipc://" + directory.write("w.json", "[[1]]");
+  EXPECT_EQ(problem(file), "zmq_addr '" + file +
+                               "' is the path of something else than a socket; write another one");
+  EXPECT_TRUE(std::filesystem::is_regular_file(directory.path() / "w.json"));
 }
 
 TEST(Publisher, SaysWhenItsPortIsTaken) {
@@ -84,8 +107,13 @@ TEST(Subscriber, NeedsAnAddress) {
   EXPECT_EQ(message_of([] {
               Subscriber({"localhost:5555", "FloatArray", 1});
             }),
-            "zmq_addr 'localhost:5555' is no address (Invalid argument); write tcp://HOST:PORT, or "
+            "zmq_addr 'localhost:5555' is no address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
+  EXPECT_EQ(message_of([] {
+              Subscriber({"tcp://*:5555", "FloatArray", 1});
+            }),
+            "zmq_addr 'tcp://*:5555' names no host to connect to; write it, as in "
+            "tcp://localhost:5555");
   EXPECT_EQ(message_of([] {
               Subscriber({"tcp://localhost:5555", "", 1});
             }),

@@ -84,6 +84,12 @@ TimeNs Link::beat(TimeNs now) {
   return now + kBeatPeriod;
 }
 
+void Link::abandon() {
+  if (guarded_.exchange(false)) {
+    ::shutdown(socket_.get(), SHUT_RDWR);
+  }
+}
+
 void Link::done() {
   if (guarded_.exchange(false)) {
     send_packet(socket_.get(), make_packet("done"));

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -17,35 +19,67 @@ namespace {
 
 constexpr const char* kExample = "write a line like  robot slots=4";
 
-/// A name, an address, or USER@HOST.
+/// NAME, ADDRESS or USER@HOST; ADDRESS may be one of IPv6.
 bool is_host(std::string_view word) {
-  return word.find_first_not_of(
-             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
-             "._:-@") == std::string_view::npos;
+  const std::string_view host = word.substr(word.find('@') + 1);
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+  const bool relative = host.starts_with('+');
+  const bool six = std::ranges::count(host, ':') > 1;
+  return !host.empty() && host.front() != '-' && !word.starts_with('@') &&
+         (relative || host.find_first_not_of(std::string(kLetters) + (six ? ":" : "")) ==
+                          std::string_view::npos);
 }
 
+bool is_number(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// As in Open MPI's hostfile_lex.l.
 bool is_option(std::string_view word) {
-  constexpr std::array kCounts{"slots", "max_slots", "max-slots", "cpu", "count"};
+  constexpr std::array kCounts{"slots",     "slots_max", "slots-max", "max_slots",
+                               "max-slots", "cpu",       "cpu_max",   "cpu-max",
+                               "max_cpu",   "max-cpu",   "count",     "count_max",
+                               "count-max", "max_count", "max-count", "port"};
   constexpr std::array kNames{"username", "user-name", "user_name"};
   const auto equals = word.find('=');
   if (equals == std::string_view::npos || equals + 1 == word.size()) {
-    return false;
+    return is_number(word);
   }
   const std::string_view name = word.substr(0, equals);
-  const bool number =
-      word.substr(equals + 1).find_first_not_of("0123456789") == std::string_view::npos;
   return std::ranges::find(kNames, name) != kNames.end() ||
-         (number && std::ranges::find(kCounts, name) != kCounts.end());
+         (is_number(word.substr(equals + 1)) && std::ranges::find(kCounts, name) != kCounts.end());
 }
 
-/// Returns whether the line names a host.
-bool check_line(const std::string& line, const Location& where) {
-  std::istringstream words(line.substr(0, line.find('#')));
-  std::string host;
-  if (!(words >> host)) {
-    return false;
+/// Without comments and without blanks around '='. `inside`: of a comment of several lines.
+std::string plain_line(std::string line, bool& inside) {
+  for (std::size_t begin = inside ? 0 : line.find("/*"); begin != std::string::npos;
+       begin = line.find("/*")) {
+    const std::size_t end = line.find("*/", begin);
+    inside = end == std::string::npos;
+    line.erase(begin, inside ? std::string::npos : end + 2 - begin);
   }
-  if (!is_host(host)) {
+  line.erase(std::min({line.find('#'), line.find("//"), line.size()}));
+  for (std::size_t i = line.find('='); i != std::string::npos; i = line.find('=', i + 1)) {
+    while (i + 1 < line.size() && line[i + 1] == ' ') {
+      line.erase(i + 1, 1);
+    }
+    while (i > 0 && line[i - 1] == ' ') {
+      line.erase(--i, 1);
+    }
+  }
+  return line;
+}
+
+/// Returns the host that the line names; empty: none.
+std::string check_line(const std::string& line, const Location& where) {
+  if (line.ends_with('\r')) {
+    throw ConfigurationError(
+        where, fmt::format("the line ends as on Windows; write  sed -i 's/\\r$//' {}", where.file));
+  }
+  std::istringstream words(line);
+  std::string host;
+  if (words >> host && !is_host(host)) {
     throw ConfigurationError(where, fmt::format("'{}' is no name of a host; {}", host, kExample));
   }
   for (std::string word; words >> word;) {
@@ -54,27 +88,43 @@ bool check_line(const std::string& line, const Location& where) {
           where, fmt::format("'{}' is none of Open MPI's options of a host; {}", word, kExample));
     }
   }
-  return true;
+  return host;
 }
 
 }  // namespace
 
 void check_hostfile(const std::string& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw FileError("read the hostfile", path, EISDIR);
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw FileError(fmt::format("cannot read the hostfile '{}': not a regular file", path));
   }
   std::ifstream file(path);
   if (!file) {
     throw FileError("open the hostfile", path, errno == 0 ? ENOENT : errno);
   }
-  bool any = false;
+  std::map<std::string, int> lines;  // a batch system may list a host once for each slot
+  std::set<std::string> counted;
   Location where{path};
+  bool inside = false;
   for (std::string line; std::getline(file, line);) {
     ++where.line;
-    any = check_line(line, where) || any;
+    const std::string host = check_line(plain_line(line, inside), where);
+    if (host.empty()) {
+      continue;
+    }
+    const bool has_slots = line.find("slots") != std::string::npos;
+    const auto [first, is_new] = lines.emplace(host, where.line);
+    if (!is_new && (has_slots || counted.contains(host))) {
+      throw ConfigurationError(where, fmt::format("the host '{}' stands in line {} already; write "
+                                                  "it once, with all its slots",
+                                                  host, first->second));
+    }
+    if (has_slots) {
+      counted.insert(host);
+    }
   }
-  if (!any) {
+  if (lines.empty()) {
     throw ConfigurationError(Location{path},
                              fmt::format("the hostfile names no host; {}", kExample));
   }

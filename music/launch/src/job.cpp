@@ -1,5 +1,7 @@
 #include "spikeloop/launch/job.hpp"
 
+#include <filesystem>
+
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -21,6 +23,8 @@ Job::Job(const MusicFile& file, JobOptions options)
       directory_(directory_of(file.path)) {
   if (!options_.hostfile.empty()) {
     check_hostfile(options_.hostfile);
+    // mpirun runs in the file's directory.
+    options_.hostfile = std::filesystem::absolute(options_.hostfile).string();
   }
 }
 

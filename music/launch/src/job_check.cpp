@@ -37,6 +37,7 @@ class TogetherCheck {
     for (const MusicProblem& oddity : file_.oddities) {
       findings_.add_warning(oddity.where, oddity.message, strict_);
     }
+    check_globals();
     check_ours();
     for (const MusicSection& section : file_.sections) {
       check_ranks(section);
@@ -53,6 +54,23 @@ class TogetherCheck {
   Location where(const MusicSection& section, const char* key) const {
     const MusicKey* found = file_.find_key(section, key);
     return found == nullptr || found->where.line == 0 ? section.where : found->where;
+  }
+
+  /// Programs judge the keys of their sections; those at the top are everybody's.
+  void check_globals() {
+    const std::vector<std::string> known{"stoptime", "music_timestep", "rtf",     "seed",
+                                         "dialect",  "strict",         "barrier", "record"};
+    for (const MusicKey& key : file_.globals) {
+      const bool is_known = std::ranges::find(known, key.name) != known.end();
+      const std::string meant = is_known ? "" : nearest(key.name, known);
+      if (all_ours(file_) && !meant.empty()) {
+        findings_.add_warning(key.where,
+                              fmt::format("unknown key '{}' at the top of the file; did you mean "
+                                          "'{}'?; it is ignored",
+                                          key.name, meant),
+                              strict_);
+      }
+    }
   }
 
   /// Each of our programs against the first of them, and against itself.

@@ -184,8 +184,12 @@ Failure JobState::explain(const MpirunEnd& end) const {
     for (const std::string& label : end.missed) {
       names.push_back(shown(label));
     }
-    return {otherwise, fmt::format("{} ended before MUSIC's Setup, with exit code {}",
-                                   fmt::join(names, ", "), otherwise)};
+    const std::string who = fmt::format("{}", fmt::join(names, ", "));
+    const int number = otherwise - 128;
+    return {otherwise,
+            number > 0 && number < NSIG
+                ? fmt::format("{} was killed by signal {} ({})", who, number, strsignal(number))
+                : fmt::format("{} ended before MUSIC's Setup, with exit code {}", who, otherwise)};
   }
   if (!rank) {
     return {otherwise,
@@ -202,7 +206,8 @@ Failure JobState::explain(const MpirunEnd& end) const {
   if (const auto code = aborted_ ? std::optional(otherwise) : diagnosis_.exit_code()) {
     return {*code, fmt::format("{} ended with exit code {}{}", named(*rank), *code, last)};
   }
-  return {otherwise, fmt::format("{} ended without MUSIC's finalize{}", named(*rank), last)};
+  // mpirun's own code for it is 1, the program's was 0.
+  return {3, fmt::format("{} ended without MUSIC's finalize{}", named(*rank), last)};
 }
 
 json JobState::summary() const {

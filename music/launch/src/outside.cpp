@@ -2,13 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::launch {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Where a program of ours meets the world.
 struct Place {
@@ -26,9 +32,12 @@ class OutsideCheck {
       if (program == nullptr || program->outside.key.empty()) {
         continue;
       }
+      if (program->ros) {
+        add_node_name(*section);
+      }
       const Place place = place_of(*section, *program);
       if (place.name.empty()) {
-        continue;  // the program itself reports it
+        continue;
       }
       if (!program->source) {
         add_writer(*section, *program, place);
@@ -45,24 +54,81 @@ class OutsideCheck {
  private:
   Place place_of(const MusicSection& section, const Program& program) const {
     const MusicKey* key = file_.find_key(section, program.outside.key);
-    Place place{std::string(program.outside.otherwise), section.where};
-    if (key != nullptr) {
-      place = {key->value, key->where};
+    const std::string written =
+        key != nullptr ? key->value : std::string(program.outside.otherwise);
+    return {program.ros ? topic_name(written) : canonical_address(written, section),
+            key != nullptr ? key->where : section.where};
+  }
+
+  /// scan and /scan// are one topic, as long as no namespace is set. Empty: none.
+  static std::string topic_name(const std::string& written) {
+    std::string name = "/" + written;
+    for (std::size_t i = name.find("//"); i != std::string::npos; i = name.find("//")) {
+      name.erase(i, 1);
     }
-    // scan and /scan are one topic, as long as no namespace is set.
-    if (program.ros && !place.name.empty() && place.name.find_first_of("/~") != 0) {
-      place.name = fmt::format("/{}", place.name);
+    if (name.ends_with('/')) {
+      name.pop_back();
     }
-    return place;
+    return name.starts_with("/~") ? "" : name;
+  }
+
+  /// One spelling of an address. Empty: it is another one for each program that binds to it.
+  std::string canonical_address(const std::string& written, const MusicSection& section) const {
+    constexpr std::string_view kFile = "ipc://";
+    const auto colon = written.rfind(':');
+    if (written.starts_with(kFile)) {
+      const fs::path path = fs::absolute(directory_of(file_.path)) /
+                            working_directory(file_, section, directory_of(file_.path)) /
+                            written.substr(kFile.size());
+      return written == "ipc://*" ? "" : "ipc://" + path.lexically_normal().string();
+    }
+    if (!written.starts_with("tcp://") || colon < 6) {
+      return written;
+    }
+    std::string host = written.substr(6, colon - 6);
+    std::string port = written.substr(colon + 1);
+    port.erase(0, std::min(port.find_first_not_of('0'), port.size()));
+    host = host == "lo" || host == "localhost" ? "127.0.0.1" : host == "0.0.0.0" ? "*" : host;
+    return port.empty() || port == "*" ? "" : fmt::format("tcp://{}:{}", host, port);
+  }
+
+  /// The first that publishes there; tcp://*:PORT is every address with this port.
+  const MusicSection* writer_at(const std::string& place) const {
+    for (const auto& [name, section] : writers_) {
+      const bool same_port = name.starts_with("tcp://") && place.starts_with("tcp://") &&
+                             name.substr(name.rfind(':')) == place.substr(place.rfind(':'));
+      const bool every = name.starts_with("tcp://*:") || place.starts_with("tcp://*:");
+      if (name == place || (same_port && every)) {
+        return section;
+      }
+    }
+    return nullptr;
+  }
+
+  /// ROS ends the older one of two nodes with one name.
+  void add_node_name(const MusicSection& section) {
+    const MusicKey* key = file_.find_key(section, "ros_node_name");
+    if (key == nullptr) {
+      return;  // gets a suffix of its own
+    }
+    const auto [first, is_new] = nodes_.emplace(key->value, &section);
+    if (!is_new) {
+      findings_.add_error(
+          key->where,
+          fmt::format("'{}' and '{}' have the ros_node_name {}, and ROS would end the one that "
+                      "comes first; write another ros_node_name in one of them",
+                      first->second->label, section.label, key->value));
+    }
   }
 
   void add_writer(const MusicSection& section, const Program& program, const Place& place) {
-    const auto [first, is_new] = writers_.emplace(place.name, &section);
-    if (is_new) {
+    const MusicSection* first = writer_at(place.name);
+    writers_.emplace(place.name, &section);
+    if (first == nullptr) {
       return;
     }
     const std::string both =
-        fmt::format("'{}' and '{}' both publish {}", first->second->label, section.label,
+        fmt::format("'{}' and '{}' both publish {}", first->label, section.label,
                     program.ros ? place.name : "at " + place.name);
     if (program.ros) {
       findings_.add_warning(
@@ -94,6 +160,7 @@ class OutsideCheck {
   bool strict_;
   std::map<std::string, const MusicSection*> writers_;
   std::map<std::string, const MusicSection*> listeners_;
+  std::map<std::string, const MusicSection*> nodes_;
   Findings findings_;
 };
 

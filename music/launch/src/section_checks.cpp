@@ -149,7 +149,7 @@ void SectionChecks::drop_repeated(Section& section) {
   std::erase_if(section.findings.warnings, repeated);
 }
 
-Findings check_job(const MusicFile& file, const RunOptions& options) {
+Findings check_job(const MusicFile& file, const RunOptions& options, bool here) {
   Findings findings;
   for (const MusicProblem& problem : find_structure_problems(file)) {
     findings.add_error(problem.where, problem.message);
@@ -160,7 +160,9 @@ Findings check_job(const MusicFile& file, const RunOptions& options) {
   const EffectiveFile effective = make_effective(file, options);
   const std::string directory = directory_of(file.path);
   findings.append(check_together(effective));
-  findings.append(check_programs(effective.file, directory));
+  if (here) {
+    findings.append(check_programs(effective.file, directory));
+  }
   const Scratch scratch;
   const std::string path = scratch.path() + "/effective.music";
   write_text(path, to_text(effective.file));

@@ -49,8 +49,7 @@ int check_section(const SectionCheck& section, const ProgramText& text, const Bo
     return body(process);
   } catch (const Error& error) {
     // What has no line of its own is somewhere in the section.
-    const auto* wrong = dynamic_cast<const ConfigurationError*>(&error);
-    const bool located = where.line == 0 || (wrong != nullptr && wrong->located());
+    const bool located = where.line == 0 || error.located();
     const std::string place = located ? "" : where.text() + ": ";
     print(stderr, fmt::format("error: {}{}\n", place, error.what()));
     return error.exit_code();

@@ -30,9 +30,13 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   impl_->file = JobFile::find(argc, argv);
   impl_->launched = started_by_music(argc, argv);
   impl_->defaults = defaults;
+  // MUSIC's launcher starts us as `music FILE`, and Setup then writes the key `binary` there: which
+  // may be a script of the user's that has become us.
+  const std::string called = argc > 0 ? basename_of(argv[0]) : "";
   int provided = MPI_THREAD_SINGLE;
   impl_->setup = new MUSIC::Setup(argc, argv, MPI_THREAD_FUNNELED, &provided);
-  impl_->program = argc > 0 ? basename_of(argv[0]) : impl_->label;
+  const std::string written = argc > 0 ? basename_of(argv[0]) : impl_->label;
+  impl_->program = called.empty() || called == "music" ? written : called;
   impl_->status.emplace(impl_->label);
   impl_->status->started();
   impl_->heartbeat.emplace(*impl_->status);
@@ -89,6 +93,7 @@ const CommonKeys& Process::common() const {
     std::vector<std::string> programs = impl_->file.programs();
     programs.push_back(impl_->program);  // all that is known when the file was not found
     impl_->common = parse_common_keys(written(names), impl_->defaults, programs);
+    impl_->check_recordable(impl_->common->record);
   }
   return *impl_->common;
 }
@@ -173,13 +178,6 @@ std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
 }
 
 void Process::attach_recorders(GraphDescription& description) {
-  if (common().record && label().find('/') != std::string::npos) {
-    throw ConfigurationError(
-        impl_->file.where(label(), "record"),
-        fmt::format("the section '{}' cannot be recorded: its file would be {}.h5; write a label "
-                    "without '/'",
-                    label(), label()));
-  }
   if (common().record && !impl_->checking) {
     impl_->recording = music::attach_recorders(description, impl_->label);
   }
@@ -240,6 +238,16 @@ std::string Process::Impl::example(const std::string& port, Direction direction,
   const std::string end = fmt::format("{}.{}", label, port);
   return direction == Direction::input ? fmt::format("SENDER.out -> {} [{}]", end, width)
                                        : fmt::format("{} -> RECEIVER.in [{}]", end, width);
+}
+
+void Process::Impl::check_recordable(bool record) const {
+  if (record && label.find('/') != std::string::npos) {
+    throw ConfigurationError(
+        file.where(label, "record"),
+        fmt::format("the section '{}' cannot be recorded: its file would be {}.h5; write a label "
+                    "without '/'",
+                    label, label));
+  }
 }
 
 std::uint32_t Process::Impl::checked_width(const std::string& port, Direction direction) {

@@ -54,6 +54,7 @@ struct Process::Impl {
   std::uint32_t checked_width(const std::string& port, Direction direction);
   /// @throws ConfigurationError unless it is 1.
   void check_processes(int count) const;
+  void check_recordable(bool record) const;
   /// Throws when MUSIC would hang: no port connected, or one that nothing serves.
   void check_ports() const;
   /// Throws when the file connects a port that is not among these.

@@ -38,8 +38,9 @@ struct ByteSink {
 }  // namespace
 
 struct Sensor::Impl {
-  Impl(Session& session, const SensorSettings& wanted)
-      : settings(wanted),
+  Impl(Session& used, const SensorSettings& wanted)
+      : session(used),
+        settings(wanted),
         conversion(conversion_of(wanted)),
         md5(messages::Catalog::builtin().md5(conversion.type())) {
     check_topic(settings.topic);
@@ -119,6 +120,7 @@ struct Sensor::Impl {
                  settings.topic, format_time(kPatience));
   }
 
+  Session& session;
   SensorSettings settings;
   messages::SensorConversion conversion;  // used in the session's thread only
   std::string md5;
@@ -158,6 +160,7 @@ std::vector<EndpointPort> Sensor::ports() const {
 }
 
 void Sensor::receive(const Step& step) {
+  impl_->session.require_alive();
   const SignalOutput out = step.signal_output(0);
   const std::optional<double>& initial = impl_->settings.initial;
   if (initial && !impl_->initial_sent) {

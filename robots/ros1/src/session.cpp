@@ -24,10 +24,7 @@ std::string checked_node_name(const SessionSettings& settings) {
   const auto argument = settings.arguments.find("__name");
   const std::string& name =
       argument == settings.arguments.end() ? settings.node_name : argument->second;
-  if (!is_name(name, "~/")) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
-  }
+  check_node_name(name);
   return name;
 }
 
@@ -42,6 +39,13 @@ void start_ros(const ros::M_string& arguments, const std::string& node_name,
 }
 
 }  // namespace
+
+void check_node_name(const std::string& name) {
+  if (!is_name(name, "~/")) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
+  }
+}
 
 void check_topic(const std::string& topic) {
   if (!is_name(topic, "~")) {
@@ -92,6 +96,15 @@ std::string Session::node_name() const {
 
 bool Session::alive() const {
   return ros::ok();
+}
+
+void Session::require_alive() const {
+  if (!alive()) {
+    throw TransportError(fmt::format(
+        "the ROS node {} has been shut down: another node took its name, or somebody ended it "
+        "(rosnode kill)",
+        node_name()));
+  }
 }
 
 }  // namespace spikeloop::ros1

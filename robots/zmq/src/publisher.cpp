@@ -7,6 +7,7 @@
 
 #include "socket.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/zmq/address.hpp"
 #include "spikeloop/zmq/wire.hpp"
 
 namespace spikeloop::zmq {
@@ -32,7 +33,7 @@ struct Publisher::Impl {
 };
 
 void Publisher::check(const PublisherSettings& settings) {
-  check_address(settings.address);
+  check_bind_address(settings.address);
   const bool gym = settings.message_type == kGymCommand;
   if (!gym && settings.message_type != "FloatArray") {
     throw ConfigurationError(

@@ -9,18 +9,12 @@
 #include <chrono>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/zmq/address.hpp"
 
 namespace spikeloop::zmq {
 namespace {
 
 constexpr int kLingerMs = 100;
-
-[[noreturn]] void refuse(const std::string& address, const std::string& reason) {
-  throw ConfigurationError(
-      fmt::format("zmq_addr '{}' is no address ({}); write tcp://HOST:PORT, or tcp://*:PORT to "
-                  "publish on every interface",
-                  address, reason));
-}
 
 [[noreturn]] void fail(const std::string& address, int error) {
   const char* const reason = ::zmq_strerror(error);
@@ -29,13 +23,10 @@ constexpr int kLingerMs = 100;
     throw TransportError(fmt::format("cannot bind {}: {}; write another {} in zmq_addr", address,
                                      reason, is_file ? "path" : "port"));
   }
-  if (error == EADDRNOTAVAIL) {
-    throw ConfigurationError(fmt::format(
-        "zmq_addr '{}' is no address of this machine ({}); write tcp://*:PORT to publish "
-        "on every interface",
-        address, reason));
-  }
-  refuse(address, reason);
+  throw ConfigurationError(
+      fmt::format("zmq_addr '{}' is no address of this machine ({}); write tcp://*:PORT to publish "
+                  "on every interface",
+                  address, reason));
 }
 
 /// ZeroMQ takes over the file of an ipc:// address that another program is bound to.
@@ -49,28 +40,13 @@ bool is_taken_file(const std::string& address) {
   address.copy(place.sun_path, sizeof place.sun_path - 1, kScheme);
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const bool answers =
-      ::connect(probe, reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
+      ::connect(probe, reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0 ||
+      errno == EPROTOTYPE;  // a socket of another kind, but somebody's
   ::close(probe);
   return answers;
 }
 
 }  // namespace
-
-void check_address(const std::string& address) {
-  if (address.starts_with("ipc://") && address.size() > 6) {
-    return;
-  }
-  const auto colon = address.rfind(':');
-  if (!address.starts_with("tcp://") || colon < 7) {
-    refuse(address, "Invalid argument");
-  }
-  // ZeroMQ takes port 99999 for 34463.
-  const std::string port = address.substr(colon + 1);
-  const bool digits = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
-  if (port != "*" && (!digits || port.size() > 5 || std::stoi(port) > 65535)) {
-    refuse(address, "Invalid argument");
-  }
-}
 
 Socket::Socket(int type) : context_(::zmq_ctx_new()), socket_(::zmq_socket(context_, type)) {
   if (socket_ == nullptr) {
@@ -91,14 +67,14 @@ Socket::~Socket() {
 }
 
 void Socket::connect(const std::string& address) {
-  check_address(address);
+  check_connect_address(address);
   if (::zmq_connect(socket_, address.c_str()) != 0) {
     fail(address, ::zmq_errno());
   }
 }
 
 void Socket::bind(const std::string& address) {
-  check_address(address);
+  check_bind_address(address);
   if (is_taken_file(address)) {
     fail(address, EADDRINUSE);
   }

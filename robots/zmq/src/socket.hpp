@@ -6,8 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "spikeloop/zmq/address.hpp"
-
 namespace spikeloop::zmq {
 
 class Socket {

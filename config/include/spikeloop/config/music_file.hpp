@@ -109,8 +109,8 @@ MusicFile read_music_file(const std::filesystem::path& path, const std::string& 
 /// @throws ConfigurationError for an object that no file can say (a line end in a label).
 std::string to_text(const MusicFile& file);
 
-/// Puts the locations of `origin` on all that says the same in `file`, which was made from it:
-/// errors then name the lines that a user wrote.
+/// Puts the locations of `origin` on all that says the same in `file`, which was made from it, and
+/// none on the rest: errors then name the lines that a user wrote.
 void adopt_locations(MusicFile& file, const MusicFile& origin);
 
 /// Finds what makes MUSIC crash or hang: no application, section without a key, `np` or `binary`

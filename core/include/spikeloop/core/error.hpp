@@ -19,8 +19,8 @@ struct Location {
   std::string text() const;
 };
 
-/// Text for one line of a terminal: line ends are blanks, other control characters '?'. Values that
-/// a user wrote may hold any byte.
+/// Text for one line of a terminal: line ends are blanks, other control characters '?', the middle
+/// of more than 2000 bytes is left out. Values that a user wrote may hold anything.
 std::string one_line(std::string_view text);
 
 /// Base of every exception Spikeloop throws on purpose.
@@ -28,16 +28,9 @@ class Error : public std::runtime_error {
  public:
   /// The message becomes one line.
   explicit Error(std::string_view message) : std::runtime_error(one_line(message)) {}
-  virtual int exit_code() const = 0;
-};
-
-/// A file, key, value, width or connection that cannot be run as written.
-class ConfigurationError : public Error {
- public:
-  explicit ConfigurationError(const std::string& message) : Error(message) {}
   /// Puts the location before the message.
-  ConfigurationError(const Location& where, const std::string& message);
-  int exit_code() const override { return 2; }
+  Error(const Location& where, std::string_view message);
+  virtual int exit_code() const = 0;
   /// Whether the message begins with where in a file the fault is.
   bool located() const { return located_; }
 
@@ -45,18 +38,12 @@ class ConfigurationError : public Error {
   bool located_ = false;
 };
 
-/// What `work` returns; a ConfigurationError of its that says no place gets this one.
-template <typename Work>
-auto located_at(const Location& where, Work&& work) {
-  try {
-    return work();
-  } catch (const ConfigurationError& error) {
-    if (error.located()) {
-      throw;
-    }
-    throw ConfigurationError(where, error.what());
-  }
-}
+/// A file, key, value, width or connection that cannot be run as written.
+class ConfigurationError : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 2; }
+};
 
 /// A partner outside (ROS master, MUSIC, another process) is missing, silent or broken.
 class TransportError : public Error {
@@ -70,9 +57,24 @@ class FileError : public Error {
  public:
   /// "cannot open 'x.json': No such file or directory"; takes the reason from `error_number`.
   FileError(std::string_view action, std::string_view path, int error_number);
-  explicit FileError(const std::string& message) : Error(message) {}
+  using Error::Error;
   int exit_code() const override { return 4; }
 };
+
+/// What `work` returns; a ConfigurationError or FileError of its that says no place gets this one.
+template <typename Work>
+auto located_at(const Location& where, Work&& work) {
+  try {
+    return work();
+  } catch (const ConfigurationError& error) {
+    if (error.located()) {
+      throw;
+    }
+    throw ConfigurationError(where, error.what());
+  } catch (const FileError& error) {
+    throw FileError(where, error.what());
+  }
+}
 
 /// A node failed while it ran; carries the node's name.
 class NodeError : public Error {

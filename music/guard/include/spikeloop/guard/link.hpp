@@ -21,6 +21,8 @@ class Link {
   /// To be called from the thread that stops the robot: its silence is what the guard waits for.
   /// Never waits. Returns when to call again.
   TimeNs beat(TimeNs now);
+  /// We cannot stop the robot any more: the guard does it at once. Safe to call from any thread.
+  void abandon();
   /// The robot is stopped for good. Safe to call from any thread.
   void done();
 

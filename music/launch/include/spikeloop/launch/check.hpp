@@ -35,8 +35,9 @@ Findings check_programs(const MusicFile& file, const std::string& directory);
 
 /// `spikeloop check`: the structure; then, when that holds, the effective file with the checks
 /// above and what each of our programs says of its section, its keys and files.
+/// @param here whether the programs will run on this machine, and must be there
 /// @throws FileError when no scratch folder can be made.
-Findings check_job(const MusicFile& file, const RunOptions& options);
+Findings check_job(const MusicFile& file, const RunOptions& options, bool here = true);
 
 /// "... (and 2 more: spikeloop check FILE)".
 Finding first_error(const Findings& findings, const std::string& file);

@@ -37,7 +37,8 @@ class Sensor : public Source {
 
   std::vector<EndpointPort> ports() const override;
   /// @throws TransportError when the topic has brought messages of another type or version and none
-  /// of the right one; ConfigurationError when `strict` and a message does not fit the port.
+  /// of the right one, or the session's node has been shut down; ConfigurationError when `strict`
+  /// and a message does not fit the port.
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
 

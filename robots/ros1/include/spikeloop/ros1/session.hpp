@@ -33,6 +33,8 @@ class Session {
   std::string node_name() const;  ///< "/ros_command_node_1700000000000000000"
   /// False once ROS has shut the node down, as it does when another one takes its name.
   bool alive() const;
+  /// @throws TransportError once it is not alive: nothing comes and nothing leaves any more.
+  void require_alive() const;
 
   struct Impl;
   Impl& impl() { return *impl_; }
@@ -42,6 +44,7 @@ class Session {
 };
 
 /// @throws ConfigurationError when roscpp would refuse the name.
+void check_node_name(const std::string& name);
 void check_topic(const std::string& topic);
 
 }  // namespace spikeloop::ros1
