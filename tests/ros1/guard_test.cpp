@@ -112,7 +112,9 @@ TEST_F(GuardTest, adapter_shut_down_by_ros) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   const auto begin = monotonic_now();
   shut_down("/ros_command_node");
-  expect_zero_since(begin, "adapter shut down by rosnode kill");
+  const double ms = time_to_zero(begin, 10);
+  std::printf("adapter shut down by rosnode kill: zero command after %.1f ms\n", ms);
+  EXPECT_LE(ms, 1000) << "most of it is the killer's own start";
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: command: the ROS node /ros_command_node_"));
@@ -125,7 +127,9 @@ TEST_F(GuardTest, sensor_shut_down_by_ros) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   const auto begin = monotonic_now();
   shut_down("/ros_sensor_node");
-  expect_zero_since(begin, "sensor shut down by rosnode kill");
+  const double ms = time_to_zero(begin, 10);
+  std::printf("sensor shut down by rosnode kill: zero command after %.1f ms\n", ms);
+  EXPECT_LE(ms, 1000) << "most of it is the killer's own start";
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: sensor: the ROS node /ros_sensor_node_"));
