@@ -203,13 +203,8 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
 
 Parameters node_parameters(music::Process& process, const NodeClass& node_class) {
   auto declared = node_class.description.parameters;
-  std::vector<std::string> names;
-  names.reserve(declared.size());
-  for (const auto& parameter : declared) {
-    names.push_back(parameter.name);
-  }
   const auto& keys = process.common();
-  WrittenValues written = process.written(names);
+  WrittenValues written = process.written(names_of(declared));
   const NodeProgram* program = find_node_program(process.program());
   WeightLoader load_table = table_loader(process, node_class);
   if (one_to_one_by_default(program, written)) {

@@ -49,6 +49,7 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
   number("watchdog", "s", "0.1",
          "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "
          "0.1 s");
+  parameters.back().minimum = 1e-3;  // 0 would always be too long ago
   number("max_age", "s", "1",
          "Data older than that stop the robot (needs the port pace); 0: never");
   parameters.push_back(
@@ -88,8 +89,10 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   const std::string& file = parameters.text("message_mapping_filename");
   const bool strict = process.common().strict;
   if (!file.empty()) {
-    return located_at(parameters.where("message_mapping_filename"), [&] {
-      return read_mapping(file, {.base_directory = process.file_directory(), .strict = strict});
+    const Location& where = parameters.where("message_mapping_filename");
+    return located_at(where, [&] {
+      return read_mapping(
+          file, {.base_directory = process.file_directory(), .strict = strict, .named_in = where});
     });
   }
   const std::string& type = parameters.text("message_type");
@@ -265,7 +268,7 @@ int run_command(music::Process& process, const RosProgram& program) {
     description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
   }
   process.attach_recorders(description);
-  Graph graph(std::move(description));
+  Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
   hooks.summary = [&] { return sink.summary(); };

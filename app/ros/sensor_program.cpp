@@ -122,7 +122,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
     description.connections.push_back({"topic.pace", "pace.pace", 0, 0, {}});
   }
   process.attach_recorders(description);
-  Graph graph(std::move(description));
+  Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] {
     if (sensor.counters().front().value == 0) {

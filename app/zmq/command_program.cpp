@@ -72,7 +72,7 @@ int run_zmq_command(music::Process& process) {
   description.sinks = {{"socket", &publisher}};
   description.connections = {{"in.in", "socket.in", 0, 0, {}}};
   process.attach_recorders(description);
-  Graph graph(std::move(description));
+  Graph graph(description);
   return process.run(graph);
 }
 

@@ -81,7 +81,7 @@ int run_zmq_sensor(music::Process& process) {
   description.sinks = {{"out", out.get()}};
   description.connections = {{"socket.out", "out.out", 0, 0, {}}};
   process.attach_recorders(description);
-  Graph graph(std::move(description));
+  Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] {
     if (subscriber.counters().front().value == 0) {

@@ -204,8 +204,10 @@ class MappingReader {
   std::optional<double> maximum_;
 };
 
-CommandMapping array_instead(const std::string& file, const std::string& reason) {
-  log::warning("{}; all channels are sent as a Float64MultiArray", reason);
+CommandMapping array_instead(const std::string& file, const std::string& reason,
+                             const MappingOptions& options) {
+  log::warning("{}; all channels are sent as a Float64MultiArray",
+               ConfigurationError(options.named_in, reason).what());
   return {file, kArray, true};
 }
 
@@ -220,7 +222,7 @@ CommandMapping parse_mapping(std::string_view text, const std::string& file,
     if (options.strict) {
       throw;
     }
-    return array_instead(file, error.what());
+    return array_instead(file, error.what(), options);
   }
   return MappingReader(json, text, file, options.strict).read();
 }
@@ -234,7 +236,7 @@ CommandMapping read_mapping(const std::string& name, const MappingOptions& optio
     if (options.strict) {
       throw ConfigurationError(message);
     }
-    return array_instead(name, message);
+    return array_instead(name, message, options);
   }
   constexpr std::uint64_t kLimit = 16'000'000;
   std::string text;
@@ -244,7 +246,7 @@ CommandMapping read_mapping(const std::string& name, const MappingOptions& optio
     if (options.strict) {
       throw;
     }
-    return array_instead(name, error.what());
+    return array_instead(name, error.what(), options);
   }
   return parse_mapping(text, path->string(), options);
 }

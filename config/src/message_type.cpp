@@ -35,7 +35,7 @@ std::vector<std::string> known_message_types() {
 std::string canonical_message_type(std::string_view text) {
   std::vector<std::string> candidates;
   for (const auto& name : kNames) {
-    const std::string type = fmt::format("{}/{}", name.package, name.name);
+    std::string type = fmt::format("{}/{}", name.package, name.name);
     if (text == name.name || text == name.older || text == type ||
         text == fmt::format("{}/msg/{}", name.package, name.name)) {
       return type;

@@ -88,8 +88,9 @@ class Checker {
   }
 
   void check_connection(const MusicConnection& c) {
-    const bool known = check_application(c.from_app, c) & check_application(c.to_app, c);
-    if (!known) {
+    const bool from_known = check_application(c.from_app, c);
+    const bool to_known = check_application(c.to_app, c);  // both are reported
+    if (!from_known || !to_known) {
       return;
     }
     if (c.width && *c.width == 0) {

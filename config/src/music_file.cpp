@@ -82,6 +82,7 @@ MusicSection& MusicFile::section(std::string_view label) {
 
 std::vector<std::string> MusicFile::labels() const {
   std::vector<std::string> result;
+  result.reserve(sections.size());
   for (const auto& section : sections) {
     result.push_back(section.label);
   }

@@ -296,8 +296,9 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
 
 NetworkFile read_network_file(const std::string& path) {
   constexpr std::uint64_t kMostBytes = 100'000'000;
-  return parse_network(read_text_file(path, kMostBytes, "network file"), path,
-                       [](const std::string& weights) { return read_weights(weights); });
+  return parse_network(
+      read_text_file(path, kMostBytes, "network file"), path,
+      [](const std::string& weights) { return read_weights(weights, {.short_forms = false}); });
 }
 
 }  // namespace spikeloop

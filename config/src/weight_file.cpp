@@ -21,8 +21,9 @@ namespace {
 using music_text::shown;
 
 /// Not strict: what the older programs take when they cannot read the file.
-WeightTable uniform_instead(const std::string& reason) {
-  log::warning("{}; every weight is 1 / inputs", reason);
+WeightTable uniform_instead(const std::string& reason, const WeightOptions& options) {
+  log::warning("{}; every weight is 1 / inputs",
+               ConfigurationError(options.named_in, reason).what());
   return WeightTable::uniform();
 }
 
@@ -168,9 +169,9 @@ WeightTable parse_weights(std::string_view text, const std::string& file,
     return std::move(*table);
   }
   if (options.strict) {
-    throw problem;
+    throw ConfigurationError(problem);
   }
-  return uniform_instead(problem.what());
+  return uniform_instead(problem.what(), options);
 }
 
 WeightTable read_weights(const std::string& written, const WeightOptions& options) {
@@ -185,7 +186,7 @@ WeightTable read_weights(const std::string& written, const WeightOptions& option
     if (options.strict) {
       throw ConfigurationError(message);
     }
-    return uniform_instead(message);
+    return uniform_instead(message, options);
   }
   std::string text;
   try {
@@ -194,13 +195,14 @@ WeightTable read_weights(const std::string& written, const WeightOptions& option
     if (options.strict) {
       throw;
     }
-    return uniform_instead(error.what());
+    return uniform_instead(error.what(), options);
   }
   return parse_weights(text, path->string(), options);
 }
 
 WeightLoader weight_loader(WeightOptions options) {
-  return [options = std::move(options)](const WrittenValue& written) {
+  return [options = std::move(options)](const WrittenValue& written) mutable {
+    options.named_in = written.where;
     return read_weights(written.text, options);
   };
 }

@@ -202,7 +202,7 @@ bool WeightTableReader::parse_error(std::size_t position, const std::string&,
   const std::string_view rest = text_.substr(std::min(error_.offset, text_.size()));
   for (const std::string_view word : {"NaN", "nan", "Infinity", "inf"}) {
     const auto first = rest.empty() ? std::string_view::npos : word.find(rest[0]);
-    const bool begun = first != std::string_view::npos && first < 2 && error_.offset >= first &&
+    const bool begun = first < 2 && error_.offset >= first &&
                        text_.substr(error_.offset - first).starts_with(word);
     if (begun && (place_ == Place::row || place_ == Place::entry)) {
       error_.offset -= first;

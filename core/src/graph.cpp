@@ -279,7 +279,7 @@ void Graph::Impl::step() {
   ++tick_index;
 }
 
-Graph::Graph(GraphDescription description) : impl_(std::make_unique<Impl>()) {
+Graph::Graph(const GraphDescription& description) : impl_(std::make_unique<Impl>()) {
   const GraphPlan checked = plan(description);
   impl_->tick = description.tick;
   impl_->order = checked.order;

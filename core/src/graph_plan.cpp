@@ -32,6 +32,8 @@ PlannedElement planned_endpoint(const std::string& name, const std::vector<Endpo
 
 std::vector<PlannedElement> planned_elements(const GraphDescription& description) {
   std::vector<PlannedElement> elements;
+  elements.reserve(description.sources.size() + description.nodes.size() +
+                   description.sinks.size());
   for (const auto& entry : description.sources) {
     elements.push_back(planned_endpoint(entry.name, entry.source->ports(), Direction::output));
   }

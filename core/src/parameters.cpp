@@ -94,10 +94,7 @@ Parameters::Value parse(const ParameterDescription& parameter, const WrittenValu
 
 void check_names(const std::vector<ParameterDescription>& declared, const WrittenValues& written,
                  const std::vector<std::string>& ignored) {
-  std::vector<std::string> names;
-  for (const auto& parameter : declared) {
-    names.push_back(parameter.name);
-  }
+  const std::vector<std::string> names = names_of(declared);
   for (const auto& [name, value] : written) {
     const bool known = std::find(names.begin(), names.end(), name) != names.end() ||
                        std::find(ignored.begin(), ignored.end(), name) != ignored.end();
@@ -158,6 +155,15 @@ void Parameters::set(const std::string& name, Value value, bool given, Location 
   if (given) {
     given_[name] = std::move(where);
   }
+}
+
+std::vector<std::string> names_of(const std::vector<ParameterDescription>& parameters) {
+  std::vector<std::string> names;
+  names.reserve(parameters.size());
+  for (const auto& parameter : parameters) {
+    names.push_back(parameter.name);
+  }
+  return names;
 }
 
 Parameters resolve(const std::vector<ParameterDescription>& declared, const WrittenValues& written,

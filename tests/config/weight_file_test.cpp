@@ -255,6 +255,9 @@ TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
   EXPECT_THAT(log.messages.at(0), testing::StartsWith("there is no weight file 'none.json' in "));
   EXPECT_EQ(read_weights("/", lax()).kind, Kind::uniform);
   EXPECT_EQ(log.messages.at(1), "cannot read '/': Is a directory; every weight is 1 / inputs");
+  weight_loader(lax())({"/", {"job.music", 3, 1}});
+  EXPECT_EQ(log.messages.at(2),
+            "job.music:3:1: cannot read '/': Is a directory; every weight is 1 / inputs");
 }
 
 TEST(WeightFile, OlderProgramsFitATableToThePorts) {

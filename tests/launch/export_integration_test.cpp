@@ -10,6 +10,7 @@
 namespace spikeloop::test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -75,6 +76,16 @@ TEST(Run, TakesAFileOfHosts) {
   EXPECT_THAT(outcome.out, HasSubstr("a: first tick\n"));
   EXPECT_EQ(run(launcher({"run", job.file(), "--hostfile", hosts})).err,
             "spikeloop: --hostfile requires --out; see spikeloop run --help\n");
+}
+
+TEST(Run, AHostThatCannotBeReached) {
+  const TwoPrograms job;
+  const std::string hosts = job.directory().write("hosts", "nosuchhost.invalid slots=4\n");
+  const Outcome outcome = run(job.command({"--hostfile", hosts}));
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_THAT(last_line(outcome.err), HasSubstr("spikeloop: mpirun ended with exit code "));
+  EXPECT_THAT(last_line(outcome.err), EndsWith("/mpirun.log"));
+  EXPECT_EQ(outcome.left_behind, 0);
 }
 
 TEST(Export, PassesOnOnlyVariablesThatAreSet) {

@@ -303,7 +303,7 @@ TEST_F(RecorderTest, SinksOfAGraphRecordEveryConnection) {
   description.sinks.push_back({"record_value", value.get()});
   description.connections.push_back({.from = "generator.spikes", .to = "record_spikes"});
   description.connections.push_back({.from = "generator.value", .to = "record_value.in"});
-  Graph graph(std::move(description));
+  Graph graph(description);
   for (int k = 0; k < 4; ++k) {
     graph.step();
   }

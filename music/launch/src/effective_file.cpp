@@ -282,6 +282,7 @@ std::optional<double> total_time(const MusicFile& file) {
 
 std::vector<const MusicSection*> in_written_order(const MusicFile& file) {
   std::vector<const MusicSection*> sections;
+  sections.reserve(file.sections.size());
   for (const MusicSection& section : file.sections) {
     sections.push_back(&section);
   }

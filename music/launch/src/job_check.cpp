@@ -108,11 +108,11 @@ class TogetherCheck {
   void check_length(const MusicSection& section) {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line != 0) {
-      findings_.add_error(key->where,
-                          fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
-                                      "stoptime, or a shorter music_timestep",
-                                      section.label, format_time(*stop_time(file_, section)),
-                                      format_time(tick_of(file_, section))));
+      findings_.add_error(
+          key->where, fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
+                                  "stoptime, or a shorter music_timestep",
+                                  section.label, format_time(stop_time(file_, section).value_or(0)),
+                                  format_time(tick_of(file_, section))));
     }
   }
 

@@ -33,8 +33,8 @@ constexpr const char* kSetupAdvice =
     "slowly needs a longer --start-timeout";
 constexpr const char* kContinueAdvice = "kill -CONT PID lets a stopped program go on";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
-/// mpirun ends a job within a second of a death; now and then it does not notice one.
-constexpr seconds kDeathGrace{2};
+/// mpirun ends a job within two seconds of a death; now and then it does not notice one.
+constexpr seconds kDeathGrace{4};
 constexpr std::chrono::milliseconds kCountInterval{500};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
@@ -173,7 +173,9 @@ void JobRun::supervise() {
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
     const Failure failure = state_.explain({code, WIFSIGNALED(status), missed});
-    fail(failure.exit_code, failure.message);
+    const bool far = !options_.hostfile.empty() && !state_.any_started();
+    fail(failure.exit_code,
+         failure.message + (far ? fmt::format("; see {}/mpirun.log", folder_) : ""));
   }
 }
 
@@ -247,14 +249,13 @@ void JobRun::watch_deaths() {
     return;
   }
   counted_ = now;
-  const auto death = state_.first_death(end_of);
-  if (!death) {
-    died_since_.reset();
-    return;
-  }
-  died_since_ = died_since_.value_or(now);
-  if (now - *died_since_ > kDeathGrace) {
-    fail(death->exit_code, death->message);
+  if (!death_) {
+    death_ = state_.first_death(end_of);  // the others are ended after it
+    died_since_ = now;
+  } else if (!state_.first_death(end_of)) {
+    death_.reset();  // it has reported: all is well
+  } else if (now - died_since_ > kDeathGrace) {
+    fail(death_->exit_code, death_->message);
     mpirun_->tree().end();
   }
 }

@@ -91,8 +91,9 @@ class JobRun {
   Clock::time_point started_{};
   Clock::time_point prepared_{};  ///< when a program last said that it prepares itself
   std::optional<StartWatch> starting_;
-  Clock::time_point counted_{};  ///< when we last saw whether all live
-  std::optional<Clock::time_point> died_since_;
+  Clock::time_point counted_{};   ///< when we last saw whether all live
+  std::optional<Failure> death_;  ///< the first, as long as mpirun says nothing of it
+  Clock::time_point died_since_{};
   std::optional<Clock::time_point> stopping_since_;
   std::optional<Clock::time_point> failed_since_;
   std::optional<Clock::time_point> reported_since_;

@@ -121,7 +121,9 @@ void JobState::take(const OutputLine& line) {
     aborted_ = line.speaker;
   }
   diagnosis_.read(line.text);
-  if (line.text.find_first_not_of("- ") != std::string::npos) {
+  // What ssh says of a host is the cause; Open MPI's guesses follow.
+  const bool cause_known = last_words_of_mpirun_.starts_with("ssh: ");
+  if (!cause_known && line.text.find_first_not_of("- ") != std::string::npos) {
     last_words_of_mpirun_ = line.text;
   }
 }
@@ -181,6 +183,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
   }
   if (!rank && !end.missed.empty()) {
     std::vector<std::string> names;
+    names.reserve(end.missed.size());
     for (const std::string& label : end.missed) {
       names.push_back(shown(label));
     }

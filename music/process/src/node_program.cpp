@@ -33,6 +33,7 @@ class NodeProgram {
     description_.nodes.push_back(
         {process_.label(), &node_class, parameters, last_connection(process_, ports_)});
     std::vector<std::string> names;
+    names.reserve(ports_.size());
     for (const auto& port : ports_) {
       names.push_back(port.name);
     }
@@ -105,7 +106,7 @@ int run_node(Process& process, const NodeClass& node_class, const Parameters& pa
   NodeProgram program(process, node_class);
   GraphDescription description = program.describe(node_class, parameters);
   process.attach_recorders(description);
-  Graph graph(std::move(description));
+  Graph graph(description);
   return process.run(graph, hooks);
 }
 

@@ -86,13 +86,10 @@ void Process::set_defaults(const CommonDefaults& defaults) {
 
 const CommonKeys& Process::common() const {
   if (!impl_->common) {
-    std::vector<std::string> names;
-    for (const auto& parameter : common_parameters()) {
-      names.push_back(parameter.name);
-    }
     std::vector<std::string> programs = impl_->file.programs();
     programs.push_back(impl_->program);  // all that is known when the file was not found
-    impl_->common = parse_common_keys(written(names), impl_->defaults, programs);
+    impl_->common =
+        parse_common_keys(written(names_of(common_parameters())), impl_->defaults, programs);
     impl_->check_recordable(impl_->common->record);
   }
   return *impl_->common;
@@ -111,11 +108,7 @@ WrittenValues Process::written(const std::vector<std::string>& names) const {
 
 Parameters Process::read(const std::vector<ParameterDescription>& declared,
                          const WeightLoader& load_weights) const {
-  std::vector<std::string> names;
-  for (const auto& parameter : declared) {
-    names.push_back(parameter.name);
-  }
-  return resolve(declared, written(names), load_weights);
+  return resolve(declared, written(names_of(declared)), load_weights);
 }
 
 void Process::declare_ports(const std::vector<std::string>& names) const {

@@ -56,7 +56,7 @@ class FileRecording : public Recording {
       add(description, recorded);
     }
   }
-  ~FileRecording() override { close(); }
+  ~FileRecording() override { FileRecording::close(); }
 
   void close() override {
     if (closed_) {

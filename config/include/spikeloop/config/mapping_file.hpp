@@ -45,6 +45,7 @@ struct MappingOptions {
   /// is no JSON gives a Float64MultiArray of all channels; unknown keys and fields with channel -1
   /// are left out; a message without mapping is all zero.
   bool strict = true;
+  Location named_in{};  ///< where the file is named, for warnings
 };
 
 /// Parses the text of a mapping file; `file` only names it in messages.

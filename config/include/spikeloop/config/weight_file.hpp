@@ -29,6 +29,7 @@ struct WeightOptions {
   std::uint64_t maximum_bytes = 1'000'000'000;
   std::string what = "weight file";  ///< the file's name in messages
   bool short_forms = true;           ///< "uniform" and "one_to_one" are no files
+  Location named_in{};               ///< where the file is named, for warnings
 };
 
 /// More rows or columns than any port can have.

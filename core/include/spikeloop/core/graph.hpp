@@ -63,7 +63,7 @@ class Graph {
   /// @throws ConfigurationError: unknown node or port (did you mean), two connections into one
   /// input, input without connection, widths that differ (both named), a cycle whose delays add up
   /// to nothing (its nodes named).
-  explicit Graph(GraphDescription description);
+  explicit Graph(const GraphDescription& description);
   ~Graph();
   Graph(Graph&&) noexcept;
   Graph& operator=(Graph&&) noexcept;

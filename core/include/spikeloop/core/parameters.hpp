@@ -30,6 +30,8 @@ struct ParameterDescription {
   std::string text{};  ///< one line, no full stop
 };
 
+std::vector<std::string> names_of(const std::vector<ParameterDescription>& parameters);
+
 /// A value as the user wrote it, and where.
 struct WrittenValue {
   std::string text;
