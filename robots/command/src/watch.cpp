@@ -30,8 +30,9 @@ sigset_t watched_signals() {
 
 int checked(int result, const char* action) {
   if (result < 0) {
+    const int reason = errno;  // before a string below may change it
     throw TransportError(std::string("cannot watch the robot's commands: ") + action + " failed: " +
-                         std::strerror(errno) + "; raise the limit of open files (ulimit -n)");
+                         std::strerror(reason) + "; raise the limit of open files (ulimit -n)");
   }
   return result;
 }
