@@ -235,23 +235,24 @@ int run_command(music::Process& process, const RosProgram& program) {
   const NodeClass fields = command_map_class(std::move(map));
   // Here, so that subscribers are connected to the guard before the robot is driven.
   guard::Link guard(guard_hello(process, topic, mapping.message_type, settings, publisher));
+  const auto leave_to_guard_if_dead = [&] {
+    if (!session.alive()) {
+      guard.abandon();
+    }
+  };
+  const auto finish = [&] {
+    leave_to_guard_if_dead();
+    publisher.drain();
+    guard.done();
+  };
+  const auto beat = [&](TimeNs now) {
+    leave_to_guard_if_dead();
+    return guard.beat(now);
+  };
   CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
-                              .finish =
-                                  [&] {
-                                    if (!session.alive()) {
-                                      guard.abandon();
-                                    }
-                                    publisher.drain();
-                                    guard.done();
-                                  },
+                              .finish = finish,
                               .interrupted = [] { ::kill(::getpid(), SIGTERM); },
-                              .beat =
-                                  [&](TimeNs now) {
-                                    if (!session.alive()) {
-                                      guard.abandon();
-                                    }
-                                    return guard.beat(now);
-                                  },
+                              .beat = beat,
                               .require = [&] { session.require_alive(); }});
   const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
 

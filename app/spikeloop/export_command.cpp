@@ -95,9 +95,10 @@ void add_export_command(CLI::App& app, std::function<int()>& action) {
   CLI::App* command =
       app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
   command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
-  command->add_option("--out", arguments->folder, "Folder to write to")->check(named_folder());
+  command->add_option("--out", arguments->folder, "Folder to write to")->check(named("folder"));
   auto* srun = command->add_flag("--srun", arguments->srun, "For Slurm's srun instead of mpirun");
   command->add_option("--hostfile", arguments->hostfile, "Open MPI's file of hosts")
+      ->check(named("hostfile"))
       ->excludes(srun);
   command->footer(kFooter);
   command->callback(

@@ -70,9 +70,9 @@ double stall_timeout_s(const std::string& text) {
               text);
 }
 
-CLI::Validator named_folder() {
-  return {[](const std::string& text) {
-            return text.empty() ? std::string("the name of the folder is empty; write one")
+CLI::Validator named(const std::string& what) {
+  return {[what](const std::string& text) {
+            return text.empty() ? "the name of the " + what + " is empty; write one"
                                 : std::string();
           },
           ""};

@@ -79,11 +79,13 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   auto* out = command
                   .add_option("--out", job.folder,
                               "Run folder: summary.json, effective.music, mpirun.log, recordings")
-                  ->check(named_folder());
+                  ->check(named("folder"));
   command
       .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
       ->needs(out);
-  command.add_option("--hostfile", job.hostfile, "Open MPI's file of hosts to run on")->needs(out);
+  command.add_option("--hostfile", job.hostfile, "Open MPI's file of hosts to run on")
+      ->check(named("hostfile"))
+      ->needs(out);
   command.add_flag("--roscore", job.roscore, "Start a ROS master of our own when none answers");
   auto* robot = command.add_flag("--robot", job.robot,
                                  "Start spikeloop-robot unless /scan is published already");

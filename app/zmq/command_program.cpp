@@ -64,7 +64,8 @@ int run_zmq_command(music::Process& process) {
     process.check();
     return 0;
   }
-  zmq::Publisher publisher(settings);
+  zmq::Publisher publisher =
+      located_at(parameters.where("zmq_addr"), [&] { return zmq::Publisher(settings); });
   GraphDescription description;
   description.tick = process.common().music_timestep;
   description.seed = process.common().seed;

@@ -40,6 +40,33 @@ std::string not_text(std::string_view text) {
   return {};
 }
 
+namespace {
+
+/// Tells the parser's place while it reads.
+class Reading {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  Reading(const char* at, const char** seen) : at_(at), seen_(seen) {}
+  reference operator*() const { return *at_; }
+  Reading& operator++() {
+    *seen_ = ++at_;
+    return *this;
+  }
+  bool operator==(const Reading& other) const { return at_ == other.at_; }
+  bool operator!=(const Reading& other) const { return at_ != other.at_; }
+
+ private:
+  const char* at_;
+  const char** seen_;
+};
+
+}  // namespace
+
 nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   using json = nlohmann::ordered_json;
   if (const auto problem = not_text(text); !problem.empty()) {
@@ -47,6 +74,8 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   }
   std::vector<std::set<std::string>> keys;
   std::string twice;
+  std::size_t place = 0;
+  const char* seen = text.data();
   const auto watch = [&](int, json::parse_event_t event, json& parsed) {
     if (event == json::parse_event_t::object_start) {
       keys.emplace_back();
@@ -56,13 +85,15 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
       const auto key = parsed.get<std::string>();
       if (!keys.back().insert(key).second && twice.empty()) {
         twice = key;
+        place = text.rfind('"' + key + '"', static_cast<std::size_t>(seen - text.data()));
       }
     }
     return true;
   };
   json value;
   try {
-    value = json::parse(text, watch, true, true);
+    const char* const end = text.data() + text.size();
+    value = json::parse(Reading(text.data(), &seen), Reading(end, &seen), watch, true, true);
   } catch (const json::parse_error& error) {
     throw ConfigurationError(locate(text, error.byte == 0 ? 0 : error.byte - 1, file),
                              reason(error.what()));
@@ -71,7 +102,7 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   }
   if (!twice.empty()) {
     throw ConfigurationError(
-        Location{file},
+        place == std::string_view::npos ? Location{file} : locate(text, place, file),
         fmt::format("the key '{}' stands there twice; remove one", music_text::shown(twice)));
   }
   return value;

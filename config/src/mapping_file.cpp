@@ -148,6 +148,10 @@ class MappingReader {
       mapping_.all_channels = true;
       return;
     }
+    if (fields.empty()) {
+      complain(fmt::format("'mapping' is empty; write {}", kExample), "every field is 0",
+               {"mapping"});
+    }
     for (const auto& item : fields.items()) {
       read_field(item.key(), item.value());
     }

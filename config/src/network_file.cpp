@@ -187,7 +187,14 @@ void read_output(const YAML::Node& list, NetworkFile& network) {
 
 YAML::Node load(const std::string& text, const std::string& path) {
   try {
-    return YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      const YAML::Mark mark = documents[1].Mark();
+      throw ConfigurationError({path, mark.line + 1, mark.column + 1},
+                               "a second document begins; write one network a file, without '---' "
+                               "inside it");
+    }
+    return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
                              fmt::format("this is not YAML: {}", error.msg));
@@ -257,10 +264,11 @@ void NetworkFile::check_tick(TimeNs tick) const {
   if (resolution != 0 && tick % resolution != 0) {
     const TimeNs below = tick / resolution * resolution;
     throw ConfigurationError(
-        {path, 0, 0}, fmt::format("the tick {} is not a whole number of the network's resolution "
-                                  "{}; write a tick of {} or another resolution",
-                                  format_time(tick), format_time(resolution),
-                                  format_time(below == 0 ? resolution : below)));
+        resolution_where,
+        fmt::format("the tick {} is not a whole number of the network's resolution "
+                    "{}; write a tick of {} or another resolution",
+                    format_time(tick), format_time(resolution),
+                    format_time(below == 0 ? resolution : below)));
   }
 }
 
@@ -272,6 +280,8 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
   NetworkFile network;
   network.path = path;
   network.resolution = read_resolution(file);
+  network.resolution_where =
+      file.has("resolution") ? file.where("resolution") : Location{path, 0, 0};
   const Section populations(path, "key 'populations'",
                             file.at("populations", "{relay: {model: repeater, size: 1}}"), {});
   for (const std::string& name : populations.keys()) {

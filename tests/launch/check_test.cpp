@@ -10,6 +10,7 @@
 namespace spikeloop::launch {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -136,6 +137,12 @@ TEST(CheckTogether, ARunHasAtLeastATick) {
                           "stoptime, or a shorter music_timestep",
                           "f:1:1: 'b' runs for 1 ms, less than its tick of 10 ms; write a longer "
                           "stoptime, or a shorter music_timestep"));
+}
+
+TEST(CheckTogether, NoTimeIsTooShort) {
+  EXPECT_THAT(texts(together("stoptime=0\n" + std::string(kTwo))),
+              Contains("f:1:1: 'a' runs for 0 s, less than its tick of 1 ms; write a longer "
+                       "stoptime, or a shorter music_timestep"));
 }
 
 TEST(CheckTogether, OneBarrier) {

@@ -62,6 +62,10 @@ TEST(CommandLine, SaysWhatAnOptionNeeds) {
   EXPECT_EQ(
       nowhere.err,
       "spikeloop: --out: the name of the folder is empty; write one; see spikeloop run --help\n");
+  EXPECT_EQ(
+      type({"run", "x.music", "--hostfile", "", "--out", "o"}).err,
+      "spikeloop: --hostfile: the name of the hostfile is empty; write one; see spikeloop run "
+      "--help\n");
   EXPECT_EQ(type({"run"}).err, "spikeloop: FILE is required; see spikeloop run --help\n");
 }
 

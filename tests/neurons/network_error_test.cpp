@@ -62,6 +62,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Case{"not_yaml", "populations: [\n",
              "net.yaml:2:1: this is not YAML: end of sequence flow not found"},
+        Case{"two_documents", "output: [a]\n---\noutput: [b]\n",
+             "net.yaml:3:1: a second document begins; write one network a file, without '---' "
+             "inside it"},
         Case{"no_map", "- 1\n",
              "net.yaml:1:1: network file must be a map; write  key: value  lines, for example  "
              "resolution: ..."},

@@ -110,13 +110,7 @@ TEST_F(GuardTest, everything_stopped_then_killed) {
 
 TEST_F(GuardTest, adapter_shut_down_by_ros) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
-  const auto begin = monotonic_now();
-  shut_down("/ros_command_node");
-  const double ms = time_to_zero(begin, 10);
-  std::printf("adapter shut down by rosnode kill: zero command after %.1f ms\n", ms);
-  EXPECT_LE(ms, 1000) << "most of it is the killer's own start";
-  const auto outcome = child_->wait();
-  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  const auto outcome = expect_zero_after_shut_down("/ros_command_node");
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: command: the ROS node /ros_command_node_"));
   EXPECT_THAT(outcome.err, HasSubstr(" has been shut down: another node took its name, or somebody "
                                      "ended it (rosnode kill)\n"));
@@ -125,13 +119,7 @@ TEST_F(GuardTest, adapter_shut_down_by_ros) {
 
 TEST_F(GuardTest, sensor_shut_down_by_ros) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
-  const auto begin = monotonic_now();
-  shut_down("/ros_sensor_node");
-  const double ms = time_to_zero(begin, 10);
-  std::printf("sensor shut down by rosnode kill: zero command after %.1f ms\n", ms);
-  EXPECT_LE(ms, 1000) << "most of it is the killer's own start";
-  const auto outcome = child_->wait();
-  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  const auto outcome = expect_zero_after_shut_down("/ros_sensor_node");
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: sensor: the ROS node /ros_sensor_node_"));
 }
 

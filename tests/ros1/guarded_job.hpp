@@ -90,6 +90,18 @@ class GuardedJob : public RobotJob {
     EXPECT_LE(ms, kDeadlineMs) << what << "\n" << child_->output();
   }
 
+  /// What the job that drives is told when a node of its is shut down by somebody.
+  auto expect_zero_after_shut_down(const std::string& node) {
+    const auto begin = ros_peer::monotonic_now();
+    shut_down(node);
+    const double ms = time_to_zero(begin, 10);
+    std::printf("%s shut down by rosnode kill: zero command after %.1f ms\n", node.c_str(), ms);
+    EXPECT_LE(ms, 1000) << "most of it is the killer's own start";
+    auto outcome = child_->wait();
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+    return outcome;
+  }
+
   /// 2 s are the guard's, 1 s is for a machine that does other things too.
   void expect_nothing_left(std::int64_t begin) {
     EXPECT_TRUE(ros_peer::eventually(20, [&] { return child_->family().empty(); }));

@@ -11,18 +11,35 @@
 namespace spikeloop::launch {
 namespace {
 
-/// Reads "PID (NAME) STATE PARENT ..."; NAME may hold blanks and brackets.
-bool read_parent(const std::filesystem::path& process, char& state, pid_t& parent) {
-  std::ifstream file(process / "stat");
+/// What man 5 proc says of "PID (NAME) STATE PARENT ..."; NAME may hold blanks and brackets.
+struct Stat {
+  char state = 'X';
+  pid_t parent = 0;
+  int exit_status = -1;
+
+  bool ended() const { return state == 'Z' || state == 'X'; }
+};
+
+/// Nothing for a process that has been waited for.
+std::optional<Stat> read_stat(const std::string& pid) {
+  std::ifstream file("/proc/" + pid + "/stat");
   std::string text;
   std::getline(file, text);
   const auto end_of_name = text.rfind(')');
-  if (end_of_name == std::string::npos || end_of_name + 4 >= text.size()) {
-    return false;
+  if (end_of_name == std::string::npos) {
+    return std::nullopt;
   }
-  state = text[end_of_name + 2];
-  parent = static_cast<pid_t>(std::strtol(text.c_str() + end_of_name + 4, nullptr, 10));
-  return true;
+  std::istringstream fields(text.substr(end_of_name + 1));
+  Stat stat;
+  fields >> stat.state >> stat.parent;
+  std::string skipped;
+  for (int field = 5; field < 52; ++field) {
+    fields >> skipped;
+  }
+  if (!(fields >> stat.exit_status)) {
+    stat.exit_status = -1;
+  }
+  return stat;
 }
 
 }  // namespace
@@ -32,11 +49,12 @@ std::vector<pid_t> descendants(pid_t ancestor) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
     const std::string name = entry.path().filename();
-    char state = 'Z';
-    pid_t parent = 0;
-    if (std::isdigit(static_cast<unsigned char>(name.front())) != 0 &&
-        read_parent(entry.path(), state, parent) && state != 'Z' && state != 'X') {
-      children.emplace(parent, static_cast<pid_t>(std::stol(name)));
+    if (std::isdigit(static_cast<unsigned char>(name.front())) == 0) {
+      continue;
+    }
+    const auto stat = read_stat(name);
+    if (stat && !stat->ended()) {
+      children.emplace(stat->parent, static_cast<pid_t>(std::stol(name)));
     }
   }
   std::vector<pid_t> found{ancestor};
@@ -51,10 +69,8 @@ std::vector<pid_t> descendants(pid_t ancestor) {
 }
 
 bool is_stopped(pid_t process) {
-  char state = 'Z';
-  pid_t parent = 0;
-  read_parent("/proc/" + std::to_string(process), state, parent);
-  return state == 'T';
+  const auto stat = read_stat(std::to_string(process));
+  return stat && stat->state == 'T';
 }
 
 std::map<std::string, bool> living_sections(pid_t ancestor) {
@@ -73,26 +89,11 @@ std::map<std::string, bool> living_sections(pid_t ancestor) {
 }
 
 std::optional<int> end_of(pid_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string text;
-  std::getline(file, text);
-  const auto end_of_name = text.rfind(')');
-  if (end_of_name == std::string::npos) {
+  const auto stat = read_stat(std::to_string(process));
+  if (!stat) {
     return -1;
   }
-  // man 5 proc: the state is field 3, the exit code field 52.
-  std::istringstream fields(text.substr(end_of_name + 1));
-  std::string state;
-  fields >> state;
-  if (state != "Z" && state != "X") {
-    return std::nullopt;
-  }
-  std::string skipped;
-  for (int field = 4; field < 52; ++field) {
-    fields >> skipped;
-  }
-  int status = -1;
-  return fields >> status ? status : -1;
+  return stat->ended() ? std::optional(stat->exit_status) : std::nullopt;
 }
 
 }  // namespace spikeloop::launch

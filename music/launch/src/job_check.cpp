@@ -92,7 +92,7 @@ class TogetherCheck {
 
   bool is_too_short(const MusicSection& section) const {
     const auto length = stop_time(file_, section);
-    return length && *length > 0 && *length < tick_of(file_, section);
+    return length && *length < tick_of(file_, section);
   }
 
   /// The option holds for all sections: once is enough.

@@ -44,6 +44,10 @@ std::string label_that_paces(const MusicFile& file) {
 
 }  // namespace
 
+std::string killed_text(std::string_view who, int signal) {
+  return fmt::format("{} was killed by signal {} ({})", who, signal, strsignal(signal));
+}
+
 JobState::JobState(const MusicFile& file, bool all_here)
     : file_(file), pacer_(label_that_paces(file)) {
   for (const MusicSection& section : file.sections) {
@@ -177,9 +181,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
                                        SIGTERM, strsignal(SIGTERM))};
   }
   if (!rank && end.killed) {
-    const int number = end.exit_code - 128;
-    return {otherwise,
-            fmt::format("mpirun was killed by signal {} ({})", number, strsignal(number))};
+    return {otherwise, killed_text("mpirun", end.exit_code - 128)};
   }
   if (!rank && !end.missed.empty()) {
     std::vector<std::string> names;
@@ -191,7 +193,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
     const int number = otherwise - 128;
     return {otherwise,
             number > 0 && number < NSIG
-                ? fmt::format("{} was killed by signal {} ({})", who, number, strsignal(number))
+                ? killed_text(who, number)
                 : fmt::format("{} ended before MUSIC's Setup, with exit code {}", who, otherwise)};
   }
   if (!rank) {
@@ -203,8 +205,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
   const auto words = last_words_.find(*rank);
   const std::string last = words == last_words_.end() ? "" : "; its last line: " + words->second;
   if (const auto number = diagnosis_.signal()) {
-    return {128 + *number, fmt::format("{} was killed by signal {} ({}){}", named(*rank), *number,
-                                       strsignal(*number), last)};
+    return {128 + *number, killed_text(named(*rank), *number) + last};
   }
   if (const auto code = aborted_ ? std::optional(otherwise) : diagnosis_.exit_code()) {
     return {*code, fmt::format("{} ended with exit code {}{}", named(*rank), *code, last)};

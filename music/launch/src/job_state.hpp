@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crew.hpp"
@@ -17,6 +18,9 @@ struct Failure {
   int exit_code = 1;
   std::string message;
 };
+
+/// "'brain' (brain.py) was killed by signal 9 (Killed)"
+std::string killed_text(std::string_view who, int signal);
 
 struct MpirunEnd {
   int exit_code = 0;

@@ -1,7 +1,6 @@
 // Why a job does not go on.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <string.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -187,8 +186,7 @@ std::optional<Failure> JobState::first_death(
     const int code = exit_code(*status);
     return Failure{std::max(1, code),
                    WIFSIGNALED(*status)
-                       ? fmt::format("{} was killed by signal {} ({})", shown(label),
-                                     WTERMSIG(*status), strsignal(WTERMSIG(*status)))
+                       ? killed_text(shown(label), WTERMSIG(*status))
                        : fmt::format("{} ended with exit code {}", shown(label), code)};
   }
   return std::nullopt;

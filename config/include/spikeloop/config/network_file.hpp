@@ -63,7 +63,8 @@ struct NetworkProjection {
 
 struct NetworkFile {
   std::string path;
-  TimeNs resolution = 0;  ///< the grid; 0: no grid (`resolution: off`)
+  TimeNs resolution = 0;        ///< the grid; 0: no grid (`resolution: off`)
+  Location resolution_where{};  ///< the file alone when the default holds
   std::vector<NetworkPopulation> populations;
   std::vector<NetworkProjection> projections;
   std::vector<std::size_t> output;  ///< populations whose spikes leave by port `out`, in order

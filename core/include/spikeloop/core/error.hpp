@@ -61,7 +61,7 @@ class FileError : public Error {
   int exit_code() const override { return 4; }
 };
 
-/// What `work` returns; a ConfigurationError or FileError of its that says no place gets this one.
+/// What `work` returns; an error of its that says no place gets this one.
 template <typename Work>
 auto located_at(const Location& where, Work&& work) {
   try {
@@ -73,6 +73,8 @@ auto located_at(const Location& where, Work&& work) {
     throw ConfigurationError(where, error.what());
   } catch (const FileError& error) {
     throw FileError(where, error.what());
+  } catch (const TransportError& error) {
+    throw TransportError(where, error.what());
   }
 }
 
