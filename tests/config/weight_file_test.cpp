@@ -169,7 +169,7 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
        "0.5]]}"},
       {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'?"},
-      {"{\"rows\": 2, \"rows\": 2}", "w:1:13: the key 'rows' stands there twice; remove one"},
+      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' stands there twice; remove one"},
       {"{\"rows\": 0}", "w: 'rows' is 0; write a number from 1 to 16777216"},
       {"{\"columns\": 16777217}", "w: 'columns' is 16777217; write a number from 1 to 16777216"},
       {"{\"rows\": 1.5}", "w: 'rows' is the number 1.5; write a whole number"},

@@ -218,7 +218,7 @@ TEST(Tick, MustBeAWholeNumberOfResolutions) {
     FAIL();
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
-                 "net.yaml: the tick 1 ms is not a whole number of the network's resolution "
+                 "net.yaml:1:13: the tick 1 ms is not a whole number of the network's resolution "
                  "300 us; write a tick of 900 us or another resolution");
   }
   EXPECT_NO_THROW(network.check_tick(ms(0.9)));
