@@ -17,9 +17,7 @@ struct DialectDefault {
 };
 
 constexpr DialectDefault kDefaults[] = {
-    {"nef_encoder", "tau_m", "0.02", "0.01"}, {"nef_encoder", "v_th", "10", "15"},
-    {"nef_encoder", "gain_min", "0", "100"},  {"nef_encoder", "gain_max", "300", "100"},
-    {"nef_encoder", "bias_min", "0", "275"},  {"nef_encoder", "bias_max", "200", "475"},
+    {"nef_encoder", "preset", "rma", "ma"},
 };
 
 }  // namespace
@@ -45,10 +43,13 @@ std::string dialect_note(std::string_view program) {
 }
 
 std::vector<std::string> ignored_keys(std::string_view program) {
-  // Spike times are solved for, so there is no step; rates follow from the neurons.
-  return program == "nef_encoder"
-             ? std::vector<std::string>{"rate_min", "rate_max", "neuron_resolution"}
-             : std::vector<std::string>{};
+  // Its rates follow from the neurons.
+  return program == "nef_encoder" ? std::vector<std::string>{"rate_min", "rate_max"}
+                                  : std::vector<std::string>{};
+}
+
+const char* older_spelling_of(std::string_view program, std::string_view key) {
+  return program == "nef_encoder" && key == "resolution" ? "neuron_resolution" : nullptr;
 }
 
 std::optional<WeightTable> uneven_one_to_one(std::uint32_t inputs, std::uint32_t outputs,

@@ -20,6 +20,9 @@ std::string dialect_note(std::string_view program);
 /// Keys that stand in older files and never did anything, or do nothing any more.
 std::vector<std::string> ignored_keys(std::string_view program);
 
+/// Another name that an older program has for a key; null when there is none.
+const char* older_spelling_of(std::string_view program, std::string_view key);
+
 /// One-to-one weights between ports of different widths: what is surplus on either side has no
 /// partner. Nothing when the widths are equal.
 /// @throws ConfigurationError when strict; else it is said in a warning.

@@ -93,31 +93,43 @@ music::ProgramText text_of(const NodeProgram& program) {
             : "Unless strict=true, a file that is missing or not readable gives 1 / inputs, with a "
               "warning.\n";
   }
+  for (const ParameterDescription& parameter : text.parameters) {
+    if (const char* older = older_spelling_of(program.name, parameter.name)) {
+      text.notes += fmt::format("{} is the older spelling of {}.\n", older, parameter.name);
+    }
+  }
   text.notes += dialect_note(program.name);
   text.defaults.accept_one_tick = program.accept_one_tick;
   return text;
 }
 
-// What the older program's key says, or what it took when nothing was written.
-void add_older_spelling(WrittenValues& written, const WrittenValues& older,
-                        const NodeProgram& program) {
+// Takes what stands under an older program's name of `key`.
+void take_older_spelling(const music::Process& process, WrittenValues& written,
+                         const std::string& key, const char* older_key) {
+  const WrittenValues older = older_key == nullptr ? WrittenValues{} : process.written({older_key});
   if (older.empty()) {
-    if (!written.contains(program.table)) {
-      written[program.table] = {program.default_table, {}};
-    }
     return;
   }
   const WrittenValue& value = older.begin()->second;
-  if (written.contains(program.table)) {
+  if (written.contains(key)) {
     throw ConfigurationError(
         value.where, fmt::format("'{0}' and '{1}' are two spellings of one key; leave out '{1}'",
-                                 program.table, program.older_key));
+                                 key, older_key));
   }
-  written[program.table] = value;
+  written[key] = value;
 }
 
-WrittenValues older_key(const music::Process& process, const NodeProgram& program) {
-  return program.older_key == nullptr ? WrittenValues{} : process.written({program.older_key});
+// As the older program: what its keys say, or what it took when nothing was written.
+void add_older_keys(const music::Process& process, WrittenValues& written,
+                    const std::vector<ParameterDescription>& declared, const NodeProgram& program) {
+  for (const ParameterDescription& parameter : declared) {
+    take_older_spelling(process, written, parameter.name,
+                        older_spelling_of(program.name, parameter.name));
+  }
+  if (program.table != nullptr) {
+    take_older_spelling(process, written, program.table, program.older_key);
+    written.try_emplace(program.table, WrittenValue{program.default_table, {}});
+  }
 }
 
 std::uint32_t width_or_zero(const music::Process& process, const std::string& port) {
@@ -217,9 +229,7 @@ Parameters node_parameters(music::Process& process, const NodeClass& node_class)
   if (program != nullptr) {
     set_dialect_defaults(declared, program->name, keys.dialect);
     process.written(ignored_keys(program->name));  // so that they are known
-    if (program->table != nullptr) {
-      add_older_spelling(written, older_key(process, *program), *program);
-    }
+    add_older_keys(process, written, declared, *program);
   }
   return resolve(declared, written, load_table);
 }

@@ -17,14 +17,35 @@ std::uint64_t name_hash(std::string_view name) {
 RandomStream::RandomStream(std::uint64_t seed, std::string_view node_name, std::uint64_t purpose)
     : seed_(seed), hash_(name_hash(node_name)), purpose_(purpose) {}
 
-std::uint64_t RandomStream::bits(std::uint64_t channel, std::uint64_t draw) const {
-  const r123::Philox4x64::ctr_type counter = {{draw / 4, channel, purpose_, 0}};
-  const r123::Philox4x64::key_type key = {{seed_, hash_}};
+namespace {
+
+[[gnu::always_inline]] inline std::uint64_t word(const r123::Philox4x64::key_type& key, std::uint64_t purpose,
+                          std::uint64_t channel, std::uint64_t draw) {
+  const r123::Philox4x64::ctr_type counter = {{draw / 4, channel, purpose, 0}};
   return r123::Philox4x64()(counter, key)[draw % 4];
 }
 
+inline double to_uniform(std::uint64_t bits) {
+  return static_cast<double>((bits >> 11U) + 1) * 0x1.0p-53;
+}
+
+}  // namespace
+
+std::uint64_t RandomStream::bits(std::uint64_t channel, std::uint64_t draw) const {
+  return word({{seed_, hash_}}, purpose_, channel, draw);
+}
+
 double RandomStream::uniform(std::uint64_t channel, std::uint64_t draw) const {
-  return static_cast<double>((bits(channel, draw) >> 11U) + 1) * 0x1.0p-53;
+  return to_uniform(bits(channel, draw));
+}
+
+void RandomStream::uniform(std::span<const std::uint32_t> channels,
+                           std::span<const std::uint64_t> draws, std::span<double> numbers) const {
+  const r123::Philox4x64::key_type key = {{seed_, hash_}};
+  // Inlined here, the processor works on several numbers at once.
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = to_uniform(word(key, purpose_, channels[i], draws[i]));
+  }
 }
 
 double RandomStream::exponential(std::uint64_t channel, std::uint64_t draw) const {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace spikeloop {
@@ -67,34 +66,40 @@ std::vector<ParameterDescription> encoder_parameters() {
 
 EncoderInput::EncoderInput(const NodeSetup& setup)
     : policy_(setup),
-      rate_min_(setup.parameters.number("rate_min")),
-      rate_max_(setup.parameters.number("rate_max")),
+      middle_((setup.parameters.number("rate_max") + setup.parameters.number("rate_min")) / 2),
+      half_range_((setup.parameters.number("rate_max") - setup.parameters.number("rate_min")) / 2),
       initial_(initial_of_encoder(setup.parameters, policy_.passes())) {}
-
-double EncoderInput::rate_of(double x) {
-  const double rate = rate_min_ + (x + 1.0) / 2.0 * (rate_max_ - rate_min_);
-  if (std::fabs(x) > 1.0 && (rate < 0.0 || rate > SpikeSchedule::kFastest)) {
-    ++rates_limited_;
-  }
-  // std::clamp gives back NaN, "as it was", untouched.
-  return std::clamp(rate, 0.0, SpikeSchedule::kFastest);
-}
 
 void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   const SignalInput input = step.signal_input();
   const TimeNs now = step.interval().begin;
   if (input.valid()) {
     if (input.revision != revision_) {
-      schedule.set_rates(now,
-                         [&](std::size_t c) { return rate_of(policy_.treat(input.values[c], c)); });
+      schedule.set_rates(now, treated(input.values), middle_, half_range_);
     }
   } else if (!begun_ && initial_) {
-    schedule.set_rates(now, [&](std::size_t) { return rate_of(*initial_); });
+    schedule.set_rates(now, [&](std::size_t) { return middle_ + half_range_ * *initial_; });
   } else if (revision_ != 0) {
     schedule.set_rates(now, [](std::size_t) { return 0.0; });
   }
   begun_ = true;
   revision_ = input.revision;
+}
+
+std::span<const double> EncoderInput::treated(std::span<const double> values) {
+  if (all_within(values, 1.0)) {
+    return values;  // as good values are, nothing is copied
+  }
+  treated_.resize(values.size());
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    const double x = policy_.treat(values[c], c);
+    const double rate = middle_ + half_range_ * x;
+    if (std::fabs(x) > 1.0 && (rate < 0.0 || rate > SpikeSchedule::kFastest)) {
+      ++rates_limited_;
+    }
+    treated_[c] = x;
+  }
+  return treated_;
 }
 
 void EncoderInput::append_counters(std::vector<Counter>& counters) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "input_policy.hpp"
@@ -36,15 +37,17 @@ class EncoderInput {
   void append_counters(std::vector<Counter>& counters) const;
 
  private:
-  double rate_of(double x);
+  /// The values after the policy.
+  std::span<const double> treated(std::span<const double> values);
 
   InputPolicy policy_;
-  double rate_min_;  // Hz
-  double rate_max_;  // Hz
+  double middle_;      // Hz, the rate at 0
+  double half_range_;  // Hz, what 1 adds to it
   std::optional<double> initial_;
   bool begun_ = false;
   std::uint64_t revision_ = 0;
   std::uint64_t rates_limited_ = 0;
+  std::vector<double> treated_;
 };
 
 }  // namespace spikeloop

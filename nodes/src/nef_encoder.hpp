@@ -8,10 +8,10 @@ namespace spikeloop {
 
 /// Neuron n gets the current  bias_n + gain_n (e_n . x)  of the whole input vector x, where e_n is
 /// a unit vector, and is a leaky integrate-and-fire neuron:
-///     tau_m dV/dt = -V + (tau_m / c_m) I;  V > v_th: a spike, and V = 0 for t_ref.
-/// Its spike times are solved for, not stepped to: at a constant input the interval between spikes
-/// is  t_ref + tau_m ln(V_inf / (V_inf - v_th))  with V_inf = tau_m I / c_m.
-/// The defaults are those of ros_music_adapter.
+///     tau_m dV/dt = -V + R I;  at the threshold: a spike, and V = 0 for t_ref.
+/// The time at which V meets the threshold is solved for, not stepped to: at a constant input
+/// T = tau_m ln(R I / (R I - v_th)) after V was 0. With `spike_times=interpolated` the interval
+/// between spikes is t_ref + T; on a grid of step h, t_ref + ceil(T / h) h.
 NodeClass nef_encoder_class();
 
 }  // namespace spikeloop

@@ -1,6 +1,9 @@
 #include "poisson_encoder.hpp"
 
+#include <span>
+
 #include "encoder_input.hpp"
+#include "large_array.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -15,14 +18,20 @@ class PoissonEncoder final : public Node {
         stream_(setup.seed, setup.name),
         draws_(setup.widths[0], 0) {
     for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
-      schedule_.set_first_threshold(c, draw(c));
+      double threshold = 0;
+      draw({&c, 1}, {&threshold, 1});
+      schedule_.set_first_threshold(c, threshold);
     }
   }
 
   void step(const Step& step) override {
     input_.update(step, schedule_);
     spikes_ += schedule_.advance(
-        step.interval(), [this](std::uint32_t c) { return draw(c); }, step.spike_output());
+        step.interval(),
+        [this](std::span<const std::uint32_t> channels, std::span<double> next) {
+          draw(channels, next);
+        },
+        step.spike_output());
   }
 
   std::vector<Counter> counters() const override {
@@ -32,12 +41,21 @@ class PoissonEncoder final : public Node {
   }
 
  private:
-  double draw(std::uint32_t channel) { return stream_.exponential(channel, draws_[channel]++); }
+  /// Each channel's next exponentially distributed number, of mean 1.
+  void draw(std::span<const std::uint32_t> channels, std::span<double> next) {
+    indices_.resize(channels.size());
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      indices_[i] = draws_[channels[i]]++;
+    }
+    stream_.uniform(channels, indices_, next);
+    negative_logarithms(next);
+  }
 
   EncoderInput input_;
   SpikeSchedule schedule_;
   RandomStream stream_;
-  std::vector<std::uint64_t> draws_;  // index of each channel's next draw
+  LargeArray<std::uint64_t> draws_;  // index of each channel's next draw
+  std::vector<std::uint64_t> indices_;
   std::uint64_t spikes_ = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "rate_encoder.hpp"
 
+#include <algorithm>
+
 #include "encoder_input.hpp"
 #include "spikeloop/core/random.hpp"
 
@@ -20,8 +22,10 @@ class RateEncoder final : public Node {
 
   void step(const Step& step) override {
     input_.update(step, schedule_);
-    spikes_ += schedule_.advance(
-        step.interval(), [](std::uint32_t) { return 1.0; }, step.spike_output());
+    const auto one = [](std::span<const std::uint32_t>, std::span<double> next) {
+      std::ranges::fill(next, 1.0);
+    };
+    spikes_ += schedule_.advance(step.interval(), one, step.spike_output());
   }
 
   std::vector<Counter> counters() const override {

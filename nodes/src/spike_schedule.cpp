@@ -3,24 +3,62 @@
 namespace spikeloop {
 
 SpikeSchedule::SpikeSchedule(std::uint32_t channels)
-    : rate_(channels, 0.0),
-      next_(channels, kNever),
-      rest_(channels, 1.0),
-      earliest_((std::size_t{channels} + kBlock - 1) / kBlock, kNever) {}
+    : channels_(channels),
+      blocks_((std::size_t{channels} + kScheduleBlock - 1) / kScheduleBlock),
+      earliest_(blocks_.size(), static_cast<float>(kScheduleNever)),
+      due_(blocks_.size()) {
+  for (ScheduleBlock& block : blocks_) {
+    std::ranges::fill(block.rate, 0.0);
+    std::ranges::fill(block.state, kSpike);
+  }
+}
 
-void SpikeSchedule::change_rate(std::uint32_t channel, double rate, TimeNs now) {
-  double left = rest_[channel];
-  if (rate_[channel] > 0.0) {
-    const double wait = static_cast<double>(next_[channel] - now) + rest_[channel];
-    left = std::max(0.0, wait * rate_[channel] * 1e-9);
+ScheduleChange SpikeSchedule::change_at(double passed) {
+  return {.blocks = blocks_.data(),
+          .earliest = earliest_.data(),
+          .channels = channels_,
+          .passed = passed,
+          .slowest = kSlowest,
+          .highest = kFastest};
+}
+
+void SpikeSchedule::set_rates(TimeNs now, std::span<const double> values, double offset,
+                              double slope) {
+  ScheduleChange change = change_at(static_cast<double>(now - since_));
+  change.values = values.data();
+  change.offset = offset;
+  change.slope = slope;
+  // Equal rates must not begin a new segment: rounding would depend on revisions.
+  if (changes_a_rate(change)) {
+    change_rates(change);
+    since_ = now;
   }
-  rate_[channel] = rate;
-  if (rate == 0.0) {
-    next_[channel] = kNever;
-    rest_[channel] = left;
-  } else {
-    set_due(channel, now, left * 1e9 / rate);
+}
+
+/// Counts times from another zero, that much later.
+void SpikeSchedule::shift(TimeNs passed) {
+  change_rates(change_at(static_cast<double>(passed)));
+  since_ += passed;
+}
+
+/// The exact time is kept, so that rounding to nanoseconds never adds up. Two spikes of a channel
+/// are at least a nanosecond apart.
+void SpikeSchedule::restart() {
+  for (std::size_t i = 0; i < firing_.count; ++i) {
+    const std::uint32_t channel = firing_.channels[i];
+    const double rate = blocks_[channel / kScheduleBlock].rate[channel % kScheduleBlock];
+    double& state = state_of(channel);
+    state = std::max(state + next_[i] * kSpike / rate, firing_.stamps[i] + 0.5);
   }
+}
+
+void SpikeSchedule::emit(const SpikeOutput& output) {
+  emitted_.resize(firing_.count);
+  for (std::size_t i = 0; i < firing_.count; ++i) {
+    emitted_[i] = make_spike(since_ + static_cast<TimeNs>(firing_.stamps[i]),
+                             static_cast<std::int32_t>(firing_.channels[i]));
+  }
+  output.emit(emitted_);
 }
 
 }  // namespace spikeloop

@@ -7,11 +7,13 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
+#include <span>
 #include <vector>
 
+#include "due_blocks.hpp"
+#include "large_array.hpp"
+#include "schedule_kernels.hpp"
 #include "spikeloop/core/signal.hpp"
 #include "spikeloop/core/time.hpp"
 
@@ -28,79 +30,79 @@ class SpikeSchedule {
   explicit SpikeSchedule(std::uint32_t channels);
 
   /// What the integral of the rate must reach before the first spike; only while the rate is 0.
-  void set_first_threshold(std::uint32_t channel, double threshold) { rest_[channel] = threshold; }
-
-  /// From `now` on, channel c has the rate `rate_of(c)` in Hz, in [0, kFastest]; NaN: as it was.
-  template <typename RateOf>
-  void set_rates(TimeNs now, RateOf&& rate_of) {
-    for (std::size_t block = 0; block < earliest_.size(); ++block) {
-      const std::uint32_t first = static_cast<std::uint32_t>(block) * kBlock;
-      const std::uint32_t last = std::min(first + kBlock, channels());
-      for (std::uint32_t c = first; c < last; ++c) {
-        const double wanted = rate_of(c);
-        const double rate = wanted < kSlowest ? 0.0 : wanted;
-        // An equal rate must not begin a new segment: rounding would depend on revisions.
-        if (rate != rate_[c] && !std::isnan(rate)) {
-          change_rate(c, rate, now);
-        }
-      }
-      earliest_[block] = *std::min_element(next_.begin() + first, next_.begin() + last);
-    }
+  void set_first_threshold(std::uint32_t channel, double threshold) {
+    state_of(channel) = threshold * kSpike;
   }
 
-  /// Emits the spikes of `interval` to `output`; `threshold_of(c)` is asked once a spike for the
-  /// threshold of the next one. Returns the number of spikes.
-  template <typename ThresholdOf>
-  std::uint64_t advance(const Interval& interval, ThresholdOf&& threshold_of,
+  /// From `now` on, channel c has the rate  offset + slope * values[c]  in Hz, cut to [0,
+  /// kFastest]; NaN: as it was. Spikes up to `now` have been taken.
+  void set_rates(TimeNs now, std::span<const double> values, double offset = 0, double slope = 1);
+  /// The same for the rates `rate_of(c)`.
+  template <typename RateOf>
+  void set_rates(TimeNs now, RateOf&& rate_of) {
+    rates_.resize(channels_);
+    for (std::uint32_t c = 0; c < channels_; ++c) {
+      rates_[c] = rate_of(c);
+    }
+    set_rates(now, std::span<const double>(rates_));
+  }
+
+  /// Emits the spikes of `interval` to `output`. Of each spike's channel, `thresholds(channels,
+  /// next)` writes the threshold of the next one. Returns the number of spikes.
+  template <typename Thresholds>
+  std::uint64_t advance(const Interval& interval, Thresholds&& thresholds,
                         const SpikeOutput& output) {
     std::uint64_t count = 0;
-    for (std::size_t block = 0; block < earliest_.size(); ++block) {
-      if (earliest_[block] <= interval.end) {
-        advance_block(block, interval.end, threshold_of);
-        count += emitted_.size();
-        output.emit(emitted_);
-        emitted_.clear();
+    while (interval.end - since_ > kLongest) {
+      count += fire(kLongest, thresholds, output);
+      shift(kLongest);
+    }
+    return count + fire(interval.end - since_, thresholds, output);
+  }
+
+  std::uint32_t channels() const { return channels_; }
+
+ private:
+  static constexpr double kSpike = 1e9;  // an integral of 1, in Hz ns
+  // Times count from a new zero after about a second, so that they keep the precision of 1e-6 ns.
+  static constexpr TimeNs kLongest = TimeNs{1} << 30;
+
+  template <typename Thresholds>
+  std::uint64_t fire(TimeNs end, Thresholds&& thresholds, const SpikeOutput& output) {
+    const auto limit = static_cast<double>(end);
+    const std::size_t due = find_due(earliest_.data(), earliest_.size(), limit, due_.data());
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < due; i += ScheduleFiring::kMostBlocks) {
+      std::span<std::uint32_t> blocks(&due_[i], std::min(ScheduleFiring::kMostBlocks, due - i));
+      while (!blocks.empty()) {
+        collect_due(blocks_.data(), blocks, limit, firing_);
+        thresholds(std::span(firing_.channels, firing_.count), std::span(next_, firing_.count));
+        restart();
+        emit(output);
+        count += firing_.count;
+        blocks = blocks.first(keep_due(blocks_.data(), blocks, limit, earliest_.data()));
       }
     }
     return count;
   }
 
-  std::uint32_t channels() const { return static_cast<std::uint32_t>(rate_.size()); }
-
- private:
-  static constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
-  static constexpr std::uint32_t kBlock = 16;
-
-  void change_rate(std::uint32_t channel, double rate, TimeNs now);
-
-  // The next spike is due `wait` ns after `from`. It is stamped with the nearest nanosecond after
-  // `from`; the difference is kept, so that rounding never adds up.
-  void set_due(std::uint32_t channel, TimeNs from, double wait) {
-    const TimeNs whole = std::max<TimeNs>(1, static_cast<TimeNs>(wait + 0.5));
-    next_[channel] = from + whole;
-    rest_[channel] = wait - static_cast<double>(whole);
+  double& state_of(std::uint32_t channel) {
+    return blocks_[channel / kScheduleBlock].state[channel % kScheduleBlock];
   }
 
-  template <typename ThresholdOf>
-  void advance_block(std::size_t block, TimeNs end, ThresholdOf&& threshold_of) {
-    const std::uint32_t first = static_cast<std::uint32_t>(block) * kBlock;
-    const std::uint32_t last = std::min(first + kBlock, channels());
-    TimeNs earliest = kNever;
-    for (std::uint32_t c = first; c < last; ++c) {
-      while (next_[c] <= end) {
-        emitted_.push_back(make_spike(next_[c], static_cast<std::int32_t>(c)));
-        set_due(c, next_[c], rest_[c] + threshold_of(c) * 1e9 / rate_[c]);
-      }
-      earliest = std::min(earliest, next_[c]);
-    }
-    earliest_[block] = earliest;
-  }
+  ScheduleChange change_at(double passed);
+  void shift(TimeNs passed);
+  void restart();
+  void emit(const SpikeOutput& output);
 
-  // 24 bytes a channel.
-  std::vector<double> rate_;      // Hz
-  std::vector<TimeNs> next_;      // stamp of the next spike; kNever while the rate is 0
-  std::vector<double> rest_;      // rate > 0: its exact time minus next_, ns; rate 0: integral left
-  std::vector<TimeNs> earliest_;  // per block of channels: the smallest next_
+  std::uint32_t channels_;
+  LargeArray<ScheduleBlock> blocks_;  // 16 bytes a channel
+  LargeArray<float> earliest_;        // of each block: a time not later than its first spike
+  TimeNs since_ = 0;                  // the latest change
+  std::vector<std::uint32_t> due_;
+  ScheduleFiring firing_;
+  double next_[ScheduleFiring::kMostBlocks * kScheduleBlock] = {};  // thresholds
+  std::vector<double> rates_;
   std::vector<Spike> emitted_;
 };
 

@@ -27,8 +27,9 @@ TEST(Standalone, EveryNameHasItsHelp) {
     }
   }
   EXPECT_TRUE(run_program("rate_encoder", {"--help"}).says("rate_max"));
-  EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("Defaults in dialect ma: tau_m=0.01"));
-  EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("tau_m=0.01, v_th=15, gain_min=100"));
+  EXPECT_TRUE(run_program("nef_encoder", {"--help"}).says("Defaults in dialect ma: preset=ma.\n"));
+  EXPECT_TRUE(
+      run_program("nef_encoder", {"--help"}).says("neuron_resolution is the older spelling of"));
   EXPECT_TRUE(run_program("linear_readout_decoder", {"--help"}).says("readout_weights.dat"));
   EXPECT_TRUE(run_program("connect_adapter", {"--help"}).says("connection_weights.dat"));
   EXPECT_TRUE(run_program("cont_cont_adapter", {"--help"}).says("weights.json"));

@@ -1,0 +1,265 @@
+#include "nef_parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "encoder_input.hpp"
+#include "spikeloop/core/random.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+// Places of a neuron's random numbers in its stream; the direction's follow.
+enum Draw : std::uint64_t { kPotential, kGain, kBias, kAxis, kDirection };
+
+/// What a preset has instead of the declared defaults, which are those of rma.
+struct PresetDefault {
+  const char* preset;
+  const char* key;
+  double value;
+};
+constexpr PresetDefault kPresetDefaults[] = {
+    {"ma", "tau_m", 0.01},   {"ma", "v_th", 15},      {"ma", "gain_min", 100},
+    {"ma", "gain_max", 100}, {"ma", "bias_min", 275}, {"ma", "bias_max", 475},
+};
+constexpr const char* kOfNengo[] = {"max_rate_low", "max_rate_high", "intercept_low",
+                                    "intercept_high", "radius"};
+constexpr const char* kOfCurrents[] = {"c_m",      "v_th",     "gain_min",
+                                       "gain_max", "bias_min", "bias_max"};
+
+bool is_nengo(const Parameters& given) {
+  return given.text("preset") == "nengo";
+}
+
+double number(const Parameters& given, const char* key) {
+  const auto* const found = std::ranges::find_if(kPresetDefaults, [&](const PresetDefault& entry) {
+    return given.text("preset") == entry.preset && std::string_view(key) == entry.key;
+  });
+  return given.given(key) || found == std::end(kPresetDefaults) ? given.number(key) : found->value;
+}
+
+void check_order(const Parameters& given, const char* low, const char* high) {
+  if (number(given, low) > number(given, high)) {
+    throw ConfigurationError(given.where(given.given(low) ? low : high),
+                             fmt::format("key '{0}': {1} is above {2}, {3}; write {0} at most {2}",
+                                         low, number(given, low), high, number(given, high)));
+  }
+}
+
+void check_keys(const Parameters& given) {
+  const bool nengo = is_nengo(given);
+  const auto refuse = [&](const char* key) {
+    if (given.given(key)) {
+      throw ConfigurationError(
+          given.where(key),
+          nengo ? fmt::format("key '{}' is of the presets rma and ma; write preset=rma, or "
+                              "max_rate_low, max_rate_high, intercept_low and intercept_high",
+                              key)
+                : fmt::format("key '{}' is of the preset nengo; write preset=nengo, or gain_min, "
+                              "gain_max, bias_min and bias_max",
+                              key));
+    }
+  };
+  nengo ? std::ranges::for_each(kOfCurrents, refuse) : std::ranges::for_each(kOfNengo, refuse);
+}
+
+void check_rates(const Parameters& given) {
+  const double highest = given.number("max_rate_high");
+  const double t_ref = given.number("t_ref");
+  if (highest * t_ref >= 1) {
+    throw ConfigurationError(
+        given.where(given.given("max_rate_high") ? "max_rate_high" : "t_ref"),
+        fmt::format("key 'max_rate_high': {} Hz leaves no time between refractory periods of {} s; "
+                    "write less than {:g} Hz",
+                    highest, t_ref, 1 / t_ref));
+  }
+}
+
+/// 0 for interpolated times.
+TimeNs grid_of(const Parameters& given) {
+  if (given.text("spike_times") == "interpolated") {
+    return 0;
+  }
+  const TimeNs grid = from_seconds(given.number("resolution"));
+  const TimeNs refractory = from_seconds(given.number("t_ref"));
+  if (refractory % grid != 0) {
+    throw ConfigurationError(
+        given.where(given.given("t_ref") ? "t_ref" : "resolution"),
+        fmt::format("key 't_ref': {} is no multiple of the resolution, {}; write another one, or "
+                    "spike_times=interpolated",
+                    format_time(refractory), format_time(grid)));
+  }
+  return grid;
+}
+
+// Equally likely in every direction: a vector of normal numbers (Box & Muller 1958), made a unit.
+void draw_direction(const RandomStream& stream, std::uint64_t neuron, std::span<double> direction) {
+  double squares = 0;
+  for (std::size_t k = 0; k < direction.size(); k += 2) {
+    const double radius = std::sqrt(-2 * std::log(stream.uniform(neuron, kDirection + k)));
+    const double angle = 2 * std::numbers::pi * stream.uniform(neuron, kDirection + k + 1);
+    direction[k] = radius * std::cos(angle);
+    squares += direction[k] * direction[k];
+    if (k + 1 < direction.size()) {
+      direction[k + 1] = radius * std::sin(angle);
+      squares += direction[k + 1] * direction[k + 1];
+    }
+  }
+  const double length = std::sqrt(squares);
+  for (double& component : direction) {
+    component /= length;
+  }
+}
+
+void draw_axis(const RandomStream& stream, std::uint64_t neuron, std::span<double> direction) {
+  const auto axis = static_cast<std::size_t>(stream.bits(neuron, kAxis) % direction.size());
+  std::ranges::fill(direction, 0.0);
+  direction[axis] = 1.0;
+}
+
+struct Tuning {
+  double gain;
+  double bias;
+};
+
+/// Draws gain and bias: of Nengo's convention in units of the threshold, else in pA.
+class TuningDraw {
+ public:
+  explicit TuningDraw(const Parameters& given)
+      : nengo_(is_nengo(given)),
+        t_ref_(given.number("t_ref")),
+        tau_m_(number(given, "tau_m")),
+        radius_(given.number("radius")),
+        first_(bounds(given, "max_rate_low", "max_rate_high", "gain_min", "gain_max")),
+        second_(bounds(given, "intercept_low", "intercept_high", "bias_min", "bias_max")) {}
+
+  Tuning draw(const RandomStream& stream, std::uint64_t neuron) const {
+    const double first = first_.at(stream.uniform(neuron, kGain));
+    const double second = second_.at(stream.uniform(neuron, kBias));
+    return nengo_ ? of_nengo(first, second) : Tuning{first, second};
+  }
+
+ private:
+  struct Bounds {
+    double low;
+    double high;
+    double at(double part) const { return low + part * (high - low); }
+  };
+
+  Bounds bounds(const Parameters& given, const char* low, const char* high, const char* older_low,
+                const char* older_high) const {
+    return {number(given, nengo_ ? low : older_low), number(given, nengo_ ? high : older_high)};
+  }
+
+  Tuning of_nengo(double max_rate, double intercept) const {
+    // The drive at which the membrane takes so long from 0 to the threshold.
+    const double drive = -1 / std::expm1((t_ref_ - 1 / max_rate) / tau_m_);
+    const double gain = (drive - 1) / (1 - intercept);
+    return {gain / radius_, 1 - gain * intercept};
+  }
+
+  bool nengo_;
+  double t_ref_;  // s
+  double tau_m_;  // s
+  double radius_;
+  Bounds first_;   // of rates in Hz, or gains
+  Bounds second_;  // of intercepts, or biases
+};
+
+ParameterDescription number(std::string name, std::string unit, std::string value, double minimum,
+                            double maximum, std::string text) {
+  return {.name = std::move(name),
+          .unit = std::move(unit),
+          .default_value = std::move(value),
+          .minimum = minimum,
+          .maximum = maximum,
+          .text = std::move(text)};
+}
+
+}  // namespace
+
+std::vector<ParameterDescription> nef_parameters() {
+  constexpr double kMost = 1e9;
+  std::vector<ParameterDescription> parameters = {
+      {.name = "preset",
+       .type = ParameterType::choice,
+       .default_value = "nengo",
+       .choices = {"nengo", "rma", "ma"},
+       .text = "Whose constants hold: Nengo's, or those of an older program"},
+      number("tau_m", "s", "0.02", 1e-6, 1e3, "Time constant of the membrane (ma: 0.01)"),
+      number("t_ref", "s", "0.002", 0, 1e3, "Refractory period"),
+      number("max_rate_low", "Hz", "200", 1e-3, 1e6,
+             "nengo: rates at the radius are drawn between this"),
+      number("max_rate_high", "Hz", "400", 1e-3, 1e6, "and this"),
+      number("intercept_low", "1", "-1", -1e3, 0.999,
+             "nengo: inputs at which firing begins are drawn between this"),
+      number("intercept_high", "1", "0.9", -1e3, 0.999, "and this"),
+      number("radius", "1", "1", 1e-9, kMost, "nengo: length of the longest input"),
+      number("c_m", "pF", "250", 1e-6, kMost, "rma, ma: capacitance of the membrane"),
+      number("v_th", "mV", "10", 1e-6, kMost,
+             "rma, ma: threshold above the resting and reset potential (ma: 15)"),
+      number("gain_min", "pA", "0", -kMost, kMost,
+             "rma, ma: gains are drawn between this (ma: 100)"),
+      number("gain_max", "pA", "300", -kMost, kMost, "and this (ma: 100)"),
+      number("bias_min", "pA", "0", -kMost, kMost,
+             "rma, ma: constant currents are drawn between this (ma: 275)"),
+      number("bias_max", "pA", "200", -kMost, kMost, "and this (ma: 475)"),
+      {.name = "one_hot",
+       .type = ParameterType::boolean,
+       .default_value = "false",
+       .text = "Each neuron encodes one channel alone"},
+      {.name = "spike_times",
+       .type = ParameterType::choice,
+       .default_value = "grid",
+       .choices = {"grid", "interpolated"},
+       .text = "At the next point of a grid, as neural simulators have them, or exact"},
+      number("resolution", "s", "0.001", 1e-6, 1, "Of the grid"),
+      initial_of_encoder_parameter()};
+  append_encoder_input_policy(parameters);
+  return parameters;
+}
+
+NefModel nef_model(const Parameters& given) {
+  check_keys(given);
+  if (is_nengo(given)) {
+    check_order(given, "max_rate_low", "max_rate_high");
+    check_order(given, "intercept_low", "intercept_high");
+    check_rates(given);
+  } else {
+    check_order(given, "gain_min", "gain_max");
+    check_order(given, "bias_min", "bias_max");
+  }
+  const double tau = number(given, "tau_m");
+  const double threshold = is_nengo(given) ? 1 : number(given, "v_th");
+  return {.tau = tau * 1e9,
+          // s / pF * pA in mV
+          .scale = is_nengo(given) ? 1 : tau / number(given, "c_m") * 1e3,
+          .threshold = threshold,
+          .refractory = static_cast<double>(from_seconds(given.number("t_ref"))),
+          .resolution = static_cast<double>(grid_of(given))};
+}
+
+void draw_nef_neurons(const NodeSetup& setup, std::uint32_t first, std::uint32_t count,
+                      std::uint32_t dimensions, NefPopulation& population) {
+  const Parameters& given = setup.parameters;
+  const double threshold = is_nengo(given) ? 1 : number(given, "v_th");
+  const RandomStream stream(setup.seed, setup.name);
+  const bool one_hot = given.boolean("one_hot");
+  const TuningDraw tunings(given);
+  std::vector<double> direction(dimensions);
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const std::uint64_t neuron = std::uint64_t{first} + n;
+    one_hot ? draw_axis(stream, neuron, direction) : draw_direction(stream, neuron, direction);
+    const Tuning tuning = tunings.draw(stream, neuron);
+    // Below the threshold: uniform() is in (0, 1].
+    const double potential = threshold * (1 - stream.uniform(neuron, kPotential));
+    population.set_neuron(n, tuning.gain, tuning.bias, potential, direction);
+  }
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,248 @@
+#include "schedule_kernels.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "due_blocks.hpp"
+#include "vector_targets.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "schedule_kernels.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "vector_math-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace spikeloop::HWY_NAMESPACE {
+
+using ScheduleLanes = hn::CappedTag<double, kScheduleBlock>;
+using ScheduleVector = hn::Vec<ScheduleLanes>;
+
+HWY_INLINE ScheduleVector set(double value) {
+  return hn::Set(ScheduleLanes(), value);
+}
+
+/// The nearest nanosecond after 0.
+HWY_INLINE ScheduleVector stamp_of(ScheduleVector rate, ScheduleVector state) {
+  const ScheduleVector stamp = hn::Max(hn::Floor(hn::Add(state, set(0.5))), set(1.0));
+  return hn::IfThenElse(hn::Gt(rate, set(0.0)), stamp, set(kScheduleNever));
+}
+
+HWY_INLINE ScheduleVector new_rate(ScheduleVector value, ScheduleVector old,
+                                   const ScheduleChange& change) {
+  const ScheduleLanes d;
+  ScheduleVector rate = fused(d, set(change.slope), value, set(change.offset));
+  const auto is_number = hn::Eq(rate, rate);
+  rate = hn::Min(hn::Max(rate, set(0.0)), set(change.highest));
+  rate = hn::IfThenElse(hn::Lt(rate, set(change.slowest)), set(0.0), rate);
+  return hn::IfThenElse(is_number, rate, old);
+}
+
+/// A block's values; the last block may have fewer than eight.
+HWY_INLINE const double* values_of(const ScheduleChange& change, std::size_t block,
+                                   double* padded) {
+  const std::size_t first = block * kScheduleBlock;
+  if (change.values == nullptr) {
+    std::fill_n(padded, kScheduleBlock, std::nan(""));
+    return padded;
+  }
+  if (first + kScheduleBlock <= change.channels) {
+    return change.values + first;
+  }
+  std::fill_n(padded, kScheduleBlock, std::nan(""));
+  std::copy(change.values + first, change.values + change.channels, padded);
+  return padded;
+}
+
+bool changes_a_rate(const ScheduleChange& change) {
+  const ScheduleLanes d;
+  const std::size_t blocks = (change.channels + kScheduleBlock - 1) / kScheduleBlock;
+  double padded[kScheduleBlock];
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double* const values = values_of(change, b, padded);
+    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
+      const ScheduleVector old = hn::Load(d, change.blocks[b].rate + lane);
+      const ScheduleVector rate = new_rate(hn::LoadU(d, values + lane), old, change);
+      if (!hn::AllTrue(d, hn::Eq(rate, old))) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void change_rates(const ScheduleChange& change) {
+  const ScheduleLanes d;
+  const std::size_t blocks = (change.channels + kScheduleBlock - 1) / kScheduleBlock;
+  double padded[kScheduleBlock];
+  for (std::size_t b = 0; b < blocks; ++b) {
+    ScheduleBlock& block = change.blocks[b];
+    const double* const values = values_of(change, b, padded);
+    ScheduleVector least = set(kScheduleNever);
+    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
+      const ScheduleVector old = hn::Load(d, block.rate + lane);
+      const ScheduleVector state = hn::Load(d, block.state + lane);
+      const ScheduleVector rate = new_rate(hn::LoadU(d, values + lane), old, change);
+      const auto ran = hn::Gt(old, set(0.0));
+      const auto runs = hn::Gt(rate, set(0.0));
+      const ScheduleVector wait = hn::Max(hn::Sub(state, set(change.passed)), set(0.0));
+      const ScheduleVector left = hn::IfThenElse(ran, hn::Mul(wait, old), state);
+      ScheduleVector next = hn::IfThenElse(runs, hn::Div(left, rate), left);
+      // An equal rate must not be rounded again and again.
+      next = hn::IfThenElse(hn::And(ran, hn::Eq(rate, old)), wait, next);
+      hn::Store(rate, d, block.rate + lane);
+      hn::Store(next, d, block.state + lane);
+      least = hn::Min(least, stamp_of(rate, next));
+    }
+    change.earliest[b] = not_later_than(hn::GetLane(hn::MinOfLanes(d, least)));
+  }
+}
+
+bool all_within(std::span<const double> values, double limit) {
+  const ScheduleLanes d;
+  const std::size_t whole = values.size() - values.size() % kScheduleBlock;
+  for (std::size_t i = 0; i < whole; i += hn::Lanes(d)) {
+    // False for NaN.
+    if (!hn::AllTrue(d, hn::Le(hn::Abs(hn::LoadU(d, values.data() + i)), set(limit)))) {
+      return false;
+    }
+  }
+  return std::ranges::all_of(values.subspan(whole),
+                             [&](double value) { return std::fabs(value) <= limit; });
+}
+
+void negative_logarithms(std::span<double> values) {
+  const ScheduleLanes d;
+  const std::size_t whole = values.size() - values.size() % hn::Lanes(d);
+  for (std::size_t i = 0; i < whole; i += hn::Lanes(d)) {
+    hn::StoreU(hn::Neg(logarithm(d, hn::LoadU(d, values.data() + i))), d, values.data() + i);
+  }
+  const hn::CappedTag<double, 1> one;
+  for (std::size_t i = whole; i < values.size(); ++i) {
+    const auto logs = logarithm(one, hn::Set(one, values[i]));
+    values[i] = -hn::GetLane(logs);
+  }
+}
+
+void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
+                 ScheduleFiring& firing) {
+  constexpr std::size_t kAhead = 32;
+  const ScheduleLanes d;
+  firing.count = 0;
+  for (std::size_t i = 0; i < due.size(); ++i) {
+    const ScheduleBlock& later = blocks[due[std::min(i + kAhead, due.size() - 1)]];
+    hwy::Prefetch(later.rate);
+    hwy::Prefetch(later.state);
+    const ScheduleBlock& block = blocks[due[i]];
+    alignas(64) double stamps[kScheduleBlock];
+    unsigned fires = 0;
+    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
+      const ScheduleVector stamp =
+          stamp_of(hn::Load(d, block.rate + lane), hn::Load(d, block.state + lane));
+      hn::Store(stamp, d, stamps + lane);
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, hn::Le(stamp, set(limit)), bits);
+      fires |= static_cast<unsigned>(bits[0]) << lane;
+    }
+    for (; fires != 0; fires &= fires - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(fires));
+      firing.channels[firing.count] = due[i] * static_cast<std::uint32_t>(kScheduleBlock) + lane;
+      firing.stamps[firing.count] = stamps[lane];
+      ++firing.count;
+    }
+  }
+}
+
+std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, double limit,
+                     float* earliest) {
+  const ScheduleLanes d;
+  std::size_t kept = 0;
+  for (const std::uint32_t index : due) {
+    const ScheduleBlock& block = blocks[index];
+    ScheduleVector least = set(kScheduleNever);
+    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
+      least =
+          hn::Min(least, stamp_of(hn::Load(d, block.rate + lane), hn::Load(d, block.state + lane)));
+    }
+    const double first = hn::GetLane(hn::MinOfLanes(d, least));
+    earliest[index] = not_later_than(first);
+    due[kept] = index;
+    kept += first <= limit ? 1 : 0;
+  }
+  return kept;
+}
+
+std::size_t find_due(const float* earliest, std::size_t count, double limit, std::uint32_t* due) {
+  const hn::ScalableTag<float> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const std::size_t whole = count - count % lanes;
+  const float most = std::nextafter(static_cast<float>(limit), std::numeric_limits<float>::max());
+  std::size_t found = 0;
+  const auto look = [&](std::size_t b) {
+    due[found] = static_cast<std::uint32_t>(b);  // no branch: it would be mispredicted
+    found += earliest[b] <= most ? 1 : 0;
+  };
+  for (std::size_t first = 0; first < whole; first += lanes) {
+    if (hn::AllFalse(d, hn::Le(hn::LoadU(d, earliest + first), hn::Set(d, most)))) {
+      continue;
+    }
+    for (std::size_t b = first; b < first + lanes; ++b) {
+      look(b);
+    }
+  }
+  for (std::size_t b = whole; b < count; ++b) {
+    look(b);
+  }
+  return found;
+}
+
+}  // namespace spikeloop::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace spikeloop {
+
+HWY_EXPORT(changes_a_rate);
+HWY_EXPORT(change_rates);
+HWY_EXPORT(all_within);
+HWY_EXPORT(negative_logarithms);
+HWY_EXPORT(collect_due);
+HWY_EXPORT(keep_due);
+HWY_EXPORT(find_due);
+
+bool changes_a_rate(const ScheduleChange& change) {
+  return HWY_DYNAMIC_DISPATCH(changes_a_rate)(change);
+}
+
+void change_rates(const ScheduleChange& change) {
+  HWY_DYNAMIC_DISPATCH(change_rates)(change);
+}
+
+bool all_within(std::span<const double> values, double limit) {
+  return HWY_DYNAMIC_DISPATCH(all_within)(values, limit);
+}
+
+void negative_logarithms(std::span<double> values) {
+  HWY_DYNAMIC_DISPATCH(negative_logarithms)(values);
+}
+
+void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
+                 ScheduleFiring& firing) {
+  HWY_DYNAMIC_DISPATCH(collect_due)(blocks, due, limit, firing);
+}
+
+std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, double limit,
+                     float* earliest) {
+  return HWY_DYNAMIC_DISPATCH(keep_due)(blocks, due, limit, earliest);
+}
+
+std::size_t find_due(const float* earliest, std::size_t count, double limit, std::uint32_t* due) {
+  return HWY_DYNAMIC_DISPATCH(find_due)(earliest, count, limit, due);
+}
+
+}  // namespace spikeloop
+
+#endif

@@ -1,0 +1,60 @@
+// The inner loops of a spike schedule, for every instruction set with the same results to the bit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+namespace spikeloop {
+
+inline constexpr std::size_t kScheduleBlock = 8;  ///< channels that are computed together
+inline constexpr double kScheduleNever = std::numeric_limits<double>::infinity();
+
+/// Eight channels. Times count from the latest change of a rate, in ns.
+struct alignas(64) ScheduleBlock {
+  double rate[kScheduleBlock];  ///< Hz
+  /// rate > 0: when the integral of the rate reaches the threshold; rate 0: what is left of the
+  /// integral till then, in 1e-9 spikes.
+  double state[kScheduleBlock];
+};
+
+/// Which rates the channels have from now on.
+struct ScheduleChange {
+  ScheduleBlock* blocks;
+  float* earliest;  ///< of each block: a time not later than its first spike
+  std::size_t channels;
+  double passed;  ///< since the change before
+  /// A channel's rate is  offset + slope * values[c], cut to [0, highest], and 0 below `slowest`;
+  /// where that is NaN, it stays. Null: all stay.
+  const double* values = nullptr;
+  double offset = 0;
+  double slope = 1;
+  double slowest;
+  double highest;
+};
+/// Whether any rate would change.
+bool changes_a_rate(const ScheduleChange& change);
+void change_rates(const ScheduleChange& change);
+
+/// Whether |value| is at most `limit` for all.
+bool all_within(std::span<const double> values, double limit);
+
+/// -ln x, to 2 units in the last place, for normal x > 0.
+void negative_logarithms(std::span<double> values);
+
+/// The spikes of some blocks up to `limit`, at most one a channel.
+struct ScheduleFiring {
+  static constexpr std::size_t kMostBlocks = 512;  ///< they stay in the second cache meanwhile
+
+  std::size_t count = 0;
+  std::uint32_t channels[kMostBlocks * kScheduleBlock] = {};
+  double stamps[kMostBlocks * kScheduleBlock] = {};
+};
+void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
+                 ScheduleFiring& firing);
+/// Renews `earliest` of the listed blocks. Returns how many have more spikes, which are put first.
+std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, double limit,
+                     float* earliest);
+
+}  // namespace spikeloop
