@@ -9,6 +9,7 @@
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/nodes/register.hpp"
+#include "spikeloop/process/node_program.hpp"
 
 namespace spikeloop {
 namespace {
@@ -75,6 +76,9 @@ music::ProgramText text_of(const NodeProgram& program) {
   text.summary = description.text;
   text.ports = port_lines(description);
   text.parameters = description.parameters;
+  if (description.shareable) {
+    text.parameters.push_back(music::sharing_parameters().front());
+  }
   set_dialect_defaults(text.parameters, program.name, Dialect::rma);
   text.example = example_of(program);
   if (program.table != nullptr) {
@@ -100,6 +104,7 @@ music::ProgramText text_of(const NodeProgram& program) {
   }
   text.notes += dialect_note(program.name);
   text.defaults.accept_one_tick = program.accept_one_tick;
+  text.defaults.many_processes = true;
   return text;
 }
 
@@ -193,6 +198,7 @@ music::ProgramText node_program_text(const std::string& name) {
       "  [encoder]\n  binary=spikeloop-node\n  np=1\n  node=rate_encoder\n  rate_max=200\n"
       "  SENDER.out -> encoder.in [100]\n  encoder.out -> RECEIVER.in [100]\n";
   text.notes = "The class's own parameters are keys of the section as well.\n";
+  text.defaults.many_processes = true;
   text.options["--list"] = {"the node classes", class_list};
   return text;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "graph_plan.hpp"
+#include "thread_team.hpp"
 
 namespace spikeloop {
 
@@ -122,13 +123,13 @@ void Graph::Impl::make_elements(const GraphDescription& description, const Graph
     elements[index++].source = entry.source;
   }
   for (const auto& entry : description.nodes) {
-    NodeSetup setup{entry.name, description.seed, entry.parameters, {}};
+    NodeSetup setup{entry.name, description.seed, entry.parameters, {}, entry.share};
     for (const PlannedPort& port : plan.elements[index].ports) {
       setup.widths.push_back(port.width);
     }
     elements[index].name = entry.name;
     try {
-      elements[index++].node = entry.node_class->create(setup);
+      elements[index++].node = make_node(*entry.node_class, setup, entry.threads);
     } catch (const ConfigurationError& error) {
       if (error.located()) {
         throw;  // a line is nearer than a name

@@ -19,8 +19,9 @@ RandomStream::RandomStream(std::uint64_t seed, std::string_view node_name, std::
 
 namespace {
 
-[[gnu::always_inline]] inline std::uint64_t word(const r123::Philox4x64::key_type& key, std::uint64_t purpose,
-                          std::uint64_t channel, std::uint64_t draw) {
+[[gnu::always_inline]] inline std::uint64_t word(const r123::Philox4x64::key_type& key,
+                                                 std::uint64_t purpose, std::uint64_t channel,
+                                                 std::uint64_t draw) {
   const r123::Philox4x64::ctr_type counter = {{draw / 4, channel, purpose, 0}};
   return r123::Philox4x64()(counter, key)[draw % 4];
 }
@@ -39,12 +40,12 @@ double RandomStream::uniform(std::uint64_t channel, std::uint64_t draw) const {
   return to_uniform(bits(channel, draw));
 }
 
-void RandomStream::uniform(std::span<const std::uint32_t> channels,
+void RandomStream::uniform(std::uint64_t first, std::span<const std::uint32_t> channels,
                            std::span<const std::uint64_t> draws, std::span<double> numbers) const {
   const r123::Philox4x64::key_type key = {{seed_, hash_}};
   // Inlined here, the processor works on several numbers at once.
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i] = to_uniform(word(key, purpose_, channels[i], draws[i]));
+    numbers[i] = to_uniform(word(key, purpose_, first + channels[i], draws[i]));
   }
 }
 

@@ -75,7 +75,8 @@ void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   const TimeNs now = step.interval().begin;
   if (input.valid()) {
     if (input.revision != revision_) {
-      schedule.set_rates(now, treated(input.values), middle_, half_range_);
+      const auto own = input.values.subspan(schedule.first(), schedule.channels());
+      schedule.set_rates(now, treated(own, schedule.first()), middle_, half_range_);
     }
   } else if (!begun_ && initial_) {
     schedule.set_rates(now, [&](std::size_t) { return middle_ + half_range_ * *initial_; });
@@ -86,13 +87,13 @@ void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   revision_ = input.revision;
 }
 
-std::span<const double> EncoderInput::treated(std::span<const double> values) {
+std::span<const double> EncoderInput::treated(std::span<const double> values, std::size_t first) {
   if (all_within(values, 1.0)) {
     return values;  // as good values are, nothing is copied
   }
   treated_.resize(values.size());
   for (std::size_t c = 0; c < values.size(); ++c) {
-    const double x = policy_.treat(values[c], c);
+    const double x = policy_.treat(values[c], first + c);
     const double rate = middle_ + half_range_ * x;
     if (std::fabs(x) > 1.0 && (rate < 0.0 || rate > SpikeSchedule::kFastest)) {
       ++rates_limited_;

@@ -37,8 +37,8 @@ class EncoderInput {
   void append_counters(std::vector<Counter>& counters) const;
 
  private:
-  /// The values after the policy.
-  std::span<const double> treated(std::span<const double> values);
+  /// The values after the policy; the first is channel `first`'s.
+  std::span<const double> treated(std::span<const double> values, std::size_t first);
 
   InputPolicy policy_;
   double middle_;      // Hz, the rate at 0

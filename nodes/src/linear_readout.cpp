@@ -16,7 +16,9 @@ namespace {
 // The weights by input channel, because spikes come by channel.
 class Fan {
  public:
-  explicit Fan(const WeightTable& table) : kind_(table.kind), rows_(table.rows) {
+  // For the rows from `first` to `last`.
+  Fan(const WeightTable& table, std::uint32_t first, std::uint32_t last)
+      : kind_(table.kind), first_(first), rows_(last - first) {
     if (kind_ == WeightTable::Kind::dense) {
       transpose_dense(table);
     } else if (kind_ == WeightTable::Kind::sparse) {
@@ -45,33 +47,38 @@ class Fan {
       case WeightTable::Kind::uniform:
         return sum.add(0, values_[0] * factor);
       case WeightTable::Kind::one_to_one:
-        return sum.add(channel, values_[0] * factor);
+        if (channel - first_ < rows_) {
+          sum.add(channel - first_, values_[0] * factor);
+        }
+        return;
     }
   }
 
  private:
   void transpose_dense(const WeightTable& table) {
-    values_.resize(table.values.size());
-    for (std::size_t i = 0; i < table.rows; ++i) {
+    values_.resize(std::size_t{rows_} * table.columns);
+    for (std::size_t i = 0; i < rows_; ++i) {
       for (std::size_t j = 0; j < table.columns; ++j) {
-        values_[j * table.rows + i] = table.values[i * table.columns + j];
+        values_[j * rows_ + i] = table.values[(first_ + i) * table.columns + j];
       }
     }
   }
 
   void transpose_sparse(const WeightTable& table) {
+    const std::uint64_t begin = table.row_start[first_];
+    const std::uint64_t end = table.row_start[first_ + rows_];
     start_.assign(std::size_t{table.columns} + 1, 0);
-    for (const std::uint32_t column : table.column) {
-      ++start_[column + 1];
+    for (std::uint64_t k = begin; k < end; ++k) {
+      ++start_[table.column[k] + 1];
     }
     for (std::size_t j = 0; j < table.columns; ++j) {
       start_[j + 1] += start_[j];
     }
-    row_.resize(table.column.size());
-    values_.resize(table.column.size());
+    row_.resize(end - begin);
+    values_.resize(end - begin);
     std::vector<std::uint64_t> next = start_;
-    for (std::uint32_t i = 0; i < table.rows; ++i) {
-      for (std::size_t k = table.row_start[i]; k < table.row_start[i + 1]; ++k) {
+    for (std::uint32_t i = 0; i < rows_; ++i) {
+      for (std::size_t k = table.row_start[first_ + i]; k < table.row_start[first_ + i + 1]; ++k) {
         const std::uint64_t place = next[table.column[k]]++;
         row_[place] = i;
         values_[place] = table.values[k];
@@ -80,6 +87,7 @@ class Fan {
   }
 
   WeightTable::Kind kind_;
+  std::uint32_t first_;
   std::uint32_t rows_;
   std::vector<double> values_;
   std::vector<std::uint64_t> start_;
@@ -90,7 +98,10 @@ class LinearReadout final : public Node {
  public:
   explicit LinearReadout(const NodeSetup& setup)
       : tau_(setup.parameters.number("tau")),
-        fan_(port_weights(setup, setup.widths[1], setup.widths[0])),
+        share_(setup.share),
+        first_(share_.begin(setup.widths[1])),
+        fan_(port_weights(setup, setup.widths[1], setup.widths[0]), first_,
+             share_.end(setup.widths[1])),
         sum_(fan_.sums(), tau_) {}
 
   void step(const Step& step) override {
@@ -99,7 +110,9 @@ class LinearReadout final : public Node {
   }
 
   std::vector<Counter> counters() const override {
-    return {{"spikes", spikes_}, {"late_spikes", late_}};
+    // All shares see all spikes.
+    return {{"spikes", share_.index == 0 ? spikes_ : 0},
+            {"late_spikes", share_.index == 0 ? late_ : 0}};
   }
 
  private:
@@ -132,10 +145,12 @@ class LinearReadout final : public Node {
   // A new revision only when a value differs from the one before, and at the first step.
   void write(const SignalOutput& output, TimeNs end) {
     const double decay = sum_.decay(end);
-    const std::span<double> values = output.values();
+    const std::span<double> all = output.values();
+    const std::span<double> values =
+        all.subspan(first_, share_.count(static_cast<std::uint32_t>(all.size())));
     bool changed = !begun_;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double value = sum_.value(sum_.outputs() == 1 ? 0 : i, decay) / tau_;
+      const double value = sum_.value(fan_.sums() == 1 ? 0 : i, decay) / tau_;
       if (!begun_ || value != values[i]) {
         values[i] = value;
         changed = true;
@@ -148,6 +163,8 @@ class LinearReadout final : public Node {
   }
 
   double tau_;  // s
+  Share share_;
+  std::uint32_t first_;
   Fan fan_;
   KernelSum sum_;
   bool begun_ = false;
@@ -172,6 +189,7 @@ NodeClass linear_readout_class() {
                              .maximum = 1e6,
                              .text = "Time constant of the exponential kernel"},
                             weights_parameter()};
+  description.shareable = true;
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<LinearReadout>(setup); }};
 }

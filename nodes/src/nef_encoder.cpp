@@ -19,14 +19,16 @@ class NefEncoder final : public Node {
   explicit NefEncoder(const NodeSetup& setup)
       : policy_(setup),
         initial_(initial_of_encoder(setup.parameters, policy_.passes())),
-        population_(nef_model(setup.parameters), setup.widths[1], setup.widths[0]),
+        share_(setup.share),
+        first_(share_.begin(setup.widths[1])),
+        population_(nef_model(setup.parameters), share_.count(setup.widths[1]), setup.widths[0]),
         x_(setup.widths[0], 0.0) {
-    draw_nef_neurons(setup, 0, setup.widths[1], setup.widths[0], population_);
+    draw_nef_neurons(setup, first_, share_.count(setup.widths[1]), setup.widths[0], population_);
   }
 
   void step(const Step& step) override {
     update(step);
-    population_.advance(step.interval().end, 0, emitted_);
+    population_.advance(step.interval().end, first_, emitted_);
     step.spike_output().emit(emitted_);
     spikes_ += emitted_.size();
     emitted_.clear();
@@ -35,6 +37,9 @@ class NefEncoder final : public Node {
   std::vector<Counter> counters() const override {
     std::vector<Counter> counters = {{"spikes", spikes_}};
     policy_.append_counters(counters);
+    if (share_.index != 0) {  // all shares see all inputs
+      std::for_each(counters.begin() + 1, counters.end(), [](Counter& one) { one.value = 0; });
+    }
     return counters;
   }
 
@@ -76,6 +81,8 @@ class NefEncoder final : public Node {
 
   InputPolicy policy_;
   std::optional<double> initial_;
+  Share share_;
+  std::uint32_t first_;
   NefPopulation population_;
   std::vector<double> x_;  // each channel's last good value
   bool begun_ = false;
@@ -96,6 +103,7 @@ NodeClass nef_encoder_class() {
       {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one a dimension"},
       {"out", PortKind::spikes, Direction::output, {}, "One neuron a channel"}};
   description.parameters = nef_parameters();
+  description.shareable = true;
   return {description, [](const NodeSetup& setup) { return std::make_unique<NefEncoder>(setup); }};
 }
 

@@ -14,9 +14,9 @@ class PoissonEncoder final : public Node {
  public:
   explicit PoissonEncoder(const NodeSetup& setup)
       : input_(setup),
-        schedule_(setup.widths[0]),
+        schedule_(setup.share, setup.widths[0]),
         stream_(setup.seed, setup.name),
-        draws_(setup.widths[0], 0) {
+        draws_(schedule_.channels(), 0) {
     for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
       double threshold = 0;
       draw({&c, 1}, {&threshold, 1});
@@ -41,13 +41,14 @@ class PoissonEncoder final : public Node {
   }
 
  private:
-  /// Each channel's next exponentially distributed number, of mean 1.
+  /// Each channel's next exponentially distributed number, of mean 1. Channels count from the
+  /// share's first one.
   void draw(std::span<const std::uint32_t> channels, std::span<double> next) {
     indices_.resize(channels.size());
     for (std::size_t i = 0; i < channels.size(); ++i) {
       indices_[i] = draws_[channels[i]]++;
     }
-    stream_.uniform(channels, indices_, next);
+    stream_.uniform(schedule_.first(), channels, indices_, next);
     negative_logarithms(next);
   }
 
@@ -68,6 +69,7 @@ NodeClass poisson_encoder_class() {
   description.source = "Weidel et al. 2016, eq. 2";
   description.ports = encoder_ports();
   description.parameters = encoder_parameters();
+  description.shareable = true;
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<PoissonEncoder>(setup); }};
 }

@@ -11,11 +11,12 @@ namespace {
 
 class RateEncoder final : public Node {
  public:
-  explicit RateEncoder(const NodeSetup& setup) : input_(setup), schedule_(setup.widths[0]) {
+  explicit RateEncoder(const NodeSetup& setup)
+      : input_(setup), schedule_(setup.share, setup.widths[0]) {
     if (setup.parameters.text("initial_phase") == "random") {
       const RandomStream stream(setup.seed, setup.name);
       for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
-        schedule_.set_first_threshold(c, stream.uniform(c, 0));
+        schedule_.set_first_threshold(c, stream.uniform(schedule_.first() + c, 0));
       }
     }
   }
@@ -49,6 +50,7 @@ NodeClass rate_encoder_class() {
   description.source = "Weidel et al. 2016, eq. 1";
   description.ports = encoder_ports();
   description.parameters = encoder_parameters();
+  description.shareable = true;
   description.parameters.push_back(
       {.name = "initial_phase",
        .type = ParameterType::choice,

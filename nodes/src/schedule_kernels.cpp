@@ -30,6 +30,14 @@ HWY_INLINE ScheduleVector stamp_of(ScheduleVector rate, ScheduleVector state) {
   return hn::IfThenElse(hn::Gt(rate, set(0.0)), stamp, set(kScheduleNever));
 }
 
+/// schedule_rounding() and round_by().
+HWY_INLINE ScheduleVector rounded(ScheduleVector wait) {
+  const ScheduleVector far =
+      hn::IfThenElse(hn::Lt(wait, set(0x1p41)), set(0x1.8p42), set(0x1.8p52));
+  const ScheduleVector magic = hn::IfThenElse(hn::Lt(wait, set(0x1p31)), set(0x1.8p32), far);
+  return hn::Sub(hn::Add(wait, magic), magic);
+}
+
 HWY_INLINE ScheduleVector new_rate(ScheduleVector value, ScheduleVector old,
                                    const ScheduleChange& change) {
   const ScheduleLanes d;
@@ -89,8 +97,7 @@ void change_rates(const ScheduleChange& change) {
       const auto runs = hn::Gt(rate, set(0.0));
       const ScheduleVector wait = hn::Max(hn::Sub(state, set(change.passed)), set(0.0));
       const ScheduleVector left = hn::IfThenElse(ran, hn::Mul(wait, old), state);
-      ScheduleVector next = hn::IfThenElse(runs, hn::Div(left, rate), left);
-      // An equal rate must not be rounded again and again.
+      ScheduleVector next = hn::IfThenElse(runs, rounded(hn::Div(left, rate)), left);
       next = hn::IfThenElse(hn::And(ran, hn::Eq(rate, old)), wait, next);
       hn::Store(rate, d, block.rate + lane);
       hn::Store(next, d, block.state + lane);

@@ -19,6 +19,16 @@ struct alignas(64) ScheduleBlock {
   double state[kScheduleBlock];
 };
 
+/// Times are rounded to 1e-6 ns (the far future coarser), so that counting them from another zero
+/// changes no bit: then spikes do not depend on how often an input is said to be new, nor on how
+/// the channels are shared out. x + m - m rounds x; this is the m for a time `wait` after another.
+inline double schedule_rounding(double wait) {
+  return wait < 0x1p31 ? 0x1.8p32 : wait < 0x1p41 ? 0x1.8p42 : 0x1.8p52;
+}
+inline double round_by(double time, double magic) {
+  return (time + magic) - magic;
+}
+
 /// Which rates the channels have from now on.
 struct ScheduleChange {
   ScheduleBlock* blocks;

@@ -2,9 +2,10 @@
 
 namespace spikeloop {
 
-SpikeSchedule::SpikeSchedule(std::uint32_t channels)
-    : channels_(channels),
-      blocks_((std::size_t{channels} + kScheduleBlock - 1) / kScheduleBlock),
+SpikeSchedule::SpikeSchedule(const Share& share, std::uint32_t channels)
+    : first_(share.begin(channels)),
+      channels_(share.count(channels)),
+      blocks_((std::size_t{channels_} + kScheduleBlock - 1) / kScheduleBlock),
       earliest_(blocks_.size(), static_cast<float>(kScheduleNever)),
       due_(blocks_.size()) {
   for (ScheduleBlock& block : blocks_) {
@@ -48,7 +49,10 @@ void SpikeSchedule::restart() {
     const std::uint32_t channel = firing_.channels[i];
     const double rate = blocks_[channel / kScheduleBlock].rate[channel % kScheduleBlock];
     double& state = state_of(channel);
-    state = std::max(state + next_[i] * kSpike / rate, firing_.stamps[i] + 0.5);
+    const double wait = next_[i] * kSpike / rate;
+    const double magic = schedule_rounding(wait);
+    const double next = round_by(state, magic) + round_by(wait, magic);
+    state = std::max(next, firing_.stamps[i] + 0.5);
   }
 }
 
@@ -56,7 +60,7 @@ void SpikeSchedule::emit(const SpikeOutput& output) {
   emitted_.resize(firing_.count);
   for (std::size_t i = 0; i < firing_.count; ++i) {
     emitted_[i] = make_spike(since_ + static_cast<TimeNs>(firing_.stamps[i]),
-                             static_cast<std::int32_t>(firing_.channels[i]));
+                             static_cast<std::int32_t>(first_ + firing_.channels[i]));
   }
   output.emit(emitted_);
 }

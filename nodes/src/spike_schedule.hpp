@@ -14,6 +14,7 @@
 #include "due_blocks.hpp"
 #include "large_array.hpp"
 #include "schedule_kernels.hpp"
+#include "spikeloop/core/node.hpp"
 #include "spikeloop/core/signal.hpp"
 #include "spikeloop/core/time.hpp"
 
@@ -27,7 +28,9 @@ class SpikeSchedule {
   static constexpr double kSlowest = 1e-8;  // Hz
 
   /// Every channel has rate 0 and a threshold of 1 before it.
-  explicit SpikeSchedule(std::uint32_t channels);
+  explicit SpikeSchedule(std::uint32_t channels) : SpikeSchedule({}, channels) {}
+  /// Of a share of them: channel c of the schedule is channel first() + c of the output.
+  SpikeSchedule(const Share& share, std::uint32_t channels);
 
   /// What the integral of the rate must reach before the first spike; only while the rate is 0.
   void set_first_threshold(std::uint32_t channel, double threshold) {
@@ -61,6 +64,7 @@ class SpikeSchedule {
   }
 
   std::uint32_t channels() const { return channels_; }
+  std::uint32_t first() const { return first_; }
 
  private:
   static constexpr double kSpike = 1e9;  // an integral of 1, in Hz ns
@@ -95,6 +99,7 @@ class SpikeSchedule {
   void restart();
   void emit(const SpikeOutput& output);
 
+  std::uint32_t first_;
   std::uint32_t channels_;
   LargeArray<ScheduleBlock> blocks_;  // 16 bytes a channel
   LargeArray<float> earliest_;        // of each block: a time not later than its first spike

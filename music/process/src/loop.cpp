@@ -67,6 +67,16 @@ json final_counters(const Graph& graph, const Pacer::Report& pace, bool pacing) 
   return counters;
 }
 
+/// What the first process of the section says; so all leave the loop at the same tick.
+bool first_says(const Ranks& ranks, bool here) {
+  if (ranks.count == 1) {
+    return here;
+  }
+  int word = here ? 1 : 0;
+  MPI_Bcast(&word, 1, MPI_INT, 0, ranks.communicator);
+  return word != 0;
+}
+
 std::unique_ptr<Pacer> make_pacer(const CommonKeys& keys) {
   return keys.pace && !keys.unpaced ? make_realtime_pacer(keys.rtf, keys.music_timestep)
                                     : make_unpaced_pacer();
@@ -84,7 +94,7 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
     return 0;
   }
   impl_->open_setup();
-  const auto pacer = make_pacer(keys);
+  const auto pacer = impl_->ranks.rank == 0 ? make_pacer(keys) : make_unpaced_pacer();
   Heartbeat& heartbeat = *impl_->heartbeat;
   heartbeat.enter(Phase::meeting);
   if (keys.barrier && impl_->launched) {
@@ -99,7 +109,11 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   auto* const runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
   pacer->start();
   Progress progress(*impl_->status, *pacer, keys.pace);
-  for (TimeNs time = 0; !stop_requested() && (!keys.stoptime || time < *keys.stoptime);) {
+  const auto goes_on = [&](TimeNs time) {
+    return !stop_requested() && (!keys.stoptime || time < *keys.stoptime);
+  };
+  impl_->running = true;
+  for (TimeNs time = 0; first_says(impl_->ranks, goes_on(time));) {
     heartbeat.enter(Phase::waiting);
     pacer->wait_until(time);
     heartbeat.enter(Phase::computing);

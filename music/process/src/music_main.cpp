@@ -128,7 +128,13 @@ int fail(const std::string& label, int exit_code, const std::string& message) {
 int run_body(int argc, char** argv, const ProgramText& text,
              const std::function<int(Process&)>& body) {
   Process process(argc, argv, text.defaults);
-  const int exit_code = body(process);
+  int exit_code = 0;
+  try {
+    exit_code = body(process);
+  } catch (...) {
+    process.let_the_first_speak();
+    throw;
+  }
   int finalized = 0;
   MPI_Finalized(&finalized);
   if (finalized == 0) {

@@ -30,8 +30,9 @@ class NodeProgram {
   }
 
   GraphDescription describe(const NodeClass& node_class, const Parameters& parameters) {
-    description_.nodes.push_back(
-        {process_.label(), &node_class, parameters, last_connection(process_, ports_)});
+    description_.nodes.push_back({process_.label(), &node_class, parameters,
+                                  last_connection(process_, ports_), process_.share(),
+                                  threads(node_class)});
     std::vector<std::string> names;
     names.reserve(ports_.size());
     for (const auto& port : ports_) {
@@ -45,6 +46,19 @@ class NodeProgram {
   }
 
  private:
+  unsigned threads(const NodeClass& node_class) const {
+    const Parameters keys = process_.read(sharing_parameters());
+    const auto count = static_cast<unsigned>(keys.integer("threads"));
+    if (!node_class.description.shareable && (count > 1 || process_.share().parts > 1)) {
+      throw ConfigurationError(
+          process_.where_key(count > 1 ? "threads" : "np"),
+          fmt::format("np={} and threads={}, but a node of the class {} cannot be shared out; "
+                      "write np=1, and leave out threads",
+                      process_.share().parts, count, node_class.description.name));
+    }
+    return count;
+  }
+
   // Endpoints are named as their port, unless the node itself is named so.
   std::string endpoint_name(const PortDescription& port) const {
     return port.name == process_.label() ? "port " + port.name : port.name;
@@ -75,7 +89,19 @@ class NodeProgram {
     sinks_.push_back(spikes ? process_.spike_output(port.name) : process_.signal_output(port.name));
     description_.sinks.push_back({endpoint_name(port), sinks_.back().get()});
     description_.connections.push_back(
-        {node_end(port), endpoint_name(port) + "." + port.name, 0, 0, process_.where(port.name)});
+        {gathered(port), endpoint_name(port) + "." + port.name, 0, 0, process_.where(port.name)});
+  }
+
+  // Where all channels of an output are: the node itself when it has no share only.
+  std::string gathered(const PortDescription& port) {
+    if (process_.share().parts == 1 || process_.checking()) {
+      return node_end(port);
+    }
+    const std::string name = "gathering of " + port.name;
+    gatherings_.push_back(std::make_unique<NodeClass>(process_.gathering(port.kind)));
+    description_.nodes.push_back({name, gatherings_.back().get(), {}, {}});
+    description_.connections.push_back({node_end(port), name + ".in", 0, 0, {}});
+    return name + ".out";
   }
 
   std::uint32_t silent_width(const PortDescription& port) const {
@@ -94,12 +120,22 @@ class NodeProgram {
 
   Process& process_;
   const std::vector<PortDescription>& ports_;
+  std::vector<std::unique_ptr<NodeClass>> gatherings_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   GraphDescription description_;
 };
 
 }  // namespace
+
+std::vector<ParameterDescription> sharing_parameters() {
+  return {{.name = "threads",
+           .type = ParameterType::integer,
+           .default_value = "1",
+           .minimum = 1,
+           .maximum = 1024,
+           .text = "Of each process, that share the output's channels"}};
+}
 
 int run_node(Process& process, const NodeClass& node_class, const Parameters& parameters,
              const Process::LoopHooks& hooks) {

@@ -1,5 +1,6 @@
 // MUSIC ports as sources and sinks. Every connection gets maxBuffered 1 on our side: MUSIC's
 // default would batch up to a whole run.
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -15,9 +16,10 @@ constexpr int kMaxBuffered = 1;
 // A block of doubles that MUSIC reads or writes at its ticks; NaN until somebody writes.
 class ContBuffer {
  public:
-  explicit ContBuffer(std::uint32_t width)
+  /// Of the port's channels from `first` on.
+  explicit ContBuffer(std::uint32_t width, std::uint32_t first = 0)
       : values(width, std::numeric_limits<double>::quiet_NaN()),
-        data(values.data(), MPI_DOUBLE, 0, static_cast<int>(width)) {}
+        data(values.data(), MPI_DOUBLE, static_cast<int>(first), static_cast<int>(width)) {}
 
   std::vector<double> values;
   MUSIC::ArrayData data;
@@ -83,7 +85,10 @@ class SpikeSource : public Source, private MUSIC::EventHandlerGlobalIndex {
 
 class SignalSink : public Sink {
  public:
-  SignalSink(MUSIC::Setup& setup, const EndpointPort& port) : port_(port), buffer_(port.width) {
+  SignalSink(MUSIC::Setup& setup, const EndpointPort& port, const Ranks& ranks)
+      : port_(port),
+        first_(ranks.share().begin(port.width)),
+        buffer_(ranks.share().count(port.width), first_) {
     setup.publishContOutput(port.name)->map(&buffer_.data, kMaxBuffered);
   }
   std::vector<EndpointPort> ports() const override { return {port_}; }
@@ -91,7 +96,8 @@ class SignalSink : public Sink {
   void send(const Step& step) override {
     const SignalInput input = step.signal_input();
     if (input.valid()) {
-      std::copy(input.values.begin(), input.values.end(), buffer_.values.begin());
+      std::ranges::copy(input.values.subspan(first_, buffer_.values.size()),
+                        buffer_.values.begin());
     } else {
       std::fill(buffer_.values.begin(), buffer_.values.end(),
                 std::numeric_limits<double>::quiet_NaN());
@@ -100,15 +106,22 @@ class SignalSink : public Sink {
 
  private:
   EndpointPort port_;
+  std::uint32_t first_;
   ContBuffer buffer_;
 };
 
 class SpikeSink : public Sink {
  public:
-  SpikeSink(MUSIC::Setup& setup, const EndpointPort& port, bool stamp_guard)
+  SpikeSink(MUSIC::Setup& setup, const EndpointPort& port, bool stamp_guard, const Ranks& ranks)
       : port_(port), guarded_(stamp_guard), music_port_(setup.publishEventOutput(port.name)) {
-    MUSIC::LinearIndex all(0, static_cast<int>(port.width));
-    music_port_->map(&all, MUSIC::Index::GLOBAL, kMaxBuffered);
+    if (ranks.rank == 0) {
+      MUSIC::LinearIndex all(0, static_cast<int>(port.width));
+      music_port_->map(&all, MUSIC::Index::GLOBAL, kMaxBuffered);
+    } else {
+      MUSIC::GlobalIndex none = 0;
+      MUSIC::PermutationIndex nothing(&none, 0);  // an empty LinearIndex ends the job
+      music_port_->map(&nothing, MUSIC::Index::GLOBAL, kMaxBuffered);
+    }
   }
   std::vector<EndpointPort> ports() const override { return {port_}; }
 
@@ -142,12 +155,13 @@ std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPor
                                           TimeNs accept_latency, TimeNs delay) {
   return std::make_unique<SpikeSource>(setup, port, accept_latency, delay);
 }
-std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port) {
-  return std::make_unique<SignalSink>(setup, port);
+std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port,
+                                       const Ranks& ranks) {
+  return std::make_unique<SignalSink>(setup, port, ranks);
 }
 std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
-                                      bool stamp_guard) {
-  return std::make_unique<SpikeSink>(setup, port, stamp_guard);
+                                      bool stamp_guard, const Ranks& ranks) {
+  return std::make_unique<SpikeSink>(setup, port, stamp_guard, ranks);
 }
 
 }  // namespace spikeloop::music

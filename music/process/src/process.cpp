@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
+#include "gathering.hpp"
 #include "process_impl.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/log.hpp"
@@ -38,14 +41,19 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   const std::string written = argc > 0 ? basename_of(argv[0]) : impl_->label;
   impl_->program = called.empty() || called == "music" ? written : called;
   impl_->status.emplace(impl_->label);
+  const MPI_Comm own = impl_->setup->communicator();
+  impl_->ranks.communicator = own;
+  MPI_Comm_rank(own, &impl_->ranks.rank);
+  MPI_Comm_size(own, &impl_->ranks.count);
+  if (impl_->ranks.rank > 0) {
+    impl_->status->silence();
+    log::set_sink([](log::Level, std::string_view) {});
+  }
   impl_->status->started();
   impl_->heartbeat.emplace(*impl_->status);
   impl_->on_termination.emplace([this] { impl_->status->terminated(); });
-  const MPI_Comm own = impl_->setup->communicator();
-  int size = 1;
-  MPI_Comm_size(own, &size);
   if (impl_->launched) {
-    impl_->check_processes(size);
+    impl_->check_processes();
   }
 }
 
@@ -56,7 +64,8 @@ Process::Process(const SectionCheck& section, const CommonDefaults& defaults)
   impl_->checking = impl_->launched = true;
   impl_->defaults = defaults;
   impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
-  impl_->check_processes(impl_->file.processes(section.label));
+  impl_->ranks.count = impl_->file.processes(section.label);
+  impl_->check_processes();
 }
 
 Process::~Process() = default;
@@ -72,6 +81,17 @@ bool Process::checking() const {
 }
 bool Process::launched() const {
   return impl_->launched;
+}
+Share Process::share() const {
+  return impl_->ranks.share();
+}
+NodeClass Process::gathering(PortKind kind) const {
+  return gathering_class(kind, impl_->ranks);
+}
+void Process::let_the_first_speak() const {
+  if (impl_->ranks.rank > 0 && !impl_->running) {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
 }
 std::string Process::file_directory() const {
   return impl_->file.directory();
@@ -132,6 +152,10 @@ Location Process::where(const std::string& port) const {
   return use ? use->connection->where : Location{};
 }
 
+Location Process::where_key(const std::string& key) const {
+  return impl_->file.where(impl_->label, key);
+}
+
 Location Process::where() const {
   return impl_->file.section_where(impl_->label);
 }
@@ -159,19 +183,21 @@ std::unique_ptr<Sink> Process::signal_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::signal, width};
-  return impl_->checking ? make_idle_sink(end) : make_signal_sink(impl_->open_setup(), end);
+  return impl_->checking ? make_idle_sink(end)
+                         : make_signal_sink(impl_->open_setup(), end, impl_->ranks);
 }
 
 std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::spikes, width};
-  return impl_->checking ? make_idle_sink(end)
-                         : make_spike_sink(impl_->open_setup(), end, common().stamp_guard);
+  return impl_->checking
+             ? make_idle_sink(end)
+             : make_spike_sink(impl_->open_setup(), end, common().stamp_guard, impl_->ranks);
 }
 
 void Process::attach_recorders(GraphDescription& description) {
-  if (common().record && !impl_->checking) {
+  if (common().record && !impl_->checking && impl_->ranks.rank == 0) {
     impl_->recording = music::attach_recorders(description, impl_->label);
   }
 }
@@ -209,11 +235,11 @@ std::optional<int> Process::Impl::connection_width(const std::string& port) {
   return probe(port).hasWidth() ? std::optional(probe(port).width()) : std::nullopt;
 }
 
-void Process::Impl::check_processes(int count) const {
-  if (count != 1) {
+void Process::Impl::check_processes() const {
+  if (ranks.count != 1 && !defaults.many_processes) {
     throw ConfigurationError(
         file.where(label, "np"),
-        fmt::format("np={} asks for {} processes, but {} runs in one; write  np=1", count, count,
+        fmt::format("np={0} asks for {0} processes, but {1} runs in one; write  np=1", ranks.count,
                     program));
   }
 }

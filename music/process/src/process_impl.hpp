@@ -22,12 +22,25 @@
 
 namespace spikeloop::music {
 
+/// The processes of a section.
+struct Ranks {
+  MPI_Comm communicator = MPI_COMM_NULL;
+  int rank = 0;
+  int count = 1;
+
+  Share share() const {
+    return {static_cast<std::uint32_t>(rank), static_cast<std::uint32_t>(count)};
+  }
+};
+
 struct Process::Impl {
   std::string label;
   std::string program;
   JobFile file;
   bool launched = false;
   bool checking = false;
+  bool running = false;  ///< the loop has begun
+  Ranks ranks;
   CommonDefaults defaults;
   std::optional<CommonKeys> common;
   MUSIC::Setup* setup = nullptr;  ///< Runtime deletes it; null from then on
@@ -52,8 +65,8 @@ struct Process::Impl {
   MUSIC::Port& probe(const std::string& port);
   /// @throws ConfigurationError as Process::signal_input() and its kin say.
   std::uint32_t checked_width(const std::string& port, Direction direction);
-  /// @throws ConfigurationError unless it is 1.
-  void check_processes(int count) const;
+  /// @throws ConfigurationError when there are several, and the program runs in one.
+  void check_processes() const;
   void check_recordable(bool record) const;
   /// Throws when MUSIC would hang: no port connected, or one that nothing serves.
   void check_ports() const;
@@ -71,8 +84,9 @@ std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPo
                                            TimeNs delay);
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
                                           TimeNs accept_latency, TimeNs delay);
-std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port);
+std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port,
+                                       const Ranks& ranks);
 std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
-                                      bool stamp_guard);
+                                      bool stamp_guard, const Ranks& ranks);
 
 }  // namespace spikeloop::music

@@ -131,12 +131,12 @@ TEST(Errors, BothSpellingsOfTheWeights) {
 TEST(Errors, MoreThanOneProcess) {
   Job job;
   const auto text = std::string("stoptime=0.01\n[encoder]\nbinary=") + PROGRAMS +
-                    "/rate_encoder\nnp=2\n[source]\nbinary=" + RAW_MUSIC +
+                    "/spikeloop-network\nnp=2\n[source]\nbinary=" + RAW_MUSIC +
                     "\nnp=1\nsource.values -> encoder.in [3]\n";
   const auto outcome = test::run(music_job(job.directory, 3, text));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(
-      outcome.says("/job.music:4:1: np=2 asks for 2 processes, but rate_encoder runs in one; "
+      outcome.says("/job.music:4:1: np=2 asks for 2 processes, but spikeloop-network runs in one; "
                    "write  np=1\n"))
       << outcome.text();
 }

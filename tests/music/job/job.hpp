@@ -32,9 +32,11 @@ class Job {
     return section(label,
                    std::string("binary=") + RAW_MUSIC + "\n  log=" + label + ".log\n" + keys);
   }
-  /// A section of one of our programs.
-  Job& ours(const std::string& label, const std::string& program, const std::string& keys = "") {
-    return section(label, std::string("binary=") + PROGRAMS + "/" + program + "\n" + keys);
+  /// A section of one of our programs, in so many processes.
+  Job& ours(const std::string& label, const std::string& program, const std::string& keys = "",
+            int processes = 1) {
+    return section(label, std::string("binary=") + PROGRAMS + "/" + program + "\n" + keys,
+                   processes);
   }
   /// A section of a node class of the test plug-in.
   Job& node(const std::string& label, const std::string& node_class, const std::string& keys = "") {
@@ -96,9 +98,9 @@ class Job {
   TemporaryDirectory directory;
 
  private:
-  Job& section(const std::string& label, const std::string& keys) {
-    sections_ += "[" + label + "]\n  np=1\n  " + keys + "\n";
-    ++processes_;
+  Job& section(const std::string& label, const std::string& keys, int processes = 1) {
+    sections_ += "[" + label + "]\n  np=" + std::to_string(processes) + "\n  " + keys + "\n";
+    processes_ += processes;
     return *this;
   }
 

@@ -31,6 +31,8 @@ struct GraphDescription {
     const NodeClass* node_class = nullptr;
     Parameters parameters;
     Location where{};
+    Share share{};         ///< of this process
+    unsigned threads = 1;  ///< that share it again
   };
   struct SourceEntry {
     std::string name;
@@ -62,7 +64,7 @@ class Graph {
   /// Checks names, kinds, widths, cycles; then makes the nodes.
   /// @throws ConfigurationError: unknown node or port (did you mean), two connections into one
   /// input, input without connection, widths that differ (both named), a cycle whose delays add up
-  /// to nothing (its nodes named).
+  /// to nothing (its nodes named), a share of a node whose class cannot share.
   explicit Graph(const GraphDescription& description);
   ~Graph();
   Graph(Graph&&) noexcept;

@@ -47,6 +47,22 @@ struct NodeDescription {
   std::string source;  ///< the paper's equation or the manual's section
   std::vector<PortDescription> ports;
   std::vector<ParameterDescription> parameters;
+  /// Nodes of the class heed NodeSetup::share, so that processes and threads can share the work.
+  bool shareable = false;
+};
+
+/// One of `parts` equal parts of a node's output channels.
+struct Share {
+  std::uint32_t index = 0;
+  std::uint32_t parts = 1;
+
+  std::uint32_t begin(std::uint32_t width) const {
+    return static_cast<std::uint32_t>(std::uint64_t{width} * index / parts);
+  }
+  std::uint32_t end(std::uint32_t width) const {
+    return static_cast<std::uint32_t>(std::uint64_t{width} * (index + 1) / parts);
+  }
+  std::uint32_t count(std::uint32_t width) const { return end(width) - begin(width); }
 };
 
 /// What a node is made from. `widths` runs parallel to the description's ports.
@@ -55,6 +71,9 @@ struct NodeSetup {
   std::uint64_t seed = 1;
   Parameters parameters;
   std::vector<std::uint32_t> widths;
+  /// The output channels to compute, for all of the inputs. Every channel's result is the same
+  /// whatever the share; what concerns no channel is counted by share 0 alone.
+  Share share{};
 };
 
 /// Something a node counted: clipped inputs, late spikes, ... Names are snake_case.

@@ -23,9 +23,9 @@ class RandomStream {
   std::uint64_t bits(std::uint64_t channel, std::uint64_t draw) const;
   /// Uniform in (0, 1]: never 0, so that its logarithm is finite; 53 bits.
   double uniform(std::uint64_t channel, std::uint64_t draw) const;
-  /// uniform(channels[i], draws[i]) for all i, faster.
-  void uniform(std::span<const std::uint32_t> channels, std::span<const std::uint64_t> draws,
-               std::span<double> numbers) const;
+  /// uniform(first + channels[i], draws[i]) for all i, faster.
+  void uniform(std::uint64_t first, std::span<const std::uint32_t> channels,
+               std::span<const std::uint64_t> draws, std::span<double> numbers) const;
   /// Exponentially distributed with mean 1.
   double exponential(std::uint64_t channel, std::uint64_t draw) const;
 

@@ -19,6 +19,8 @@ struct CommonDefaults {
   /// True for a program whose predecessor asked for an acceptable latency of one tick: then that is
   /// the default of `accept_latency` in dialect rma.
   bool accept_one_tick = false;
+  /// True for a program that may run in several processes (np).
+  bool many_processes = false;
 };
 
 struct CommonKeys {

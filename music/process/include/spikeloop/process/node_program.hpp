@@ -6,9 +6,14 @@
 
 namespace spikeloop::music {
 
+/// The key `threads`, for programs whose class can share.
+std::vector<ParameterDescription> sharing_parameters();
+
 /// Runs one node, named as the section, to the end. Inputs that the file leaves unconnected stay
 /// silent (spikes) or invalid (signals), outputs go nowhere; at least one port must be connected.
-/// @throws ConfigurationError for an unconnected input whose width no rule of the class gives.
+/// np processes and `threads` in each share its output channels; all compute the same spikes.
+/// @throws ConfigurationError for an unconnected input whose width no rule of the class gives, for
+/// np or threads above 1 when the class cannot share.
 int run_node(Process& process, const NodeClass& node_class, const Parameters& parameters,
              const Process::LoopHooks& hooks = {});
 

@@ -41,7 +41,8 @@ class Process {
   };
 
   /// MUSIC's Setup (and MPI_Init). Afterwards argc and argv are what the section's `args` says.
-  /// @throws ConfigurationError when the section asks for more than one process.
+  /// @throws ConfigurationError when the section asks for more than one process, unless
+  /// `defaults.many_processes`.
   Process(int& argc, char**& argv, const CommonDefaults& defaults = {});
   /// Reads keys, files and widths as the section's program would, but has no MUSIC: run() returns
   /// when it has checked what it checks before it meets the others.
@@ -62,6 +63,15 @@ class Process {
   /// Where the .music file lies, the user's own when a launcher made another one from it; empty
   /// when that is not known. Paths in it start there.
   std::string file_directory() const;
+
+  /// The share of the section's work that this process has: of its np processes.
+  Share share() const;
+  /// Of a section with several processes: a node class that puts together what they compute, with
+  /// the ports `in` and `out` of this kind. Spikes come out in the first process, signals in all.
+  NodeClass gathering(PortKind kind) const;
+  /// The others of the section say the same: only the first is heard, for a second. Later than that
+  /// every process speaks for itself.
+  void let_the_first_speak() const;
 
   /// Must come before the first call of common().
   void set_defaults(const CommonDefaults& defaults);
@@ -87,6 +97,8 @@ class Process {
   Location where(const std::string& port) const;
   /// Where its section begins.
   Location where() const;
+  /// Where a key is written; nothing is known of one that is not.
+  Location where_key(const std::string& key) const;
 
   /// Endpoints with one port, named as MUSIC names it. They must outlive run().
   /// @throws ConfigurationError when the port is not connected, has no width, or when the file uses
@@ -96,6 +108,8 @@ class Process {
   /// Counters of a spike input: events_outside_port (dropped), events_without_time (dropped); of a
   /// spike output: stamps_moved (by the stamp guard).
   /// A signal arrives `delay_ticks` later; not given: the key `signal_delay`.
+  /// Of several processes each gets all of an input and sends its share of a signal; spikes are
+  /// gathered in the first, because MUSIC mixes up the ticks of several senders.
   std::unique_ptr<Source> signal_input(const std::string& port,
                                        std::optional<int> delay_ticks = std::nullopt);
   std::unique_ptr<Source> spike_input(const std::string& port);

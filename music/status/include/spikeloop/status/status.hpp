@@ -53,6 +53,8 @@ class Sender {
 
   /// Whether there is a launcher to tell anything.
   bool connected() const { return socket_.get() >= 0; }
+  /// From now on nothing is told: another process of the section does.
+  void silence() { socket_.reset(); }
 
   /// After MUSIC's Setup. Waits up to 1 s for room.
   void started() const;

@@ -1,0 +1,174 @@
+#include "thread_team.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace spikeloop {
+
+namespace {
+
+/// One thread's node, and what it gives.
+struct Member {
+  std::unique_ptr<Node> node;
+  std::vector<std::vector<Spike>> spikes;  // of each spike output
+  std::vector<spikeloop_spike_output> spike_outputs;
+  std::vector<spikeloop_signal_output> signal_outputs;
+  std::exception_ptr failure;
+
+  static void append(void* sink, const Spike* spikes, std::uint64_t count) {
+    auto& list = *static_cast<std::vector<Spike>*>(sink);
+    list.insert(list.end(), spikes, spikes + count);
+  }
+
+  void step(const spikeloop_step& whole) {
+    spikes.resize(whole.spike_output_count);
+    spike_outputs.clear();
+    for (std::size_t i = 0; i < spikes.size(); ++i) {
+      spikes[i].clear();
+      spike_outputs.push_back({&spikes[i], &append, whole.spike_outputs[i].width, 0});
+    }
+    signal_outputs.assign(whole.signal_outputs, whole.signal_outputs + whole.signal_output_count);
+    spikeloop_step own = whole;
+    own.spike_outputs = spike_outputs.data();
+    own.signal_outputs = signal_outputs.data();
+    try {
+      node->step(Step(own));
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }
+};
+
+/// Members write to disjoint channels of the same signal outputs; the first runs in the caller's
+/// thread.
+class ThreadTeam final : public Node {
+ public:
+  ThreadTeam(const NodeClass& node_class, const NodeSetup& setup, unsigned threads)
+      : members_(threads) {
+    for (unsigned i = 0; i < threads; ++i) {
+      NodeSetup own = setup;
+      own.share = {setup.share.index * threads + i, setup.share.parts * threads};
+      members_[i].node = node_class.create(own);
+    }
+    for (unsigned i = 1; i < threads; ++i) {
+      threads_.emplace_back([this, i] { work(members_[i]); });
+    }
+  }
+
+  ~ThreadTeam() override {
+    begin(nullptr);
+    for (std::thread& thread : threads_) {
+      thread.join();
+    }
+  }
+
+  void step(const Step& step) override {
+    begin(&step.plain());
+    members_.front().step(step.plain());
+    for (unsigned left = busy_.load(); left != 0; left = busy_.load()) {
+      busy_.wait(left);
+    }
+    for (Member& member : members_) {
+      if (member.failure) {
+        std::rethrow_exception(std::exchange(member.failure, nullptr));
+      }
+    }
+    put_together(step.plain());
+  }
+
+  std::vector<Counter> counters() const override {
+    std::vector<Counter> sums = members_.front().node->counters();
+    for (std::size_t i = 1; i < members_.size(); ++i) {
+      const std::vector<Counter> more = members_[i].node->counters();
+      for (std::size_t k = 0; k < sums.size(); ++k) {
+        sums[k].value += more[k].value;
+      }
+    }
+    return sums;
+  }
+
+ private:
+  /// Lets the threads do a step; null: end.
+  void begin(const spikeloop_step* step) {
+    step_ = step;
+    busy_.store(static_cast<unsigned>(threads_.size()));
+    round_.fetch_add(1);
+    round_.notify_all();
+  }
+
+  void work(Member& member) {
+    for (std::uint64_t done = 0;; ++done) {
+      round_.wait(done);
+      if (step_ == nullptr) {
+        return;
+      }
+      member.step(*step_);
+      if (busy_.fetch_sub(1) == 1) {
+        busy_.notify_all();
+      }
+    }
+  }
+
+  void put_together(const spikeloop_step& whole) {
+    for (std::size_t i = 0; i < whole.spike_output_count; ++i) {
+      const auto& output = whole.spike_outputs[i];
+      for (const Member& member : members_) {
+        output.append(output.sink, member.spikes[i].data(), member.spikes[i].size());
+      }
+    }
+    for (std::size_t i = 0; i < whole.signal_output_count; ++i) {
+      auto& output = whole.signal_outputs[i];
+      const bool changed = std::ranges::any_of(members_, [&](const Member& member) {
+        return member.signal_outputs[i].revision != output.revision;
+      });
+      const bool invalid = members_.front().signal_outputs[i].revision == 0;
+      output.revision = invalid ? 0 : output.revision + (changed ? 1 : 0);
+    }
+  }
+
+  std::vector<Member> members_;
+  std::vector<std::thread> threads_;
+  const spikeloop_step* step_ = nullptr;
+  std::atomic<std::uint64_t> round_{0};
+  std::atomic<unsigned> busy_{0};
+};
+
+void check(const NodeClass& node_class, const NodeSetup& setup, unsigned threads) {
+  const std::uint64_t parts = std::uint64_t{setup.share.parts} * threads;
+  if (parts == 1) {
+    return;
+  }
+  if (!node_class.description.shareable) {
+    throw std::logic_error("a node of the class " + node_class.description.name +
+                           " cannot be shared out");
+  }
+  for (std::size_t i = 0; i < setup.widths.size(); ++i) {
+    const PortDescription& port = node_class.description.ports[i];
+    if (port.direction == Direction::output && setup.widths[i] < parts) {
+      throw ConfigurationError(
+          fmt::format("port '{}' has {} channels, too few for {} parts (np times threads); write "
+                      "smaller ones",
+                      port.name, setup.widths[i], parts));
+    }
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Node> make_node(const NodeClass& node_class, const NodeSetup& setup,
+                                unsigned threads) {
+  check(node_class, setup, threads);
+  if (threads == 1) {
+    return node_class.create(setup);
+  }
+  return std::make_unique<ThreadTeam>(node_class, setup, threads);
+}
+
+}  // namespace spikeloop
