@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "spikeloop/config/dialect.hpp"
 
@@ -81,6 +82,27 @@ constexpr std::array kPrograms{
 };
 
 }  // namespace
+
+std::vector<std::string_view> program_names() {
+  std::vector<std::string_view> names;
+  std::ranges::transform(kPrograms, std::back_inserter(names), &Program::name);
+  return names;
+}
+
+std::vector<std::string_view> programs_of_node(std::string_view node) {
+  std::vector<std::string_view> names;
+  for (const Program& program : kPrograms) {
+    if (program.node == node) {
+      names.push_back(program.name);
+    }
+  }
+  return names;
+}
+
+std::string_view node_of_program(std::string_view name) {
+  const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
+  return found == kPrograms.end() ? "" : found->node;
+}
 
 std::string working_directory(const MusicFile& file, const MusicSection& section,
                               const std::string& directory) {
