@@ -14,13 +14,19 @@ constexpr auto kEvents = Kind::events;
 
 constexpr Outside kTopic{"ros_topic"};
 
-/// The port `pace` of both ROS adapters is continuous, like their others.
+/// The port `pace` of the ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter",
             .output = kContinuous,
             .source = true,
             .ros = true,
             .tells_age = true,
+            .outside = kTopic},
+    // No `pace`: a camera that sees nothing new sends nothing, so silence is no age.
+    Program{.name = "ros_event_sensor_adapter",
+            .output = kEvents,
+            .source = true,
+            .ros = true,
             .outside = kTopic},
     Program{.name = "ros_command_adapter",
             .input = kContinuous,
