@@ -102,6 +102,12 @@ music::ProgramText text_of(const NodeProgram& program) {
       text.notes += fmt::format("{} is the older spelling of {}.\n", older, parameter.name);
     }
   }
+  if (program.table != nullptr) {
+    text.notes += fmt::format(
+        "A file for {} is JSON, [[0.1, 0.2], [0.3, 0.4]], or an array that numpy.save wrote "
+        "(.npy).\n",
+        program.table);
+  }
   text.notes += dialect_note(program.name);
   text.defaults.accept_one_tick = program.accept_one_tick;
   text.defaults.many_processes = true;

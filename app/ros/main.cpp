@@ -10,14 +10,19 @@ namespace spikeloop {
 namespace {
 
 constexpr RosProgram kPrograms[] = {
-    {.name = "ros_sensor_adapter", .sensor = true, .node_name = "ros_sensor_node"},
-    {.name = "ros_cont_adapter", .sensor = true, .node_name = "ros_sensor_node"},
+    {.name = "ros_sensor_adapter",
+     .way = RosWay::messages_to_signal,
+     .node_name = "ros_sensor_node"},
+    {.name = "ros_cont_adapter", .way = RosWay::messages_to_signal, .node_name = "ros_sensor_node"},
+    {.name = "ros_event_sensor_adapter",
+     .way = RosWay::messages_to_spikes,
+     .node_name = "ros_event_sensor_node"},
     {.name = "ros_command_adapter",
-     .sensor = false,
+     .way = RosWay::signal_to_messages,
      .node_name = "ros_command_node",
      .command_rate = "10"},
     {.name = "cont_ros_adapter",
-     .sensor = false,
+     .way = RosWay::signal_to_messages,
      .node_name = "cmd_out",
      .topic = "/cmd_vel",
      .command_rate = "20",
@@ -30,9 +35,12 @@ music::ProgramText general_text() {
   text.name = "spikeloop-ros";
   text.summary = "Connects ROS 1 topics with MUSIC, under the name of an adapter";
   text.notes =
-      "Write binary=ros_sensor_adapter (messages to channels) or binary=ros_command_adapter\n"
-      "(channels to messages); each answers --help. ros_cont_adapter and cont_ros_adapter are the\n"
-      "same programs with the defaults of ros-music-adapters.\n";
+      "Write binary=ros_sensor_adapter (messages to channels), binary=ros_event_sensor_adapter "
+      "(an\n"
+      "event camera to spikes) or binary=ros_command_adapter (channels to messages); each answers\n"
+      "--help. ros_cont_adapter and cont_ros_adapter are the first and the last with the defaults "
+      "of\n"
+      "ros-music-adapters.\n";
   return text;
 }
 
@@ -40,18 +48,34 @@ music::ProgramText text_of(const RosProgram* program) {
   if (program == nullptr) {
     return general_text();
   }
-  return program->sensor ? sensor_text(*program) : command_text(*program);
+  switch (program->way) {
+    case RosWay::messages_to_signal:
+      return sensor_text(*program);
+    case RosWay::messages_to_spikes:
+      return event_text(*program);
+    case RosWay::signal_to_messages:
+      return command_text(*program);
+  }
+  return {};
 }
 
 int run(music::Process& process) {
   const RosProgram* const program = find_ros_program(process.program());
   if (program == nullptr) {
     throw ConfigurationError(fmt::format(
-        "binary={} does not say which way messages go; write binary=ros_sensor_adapter or "
-        "binary=ros_command_adapter",
+        "binary={} does not say which way messages go; write binary=ros_sensor_adapter, "
+        "ros_event_sensor_adapter or ros_command_adapter",
         process.program()));
   }
-  return program->sensor ? run_sensor(process, *program) : run_command(process, *program);
+  switch (program->way) {
+    case RosWay::messages_to_signal:
+      return run_sensor(process, *program);
+    case RosWay::messages_to_spikes:
+      return run_events(process, *program);
+    case RosWay::signal_to_messages:
+      return run_command(process, *program);
+  }
+  return 1;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The two ROS 1 adapters as MUSIC programs, each under the names that two older families gave it.
+// The ROS 1 adapters as MUSIC programs, each under the names that two older families gave it.
 #pragma once
 
 #include <string_view>
@@ -8,10 +8,16 @@
 
 namespace spikeloop {
 
+enum class RosWay {
+  messages_to_signal,
+  messages_to_spikes,
+  signal_to_messages,
+};
+
 /// One name, and what the older program of this name took for keys that are not written.
 struct RosProgram {
   const char* name;
-  bool sensor;  ///< messages to channels; else channels to messages
+  RosWay way;
   const char* node_name;
   const char* topic = "";         ///< "": must be given
   const char* command_rate = "";  ///< Hz
@@ -25,10 +31,13 @@ const RosProgram* find_ros_program(std::string_view name);
 music::ProgramText sensor_text(const RosProgram& program);
 int run_sensor(music::Process& process, const RosProgram& program);
 
+music::ProgramText event_text(const RosProgram& program);
+int run_events(music::Process& process, const RosProgram& program);
+
 music::ProgramText command_text(const RosProgram& program);
 int run_command(music::Process& process, const RosProgram& program);
 
-/// Keys that both have.
+/// Keys that all have.
 std::vector<ParameterDescription> connection_parameters(const RosProgram& program);
 /// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
 /// second adapter does not end the first one.

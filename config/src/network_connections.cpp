@@ -230,12 +230,12 @@ std::vector<Synapse> apply_rule(const std::string& rule, const Section& section,
   if (rule == "pairs") {
     return pairs(section, ends, weight);
   }
-  if (rule.ends_with(".json")) {
+  if (rule.ends_with(".json") || rule.ends_with(".npy")) {
     return from_file(rule, section, ends, weight, load_weights);
   }
   throw ConfigurationError(
       where, fmt::format("unknown rule '{}'{}; write one_to_one, all_to_all, pairs or a weight "
-                         "file that ends in .json",
+                         "file that ends in .json or .npy",
                          rule, did_you_mean(rule, {"one_to_one", "all_to_all", "pairs"})));
 }
 

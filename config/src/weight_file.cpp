@@ -10,6 +10,7 @@
 #include "json_text.hpp"
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
+#include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "text_file.hpp"
 #include "weight_table_reader.hpp"
@@ -72,11 +73,7 @@ WeightTable fitted(const std::vector<double>& values, const std::vector<std::uin
   return WeightTable::dense(rows, columns, std::move(result));
 }
 
-WeightTable dense_table(WeightTableReader& reader, const std::string& file,
-                        const WeightOptions& options) {
-  const auto& row_begin = reader.row_begin();
-  const std::size_t rows = row_begin.size() - 1;
-  const std::uint32_t columns = longest_row(row_begin);
+void check_size(std::uint64_t rows, std::uint64_t columns, const std::string& file) {
   if (rows == 0 || columns == 0) {
     throw ConfigurationError(Location{file},
                              "the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an "
@@ -88,19 +85,67 @@ WeightTable dense_table(WeightTableReader& reader, const std::string& file,
                                          "of each are possible",
                                          rows, columns, kMaximumChannels));
   }
+}
+
+/// `row_begin`: where each row begins among the values, and where the last one ends.
+WeightTable dense_table(std::vector<double> values, const std::vector<std::uint64_t>& row_begin,
+                        const std::string& file, const WeightOptions& options) {
+  const auto columns = longest_row(row_begin);
+  check_size(row_begin.size() - 1, columns, file);
+  const auto rows = static_cast<std::uint32_t>(row_begin.size() - 1);
   if (options.strict) {
     check_even(row_begin, file);
-    return WeightTable::dense(static_cast<std::uint32_t>(rows), columns,
-                              std::move(reader.values()));
+    return WeightTable::dense(rows, columns, std::move(values));
   }
-  return fitted(reader.values(), row_begin,
-                options.rows == 0 ? static_cast<std::uint32_t>(rows) : options.rows,
+  return fitted(values, row_begin, options.rows == 0 ? rows : options.rows,
                 options.columns == 0 ? columns : options.columns, file);
 }
 
-/// The table, or what is wrong with the JSON.
-std::optional<WeightTable> read_table(std::string_view text, const std::string& file,
+/// The array's numbers, or what is wrong with it.
+std::optional<std::vector<double>> read_values(const NpyArray& array, const std::string& file,
+                                               const WeightOptions& options,
+                                               ConfigurationError& problem) {
+  if (array.surplus() != 0) {
+    const std::string text = fmt::format("{} bytes follow the array", array.surplus());
+    if (options.strict) {
+      problem = ConfigurationError(Location{file}, text + "; write one array a file");
+      return std::nullopt;
+    }
+    log::warning("{}: {} and are left out", file, text);
+  }
+  try {
+    return array.values();
+  } catch (const ConfigurationError& error) {
+    problem = error;
+    return std::nullopt;
+  }
+}
+
+/// The table, or what is wrong with the .npy file.
+std::optional<WeightTable> read_array(std::string_view bytes, const std::string& file,
                                       const WeightOptions& options, ConfigurationError& problem) {
+  std::optional<NpyArray> array;
+  try {
+    array.emplace(bytes, file);
+  } catch (const ConfigurationError& error) {
+    problem = error;
+    return std::nullopt;
+  }
+  check_size(array->rows(), array->columns(), file);
+  auto values = read_values(*array, file, options, problem);
+  if (!values) {
+    return std::nullopt;
+  }
+  std::vector<std::uint64_t> row_begin(array->rows() + 1);
+  for (std::size_t i = 0; i < row_begin.size(); ++i) {
+    row_begin[i] = i * array->columns();
+  }
+  return dense_table(std::move(*values), row_begin, file, options);
+}
+
+/// The table, or what is wrong with the JSON.
+std::optional<WeightTable> read_json(std::string_view text, const std::string& file,
+                                     const WeightOptions& options, ConfigurationError& problem) {
   const std::string not_text = json_text::not_text(text);
   if (!not_text.empty()) {
     problem = ConfigurationError(Location{file},
@@ -118,7 +163,9 @@ std::optional<WeightTable> read_table(std::string_view text, const std::string& 
     }
     log::warning("{}: text after the end of the table is left out", where.text());
   }
-  return reader.is_sparse() ? reader.sparse_table() : dense_table(reader, file, options);
+  return reader.is_sparse()
+             ? reader.sparse_table()
+             : dense_table(std::move(reader.values()), reader.row_begin(), file, options);
 }
 
 std::optional<double> short_form_weight(std::string_view text) {
@@ -165,7 +212,10 @@ std::string missing_text(const std::string& written, const WeightOptions& option
 WeightTable parse_weights(std::string_view text, const std::string& file,
                           const WeightOptions& options) {
   ConfigurationError problem("");
-  if (auto table = read_table(text, file, options, problem)) {
+  // By its name as well, so that a broken array is not called broken JSON.
+  const bool array = is_npy(text) || file.ends_with(".npy");
+  if (auto table = array ? read_array(text, file, options, problem)
+                         : read_json(text, file, options, problem)) {
     return std::move(*table);
   }
   if (options.strict) {

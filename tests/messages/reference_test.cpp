@@ -1,6 +1,7 @@
 // Our definitions and codec against Debian's generated ones.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -112,8 +113,12 @@ std::string test_name(const testing::TestParamInfo<std::string>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Debian, Reference, testing::ValuesIn(reference::types()), test_name);
 
+// Debian has no dvs_msgs: event_oracle_test.cpp.
 TEST(Reference, covers_every_definition_we_bring) {
-  EXPECT_EQ(Catalog::builtin().names(), reference::types());
+  std::vector<std::string> types = reference::types();
+  types.insert(types.end(), {"dvs_msgs/Event", "dvs_msgs/EventArray"});
+  std::ranges::sort(types);
+  EXPECT_EQ(Catalog::builtin().names(), types);
 }
 
 }  // namespace

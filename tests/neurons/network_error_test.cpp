@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
              "net.yaml:6:5: connection 1: key 'rule' is missing; write  rule: one_to_one"},
         Case{"unknown_rule", with_connection("from: input, to: relay, rule: all_to_al, delay: 1"),
              "net.yaml:6:36: unknown rule 'all_to_al'; did you mean 'all_to_all'?; write "
-             "one_to_one, all_to_all, pairs or a weight file that ends in .json"},
+             "one_to_one, all_to_all, pairs or a weight file that ends in .json or .npy"},
         Case{"one_to_one_sizes",
              with_connection("from: input, to: relay, rule: one_to_one, delay: 1 ms"),
              "net.yaml:6:36: rule one_to_one needs populations of one size, but 'input' has 2 and "

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "run_network.hpp"
+#include "spikeloop/config/npy_file.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::test {
@@ -132,6 +133,22 @@ TEST(NetworkFile, IsReadFromDiskWithItsWeightFile) {
   EXPECT_EQ(network.path, path);
   EXPECT_THAT(network.projections.at(0).row_start, ElementsAre(0u, 2u, 3u));
   EXPECT_THAT(network.projections[0].target, ElementsAre(0u, 1u, 1u));
+  EXPECT_THAT(network.projections[0].weight, ElementsAre(3.0, 1.5, -6.0));
+}
+
+TEST(NetworkFile, TakesNumpysWeightFiles) {
+  const TemporaryDirectory directory;
+  write_npy(directory.path() / "w.npy", 2, 2, std::vector<double>{1, 0, 0.5, -2});
+  const std::string path =
+      directory.write("net.yaml",
+                      "populations:\n"
+                      "  input: {model: input, size: 2}\n"
+                      "  cell: {model: iaf_psc_delta, size: 2}\n"
+                      "connections:\n"
+                      "  - {from: input, to: cell, rule: w.npy, weight: 3 mV, delay: 1 ms}\n"
+                      "output: [cell]\n");
+  const NetworkFile network = read_network_file(path);
+  EXPECT_THAT(network.projections.at(0).target, ElementsAre(0u, 1u, 1u));
   EXPECT_THAT(network.projections[0].weight, ElementsAre(3.0, 1.5, -6.0));
 }
 

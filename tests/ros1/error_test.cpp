@@ -83,7 +83,8 @@ TEST_F(ErrorTest, the_bare_program_has_no_direction) {
                   binary("spikeloop-ros"), binary("ros_sensor_adapter"), command_, sensor_)));
   EXPECT_THAT(outcome.text(),
               HasSubstr("binary=spikeloop-ros does not say which way messages go; write "
-                        "binary=ros_sensor_adapter or binary=ros_command_adapter"));
+                        "binary=ros_sensor_adapter, ros_event_sensor_adapter or "
+                        "ros_command_adapter"));
 }
 
 TEST_F(ErrorTest, help_names_every_key) {
@@ -92,7 +93,10 @@ TEST_F(ErrorTest, help_names_every_key) {
       {"ros_command_adapter", {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel"}},
       {"ros_cont_adapter", {"ros_topic", "message_type"}},
       {"cont_ros_adapter", {"/cmd_vel ", "mapping.json ", "Hz       20 "}},
-      {"spikeloop-ros", {"ros_sensor_adapter", "ros_command_adapter"}}};
+      {"ros_event_sensor_adapter",
+       {"ros_topic", "polarity", "downsample", "roi", "latency", "refractory", "sensor_update_rate",
+        "event.out -> "}},
+      {"spikeloop-ros", {"ros_sensor_adapter", "ros_event_sensor_adapter", "ros_command_adapter"}}};
   for (const auto& [program, words] : programs) {
     const auto outcome = run({.arguments = {binary(program), "--help"}});
     EXPECT_EQ(outcome.exit_code, 0);

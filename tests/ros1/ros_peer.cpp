@@ -14,6 +14,8 @@
 #include <mutex>
 #include <thread>
 
+#include "dvs_messages.hpp"
+
 namespace ros_peer {
 
 std::int64_t monotonic_now() {
@@ -45,10 +47,10 @@ struct Peer::Impl {
   std::vector<std::vector<double>> arrays;
 
   template <typename Message>
-  void publish(const std::string& topic, const Message& message) {
+  void publish(const std::string& topic, const Message& message, std::uint32_t queue = 10) {
     auto& publisher = publishers[topic];
     if (!publisher) {
-      publisher = node->advertise<Message>(topic, 10);
+      publisher = node->advertise<Message>(topic, queue);
     }
     publisher.publish(message);
   }
@@ -108,6 +110,23 @@ void Peer::publish_odometry(const std::string& topic, double x, double y, double
   odometry.pose.pose.position.y = y;
   odometry.pose.pose.position.z = z;
   impl_->publish(topic, odometry);
+}
+
+void Peer::publish_events(const std::string& topic, int width, int height,
+                          const std::vector<CameraEvent>& events) {
+  dvs_msgs::EventArray array;
+  array.header.frame_id = "dvs";
+  array.width = static_cast<std::uint32_t>(width);
+  array.height = static_cast<std::uint32_t>(height);
+  for (const CameraEvent& event : events) {
+    dvs_msgs::Event made;
+    made.x = static_cast<std::uint16_t>(event.x);
+    made.y = static_cast<std::uint16_t>(event.y);
+    made.ts.fromNSec(static_cast<std::uint64_t>(event.stamp_ns));
+    made.polarity = event.on ? 1 : 0;
+    array.events.push_back(made);
+  }
+  impl_->publish(topic, array, 1000);
 }
 
 int Peer::subscribers(const std::string& topic) const {

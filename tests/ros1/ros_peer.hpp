@@ -18,6 +18,14 @@ struct Twist {
   bool is_zero() const { return linear_x == 0 && angular_z == 0; }
 };
 
+/// Of an event camera.
+struct CameraEvent {
+  int x = 0;
+  int y = 0;
+  bool on = false;
+  std::int64_t stamp_ns = 0;
+};
+
 /// One a process. Its callbacks run in a thread of its own.
 class Peer {
  public:
@@ -29,6 +37,9 @@ class Peer {
   void publish_twist(const std::string& topic, double linear_x, double angular_z);
   void publish_array(const std::string& topic, const std::vector<double>& data);
   void publish_odometry(const std::string& topic, double x, double y, double z);
+  /// dvs_msgs/EventArray of a camera of this size.
+  void publish_events(const std::string& topic, int width, int height,
+                      const std::vector<CameraEvent>& events);
   /// Once a message has been published there (or advertised by these): how many listen.
   int subscribers(const std::string& topic) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "spikeloop/config/dialect.hpp"
 
@@ -13,13 +14,19 @@ constexpr auto kEvents = Kind::events;
 
 constexpr Outside kTopic{"ros_topic"};
 
-/// The port `pace` of both ROS adapters is continuous, like their others.
+/// The port `pace` of the ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter",
             .output = kContinuous,
             .source = true,
             .ros = true,
             .tells_age = true,
+            .outside = kTopic},
+    // No `pace`: a camera that sees nothing new sends nothing, so silence is no age.
+    Program{.name = "ros_event_sensor_adapter",
+            .output = kEvents,
+            .source = true,
+            .ros = true,
             .outside = kTopic},
     Program{.name = "ros_command_adapter",
             .input = kContinuous,
@@ -81,6 +88,27 @@ constexpr std::array kPrograms{
 };
 
 }  // namespace
+
+std::vector<std::string_view> program_names() {
+  std::vector<std::string_view> names;
+  std::ranges::transform(kPrograms, std::back_inserter(names), &Program::name);
+  return names;
+}
+
+std::vector<std::string_view> programs_of_node(std::string_view node) {
+  std::vector<std::string_view> names;
+  for (const Program& program : kPrograms) {
+    if (program.node == node) {
+      names.push_back(program.name);
+    }
+  }
+  return names;
+}
+
+std::string_view node_of_program(std::string_view name) {
+  const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
+  return found == kPrograms.end() ? "" : found->node;
+}
 
 std::string working_directory(const MusicFile& file, const MusicSection& section,
                               const std::string& directory) {

@@ -1,77 +1,37 @@
 #include "spikeloop/ros1/sensor.hpp"
 
-#include <fmt/format.h>
-#include <topic_tools/shape_shifter.h>
-
 #include <algorithm>
-#include <exception>
 #include <mutex>
 
-#include "session_impl.hpp"
-#include "spikeloop/core/error.hpp"
+#include "intake.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
 namespace spikeloop::ros1 {
 namespace {
-
-using topic_tools::ShapeShifter;
-
-constexpr std::uint32_t kQueue = 10;
-constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
 messages::SensorConversion conversion_of(const SensorSettings& settings) {
   return {messages::Catalog::builtin(), settings.message_type, settings.fields, settings.width,
           settings.strict};
 }
 
-/// The message's bytes, without a copy of ours: ShapeShifter writes them into this "stream".
-struct ByteSink {
-  std::vector<std::byte>* bytes;
-  std::uint8_t* advance(std::size_t size) const {
-    bytes->resize(size);
-    return reinterpret_cast<std::uint8_t*>(bytes->data());
-  }
-};
-
 }  // namespace
 
 struct Sensor::Impl {
-  Impl(Session& used, const SensorSettings& wanted)
-      : session(used),
-        settings(wanted),
+  Impl(Session& session, const SensorSettings& wanted)
+      : settings(wanted),
         conversion(conversion_of(wanted)),
-        md5(messages::Catalog::builtin().md5(conversion.type())) {
-    check_topic(settings.topic);
-    newest.assign(settings.width, 0.0);
-    subscriber = session.impl().node->subscribe<ShapeShifter>(
-        settings.topic, kQueue,
-        boost::function<void(const boost::shared_ptr<ShapeShifter const>&)>(
-            [this](const boost::shared_ptr<ShapeShifter const>& message) { take(*message); }),
-        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
-  }
+        newest(wanted.width, 0.0),
+        intake(session, {.topic = wanted.topic, .type = conversion.type(), .type_is_a_key = true},
+               [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  void take(const ShapeShifter& message) {
-    const TimeNs now = wall_now();
-    try {
-      if (message.getMD5Sum() != md5) {
-        refuse(message);
-        return;
-      }
-      bytes.clear();
-      ByteSink sink{&bytes};
-      message.write(sink);
-      const bool good = conversion.convert(bytes);
-      const std::string warning = conversion.take_warning();
-      publish(good, now);
-      if (!warning.empty()) {
-        log::warning("topic '{}': {}", settings.topic, warning);
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
+  void take(std::span<const std::byte> bytes, TimeNs now) {
+    const bool good = conversion.convert(bytes);
+    const std::string warning = conversion.take_warning();
+    publish(good, now);
+    if (!warning.empty()) {
+      log::warning("topic '{}': {}", settings.topic, warning);
     }
   }
 
@@ -85,61 +45,18 @@ struct Sensor::Impl {
     }
   }
 
-  void refuse(const ShapeShifter& message) {
-    std::string text =
-        message.getDataType() == conversion.type()
-            ? fmt::format(
-                  "topic '{}' carries another version of {} (md5 sum {}, ours is {}); its "
-                  "publisher must use the version of ROS Noetic",
-                  settings.topic, conversion.type(), message.getMD5Sum(), md5)
-            : fmt::format(
-                  "topic '{}' carries {}, not {}; write message_type={} or another ros_topic",
-                  settings.topic, message.getDataType(), conversion.type(), message.getDataType());
-    bool warn = false;
-    {
-      const std::lock_guard lock(mutex);
-      warn = ++wrong_type == 1 && revision != 0;
-      if (revision == 0) {
-        failure = std::make_exception_ptr(TransportError(text));
-      }
-    }
-    if (warn) {
-      log::warning("{}", text);
-    }
-  }
-
-  /// In the loop: says once that nothing comes, and once that nothing comes any more.
-  void mind_silence(TimeNs now, TimeNs newest_at) {
-    started = started == 0 ? now : started;
-    bool& told = newest_at == 0 ? told_nothing_came : told_nothing_comes;
-    if (told || now - std::max(started, newest_at) < kPatience) {
-      return;
-    }
-    told = true;
-    log::warning("no message has come on topic '{}' for {}; 'rostopic list' shows what there is",
-                 settings.topic, format_time(kPatience));
-  }
-
-  Session& session;
   SensorSettings settings;
   messages::SensorConversion conversion;  // used in the session's thread only
-  std::string md5;
-  std::vector<std::byte> bytes;
 
   mutable std::mutex mutex;  // held for a copy, never across a tick
   std::vector<double> newest;
   TimeNs arrived = 0;
   std::uint64_t revision = 0;
-  std::uint64_t wrong_type = 0;
   messages::SensorConversion::Counts counts;
-  std::exception_ptr failure;
 
   std::uint64_t seen = 0;  // used by the loop only
   bool initial_sent = false;
-  TimeNs started = 0;
-  bool told_nothing_came = false;
-  bool told_nothing_comes = false;
-  ros::Subscriber subscriber;
+  Intake intake;  // last: no callback comes before there is all the rest, or after
 };
 
 Sensor::Sensor(Session& session, const SensorSettings& settings)
@@ -150,17 +67,14 @@ void Sensor::check(const SensorSettings& settings) {
   check_topic(settings.topic);
 }
 
-// Unsubscribing waits for a callback that is running.
-Sensor::~Sensor() {
-  impl_->subscriber.shutdown();
-}
+Sensor::~Sensor() = default;
 
 std::vector<EndpointPort> Sensor::ports() const {
   return {{"out", PortKind::signal, impl_->settings.width}, {"pace", PortKind::signal, 1}};
 }
 
 void Sensor::receive(const Step& step) {
-  impl_->session.require_alive();
+  impl_->intake.check();
   const SignalOutput out = step.signal_output(0);
   const std::optional<double>& initial = impl_->settings.initial;
   if (initial && !impl_->initial_sent) {
@@ -172,9 +86,6 @@ void Sensor::receive(const Step& step) {
   bool fresh = false;
   {
     const std::lock_guard lock(impl_->mutex);
-    if (impl_->failure) {
-      std::rethrow_exception(impl_->failure);
-    }
     arrived = impl_->arrived;
     fresh = impl_->revision != impl_->seen;
     if (fresh) {
@@ -183,7 +94,6 @@ void Sensor::receive(const Step& step) {
     }
   }
   if (!fresh) {
-    impl_->mind_silence(wall_now(), arrived);
     return;
   }
   out.commit();
@@ -193,6 +103,7 @@ void Sensor::receive(const Step& step) {
 }
 
 std::vector<Counter> Sensor::counters() const {
+  const std::uint64_t wrong_type = impl_->intake.wrong_type();
   const std::lock_guard lock(impl_->mutex);
   const auto& counts = impl_->counts;
   return {{"messages", counts.messages},
@@ -201,7 +112,7 @@ std::vector<Counter> Sensor::counters() const {
           {"invalid_readings", counts.invalid_readings},
           {"without_reading", counts.without_reading},
           {"malformed", counts.malformed},
-          {"wrong_type", impl_->wrong_type}};
+          {"wrong_type", wrong_type}};
 }
 
 }  // namespace spikeloop::ros1

@@ -1,10 +1,13 @@
-// Weight tables as text: a short form, or a JSON file.
+// Weight tables: a short form, a JSON file, or a .npy file of NumPy.
 //
 //   uniform            every weight is 1 / inputs         uniform:0.01      every weight is 0.01
 //   one_to_one         output i reads input i             one_to_one:2      ... with weight 2
 //   readout.json       [[0.1, 0.2], [0.3, 0.4]]: one row an output, one column an input
 //                      {"rows": 2, "columns": 1000, "entries": [[0, 17, 0.5], [1, 999, -1]]}:
 //                      [row, column, weight], both counting from 0, what is not named is 0
+//   readout.npy        numpy.save("readout.npy", weights): numbers [output, input], or a single
+//   row;
+//                      see npy_file.hpp. Known by its first bytes, whatever the name
 #pragma once
 
 #include <cstdint>
@@ -21,7 +24,8 @@ struct WeightOptions {
   /// Relative paths start here, or else in the current directory.
   std::filesystem::path base_directory{};
   /// False reads as the older programs did, with a warning in the log: a missing file or one that
-  /// is no JSON gives 1 / inputs; missing weights are 0, surplus ones are left out.
+  /// is neither JSON nor a .npy file of finite numbers gives 1 / inputs; missing weights are 0,
+  /// surplus ones are left out.
   bool strict = true;
   /// Widths of the output and input port, 0 when unknown. Not strict: the table is fitted to them.
   std::uint32_t rows = 0;
@@ -35,7 +39,8 @@ struct WeightOptions {
 /// More rows or columns than any port can have.
 inline constexpr std::uint32_t kMaximumChannels = 16'777'216;
 
-/// Parses the text of a weight file; `file` only names it in messages.
+/// Parses the bytes of a weight file; `file` names it in messages, and one that ends in .npy must
+/// be such a file.
 /// @throws ConfigurationError with file, row, column, value and remedy; rows and columns count from
 /// 0.
 WeightTable parse_weights(std::string_view text, const std::string& file,

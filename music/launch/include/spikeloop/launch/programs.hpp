@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "spikeloop/config/music_file.hpp"
 
@@ -29,6 +30,13 @@ struct Program {
   bool measures_age = false;     ///< has the input `pace`
   Outside outside{};             ///< has no key: meets nobody
 };
+
+/// The names of our MUSIC programs that the launcher knows.
+std::vector<std::string_view> program_names();
+/// Those that run this node class.
+std::vector<std::string_view> programs_of_node(std::string_view node);
+/// The class that the program of this name runs; empty when it runs none, or is not ours.
+std::string_view node_of_program(std::string_view name);
 
 /// Null for a foreign program. The program spikeloop-node is known by its key `node`.
 const Program* find_program(const MusicFile& file, const MusicSection& section);

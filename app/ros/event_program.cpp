@@ -1,0 +1,135 @@
+// ros_event_sensor_adapter: an event camera as spikes.
+#include <fmt/format.h>
+
+#include "programs.hpp"
+#include "spikeloop/command/watch.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/ros1/event_sensor.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
+  constexpr double kMostPixels = 65536;
+  auto parameters = connection_parameters(program);
+  parameters.push_back({.name = "polarity",
+                        .type = ParameterType::choice,
+                        .default_value = "both",
+                        .choices = {"both", "on", "off", "split"},
+                        .text = "Events that are sent: all alike, those of brighter or of darker "
+                                "pixels, or each on channels of their own"});
+  parameters.push_back({.name = "downsample",
+                        .type = ParameterType::integer,
+                        .default_value = "1",
+                        .minimum = 1,
+                        .maximum = kMostPixels,
+                        .text = "Blocks of so many by so many pixels share a channel"});
+  parameters.push_back({.name = "roi",
+                        .type = ParameterType::text,
+                        .default_value = "",
+                        .text = "Only this part of the camera: x,y,width,height in pixels"});
+  parameters.push_back({.name = "latency",
+                        .unit = "s",
+                        .default_value = "0.04",
+                        .minimum = 0,
+                        .maximum = 60,
+                        .text = "How long after it happened an event is sent; at least as long as "
+                                "the driver collects events for a message, and a tick"});
+  parameters.push_back({.name = "refractory",
+                        .unit = "s",
+                        .default_value = "0",
+                        .minimum = 0,
+                        .maximum = 60,
+                        .text = "Events of a channel so soon after its last one are left out"});
+  parameters.push_back({.name = "sensor_update_rate",
+                        .unit = "Hz",
+                        .default_value = "30",
+                        .minimum = 0,
+                        .text = "Accepted for older files; messages are taken when they arrive"});
+  return parameters;
+}
+
+messages::EventSettings event_settings(const music::Process& process,
+                                       const Parameters& parameters) {
+  messages::EventSettings settings;
+  settings.polarity = messages::polarity_named(parameters.text("polarity"));
+  settings.downsample = static_cast<std::uint32_t>(parameters.integer("downsample"));
+  if (const std::string& roi = parameters.text("roi"); !roi.empty()) {
+    settings.region =
+        located_at(parameters.where("roi"), [&] { return messages::parse_region(roi); });
+  }
+  settings.refractory = from_seconds(parameters.number("refractory"));
+  settings.width = process.width("out");
+  settings.where = process.where("out");
+  return settings;
+}
+
+}  // namespace
+
+music::ProgramText event_text(const RosProgram& program) {
+  music::ProgramText text;
+  text.name = program.name;
+  text.summary = "The events of a camera (dvs_msgs/EventArray) as spikes, each at its own time";
+  text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
+  text.parameters = event_parameters(program);
+  text.example = fmt::format(
+      "  stoptime=10\n  [event]\n  binary={}\n  np=1\n  ros_topic=/dvs/events\n"
+      "  roi=100,60,128,128\n  downsample=4\n  polarity=split\n"
+      "  event.out -> RECEIVER.in [2048]\n",
+      program.name);
+  text.notes =
+      "Pixel (x, y) is channel y * W + x, where W is the width of the camera, or of the roi, over\n"
+      "downsample, rounded up; with H for the height the port has W * H channels. polarity=split:\n"
+      "brighter (on) as before, darker (off) on channel W * H + y * W + x; 2 * W * H channels.\n\n"
+      "The newest event of the first message is taken to have happened when the message came. All\n"
+      "events are sent `latency` after they happened, with the spacing of their stamps; what "
+      "comes\n"
+      "too late for that is sent at once, and counted (late_events). When the camera's clock "
+      "jumps\n"
+      "back, as that of a bag that begins again, or by more than 1 s ahead, the next message is a\n"
+      "first one again (clock_jumps). Nothing is sent of messages from before the run began.\n\n"
+      "There is no port pace: a camera that sees nothing new sends nothing, so a command adapter\n"
+      "cannot tell how old its commands' data are, and max_age does nothing.\n";
+  text.defaults.pace = true;
+  return text;
+}
+
+int run_events(music::Process& process, const RosProgram& program) {
+  command::Watch::release_signals();
+  process.set_defaults({.pace = true, .accept_one_tick = false});
+  process.declare_ports({"out"});
+  const Parameters parameters = process.read(event_parameters(program));
+  ros1::EventSensorSettings settings;
+  settings.topic = required_topic(process, parameters, "/dvs/events");
+  settings.events = event_settings(process, parameters);
+  settings.latency = from_seconds(parameters.number("latency"));
+
+  const auto out = process.spike_output("out");
+  const ros1::SessionSettings node = session_settings(parameters);
+  if (process.checking()) {
+    ros1::EventSensor::check(settings);
+    process.check();
+    return 0;
+  }
+  ros1::Session session(node);
+  ros1::EventSensor sensor(session, settings);
+
+  GraphDescription description;
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources = {{"topic", &sensor}};
+  description.sinks = {{"out", out.get()}};
+  description.connections = {{"topic.out", "out.out", 0, 0, {}}};
+  process.attach_recorders(description);
+  Graph graph(description);
+  music::Process::LoopHooks hooks;
+  hooks.after_loop = [&] {
+    if (sensor.counters().front().value == 0) {
+      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
+                   settings.topic);
+    }
+  };
+  return process.run(graph, hooks);
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,71 @@
+// A topic of one type in: what the sources of this room share.
+#pragma once
+
+#include <topic_tools/shape_shifter.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "session_impl.hpp"
+
+namespace spikeloop::ros1 {
+
+struct IntakeSettings {
+  std::string topic;
+  std::string type;  ///< "sensor_msgs/LaserScan"
+  std::uint32_t queue = 10;
+  bool type_is_a_key = false;  ///< message_type can be written
+};
+
+/// Subscribes, with TCP_NODELAY, whatever the topic's type is, and hands on the messages of ours:
+/// roscpp would refuse a publisher of another type in silence.
+class Intake {
+ public:
+  /// Called in the session's thread the moment a message has arrived, with the time of the
+  /// monotonic clock. What it throws ends the run.
+  using Take = std::function<void(std::span<const std::byte>, TimeNs now)>;
+
+  /// @throws ConfigurationError for an unknown type or an impossible topic.
+  Intake(Session& session, const IntakeSettings& settings, Take take);
+  /// Waits for a callback that is running; none runs afterwards.
+  ~Intake();
+  Intake(const Intake&) = delete;
+  Intake& operator=(const Intake&) = delete;
+
+  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more.
+  /// @throws TransportError when the topic has brought messages of another type or version and none
+  /// of the right one, or the session's node has been shut down; what `take` threw.
+  void check();
+  std::uint64_t wrong_type() const;
+
+ private:
+  using ShapeShifter = topic_tools::ShapeShifter;
+
+  void receive(const ShapeShifter& message);
+  void refuse(const ShapeShifter& message);
+  void mind_silence(TimeNs now, TimeNs newest_at);
+
+  Session& session_;
+  IntakeSettings settings_;
+  std::string md5_;
+  Take take_;
+  std::vector<std::byte> bytes_;  // used in the session's thread only
+
+  mutable std::mutex mutex_;  // held for a copy, never across a tick
+  TimeNs newest_at_ = 0;      // 0: none has come
+  std::uint64_t wrong_type_ = 0;
+  std::exception_ptr failure_;
+
+  TimeNs started_ = 0;  // used by the loop only
+  bool told_nothing_came_ = false;
+  bool told_nothing_comes_ = false;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace spikeloop::ros1
