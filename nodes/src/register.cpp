@@ -7,7 +7,11 @@
 #include "linear_readout.hpp"
 #include "nef_encoder.hpp"
 #include "poisson_encoder.hpp"
+#include "population_encoder.hpp"
 #include "rate_encoder.hpp"
+#include "step_forward_encoder.hpp"
+#include "temporal_contrast_encoder.hpp"
+#include "time_to_first_spike_encoder.hpp"
 
 namespace spikeloop {
 
@@ -21,6 +25,10 @@ void register_nodes(Registry& registry) {
   registry.add(poisson_encoder_class());
   registry.add(nef_encoder_class());
   registry.add(linear_readout_class());
+  registry.add(population_encoder_class());
+  registry.add(step_forward_encoder_class());
+  registry.add(temporal_contrast_encoder_class());
+  registry.add(time_to_first_spike_encoder_class());
 }
 
 }  // namespace spikeloop

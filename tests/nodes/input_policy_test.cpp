@@ -148,7 +148,9 @@ TEST(Register, ClassesHaveTextsForTheReference) {
   EXPECT_EQ(
       registry.names(),
       (std::vector<std::string>{"argmax", "connect", "discretize", "linear_readout", "nef_encoder",
-                                "poisson_encoder", "rate_encoder", "sigmoid", "threshold"}));
+                                "poisson_encoder", "population_encoder", "rate_encoder", "sigmoid",
+                                "step_forward_encoder", "temporal_contrast_encoder", "threshold",
+                                "time_to_first_spike_encoder"}));
   for (const std::string& name : registry.names()) {
     const NodeDescription& description = registry.find(name).description;
     EXPECT_FALSE(description.text.empty());
