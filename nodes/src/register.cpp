@@ -8,10 +8,13 @@
 #include "nef_encoder.hpp"
 #include "poisson_encoder.hpp"
 #include "population_encoder.hpp"
+#include "population_vector.hpp"
 #include "rate_encoder.hpp"
+#include "rate_window.hpp"
 #include "step_forward_encoder.hpp"
 #include "temporal_contrast_encoder.hpp"
 #include "time_to_first_spike_encoder.hpp"
+#include "winner_take_all.hpp"
 
 namespace spikeloop {
 
@@ -29,6 +32,9 @@ void register_nodes(Registry& registry) {
   registry.add(step_forward_encoder_class());
   registry.add(temporal_contrast_encoder_class());
   registry.add(time_to_first_spike_encoder_class());
+  registry.add(population_vector_class());
+  registry.add(winner_take_all_class());
+  registry.add(rate_window_class());
 }
 
 }  // namespace spikeloop
