@@ -2,9 +2,11 @@
 
 #include "argmax.hpp"
 #include "connect.hpp"
+#include "delay.hpp"
 #include "discretize.hpp"
 #include "elementwise.hpp"
 #include "linear_readout.hpp"
+#include "low_pass.hpp"
 #include "nef_encoder.hpp"
 #include "poisson_encoder.hpp"
 #include "population_encoder.hpp"
@@ -28,6 +30,10 @@ void register_nodes(Registry& registry) {
   registry.add(poisson_encoder_class());
   registry.add(nef_encoder_class());
   registry.add(linear_readout_class());
+  registry.add(clip_class());
+  registry.add(normalise_class());
+  registry.add(low_pass_class());
+  registry.add(delay_class());
   registry.add(population_encoder_class());
   registry.add(step_forward_encoder_class());
   registry.add(temporal_contrast_encoder_class());
