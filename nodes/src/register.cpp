@@ -5,6 +5,7 @@
 #include "delay.hpp"
 #include "discretize.hpp"
 #include "elementwise.hpp"
+#include "function.hpp"
 #include "linear_readout.hpp"
 #include "low_pass.hpp"
 #include "nef_encoder.hpp"
@@ -34,6 +35,7 @@ void register_nodes(Registry& registry) {
   registry.add(normalise_class());
   registry.add(low_pass_class());
   registry.add(delay_class());
+  registry.add(function_class());
   registry.add(population_encoder_class());
   registry.add(step_forward_encoder_class());
   registry.add(temporal_contrast_encoder_class());

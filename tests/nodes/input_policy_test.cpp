@@ -150,6 +150,7 @@ TEST(Register, ClassesHaveTextsForTheReference) {
                                                         "connect",
                                                         "delay",
                                                         "discretize",
+                                                        "function",
                                                         "linear_readout",
                                                         "low_pass",
                                                         "nef_encoder",
