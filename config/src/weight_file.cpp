@@ -180,8 +180,11 @@ std::optional<double> short_form_weight(std::string_view text) {
   return value;
 }
 
-/// "uniform", "uniform:0.01", "one_to_one", "one_to_one:2"; nothing for a path.
+/// "uniform", "uniform:0.01", "one_to_one", "one_to_one:2", "even"; nothing for a path.
 std::optional<WeightTable> short_form(const std::string& written) {
+  if (written == "even") {
+    return WeightTable::even();
+  }
   const auto colon = written.find(':');
   const std::string name = written.substr(0, colon);
   if (name != "uniform" && name != "one_to_one") {

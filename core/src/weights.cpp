@@ -37,7 +37,19 @@ WeightTable WeightTable::one_to_one(double weight) {
   return table;
 }
 
+WeightTable WeightTable::even() {
+  return {};
+}
+
+bool WeightTable::is_even() const {
+  return kind == Kind::dense && rows == 0 && values.empty();
+}
+
 WeightTable WeightTable::resized(std::uint32_t output_width, std::uint32_t input_width) const {
+  if (is_even()) {
+    throw ConfigurationError(
+        "'even' stands for no weights here; write a weight file, 'uniform' or 'one_to_one'");
+  }
   const bool fits = (rows == 0 || rows == output_width) && (columns == 0 || columns == input_width);
   if (!fits) {
     throw ConfigurationError(

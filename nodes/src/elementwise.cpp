@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
+#include "parameter_checks.hpp"
 #include "signal_function.hpp"
 
 namespace spikeloop {
@@ -52,6 +54,32 @@ std::unique_ptr<Node> make_sigmoid(const NodeSetup& setup) {
   });
 }
 
+std::unique_ptr<Node> make_clip(const NodeSetup& setup) {
+  const Parameters& given = setup.parameters;
+  require_at_most(given, "min", "max");
+  return elementwise(setup, [low = given.number("min"), high = given.number("max")](double value) {
+    return std::clamp(value, low, high);
+  });
+}
+
+std::unique_ptr<Node> make_normalise(const NodeSetup& setup) {
+  const Parameters& given = setup.parameters;
+  require_below(given, "in_min", "in_max");
+  const double low = given.number("in_min");
+  const double high = given.number("in_max");
+  const double most = std::numeric_limits<double>::max();
+  const bool clips = given.boolean("clip");
+  return elementwise(
+      setup, [low, high, most, least_in = clips ? low : -most, most_in = clips ? high : most,
+              from = given.number("out_min"),
+              span = given.number("out_max") - given.number("out_min")](double value) {
+        // Huge inputs stay finite: neither part nor result may overflow.
+        const double in = std::clamp(value, least_in, most_in);
+        const double part = std::clamp((in - low) / (high - low), -most, most);
+        return std::clamp(from + part * span, -most, most);
+      });
+}
+
 ParameterDescription number(std::string name, std::string value, std::string text) {
   return {.name = std::move(name),
           .unit = "1",
@@ -85,6 +113,34 @@ NodeClass sigmoid_class() {
   description.text = "The logistic function of each channel";
   description.source = "music-adapters, sigmoid adapter";
   return {description, make_sigmoid};
+}
+
+NodeClass clip_class() {
+  constexpr double kMost = 1e300;
+  NodeDescription description = signal_function_description(
+      {number_parameter("min", "1", "-1", -kMost, kMost, "Smaller values become this"),
+       number_parameter("max", "1", "1", -kMost, kMost, "Larger values become this")});
+  description.name = "clip";
+  description.text = "Keeps each channel between two bounds";
+  description.source = "y = min(max(x, min), max)";
+  return {description, make_clip};
+}
+
+NodeClass normalise_class() {
+  constexpr double kMost = 1e100;
+  NodeDescription description = signal_function_description(
+      {number_parameter("in_min", "1", "0", -kMost, kMost, "The input that becomes out_min"),
+       number_parameter("in_max", "1", "1", -kMost, kMost, "The input that becomes out_max"),
+       number_parameter("out_min", "1", "-1", -kMost, kMost, "What in_min becomes"),
+       number_parameter("out_max", "1", "1", -kMost, kMost, "What in_max becomes"),
+       {.name = "clip",
+        .type = ParameterType::boolean,
+        .default_value = "true",
+        .text = "Inputs outside the range become the nearer bound; false: they are extrapolated"}});
+  description.name = "normalise";
+  description.text = "Maps one range of values linearly onto another";
+  description.source = "y = out_min + (x - in_min) / (in_max - in_min) (out_max - out_min)";
+  return {description, make_normalise};
 }
 
 }  // namespace spikeloop

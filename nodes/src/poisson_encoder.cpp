@@ -1,10 +1,7 @@
 #include "poisson_encoder.hpp"
 
-#include <span>
-
 #include "encoder_input.hpp"
-#include "large_array.hpp"
-#include "spikeloop/core/random.hpp"
+#include "spike_thresholds.hpp"
 
 namespace spikeloop {
 
@@ -15,23 +12,11 @@ class PoissonEncoder final : public Node {
   explicit PoissonEncoder(const NodeSetup& setup)
       : input_(setup),
         schedule_(setup.share, setup.widths[0]),
-        stream_(setup.seed, setup.name),
-        draws_(schedule_.channels(), 0) {
-    for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
-      double threshold = 0;
-      draw({&c, 1}, {&threshold, 1});
-      schedule_.set_first_threshold(c, threshold);
-    }
-  }
+        thresholds_(setup, true, schedule_) {}
 
   void step(const Step& step) override {
     input_.update(step, schedule_);
-    spikes_ += schedule_.advance(
-        step.interval(),
-        [this](std::span<const std::uint32_t> channels, std::span<double> next) {
-          draw(channels, next);
-        },
-        step.spike_output());
+    spikes_ += schedule_.advance(step.interval(), thresholds_, step.spike_output());
   }
 
   std::vector<Counter> counters() const override {
@@ -41,22 +26,9 @@ class PoissonEncoder final : public Node {
   }
 
  private:
-  /// Each channel's next exponentially distributed number, of mean 1. Channels count from the
-  /// share's first one.
-  void draw(std::span<const std::uint32_t> channels, std::span<double> next) {
-    indices_.resize(channels.size());
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      indices_[i] = draws_[channels[i]]++;
-    }
-    stream_.uniform(schedule_.first(), channels, indices_, next);
-    negative_logarithms(next);
-  }
-
   EncoderInput input_;
   SpikeSchedule schedule_;
-  RandomStream stream_;
-  LargeArray<std::uint64_t> draws_;  // index of each channel's next draw
-  std::vector<std::uint64_t> indices_;
+  SpikeThresholds thresholds_;
   std::uint64_t spikes_ = 0;
 };
 

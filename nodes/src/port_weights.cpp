@@ -65,14 +65,14 @@ ParameterDescription weights_parameter() {
 }
 
 WeightTable port_weights(const NodeSetup& setup, std::uint32_t output_width,
-                         std::uint32_t input_width) {
+                         std::uint32_t input_width, const std::string& key) {
   try {
-    WeightTable table = setup.parameters.weights("weights").resized(output_width, input_width);
+    WeightTable table = setup.parameters.weights(key).resized(output_width, input_width);
     check(table);
     return table;
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(setup.parameters.where("weights"),
-                             fmt::format("key 'weights': {}", error.what()));
+    throw ConfigurationError(setup.parameters.where(key),
+                             fmt::format("key '{}': {}", key, error.what()));
   }
 }
 

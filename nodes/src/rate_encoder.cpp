@@ -1,8 +1,7 @@
 #include "rate_encoder.hpp"
 
-#include <algorithm>
-
 #include "encoder_input.hpp"
+#include "spike_thresholds.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -12,7 +11,9 @@ namespace {
 class RateEncoder final : public Node {
  public:
   explicit RateEncoder(const NodeSetup& setup)
-      : input_(setup), schedule_(setup.share, setup.widths[0]) {
+      : input_(setup),
+        schedule_(setup.share, setup.widths[0]),
+        thresholds_(setup, false, schedule_) {
     if (setup.parameters.text("initial_phase") == "random") {
       const RandomStream stream(setup.seed, setup.name);
       for (std::uint32_t c = 0; c < schedule_.channels(); ++c) {
@@ -23,10 +24,7 @@ class RateEncoder final : public Node {
 
   void step(const Step& step) override {
     input_.update(step, schedule_);
-    const auto one = [](std::span<const std::uint32_t>, std::span<double> next) {
-      std::ranges::fill(next, 1.0);
-    };
-    spikes_ += schedule_.advance(step.interval(), one, step.spike_output());
+    spikes_ += schedule_.advance(step.interval(), thresholds_, step.spike_output());
   }
 
   std::vector<Counter> counters() const override {
@@ -38,6 +36,7 @@ class RateEncoder final : public Node {
  private:
   EncoderInput input_;
   SpikeSchedule schedule_;
+  SpikeThresholds thresholds_;
   std::uint64_t spikes_ = 0;
 };
 

@@ -38,6 +38,8 @@ TEST(WeightFile, ReadsShortForms) {
   EXPECT_EQ(read_weights("one_to_one").kind, Kind::one_to_one);
   EXPECT_EQ(read_weights("one_to_one").resized(3, 3).at(2, 2), 1.0);
   EXPECT_THAT(read_weights("one_to_one: -2e-1").values, ElementsAre(-0.2));
+  EXPECT_TRUE(read_weights("even").is_even());
+  EXPECT_FALSE(read_weights("uniform").is_even());
   for (const std::string text :
        {"uniform:", "uniform:x", "uniform:1x", "uniform:nan", "uniform:inf"}) {
     EXPECT_EQ(message_of([&] { read_weights(text); }),

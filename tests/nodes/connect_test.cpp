@@ -173,6 +173,9 @@ TEST(Connect, WeightsThatDoNotFitAreRefused) {
       "6; write one row an output");
   EXPECT_EQ(weight_error(WeightTable::dense(2, 3, {1, 2, 3, std::nan(""), 5, 6})),
             "test.yaml:8:3: key 'weights': weight 3 of 6 is not finite; write a number");
+  EXPECT_EQ(weight_error(WeightTable::even()),
+            "test.yaml:8:3: key 'weights': 'even' stands for no weights here; write a weight file, "
+            "'uniform' or 'one_to_one'");
 }
 
 TEST(Connect, MalformedSparseWeightsAreRefused) {

@@ -182,7 +182,9 @@ class NodeHarness {
       written[options.weights_key] = {"weights.json", {"test.yaml", 8, 3}};
     }
     const auto load = [&](const WrittenValue& value) {
-      return value.text == "uniform" ? WeightTable::uniform() : options.weights.value();
+      return value.text == "uniform" ? WeightTable::uniform()
+             : value.text == "even"  ? WeightTable::even()
+                                     : options.weights.value();
     };
     return {options.name, options.seed, resolve(class_.description.parameters, written, load),
             widths};

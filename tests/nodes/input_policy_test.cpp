@@ -145,10 +145,27 @@ TEST(EncoderParameters, RatesHaveBounds) {
 TEST(Register, ClassesHaveTextsForTheReference) {
   Registry registry;
   register_nodes(registry);
-  EXPECT_EQ(
-      registry.names(),
-      (std::vector<std::string>{"argmax", "connect", "discretize", "linear_readout", "nef_encoder",
-                                "poisson_encoder", "rate_encoder", "sigmoid", "threshold"}));
+  EXPECT_EQ(registry.names(), (std::vector<std::string>{"argmax",
+                                                        "clip",
+                                                        "connect",
+                                                        "delay",
+                                                        "discretize",
+                                                        "function",
+                                                        "linear_readout",
+                                                        "low_pass",
+                                                        "nef_encoder",
+                                                        "normalise",
+                                                        "poisson_encoder",
+                                                        "population_encoder",
+                                                        "population_vector",
+                                                        "rate_encoder",
+                                                        "rate_window",
+                                                        "sigmoid",
+                                                        "step_forward_encoder",
+                                                        "temporal_contrast_encoder",
+                                                        "threshold",
+                                                        "time_to_first_spike_encoder",
+                                                        "winner_take_all"}));
   for (const std::string& name : registry.names()) {
     const NodeDescription& description = registry.find(name).description;
     EXPECT_FALSE(description.text.empty());

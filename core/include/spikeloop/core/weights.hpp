@@ -27,10 +27,13 @@ struct WeightTable {
   static WeightTable uniform();
   static WeightTable uniform(double weight);
   static WeightTable one_to_one(double weight = 1.0);
+  /// No numbers: stands for a node's own rule to space evenly what it prefers (population_vector).
+  static WeightTable even();
+  bool is_even() const;
 
   /// The table for ports of these widths.
   /// @throws ConfigurationError naming both sizes when they disagree, or when one-to-one meets
-  /// ports of different widths.
+  /// ports of different widths, or when there are no numbers.
   WeightTable resized(std::uint32_t output_width, std::uint32_t input_width) const;
 
   /// The same map as compressed rows; needs a size. Zeros of a dense table are kept out.

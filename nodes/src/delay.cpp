@@ -1,0 +1,87 @@
+#include "delay.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "held_input.hpp"
+#include "parameter_checks.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+class Delay final : public Node {
+ public:
+  explicit Delay(const NodeSetup& setup)
+      : input_(setup), delay_(from_seconds(setup.parameters.number("delay"))) {}
+
+  void step(const Step& step) override {
+    const TimeNs now = step.interval().begin;
+    if (input_.update(step)) {
+      remember(now, step.signal_input().valid());
+    }
+    if (past_.empty() || past_.front().time > now - delay_) {
+      return;
+    }
+    while (past_.size() > 1 && past_[1].time <= now - delay_) {
+      past_.pop_front();
+    }
+    show(step.signal_output());
+    past_.pop_front();
+  }
+
+  std::vector<Counter> counters() const override {
+    std::vector<Counter> counters = {{"updates", updates_}};
+    input_.append_counters(counters);
+    return counters;
+  }
+
+ private:
+  struct Revision {
+    TimeNs time;
+    std::vector<double> values;  // empty: the input became invalid
+  };
+
+  void remember(TimeNs now, bool valid) {
+    past_.push_back({now, std::vector<double>(valid ? input_.channels() : 0)});
+    if (valid) {
+      input_.copy_to(past_.back().values);
+    }
+  }
+
+  void show(const SignalOutput& output) {
+    const std::vector<double>& values = past_.front().values;
+    if (values.empty()) {
+      output.invalidate();
+      return;
+    }
+    std::ranges::copy(values, output.values().begin());
+    output.commit();
+    ++updates_;
+  }
+
+  HeldInput input_;
+  TimeNs delay_;
+  std::deque<Revision> past_;  // what has not been shown yet
+  std::uint64_t updates_ = 0;
+};
+
+}  // namespace
+
+NodeClass delay_class() {
+  NodeDescription description;
+  description.name = "delay";
+  description.text = "Gives a signal back after some time";
+  description.source = "y(t) = x(t - delay)";
+  description.ports = {
+      {"in", PortKind::signal, Direction::input, {}, "The values to delay"},
+      {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), "The delayed values"}};
+  description.parameters = {
+      number_parameter("delay", "s", "0.1", 0, 1e6, "How much later the values come out")};
+  append_finite_input_policy(description.parameters);
+  return {description, [](const NodeSetup& setup) { return std::make_unique<Delay>(setup); }};
+}
+
+}  // namespace spikeloop
