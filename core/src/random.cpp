@@ -41,7 +41,7 @@ double RandomStream::uniform(std::uint64_t channel, std::uint64_t draw) const {
 }
 
 void RandomStream::uniform(std::uint64_t first, std::span<const std::uint32_t> channels,
-                           std::span<const std::uint64_t> draws, std::span<double> numbers) const {
+                           std::span<const std::uint32_t> draws, std::span<double> numbers) const {
   const r123::Philox4x64::key_type key = {{seed_, hash_}};
   // Inlined here, the processor works on several numbers at once.
   for (std::size_t i = 0; i < numbers.size(); ++i) {

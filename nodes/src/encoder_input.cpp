@@ -76,7 +76,10 @@ void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   if (input.valid()) {
     if (input.revision != revision_) {
       const auto own = input.values.subspan(schedule.first(), schedule.channels());
-      schedule.set_rates(now, treated(own, schedule.first()), middle_, half_range_);
+      schedule.set_rates(now, own, middle_, half_range_,
+                         [&](std::span<const double> part, std::size_t first) {
+                           return treated(part, schedule.first() + first);
+                         });
     }
   } else if (!begun_ && initial_) {
     schedule.set_rates(now, [&](std::size_t) { return middle_ + half_range_ * *initial_; });

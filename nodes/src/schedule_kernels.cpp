@@ -70,15 +70,19 @@ bool changes_a_rate(const ScheduleChange& change) {
   double padded[kScheduleBlock];
   for (std::size_t b = 0; b < blocks; ++b) {
     const double* const values = values_of(change, b, padded);
+    const bool whole = values != padded;
     for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
       const ScheduleVector old = hn::Load(d, change.blocks[b].rate + lane);
-      const ScheduleVector rate = new_rate(hn::LoadU(d, values + lane), old, change);
-      if (!hn::AllTrue(d, hn::Eq(rate, old))) {
+      const ScheduleVector value = hn::LoadU(d, values + lane);
+      const auto equal = hn::Eq(new_rate(value, old, change), old);
+      if (!hn::AllTrue(d, equal) || (whole && !hn::AllTrue(d, hn::Eq(value, value)))) {
         return true;
       }
     }
   }
-  return false;
+  const std::size_t rest = change.channels % kScheduleBlock;
+  return std::any_of(change.values + (change.channels - rest), change.values + change.channels,
+                     [](double value) { return std::isnan(value); });
 }
 
 void change_rates(const ScheduleChange& change) {

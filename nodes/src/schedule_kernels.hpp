@@ -43,7 +43,7 @@ struct ScheduleChange {
   double slowest;
   double highest;
 };
-/// Whether any rate would change.
+/// Whether any rate would change, or a value is NaN.
 bool changes_a_rate(const ScheduleChange& change);
 void change_rates(const ScheduleChange& change);
 

@@ -23,19 +23,6 @@ ScheduleChange SpikeSchedule::change_at(double passed) {
           .highest = kFastest};
 }
 
-void SpikeSchedule::set_rates(TimeNs now, std::span<const double> values, double offset,
-                              double slope) {
-  ScheduleChange change = change_at(static_cast<double>(now - since_));
-  change.values = values.data();
-  change.offset = offset;
-  change.slope = slope;
-  // Equal rates must not begin a new segment: rounding would depend on revisions.
-  if (changes_a_rate(change)) {
-    change_rates(change);
-    since_ = now;
-  }
-}
-
 /// Counts times from another zero, that much later.
 void SpikeSchedule::shift(TimeNs passed) {
   change_rates(change_at(static_cast<double>(passed)));

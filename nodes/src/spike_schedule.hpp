@@ -37,17 +37,39 @@ class SpikeSchedule {
     state_of(channel) = threshold * kSpike;
   }
 
-  /// From `now` on, channel c has the rate  offset + slope * values[c]  in Hz, cut to [0,
-  /// kFastest]; NaN: as it was. Spikes up to `now` have been taken.
-  void set_rates(TimeNs now, std::span<const double> values, double offset = 0, double slope = 1);
-  /// The same for the rates `rate_of(c)`.
+  /// From `now` on, channel c has the rate  offset + slope * x  in Hz, cut to [0, kFastest], where
+  /// x is values[c] after `treat(part of the values, its first channel)`; NaN: as it was. Spikes up
+  /// to `now` have been taken.
+  template <typename Treat>
+  void set_rates(TimeNs now, std::span<const double> values, double offset, double slope,
+                 Treat&& treat) {
+    ScheduleChange change = change_at(static_cast<double>(now - since_));
+    change.offset = offset;
+    change.slope = slope;
+    change.values = values.data();
+    if (!changes_a_rate(change)) {
+      return;
+    }
+    // Part by part, so that values which `treat` has looked at are still in a cache.
+    constexpr std::size_t kPart = 256 * kScheduleBlock;
+    for (std::size_t first = 0; first < channels_; first += kPart) {
+      const auto part = values.subspan(first, std::min(kPart, channels_ - first));
+      change.blocks = &blocks_[first / kScheduleBlock];
+      change.earliest = &earliest_[first / kScheduleBlock];
+      change.channels = part.size();
+      change.values = treat(part, first).data();
+      change_rates(change);
+    }
+    since_ = now;
+  }
+  /// From `now` on, channel c has the rate `rate_of(c)` in Hz.
   template <typename RateOf>
   void set_rates(TimeNs now, RateOf&& rate_of) {
     rates_.resize(channels_);
     for (std::uint32_t c = 0; c < channels_; ++c) {
       rates_[c] = rate_of(c);
     }
-    set_rates(now, std::span<const double>(rates_));
+    set_rates(now, rates_, 0, 1, [](auto part, std::size_t) { return part; });
   }
 
   /// Emits the spikes of `interval` to `output`. Of each spike's channel, `thresholds(channels,

@@ -23,8 +23,10 @@ class SpikeThresholds {
  private:
   RandomStream stream_;
   std::uint32_t first_;
-  LargeArray<std::uint64_t> draws_;  // index of each channel's next draw; empty: regular spikes
-  std::vector<std::uint64_t> indices_;
+  // Index of each channel's next draw; empty: regular spikes. It comes round after 49 days of
+  // spikes at 1 kHz.
+  LargeArray<std::uint32_t> draws_;
+  std::vector<std::uint32_t> indices_;
 };
 
 }  // namespace spikeloop

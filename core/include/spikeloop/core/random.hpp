@@ -25,7 +25,7 @@ class RandomStream {
   double uniform(std::uint64_t channel, std::uint64_t draw) const;
   /// uniform(first + channels[i], draws[i]) for all i, faster.
   void uniform(std::uint64_t first, std::span<const std::uint32_t> channels,
-               std::span<const std::uint64_t> draws, std::span<double> numbers) const;
+               std::span<const std::uint32_t> draws, std::span<double> numbers) const;
   /// Exponentially distributed with mean 1.
   double exponential(std::uint64_t channel, std::uint64_t draw) const;
 

@@ -1,0 +1,198 @@
+#include "spikeloop/fit/samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "spikeloop/core/random.hpp"
+
+namespace spikeloop::fit {
+
+namespace {
+
+/// An encoder that is fed by hand.
+class Driver {
+ public:
+  explicit Driver(const Encoder& encoder)
+      : node_(encoder.node_class->create({.name = encoder.name,
+                                          .seed = encoder.seed,
+                                          .parameters = encoder.parameters,
+                                          .widths = {encoder.dimensions, encoder.neurons}})),
+        input_(encoder.dimensions) {}
+
+  void set(std::span<const double> input) {
+    std::ranges::copy(input, input_.begin());
+    ++revision_;
+  }
+
+  /// The spikes of the next `length`.
+  std::span<const Spike> step(TimeNs length) {
+    spikes_.clear();
+    const spikeloop_signal_input in{input_.data(), revision_,
+                                    static_cast<std::uint32_t>(input_.size()), 0};
+    spikeloop_spike_output out{this, &append, 0, 0};
+    const spikeloop_step data{time_, time_ + length, &in, nullptr, nullptr, &out, 1, 0, 0, 1};
+    node_->step(Step(data));
+    time_ += length;
+    return spikes_;
+  }
+  TimeNs time() const { return time_; }
+
+ private:
+  static void append(void* sink, const Spike* spikes, std::uint64_t count) {
+    auto& own = *static_cast<Driver*>(sink);
+    own.spikes_.insert(own.spikes_.end(), spikes, spikes + count);
+  }
+
+  std::unique_ptr<Node> node_;
+  std::vector<double> input_;
+  std::uint64_t revision_ = 0;
+  TimeNs time_ = 0;
+  std::vector<Spike> spikes_;
+};
+
+/// A standard normal number (Box & Muller 1958).
+double normal(const RandomStream& stream, std::uint64_t channel, std::uint64_t draw) {
+  return std::sqrt(-2 * std::log(stream.uniform(channel, 2 * draw))) *
+         std::cos(2 * std::numbers::pi * stream.uniform(channel, 2 * draw + 1));
+}
+
+/// Equally likely everywhere in the ball.
+void draw_point(const RandomStream& stream, std::uint64_t index, double radius,
+                std::span<double> point) {
+  double squares = 0;
+  for (std::size_t k = 0; k < point.size(); ++k) {
+    point[k] = normal(stream, index, k);
+    squares += point[k] * point[k];
+  }
+  const double part = stream.uniform(index, 2 * point.size());
+  const double length = radius * std::pow(part, 1 / static_cast<double>(point.size()));
+  for (double& component : point) {
+    component *= length / std::sqrt(squares);
+  }
+}
+
+/// A sum of sinusoids up to a frequency.
+class Noise {
+ public:
+  Noise(std::uint64_t seed, std::uint32_t dimensions, double cutoff_Hz, double radius)
+      : dimensions_(dimensions), radius_(radius) {
+    const RandomStream stream(seed, "band-limited noise");
+    for (std::uint32_t k = 0; k < dimensions; ++k) {
+      for (std::uint64_t i = 0; i < kSinusoids; ++i) {
+        frequencies_.push_back(cutoff_Hz * stream.uniform(k, 2 * i));
+        phases_.push_back(2 * std::numbers::pi * stream.uniform(k, 2 * i + 1));
+      }
+    }
+  }
+
+  /// Cut to the radius.
+  void at(double time_s, std::span<double> x) const {
+    double squares = 0;
+    for (std::uint32_t k = 0; k < dimensions_; ++k) {
+      double sum = 0;
+      for (std::size_t i = k * kSinusoids; i < (k + 1) * kSinusoids; ++i) {
+        sum += std::sin(2 * std::numbers::pi * frequencies_[i] * time_s + phases_[i]);
+      }
+      x[k] = radius_ / 2 * sum * std::sqrt(2.0 / (kSinusoids * dimensions_));
+      squares += x[k] * x[k];
+    }
+    const double scale = std::min(1.0, radius_ / std::sqrt(squares));
+    for (double& component : x) {
+      component *= scale;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kSinusoids = 32;  // a dimension
+
+  std::uint32_t dimensions_;
+  double radius_;
+  std::vector<double> frequencies_;
+  std::vector<double> phases_;
+};
+
+/// Of each neuron the inverse of its mean interval; 0 with fewer than two spikes.
+void rates_of(std::span<const Spike> spikes, std::span<double> rates) {
+  std::vector<TimeNs> first(rates.size(), -1);
+  std::vector<TimeNs> last(rates.size(), -1);
+  std::vector<std::uint32_t> intervals(rates.size(), 0);
+  for (const Spike& spike : spikes) {
+    const auto n = static_cast<std::size_t>(spike.channel);
+    if (first[n] < 0) {
+      first[n] = last[n] = spike.time_ns;
+      continue;
+    }
+    first[n] = std::min(first[n], spike.time_ns);
+    last[n] = std::max(last[n], spike.time_ns);
+    ++intervals[n];
+  }
+  for (std::size_t n = 0; n < rates.size(); ++n) {
+    rates[n] = intervals[n] == 0 ? 0.0 : intervals[n] / to_seconds(last[n] - first[n]);
+  }
+}
+
+}  // namespace
+
+void sample_rates(const Encoder& encoder, std::uint32_t points, std::uint64_t stream,
+                  const Function& function, std::uint32_t outputs, const TakeSample& take) {
+  constexpr TimeNs kSettle = 200'000'000;   // the transient after a change
+  constexpr TimeNs kMeasure = 800'000'000;  // slower neurons count as silent
+  const RandomStream random(encoder.seed, "points of the represented space", stream);
+  Driver driver(encoder);
+  std::vector<double> input(encoder.dimensions);
+  std::vector<double> rates(encoder.neurons);
+  std::vector<double> targets(outputs);
+  for (std::uint32_t i = 0; i < points; ++i) {
+    draw_point(random, i, encoder.radius, input);
+    driver.set(input);
+    driver.step(kSettle);
+    rates_of(driver.step(kMeasure), rates);
+    function(input, targets);
+    take({0, input, rates, targets});
+  }
+}
+
+FilteredSpikes::FilteredSpikes(std::uint32_t neurons, double tau_s)
+    : tau_(tau_s * 1e9), sums_(neurons, 0.0) {}
+
+void FilteredSpikes::advance(const Interval& interval, std::span<const Spike> spikes) {
+  const double decay = std::exp(-static_cast<double>(interval.end - interval.begin) / tau_);
+  for (double& sum : sums_) {
+    sum *= decay;
+  }
+  for (const Spike& spike : spikes) {
+    sums_[static_cast<std::size_t>(spike.channel)] +=
+        std::exp(-static_cast<double>(interval.end - spike.time_ns) / tau_) * 1e9 / tau_;
+  }
+}
+
+void sample_spikes(const Encoder& encoder, const RunSettings& settings, const Function& function,
+                   std::uint32_t outputs, const TakeSample& take) {
+  const double tick_s = to_seconds(settings.tick);
+  const double keep = std::exp(-tick_s / settings.tau_s);
+  const auto settled = static_cast<std::uint64_t>(5 * settings.tau_s / tick_s);
+  const auto ticks = static_cast<std::uint64_t>(settings.duration_s / tick_s);
+  const Noise noise(encoder.seed, encoder.dimensions, settings.cutoff_Hz, encoder.radius);
+  Driver driver(encoder);
+  FilteredSpikes filtered(encoder.neurons, settings.tau_s);
+  std::vector<double> input(encoder.dimensions);
+  std::vector<double> wanted(outputs);
+  std::vector<double> targets(outputs, 0.0);
+  for (std::uint64_t k = 0; k < ticks; ++k) {
+    noise.at(static_cast<double>(k) * tick_s, input);
+    driver.set(input);
+    const TimeNs begin = driver.time();
+    const auto spikes = driver.step(settings.tick);
+    filtered.advance({begin, driver.time()}, spikes);
+    function(input, wanted);
+    for (std::uint32_t i = 0; i < outputs; ++i) {
+      targets[i] = wanted[i] + (targets[i] - wanted[i]) * keep;
+    }
+    if (k >= settled && k % settings.every == 0) {
+      take({to_seconds(driver.time()), input, filtered.activities(), targets});
+    }
+  }
+}
+
+}  // namespace spikeloop::fit
