@@ -14,6 +14,7 @@
 #include "check_command.hpp"
 #include "describe_command.hpp"
 #include "export_command.hpp"
+#include "fit_command.hpp"
 #include "output.hpp"
 #include "run_command.hpp"
 #include "spikeloop/core/error.hpp"
@@ -86,6 +87,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_run_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
+  spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());

@@ -19,13 +19,18 @@ struct Regression::Impl {
       : activities(neurons, kBatch),
         targets(outputs, kBatch),
         gram(Eigen::MatrixXd::Zero(neurons, neurons)),
-        projection(Eigen::MatrixXd::Zero(neurons, outputs)) {}
+        projection(Eigen::MatrixXd::Zero(neurons, outputs)),
+        squares(Eigen::VectorXd::Zero(outputs)) {}
 
   /// Column by column.
   void flush() {
+    if (waiting == 0) {
+      return;  // Eigen divides by the number of columns
+    }
     const auto a = activities.leftCols(waiting);
     gram.selfadjointView<Eigen::Lower>().rankUpdate(a);
     projection.noalias() += a * targets.leftCols(waiting).transpose();
+    squares += targets.leftCols(waiting).rowwise().squaredNorm();
     waiting = 0;
   }
 
@@ -34,6 +39,7 @@ struct Regression::Impl {
   Eigen::MatrixXd gram;  // the lower triangle
   Eigen::MatrixXd projection;
   Eigen::Index waiting = 0;
+  Eigen::VectorXd squares;  // of each target, summed up
   std::uint64_t samples = 0;
   double highest = 0;
 };
@@ -75,6 +81,26 @@ std::vector<double> Regression::solve(double regularisation) const {
   }
   const Eigen::MatrixXd solution = factors.solve(own.projection);  // neurons x outputs
   return {solution.data(), solution.data() + solution.size()};     // by columns
+}
+
+Errors Regression::errors(std::span<const double> weights) const {
+  Impl& own = *impl_;
+  own.flush();
+  Errors errors;
+  errors.samples = own.samples;
+  const auto count = static_cast<double>(own.samples);
+  const Eigen::Index neurons = own.gram.rows();
+  double sum = 0;
+  for (Eigen::Index row = 0; row < own.squares.size(); ++row) {
+    const Eigen::Map<const Eigen::VectorXd> w(weights.data() + row * neurons, neurons);
+    // |A w - y|^2, which rounding may carry below 0 when it is tiny.
+    const double squares = w.dot(own.gram.selfadjointView<Eigen::Lower>() * w) -
+                           2 * w.dot(own.projection.col(row)) + own.squares[row];
+    errors.of_output.push_back(std::sqrt(std::max(0.0, squares) / count));
+    sum += std::max(0.0, squares);
+  }
+  errors.total = std::sqrt(sum / (count * static_cast<double>(own.squares.size())));
+  return errors;
 }
 
 Evaluation::Evaluation(std::span<const double> weights, std::uint32_t neurons)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop::fit {
@@ -167,31 +168,95 @@ void FilteredSpikes::advance(const Interval& interval, std::span<const Spike> sp
   }
 }
 
+namespace {
+
+/// Filters the targets as the spikes, and takes a sample now and then.
+class Sampling {
+ public:
+  Sampling(const RunSettings& settings, const Function& function, std::uint32_t neurons,
+           std::uint32_t outputs)
+      : settings_(settings),
+        function_(function),
+        keep_(std::exp(-to_seconds(settings.tick) / settings.tau_s)),
+        settled_(static_cast<std::uint64_t>(5 * settings.tau_s / to_seconds(settings.tick))),
+        filtered_(neurons, settings.tau_s),
+        wanted_(outputs),
+        targets_(outputs, 0.0) {}
+
+  /// A tick with this input and these spikes.
+  void advance(const Interval& interval, std::span<const double> input,
+               std::span<const Spike> spikes, const TakeSample& take) {
+    filtered_.advance(interval, spikes);
+    function_(input, wanted_);
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      targets_[i] = wanted_[i] + (targets_[i] - wanted_[i]) * keep_;
+    }
+    if (ticks_ >= settled_ && ticks_ % settings_.every == 0) {
+      take({to_seconds(interval.end), input, filtered_.activities(), targets_});
+    }
+    ++ticks_;
+  }
+
+ private:
+  RunSettings settings_;
+  const Function& function_;
+  double keep_;            // of a filtered target, over a tick
+  std::uint64_t settled_;  // ticks until the kernel's beginning is forgotten
+  FilteredSpikes filtered_;
+  std::vector<double> wanted_;
+  std::vector<double> targets_;
+  std::uint64_t ticks_ = 0;
+};
+
+}  // namespace
+
 void sample_spikes(const Encoder& encoder, const RunSettings& settings, const Function& function,
                    std::uint32_t outputs, const TakeSample& take) {
   const double tick_s = to_seconds(settings.tick);
-  const double keep = std::exp(-tick_s / settings.tau_s);
-  const auto settled = static_cast<std::uint64_t>(5 * settings.tau_s / tick_s);
   const auto ticks = static_cast<std::uint64_t>(settings.duration_s / tick_s);
   const Noise noise(encoder.seed, encoder.dimensions, settings.cutoff_Hz, encoder.radius);
   Driver driver(encoder);
-  FilteredSpikes filtered(encoder.neurons, settings.tau_s);
+  Sampling sampling(settings, function, encoder.neurons, outputs);
   std::vector<double> input(encoder.dimensions);
-  std::vector<double> wanted(outputs);
-  std::vector<double> targets(outputs, 0.0);
   for (std::uint64_t k = 0; k < ticks; ++k) {
     noise.at(static_cast<double>(k) * tick_s, input);
     driver.set(input);
     const TimeNs begin = driver.time();
     const auto spikes = driver.step(settings.tick);
-    filtered.advance({begin, driver.time()}, spikes);
-    function(input, wanted);
-    for (std::uint32_t i = 0; i < outputs; ++i) {
-      targets[i] = wanted[i] + (targets[i] - wanted[i]) * keep;
+    sampling.advance({begin, driver.time()}, input, spikes, take);
+  }
+}
+
+void sample_recording(const Recording& recording, const RunSettings& settings,
+                      const Function& function, std::uint32_t outputs, const TakeSample& take) {
+  if (recording.times.empty()) {
+    throw ConfigurationError("the recorded target has no value; record a run in which it has one");
+  }
+  const auto bad =
+      std::ranges::find_if_not(recording.values, [](double value) { return std::isfinite(value); });
+  if (bad != recording.values.end()) {
+    const auto row = static_cast<std::size_t>(bad - recording.values.begin()) / recording.width;
+    throw ConfigurationError("the recorded target has the value " + std::to_string(*bad) + " at " +
+                             std::to_string(to_seconds(recording.times[row])) +
+                             " s; record a signal of finite numbers");
+  }
+  std::vector<Spike> sorted(recording.spikes.begin(), recording.spikes.end());
+  std::ranges::sort(sorted, spike_before);
+  Sampling sampling(settings, function, recording.neurons, outputs);
+  auto spike = sorted.begin();
+  std::size_t row = 0;
+  TimeNs begin = recording.times[0];
+  spike = std::find_if(spike, sorted.end(), [&](const Spike& s) { return s.time_ns > begin; });
+  for (; begin + settings.tick <= recording.end; begin += settings.tick) {
+    const TimeNs end = begin + settings.tick;
+    while (row + 1 < recording.times.size() && recording.times[row + 1] <= begin) {
+      ++row;
     }
-    if (k >= settled && k % settings.every == 0) {
-      take({to_seconds(driver.time()), input, filtered.activities(), targets});
-    }
+    const auto last =
+        std::find_if(spike, sorted.end(), [&](const Spike& s) { return s.time_ns > end; });
+    sampling.advance({begin, end}, recording.values.subspan(row * recording.width, recording.width),
+                     {spike, last}, take);
+    spike = last;
   }
 }
 

@@ -28,9 +28,11 @@ class Regression {
   void add(std::span<const double> activities, std::span<const double> targets);
 
   /// outputs x neurons, row by row.
-  /// @throws ConfigurationError when there is no sample, no neuron was ever active, or the equations
-  /// have no solution (regularisation 0 and neurons that do the same).
+  /// @throws ConfigurationError when there is no sample, no neuron was ever active, or the
+  /// equations have no solution (regularisation 0 and neurons that do the same).
   std::vector<double> solve(double regularisation) const;
+  /// Of these weights, over the samples that were added.
+  Errors errors(std::span<const double> weights) const;
 
  private:
   struct Impl;

@@ -43,10 +43,10 @@ void sample_rates(const Encoder& encoder, std::uint32_t points, std::uint64_t st
 /// How a run with a changing input is sampled.
 struct RunSettings {
   TimeNs tick = 1'000'000;
-  double tau_s = 0.03;       ///< of the decoder's exponential kernel
+  double tau_s = 0.03;  ///< of the decoder's exponential kernel
   double duration_s = 60;
-  double cutoff_Hz = 2;      ///< highest frequency of the input
-  std::uint32_t every = 5;   ///< ticks between two samples
+  double cutoff_Hz = 2;     ///< highest frequency of the input
+  std::uint32_t every = 5;  ///< ticks between two samples
 };
 
 /// Spikes filtered with the decoder's kernel  exp(-t / tau) / tau, while the input is band-limited
@@ -54,6 +54,21 @@ struct RunSettings {
 /// not try to undo the kernel.
 void sample_spikes(const Encoder& encoder, const RunSettings& settings, const Function& function,
                    std::uint32_t outputs, const TakeSample& take);
+
+/// Spikes and a signal that were recorded together.
+struct Recording {
+  std::span<const Spike> spikes;
+  std::uint32_t neurons = 0;
+  std::span<const TimeNs> times;   ///< of the signal's rows, each of which holds until the next
+  std::span<const double> values;  ///< rows x width
+  std::uint32_t width = 0;
+  TimeNs end = 0;  ///< of what both have
+};
+
+/// As sample_spikes(), from the moment at which the signal begins.
+/// @throws ConfigurationError when the signal has no value.
+void sample_recording(const Recording& recording, const RunSettings& settings,
+                      const Function& function, std::uint32_t outputs, const TakeSample& take);
 
 /// The kernel's sums over the spikes of a run.
 class FilteredSpikes {

@@ -1,0 +1,188 @@
+#include "fit_command.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "fit_task.hpp"
+#include "output.hpp"
+#include "spikeloop/config/npy_file.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop fit nef_encoder --neurons 200 --out readout.json
+  spikeloop fit nef_encoder max_rate_high=300 --dimensions 2 --function "x0*x1" --out product.npy
+  spikeloop fit nef_encoder --rates                     the error of rates: no spikes, no kernel
+  spikeloop fit --spikes run/encoder.h5 --target run/sensor.h5 --out readout.json
+
+The encoder's neurons are those of a section of that --name and --seed: write the section's label.
+Without --rates they fire while their input is band-limited noise, and their spikes are filtered with
+the decoder's kernel, exp(-t / tau) / tau, as is the target. The weights minimise
+|activities weights - target|^2 + (regularisation * highest activity)^2 |weights|^2 over the first
+three quarters; the error of the last quarter tells how well they decode what they have not seen.
+
+Weights go to a .json or .npy file, one row an output: weights=FILE in a linear_readout_decoder with
+the same tau.
+
+Exit codes: 0 written, 2 an option cannot be met, 4 a file cannot be read or written)";
+
+void write_json(const std::string& path, const FitResult& result) {
+  std::ofstream file(path);
+  for (std::uint32_t row = 0; row < result.outputs; ++row) {
+    file << (row == 0 ? "[[" : ",\n [");
+    for (std::uint32_t n = 0; n < result.neurons; ++n) {
+      file << (n == 0 ? "" : ", ")
+           << fmt::format("{}", result.weights[std::size_t{row} * result.neurons + n]);
+    }
+    file << "]";
+  }
+  file << "]\n" << std::flush;
+  if (!file) {
+    throw FileError("write the weights", path, errno);
+  }
+}
+
+void write_weights(const std::string& path, const FitResult& result) {
+  path.ends_with(".npy") ? write_npy(path, result.outputs, result.neurons, result.weights)
+                         : write_json(path, result);
+}
+
+/// Where our Python package is, from the program's own place: built or installed.
+std::string python_path() {
+  std::error_code ignored;
+  const fs::path programs = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  const fs::path installed = programs.parent_path() / "share/spikeloop/python";
+  return fs::exists(installed / "spikeloop") ? installed.string() : SPIKELOOP_PYTHON;
+}
+
+void draw(const FitTask& task, const FitResult& result) {
+  const nlohmann::json data{{"title", task.encoder.empty() ? task.spikes : task.encoder},
+                            {"time_s", result.trace.time_s},
+                            {"input", result.trace.input},
+                            {"target", result.trace.target},
+                            {"decoded", result.trace.decoded},
+                            {"training_error", result.training.total},
+                            {"held_out_error", result.held_out.total}};
+  const std::string command =
+      fmt::format("PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'", python_path(),
+                  fs::absolute(task.picture).string());
+  std::FILE* const python = ::popen(command.c_str(), "w");
+  if (python == nullptr) {
+    throw FileError("start python3 for the picture", task.picture, errno);
+  }
+  const std::string text = data.dump();
+  std::fwrite(text.data(), 1, text.size(), python);
+  if (::pclose(python) != 0) {
+    throw FileError(fmt::format("the picture {} was not drawn; python3-matplotlib says above why",
+                                task.picture));
+  }
+}
+
+std::string count(std::uint64_t number, const char* what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+std::string report(const FitTask& task, const FitResult& result) {
+  const std::string source =
+      task.from_rates ? "rates" : fmt::format("spikes, tau {:g} s", task.tau_s);
+  const double part = result.range > 0 ? 100 * result.held_out.total / result.range : 0;
+  return fmt::format(
+      "{}: {}, {}, {} ({})\n"
+      "training error   {:.6f}\n"
+      "held-out error   {:.6f}   {:.2f} % of the target's range\n",
+      task.encoder.empty() ? task.spikes : task.encoder, count(result.neurons, "neuron"),
+      count(result.outputs, "output"), count(result.training.samples, "sample"), source,
+      result.training.total, result.held_out.total, part);
+}
+
+void check(const FitTask& task) {
+  const bool recorded = !task.spikes.empty() || !task.target.empty();
+  if (recorded == !task.encoder.empty()) {
+    throw ConfigurationError(
+        "fit takes an encoder or a recording: write  spikeloop fit nef_encoder  or  spikeloop fit "
+        "--spikes FILE.h5 --target FILE.h5");
+  }
+  if (recorded && (task.spikes.empty() || task.target.empty())) {
+    throw ConfigurationError("--spikes and --target belong together; write both");
+  }
+  if (!task.out.empty() && !task.out.ends_with(".npy") && !task.out.ends_with(".json")) {
+    throw ConfigurationError(fmt::format(
+        "--out {}: the name does not say the format; write a name with .json or .npy", task.out));
+  }
+  if (task.picture.find('\'') != std::string::npos || task.picture.ends_with('/')) {
+    throw ConfigurationError(
+        fmt::format("--picture {}: write the name of a .png file without quotes", task.picture));
+  }
+}
+
+int fit(const FitTask& task) {
+  check(task);
+  const FitResult result = fit_weights(task);
+  put_result(report(task, result));
+  if (!task.out.empty()) {
+    write_weights(task.out, result);
+    put_result(fmt::format("weights          {}\n", task.out));
+  }
+  if (!task.picture.empty()) {
+    draw(task, result);
+    put_result(fmt::format("picture          {}\n", task.picture));
+  }
+  return 0;
+}
+
+void add_options(CLI::App& command, FitTask& task) {
+  constexpr std::uint32_t kMostNeurons = 20'000;  // their matrix has 3 GB
+  command.add_option("ENCODER", task.encoder, "Node class of the encoder");
+  command.add_option("KEY=VALUE", task.keys, "Keys of the encoder");
+  command.add_option("--neurons", task.neurons, "Its output channels")
+      ->check(CLI::Range(1U, kMostNeurons))
+      ->capture_default_str();
+  command.add_option("--dimensions", task.dimensions, "Its input channels")
+      ->check(CLI::Range(1U, 1000U))
+      ->capture_default_str();
+  command.add_option("--name", task.name, "Label of the encoder's section")->capture_default_str();
+  command.add_option("--seed", task.seed, "Of the encoder's random numbers")->capture_default_str();
+  command.add_option("--function", task.function,
+                     "What to decode: expressions of x0, x1, ... with ';' between the outputs");
+  command.add_option("--tau", task.tau_s, "Time constant of the decoder's kernel, s")
+      ->check(CLI::Range(1e-4, 100.0))
+      ->capture_default_str();
+  command.add_flag("--rates", task.from_rates, "Fit to steady rates instead of filtered spikes");
+  command.add_option("--points", task.points, "Inputs for --rates; ten a neuron by default");
+  command.add_option("--duration", task.duration_s, "Simulated time of the spikes, s")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  command.add_option("--cutoff", task.cutoff_Hz, "Highest frequency of the noise, Hz")
+      ->check(CLI::Range(1e-3, 1000.0))
+      ->capture_default_str();
+  command.add_option("--regularisation", task.regularisation, "Share of the highest activity")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command.add_option("--spikes", task.spikes, "Recorded spikes, FILE.h5 or FILE.h5:STREAM");
+  command.add_option("--target", task.target, "Recorded signal to decode, likewise");
+  command.add_option("--out", task.out, "File for the weights, .json or .npy");
+  command.add_option("--picture", task.picture,
+                     "Picture of target, decoded signal and error, .png");
+}
+
+}  // namespace
+
+void add_fit_command(CLI::App& app, std::function<int()>& action) {
+  const auto task = std::make_shared<FitTask>();
+  CLI::App* command = app.add_subcommand("fit", "Fit the weights of a decoder");
+  add_options(*command, *task);
+  command->footer(kFooter);
+  command->callback([task, &action] { action = [task] { return fit(*task); }; });
+}
+
+}  // namespace spikeloop::app
