@@ -1,4 +1,4 @@
-// What the built-in nodes cost: time per tick of 1 ms, and spikes or products per second.
+// What readout and connect cost: time per tick of 1 ms, and spikes or products per second.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -63,33 +63,6 @@ struct Ports {
     time += kTick;
   }
 };
-
-// Encoders of range(0) neurons; every neuron fires at about 2 Hz.
-void encoder(benchmark::State& state, const char* name, bool new_values_each_tick) {
-  const auto width = static_cast<std::uint32_t>(state.range(0));
-  const auto node = make_node(name, {width, width}, {{"rate_max", {"4", {}}}});
-  const std::vector<double> first = random_values(width);
-  const std::vector<double> second(first.rbegin(), first.rend());
-  Ports ports;
-  ports.signal_in = {first.data(), 1, width, 0};
-  ports.spike_out.width = width;
-  ports.step(*node);
-  std::int64_t spikes = 0;
-  for (auto _ : state) {
-    if (new_values_each_tick) {
-      ports.signal_in.values = ++ports.signal_in.revision % 2 == 0 ? second.data() : first.data();
-    }
-    ports.step(*node);
-    spikes += static_cast<std::int64_t>(ports.emitted.size());
-  }
-  state.counters["spikes/tick"] =
-      benchmark::Counter(static_cast<double>(spikes), benchmark::Counter::kAvgIterations);
-  state.SetItemsProcessed(state.iterations() * width);
-}
-BENCHMARK_CAPTURE(encoder, rate_steady, "rate_encoder", false)->Arg(100'000)->Arg(1'000'000);
-BENCHMARK_CAPTURE(encoder, rate_changing, "rate_encoder", true)->Arg(100'000)->Arg(1'000'000);
-BENCHMARK_CAPTURE(encoder, poisson_steady, "poisson_encoder", false)->Arg(100'000)->Arg(1'000'000);
-BENCHMARK_CAPTURE(encoder, poisson_changing, "poisson_encoder", true)->Arg(100'000)->Arg(1'000'000);
 
 // A readout of 100,000 neurons with range(0) spikes a tick onto range(1) outputs.
 void linear_readout(benchmark::State& state) {
