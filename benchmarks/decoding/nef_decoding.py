@@ -104,7 +104,7 @@ def _held_out(a, y, neurons):
 
 
 def seeds_of(neurons):
-    return range(1, 6) if neurons <= 400 else range(1, 3) if neurons <= 800 else range(1, 2)
+    return range(1, 1 + max(1, min(20, 1600 // neurons)))
 
 
 def draw(rows, path):

@@ -93,7 +93,8 @@ HWY_INLINE Present present_of(const NefFast& fast, const NefSlow& slow, std::siz
   Mask committed = hn::FirstN(d, 0);
   if (model.resolution > 0) {
     committed = hn::And(rises, hn::Le(crossing, passed));
-    const double after = model.resolution - change.since_grid + model.refractory;
+    const double after = model.resolution - change.since_grid +
+                         std::max(model.refractory, kNefShortestInterval);
     left = hn::IfThenElse(committed, set(after), left);
     potential = hn::IfThenElse(committed, zero, potential);
   }

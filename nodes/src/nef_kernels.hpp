@@ -75,7 +75,7 @@ struct NefFiring {
 std::size_t fire_once(NefFiring& firing, std::span<std::uint32_t> blocks);
 
 inline constexpr double kNefNever = std::numeric_limits<double>::infinity();
-/// Neurons fire at most once in a microsecond.
+/// Between two changes of the input, neurons fire at most once in a microsecond.
 inline constexpr double kNefShortestInterval = 1000;
 
 }  // namespace spikeloop
