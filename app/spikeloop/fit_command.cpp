@@ -1,7 +1,7 @@
 #include "fit_command.hpp"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fit_task.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -25,7 +26,8 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop fit nef_encoder --rates                     the error of rates: no spikes, no kernel
   spikeloop fit --spikes run/encoder.h5 --target run/sensor.h5 --out readout.json
 
-The encoder's neurons are those of a section of that --name and --seed: write the section's label.
+The encoder's neurons are those of a section with this label (--name), seed and these keys; a line of
+the output says how to write it, because older program names have other defaults.
 Without --rates they fire while their input is band-limited noise, and their spikes are filtered with
 the decoder's kernel, exp(-t / tau) / tau, as is the target. The weights minimise
 |activities weights - target|^2 + (regularisation * highest activity)^2 |weights|^2 over the first
@@ -95,14 +97,28 @@ std::string count(std::uint64_t number, const char* what) {
 std::string report(const FitTask& task, const FitResult& result) {
   const std::string source =
       task.from_rates ? "rates" : fmt::format("spikes, tau {:g} s", task.tau_s);
-  const double part = result.range > 0 ? 100 * result.held_out.total / result.range : 0;
+  const std::string part = result.range > 0
+                               ? fmt::format("   {:.2f} % of the target's range",
+                                             100 * result.held_out.total / result.range)
+                               : std::string("   of a target that stays the same");
   return fmt::format(
       "{}: {}, {}, {} ({})\n"
       "training error   {:.6f}\n"
-      "held-out error   {:.6f}   {:.2f} % of the target's range\n",
+      "held-out error   {:.6f}{}\n",
       task.encoder.empty() ? task.spikes : task.encoder, count(result.neurons, "neuron"),
       count(result.outputs, "output"), count(result.training.samples, "sample"), source,
       result.training.total, result.held_out.total, part);
+}
+
+/// Before hours of work.
+void check_writable(const std::string& file) {
+  if (file.empty()) {
+    return;
+  }
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (::access(folder.c_str(), W_OK) != 0) {
+    throw FileError("write to the folder of", file, errno);
+  }
 }
 
 void check(const FitTask& task) {
@@ -119,16 +135,31 @@ void check(const FitTask& task) {
     throw ConfigurationError(fmt::format(
         "--out {}: the name does not say the format; write a name with .json or .npy", task.out));
   }
-  if (task.picture.find('\'') != std::string::npos || task.picture.ends_with('/')) {
+  if (!task.picture.empty() &&
+      (task.picture.find('\'') != std::string::npos || !task.picture.ends_with(".png"))) {
     throw ConfigurationError(
         fmt::format("--picture {}: write the name of a .png file without quotes", task.picture));
+  }
+  check_writable(task.out);
+  check_writable(task.picture);
+}
+
+FitResult fitted(const FitTask& task) {
+  try {
+    return fit_weights(task);
+  } catch (const std::bad_alloc&) {
+    throw ConfigurationError(
+        "there is not enough memory for so many neurons; write fewer --neurons");
   }
 }
 
 int fit(const FitTask& task) {
   check(task);
-  const FitResult result = fit_weights(task);
+  const FitResult result = fitted(task);
   put_result(report(task, result));
+  if (!result.section.empty()) {
+    put_result(fmt::format("section          {}\n", result.section));
+  }
   if (!task.out.empty()) {
     write_weights(task.out, result);
     put_result(fmt::format("weights          {}\n", task.out));
@@ -140,36 +171,68 @@ int fit(const FitTask& task) {
   return 0;
 }
 
+/// From `least` to `most`, which CLI11's own check would let NaN pass.
+CLI::Validator between(double least, double most) {
+  return {[least, most](const std::string& text) {
+            double value = 0;
+            const bool good =
+                CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return good ? std::string()
+                        : fmt::format("'{}' is not a number from {:g} to {:g}; write one", text,
+                                      least, most);
+          },
+          ""};
+}
+
+/// What draws neurons and makes them fire; a recording has it all.
+std::vector<CLI::Option*> add_encoder_options(CLI::App& command, FitTask& task) {
+  auto* neurons = command.add_option("--neurons", task.neurons, "Its output channels")
+                      ->check(CLI::Range(1U, kMostNeurons))
+                      ->capture_default_str();
+  auto* dimensions = command.add_option("--dimensions", task.dimensions, "Its input channels")
+                         ->check(CLI::Range(1U, 1000U))
+                         ->capture_default_str();
+  auto* name = command.add_option("--name", task.name, "Label of the encoder's section")
+                   ->check(named("section"))
+                   ->capture_default_str();
+  auto* seed = command.add_option_function<std::string>(
+      "--seed", [&task](const std::string& text) { task.seed = app::seed(text); },
+      "Of the encoder's random numbers [1]");
+  auto* rates = command.add_flag("--rates", task.from_rates,
+                                 "Fit to steady rates instead of filtered spikes");
+  auto* points = command.add_option("--points", task.points, "Inputs for --rates [ten a neuron]")
+                     ->check(CLI::Range(10U, 100'000'000U))
+                     ->needs(rates);
+  auto* duration = command.add_option("--duration", task.duration_s, "Simulated time, s")
+                       ->check(between(0.1, 1e6))
+                       ->excludes(rates)
+                       ->capture_default_str();
+  auto* cutoff =
+      command.add_option("--cutoff", task.cutoff_Hz, "Highest frequency of the input noise, Hz")
+          ->check(between(1e-3, 1000.0))
+          ->excludes(rates)
+          ->capture_default_str();
+  return {neurons, dimensions, name, seed, rates, points, duration, cutoff};
+}
+
 void add_options(CLI::App& command, FitTask& task) {
-  constexpr std::uint32_t kMostNeurons = 20'000;  // their matrix has 3 GB
   command.add_option("ENCODER", task.encoder, "Node class of the encoder");
   command.add_option("KEY=VALUE", task.keys, "Keys of the encoder");
-  command.add_option("--neurons", task.neurons, "Its output channels")
-      ->check(CLI::Range(1U, kMostNeurons))
-      ->capture_default_str();
-  command.add_option("--dimensions", task.dimensions, "Its input channels")
-      ->check(CLI::Range(1U, 1000U))
-      ->capture_default_str();
-  command.add_option("--name", task.name, "Label of the encoder's section")->capture_default_str();
-  command.add_option("--seed", task.seed, "Of the encoder's random numbers")->capture_default_str();
+  const auto of_encoder = add_encoder_options(command, task);
+  auto* spikes =
+      command.add_option("--spikes", task.spikes, "Recorded spikes, FILE.h5 or FILE.h5:STREAM");
+  for (CLI::Option* option : of_encoder) {
+    spikes->excludes(option);
+  }
+  command.add_option("--target", task.target, "Recorded signal to decode, likewise");
   command.add_option("--function", task.function,
                      "What to decode: expressions of x0, x1, ... with ';' between the outputs");
   command.add_option("--tau", task.tau_s, "Time constant of the decoder's kernel, s")
-      ->check(CLI::Range(1e-4, 100.0))
-      ->capture_default_str();
-  command.add_flag("--rates", task.from_rates, "Fit to steady rates instead of filtered spikes");
-  command.add_option("--points", task.points, "Inputs for --rates; ten a neuron by default");
-  command.add_option("--duration", task.duration_s, "Simulated time of the spikes, s")
-      ->check(CLI::Range(0.1, 1e6))
-      ->capture_default_str();
-  command.add_option("--cutoff", task.cutoff_Hz, "Highest frequency of the noise, Hz")
-      ->check(CLI::Range(1e-3, 1000.0))
+      ->check(between(1e-4, 100.0))
       ->capture_default_str();
   command.add_option("--regularisation", task.regularisation, "Share of the highest activity")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(between(0.0, 100.0))
       ->capture_default_str();
-  command.add_option("--spikes", task.spikes, "Recorded spikes, FILE.h5 or FILE.h5:STREAM");
-  command.add_option("--target", task.target, "Recorded signal to decode, likewise");
   command.add_option("--out", task.out, "File for the weights, .json or .npy");
   command.add_option("--picture", task.picture,
                      "Picture of target, decoded signal and error, .png");

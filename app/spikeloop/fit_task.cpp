@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "output.hpp"
 #include "spikeloop/core/registry.hpp"
 #include "spikeloop/fit/samples.hpp"
 #include "spikeloop/nodes/expression.hpp"
@@ -47,8 +48,7 @@ class Fit {
   FitResult result() {
     if (!evaluation_) {
       solve();  // which may have more to complain of
-      throw ConfigurationError(
-          "there is no sample to judge the weights by; write a longer duration");
+      throw ConfigurationError("there is no sample to judge the weights by; fit to a longer time");
     }
     result_.held_out = evaluation_->errors();
     result_.range = greatest_ - least_;
@@ -113,6 +113,32 @@ void check_class(const NodeDescription& description) {
   }
 }
 
+/// The widths that the node would get from its connections.
+void check_widths(const NodeDescription& description, const FitTask& task) {
+  const WidthRule& in = description.ports[0].width;
+  const WidthRule& out = description.ports[1].width;
+  if (out.kind == WidthRule::Kind::same_as && task.neurons != task.dimensions) {
+    throw ConfigurationError(fmt::format(
+        "{} has one neuron a dimension, not {} for {}; write --neurons {} --dimensions {}",
+        description.name, task.neurons, task.dimensions, task.neurons, task.neurons));
+  }
+  if ((in.kind == WidthRule::Kind::fixed && in.value != task.dimensions) ||
+      (out.kind == WidthRule::Kind::fixed && out.value != task.neurons)) {
+    throw ConfigurationError(fmt::format("{} has ports of other widths; see spikeloop describe {}",
+                                         description.name, description.name));
+  }
+}
+
+/// What a section with the same neurons says: an older program's defaults are others.
+std::string section_of(const FitTask& task) {
+  std::string text =
+      fmt::format("[{}] binary=spikeloop-node node={} seed={}", task.name, task.encoder, task.seed);
+  for (const std::string& key : task.keys) {
+    text += " " + key;
+  }
+  return text;
+}
+
 /// Of the represented value, and how many outputs it has.
 std::pair<fit::Function, std::uint32_t> function_of(const std::string& text,
                                                     std::uint32_t dimensions) {
@@ -139,6 +165,7 @@ FitResult fit_encoder(const FitTask& task) {
   register_nodes(registry);
   const NodeClass& node_class = registry.find(task.encoder);
   check_class(node_class.description);
+  check_widths(node_class.description, task);
   fit::Encoder encoder{
       .node_class = &node_class,
       .parameters = resolve(node_class.description.parameters, written_keys(task.keys), {}),
@@ -148,6 +175,10 @@ FitResult fit_encoder(const FitTask& task) {
       .neurons = task.neurons};
   if (encoder.parameters.all().contains("radius")) {
     encoder.radius = encoder.parameters.number("radius");
+  }
+  if (encoder.parameters.all().contains("out_of_range") &&
+      encoder.parameters.text("out_of_range") == "pass") {
+    encoder.bound = std::numeric_limits<double>::infinity();
   }
   const auto [function, outputs] = function_of(task.function, task.dimensions);
   Fit fit(task.neurons, outputs, task.regularisation);
@@ -161,11 +192,37 @@ FitResult fit_encoder(const FitTask& task) {
   } else {
     const fit::RunSettings settings{
         .tau_s = task.tau_s, .duration_s = task.duration_s, .cutoff_Hz = task.cutoff_Hz};
+    const double settled_s = fit::settling_time_s(settings);
+    const double split_s = settled_s + kTraining * (task.duration_s - settled_s);
     fit::sample_spikes(encoder, settings, function, outputs, [&](const fit::Sample& sample) {
-      sample.time_s < kTraining* task.duration_s ? fit.train(sample) : fit.judge(sample);
+      sample.time_s < split_s ? fit.train(sample) : fit.judge(sample);
     });
   }
-  return fit.result();
+  FitResult result = fit.result();
+  result.section = section_of(task);
+  return result;
+}
+
+/// What is not wrong, but should be known.
+void warn_of(const std::string& file, std::uint64_t dropped) {
+  if (dropped > 0) {
+    put(stderr, fmt::format("spikeloop: warning: {}: the recorder lost {} entries of the stream\n",
+                            file, dropped));
+  }
+  if (!record::read_info(file).complete) {
+    put(stderr, fmt::format("spikeloop: warning: {}: the recording was not closed\n", file));
+  }
+}
+
+void warn_of_two_runs(const std::string& spikes, const std::string& target) {
+  const record::FileInfo a = record::read_info(spikes);
+  const record::FileInfo b = record::read_info(target);
+  if (a.seed != b.seed || a.tick != b.tick) {
+    put(stderr,
+        fmt::format("spikeloop: warning: {} and {} are of different runs (seed {} and {}, "
+                    "tick {} and {})\n",
+                    spikes, target, a.seed, b.seed, format_time(a.tick), format_time(b.tick)));
+  }
 }
 
 /// "run/encoder.h5:out": the file, and which of its streams; the only one when it is not named.
@@ -192,18 +249,28 @@ FitResult fit_recording(const FitTask& task) {
   const auto [target_file, target_stream] = stream_of(task.target, "--target", false);
   const auto spikes = record::read_spikes(spike_file, spike_stream);
   const auto signal = record::read_signal(target_file, target_stream);
+  warn_of(spike_file, spikes.dropped);
+  warn_of(target_file, signal.dropped);
+  warn_of_two_runs(spike_file, target_file);
+  if (spikes.width > kMostNeurons) {
+    throw ConfigurationError(fmt::format("--spikes {}: {} channels; at most {} can be fitted",
+                                         spike_file, spikes.width, kMostNeurons));
+  }
   const TimeNs end = std::min(spikes.until, signal.until);
   const auto [function, outputs] = function_of(task.function, signal.width);
   Fit fit(spikes.width, outputs, task.regularisation);
+  const fit::RunSettings settings{.tau_s = task.tau_s};
+  const double begin_s =
+      signal.times.empty() ? 0 : to_seconds(signal.times[0]) + fit::settling_time_s(settings);
+  const double split_s = begin_s + kTraining * (to_seconds(end) - begin_s);
   fit::sample_recording({.spikes = spikes.spikes,
                          .neurons = spikes.width,
                          .times = signal.times,
                          .values = signal.values,
                          .width = signal.width,
                          .end = end},
-                        {.tau_s = task.tau_s}, function, outputs, [&](const fit::Sample& sample) {
-                          sample.time_s < kTraining* to_seconds(end) ? fit.train(sample)
-                                                                     : fit.judge(sample);
+                        settings, function, outputs, [&](const fit::Sample& sample) {
+                          sample.time_s < split_s ? fit.train(sample) : fit.judge(sample);
                         });
   return fit.result();
 }

@@ -9,6 +9,8 @@
 
 namespace spikeloop::app {
 
+inline constexpr std::uint32_t kMostNeurons = 10'000;  ///< their two matrices have 1.6 GB
+
 struct FitTask {
   std::string encoder;            ///< node class; empty: recorded spikes
   std::vector<std::string> keys;  ///< KEY=VALUE of the encoder
@@ -43,7 +45,8 @@ struct FitResult {
   std::vector<double> weights;  ///< outputs x neurons
   fit::Errors training;
   fit::Errors held_out;
-  double range = 0;  ///< of the held-out targets, greatest minus least
+  std::string section;  ///< what the encoder's section must say; empty for a recording
+  double range = 0;     ///< of the held-out targets, greatest minus least
   FitTrace trace;
 };
 

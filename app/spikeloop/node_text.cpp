@@ -102,9 +102,10 @@ std::string tables(const NodeDescription& description) {
 std::string how_to_run(const NodeDescription& description) {
   const auto programs = launch::programs_of_node(description.name);
   return fmt::format(
-      "Run it with binary={0}spikeloop-node and node={1}.\n",
+      "Run it with binary={0}spikeloop-node and node={1}.{2}\n",
       programs.empty() ? "" : fmt::format("{}, or with binary=", fmt::join(programs, " or ")),
-      description.name);
+      description.name,
+      description.shareable ? " np processes and threads= in each share its output channels." : "");
 }
 
 /// What a table may be written as. One that has no default is too special for the short forms.

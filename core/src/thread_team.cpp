@@ -6,6 +6,7 @@
 #include <atomic>
 #include <exception>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -57,9 +58,6 @@ class ThreadTeam final : public Node {
       own.share = {setup.share.index * threads + i, setup.share.parts * threads};
       members_[i].node = node_class.create(own);
     }
-    for (unsigned i = 1; i < threads; ++i) {
-      threads_.emplace_back([this, i] { work(members_[i]); });
-    }
   }
 
   ~ThreadTeam() override {
@@ -70,6 +68,9 @@ class ThreadTeam final : public Node {
   }
 
   void step(const Step& step) override {
+    if (threads_.empty()) {
+      start();
+    }
     begin(&step.plain());
     members_.front().step(step.plain());
     for (unsigned left = busy_.load(); left != 0; left = busy_.load()) {
@@ -95,6 +96,19 @@ class ThreadTeam final : public Node {
   }
 
  private:
+  /// Now, because a node that is only checked needs none.
+  void start() {
+    try {
+      for (std::size_t i = 1; i < members_.size(); ++i) {
+        threads_.emplace_back([this, i] { work(members_[i]); });
+      }
+    } catch (const std::system_error&) {
+      throw std::runtime_error(
+          fmt::format("only {} of {} threads could be started; write a smaller number of threads",
+                      threads_.size() + 1, members_.size()));
+    }
+  }
+
   /// Lets the threads do a step; null: end.
   void begin(const spikeloop_step* step) {
     step_ = step;

@@ -64,16 +64,16 @@ std::vector<double> Regression::solve(double regularisation) const {
   Impl& own = *impl_;
   own.flush();
   if (own.samples == 0) {
-    throw ConfigurationError("there is no sample to fit to; write a longer duration");
+    throw ConfigurationError("there is no sample to fit to; fit to a longer time");
   }
   if (own.highest == 0) {
     throw ConfigurationError(
-        "no neuron has fired; give inputs at which the neurons fire, or a longer duration");
+        "no neuron has fired; give inputs at which the neurons fire, or a longer time");
   }
   const double strength = regularisation * own.highest;
   Eigen::MatrixXd matrix = own.gram;
   matrix.diagonal().array() += static_cast<double>(own.samples) * strength * strength;
-  const Eigen::LLT<Eigen::MatrixXd> factors(matrix.selfadjointView<Eigen::Lower>());
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factors(matrix);  // in place
   if (factors.info() != Eigen::Success) {
     throw ConfigurationError(
         "the equations have no unique solution: some neurons do the same, or never fire; write a "

@@ -19,6 +19,7 @@ class Driver {
                                           .seed = encoder.seed,
                                           .parameters = encoder.parameters,
                                           .widths = {encoder.dimensions, encoder.neurons}})),
+        neurons_(encoder.neurons),
         input_(encoder.dimensions) {}
 
   void set(std::span<const double> input) {
@@ -42,10 +43,17 @@ class Driver {
  private:
   static void append(void* sink, const Spike* spikes, std::uint64_t count) {
     auto& own = *static_cast<Driver*>(sink);
+    for (const Spike& spike : std::span(spikes, count)) {
+      if (spike.channel < 0 || static_cast<std::uint32_t>(spike.channel) >= own.neurons_) {
+        throw ConfigurationError("the encoder fires on channel " + std::to_string(spike.channel) +
+                                 ", but has channels 0 to " + std::to_string(own.neurons_ - 1));
+      }
+    }
     own.spikes_.insert(own.spikes_.end(), spikes, spikes + count);
   }
 
   std::unique_ptr<Node> node_;
+  std::uint32_t neurons_;
   std::vector<double> input_;
   std::uint64_t revision_ = 0;
   TimeNs time_ = 0;
@@ -58,8 +66,8 @@ double normal(const RandomStream& stream, std::uint64_t channel, std::uint64_t d
          std::cos(2 * std::numbers::pi * stream.uniform(channel, 2 * draw + 1));
 }
 
-/// Equally likely everywhere in the ball.
-void draw_point(const RandomStream& stream, std::uint64_t index, double radius,
+/// Equally likely everywhere in the ball; components beyond the bound are cut.
+void draw_point(const RandomStream& stream, std::uint64_t index, const Encoder& encoder,
                 std::span<double> point) {
   double squares = 0;
   for (std::size_t k = 0; k < point.size(); ++k) {
@@ -67,19 +75,19 @@ void draw_point(const RandomStream& stream, std::uint64_t index, double radius,
     squares += point[k] * point[k];
   }
   const double part = stream.uniform(index, 2 * point.size());
-  const double length = radius * std::pow(part, 1 / static_cast<double>(point.size()));
+  const double length = encoder.radius * std::pow(part, 1 / static_cast<double>(point.size()));
   for (double& component : point) {
-    component *= length / std::sqrt(squares);
+    component = std::clamp(component * length / std::sqrt(squares), -encoder.bound, encoder.bound);
   }
 }
 
 /// A sum of sinusoids up to a frequency.
 class Noise {
  public:
-  Noise(std::uint64_t seed, std::uint32_t dimensions, double cutoff_Hz, double radius)
-      : dimensions_(dimensions), radius_(radius) {
-    const RandomStream stream(seed, "band-limited noise");
-    for (std::uint32_t k = 0; k < dimensions; ++k) {
+  Noise(const Encoder& encoder, double cutoff_Hz)
+      : dimensions_(encoder.dimensions), radius_(encoder.radius), bound_(encoder.bound) {
+    const RandomStream stream(encoder.seed, "band-limited noise");
+    for (std::uint32_t k = 0; k < dimensions_; ++k) {
       for (std::uint64_t i = 0; i < kSinusoids; ++i) {
         frequencies_.push_back(cutoff_Hz * stream.uniform(k, 2 * i));
         phases_.push_back(2 * std::numbers::pi * stream.uniform(k, 2 * i + 1));
@@ -87,7 +95,7 @@ class Noise {
     }
   }
 
-  /// Cut to the radius.
+  /// Cut to the radius and the bound.
   void at(double time_s, std::span<double> x) const {
     double squares = 0;
     for (std::uint32_t k = 0; k < dimensions_; ++k) {
@@ -100,7 +108,7 @@ class Noise {
     }
     const double scale = std::min(1.0, radius_ / std::sqrt(squares));
     for (double& component : x) {
-      component *= scale;
+      component = std::clamp(component * scale, -bound_, bound_);
     }
   }
 
@@ -109,6 +117,7 @@ class Noise {
 
   std::uint32_t dimensions_;
   double radius_;
+  double bound_;
   std::vector<double> frequencies_;
   std::vector<double> phases_;
 };
@@ -135,6 +144,10 @@ void rates_of(std::span<const Spike> spikes, std::span<double> rates) {
 
 }  // namespace
 
+double settling_time_s(const RunSettings& settings) {
+  return 5 * settings.tau_s;  // then the kernel has forgotten its beginning
+}
+
 void sample_rates(const Encoder& encoder, std::uint32_t points, std::uint64_t stream,
                   const Function& function, std::uint32_t outputs, const TakeSample& take) {
   constexpr TimeNs kSettle = 200'000'000;   // the transient after a change
@@ -145,7 +158,7 @@ void sample_rates(const Encoder& encoder, std::uint32_t points, std::uint64_t st
   std::vector<double> rates(encoder.neurons);
   std::vector<double> targets(outputs);
   for (std::uint32_t i = 0; i < points; ++i) {
-    draw_point(random, i, encoder.radius, input);
+    draw_point(random, i, encoder, input);
     driver.set(input);
     driver.step(kSettle);
     rates_of(driver.step(kMeasure), rates);
@@ -178,7 +191,7 @@ class Sampling {
       : settings_(settings),
         function_(function),
         keep_(std::exp(-to_seconds(settings.tick) / settings.tau_s)),
-        settled_(static_cast<std::uint64_t>(5 * settings.tau_s / to_seconds(settings.tick))),
+        settled_(static_cast<std::uint64_t>(settling_time_s(settings) / to_seconds(settings.tick))),
         filtered_(neurons, settings.tau_s),
         wanted_(outputs),
         targets_(outputs, 0.0) {}
@@ -214,7 +227,7 @@ void sample_spikes(const Encoder& encoder, const RunSettings& settings, const Fu
                    std::uint32_t outputs, const TakeSample& take) {
   const double tick_s = to_seconds(settings.tick);
   const auto ticks = static_cast<std::uint64_t>(settings.duration_s / tick_s);
-  const Noise noise(encoder.seed, encoder.dimensions, settings.cutoff_Hz, encoder.radius);
+  const Noise noise(encoder, settings.cutoff_Hz);
   Driver driver(encoder);
   Sampling sampling(settings, function, encoder.neurons, outputs);
   std::vector<double> input(encoder.dimensions);

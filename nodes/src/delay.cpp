@@ -73,7 +73,7 @@ class Delay final : public Node {
 NodeClass delay_class() {
   NodeDescription description;
   description.name = "delay";
-  description.text = "Gives a signal back after some time";
+  description.text = "Gives a signal back after some time, in whole ticks";
   description.source = "y(t) = x(t - delay)";
   description.ports = {
       {"in", PortKind::signal, Direction::input, {}, "The values to delay"},

@@ -6,6 +6,12 @@
 
 namespace spikeloop {
 
+namespace {
+
+constexpr double kUsual = 1.0;  // values within it need no policy
+
+}  // namespace
+
 ParameterDescription initial_of_encoder_parameter() {
   return {.name = "initial",
           .type = ParameterType::text,
@@ -76,7 +82,7 @@ void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   if (input.valid()) {
     if (input.revision != revision_) {
       const auto own = input.values.subspan(schedule.first(), schedule.channels());
-      schedule.set_rates(now, own, middle_, half_range_,
+      schedule.set_rates(now, own, middle_, half_range_, kUsual,
                          [&](std::span<const double> part, std::size_t first) {
                            return treated(part, schedule.first() + first);
                          });
@@ -91,7 +97,7 @@ void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
 }
 
 std::span<const double> EncoderInput::treated(std::span<const double> values, std::size_t first) {
-  if (all_within(values, 1.0)) {
+  if (all_within(values, kUsual)) {
     return values;  // as good values are, nothing is copied
   }
   treated_.resize(values.size());

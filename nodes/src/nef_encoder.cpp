@@ -14,6 +14,8 @@ namespace spikeloop {
 
 namespace {
 
+constexpr double kMostInput = 1e100;
+
 class NefEncoder final : public Node {
  public:
   explicit NefEncoder(const NodeSetup& setup)
@@ -70,7 +72,8 @@ class NefEncoder final : public Node {
   bool take(std::span<const double> values) {
     bool changed = false;
     for (std::size_t k = 0; k < x_.size(); ++k) {
-      const double value = policy_.treat(values[k], k);
+      // So that no sum of products overflows; NaN stays.
+      const double value = std::clamp(policy_.treat(values[k], k), -kMostInput, kMostInput);
       if (!std::isnan(value) && value != x_[k]) {
         x_[k] = value;
         changed = true;

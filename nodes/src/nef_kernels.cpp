@@ -89,12 +89,14 @@ HWY_INLINE Present present_of(const NefFast& fast, const NefSlow& slow, std::siz
   const Vector factor = exponential(d, hn::Div(hn::Sub(known_at, passed), set(model.tau)));
   // Rounding must not carry it over the threshold: it would fire when its input ends.
   Vector potential = hn::Min(fused(d, hn::Sub(known, target), factor, target), threshold);
+  // Between two changes it goes one way only: what stays at the floor is found at the change.
+  potential = hn::Max(potential, set(model.floor));
   potential = hn::IfThenElse(hn::Gt(left, zero), zero, potential);
   Mask committed = hn::FirstN(d, 0);
   if (model.resolution > 0) {
     committed = hn::And(rises, hn::Le(crossing, passed));
-    const double after = model.resolution - change.since_grid +
-                         std::max(model.refractory, kNefShortestInterval);
+    const double after =
+        model.resolution - change.since_grid + std::max(model.refractory, kNefShortestInterval);
     left = hn::IfThenElse(committed, set(after), left);
     potential = hn::IfThenElse(committed, zero, potential);
   }
@@ -110,7 +112,7 @@ HWY_INLINE Vector new_target(const NefSlow& block, std::size_t lane, const float
     along = fused(d, load(directions + k * kNefBlock + lane), set(change.input[k]), along);
   }
   const Vector current = fused(d, load(block.gain + lane), along, load(block.bias + lane));
-  return hn::Mul(set(change.model->scale), current);
+  return fused(d, set(change.model->scale), current, set(change.model->threshold));
 }
 
 void note_committed(Mask committed, std::size_t first, std::vector<std::uint32_t>& neurons) {

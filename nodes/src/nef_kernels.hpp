@@ -13,8 +13,9 @@ namespace spikeloop {
 /// potential; times are in ns.
 struct NefModel {
   double tau;         ///< time constant of the membrane
-  double scale;       ///< a neuron's potential tends to  scale * (bias + gain * along)
+  double scale;       ///< a potential tends to  threshold + scale * (bias + gain * along)
   double threshold;   ///< > 0
+  double floor;       ///< a potential is never below it: 0, or minus infinity
   double refractory;  ///< period after a spike in which the potential stays 0
   double resolution;  ///< of the grid on which spikes stand; 0: none
 };
@@ -33,7 +34,7 @@ struct alignas(64) NefFast {
 struct NefSlow {
   float rest[kNefBlock];  ///< what was left of a refractory period at the change
   float gain[kNefBlock];
-  float bias[kNefBlock];
+  float bias[kNefBlock];  ///< from the threshold on, so that it is precise there
 };
 
 // A block has one more number, before which it has no spike.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -69,14 +70,25 @@ void check_keys(const Parameters& given) {
 }
 
 void check_rates(const Parameters& given) {
+  constexpr double kLeast_s = 1e-6;  // from the refractory period to the spike
+  constexpr double kMostTaus = 25;   // beyond, the membrane is within 1e-11 of its target
   const double highest = given.number("max_rate_high");
+  const double lowest = given.number("max_rate_low");
   const double t_ref = given.number("t_ref");
-  if (highest * t_ref >= 1) {
+  const double tau_m = given.number("tau_m");
+  if ((1 / lowest - t_ref) / tau_m > kMostTaus) {
+    throw ConfigurationError(
+        given.where(given.given("max_rate_low") ? "max_rate_low" : "tau_m"),
+        fmt::format("key 'max_rate_low': {} Hz are too slow for a membrane of {} s; write at least "
+                    "{:.3g} Hz, or a longer tau_m",
+                    lowest, tau_m, 1.01 / (t_ref + kMostTaus * tau_m)));
+  }
+  if (!(1 / highest - t_ref >= kLeast_s)) {
     throw ConfigurationError(
         given.where(given.given("max_rate_high") ? "max_rate_high" : "t_ref"),
         fmt::format("key 'max_rate_high': {} Hz leaves no time between refractory periods of {} s; "
                     "write less than {:g} Hz",
-                    highest, t_ref, 1 / t_ref));
+                    highest, t_ref, 1 / (t_ref + kLeast_s)));
   }
 }
 
@@ -127,7 +139,8 @@ struct Tuning {
   double bias;
 };
 
-/// Draws gain and bias: of Nengo's convention in units of the threshold, else in pA.
+/// Draws gain and bias: of Nengo's convention in units of the threshold, else in pA. The bias is
+/// counted from what holds a neuron at the threshold.
 class TuningDraw {
  public:
   explicit TuningDraw(const Parameters& given)
@@ -135,13 +148,14 @@ class TuningDraw {
         t_ref_(given.number("t_ref")),
         tau_m_(number(given, "tau_m")),
         radius_(given.number("radius")),
+        rheobase_(number(given, "v_th") / (tau_m_ / number(given, "c_m") * 1e3)),
         first_(bounds(given, "max_rate_low", "max_rate_high", "gain_min", "gain_max")),
         second_(bounds(given, "intercept_low", "intercept_high", "bias_min", "bias_max")) {}
 
   Tuning draw(const RandomStream& stream, std::uint64_t neuron) const {
     const double first = first_.at(stream.uniform(neuron, kGain));
     const double second = second_.at(stream.uniform(neuron, kBias));
-    return nengo_ ? of_nengo(first, second) : Tuning{first, second};
+    return nengo_ ? of_nengo(first, second) : Tuning{first, second - rheobase_};
   }
 
  private:
@@ -157,18 +171,19 @@ class TuningDraw {
   }
 
   Tuning of_nengo(double max_rate, double intercept) const {
-    // The drive at which the membrane takes so long from 0 to the threshold.
-    const double drive = -1 / std::expm1((t_ref_ - 1 / max_rate) / tau_m_);
-    const double gain = (drive - 1) / (1 - intercept);
-    return {gain / radius_, 1 - gain * intercept};
+    // How far above the threshold the drive is with which the membrane takes so long to meet it.
+    const double above = 1 / std::expm1((1 / max_rate - t_ref_) / tau_m_);
+    const double gain = above / (1 - intercept);
+    return {gain / radius_, -gain * intercept};
   }
 
   bool nengo_;
   double t_ref_;  // s
   double tau_m_;  // s
   double radius_;
-  Bounds first_;   // of rates in Hz, or gains
-  Bounds second_;  // of intercepts, or biases
+  double rheobase_;  // pA, rma and ma
+  Bounds first_;     // of rates in Hz, or gains
+  Bounds second_;    // of intercepts, or biases
 };
 
 ParameterDescription number(std::string name, std::string unit, std::string value, double minimum,
@@ -240,6 +255,7 @@ NefModel nef_model(const Parameters& given) {
           // s / pF * pA in mV
           .scale = is_nengo(given) ? 1 : tau / number(given, "c_m") * 1e3,
           .threshold = threshold,
+          .floor = is_nengo(given) ? 0 : -std::numeric_limits<double>::infinity(),
           .refractory = static_cast<double>(from_seconds(given.number("t_ref"))),
           .resolution = static_cast<double>(grid_of(given))};
 }

@@ -32,14 +32,17 @@ void NefPopulation::set_neuron(std::uint32_t n, double gain, double bias, double
 }
 
 void NefPopulation::set_input(TimeNs now, std::span<const double> x) {
-  change(now, directions_.data(), x);
+  input_.assign(x.begin(), x.end());
+  has_input_ = true;
+  change(now);
 }
 
 void NefPopulation::rest(TimeNs now) {
-  change(now, nullptr, {});
+  has_input_ = false;
+  change(now);
 }
 
-void NefPopulation::change(TimeNs now, const float* directions, std::span<const double> x) {
+void NefPopulation::change(TimeNs now) {
   const auto passed = static_cast<double>(now - since_);
   since_ = now;
   change_targets({.model = &model_,
@@ -47,9 +50,9 @@ void NefPopulation::change(TimeNs now, const float* directions, std::span<const 
                   .slow = slow_.data(),
                   .earliest = earliest_.data(),
                   .block_count = fast_.size(),
-                  .directions = directions,
-                  .input = x.data(),
-                  .dimensions = x.size(),
+                  .directions = has_input_ ? directions_.data() : nullptr,
+                  .input = input_.data(),
+                  .dimensions = dimensions_,
                   .passed = passed,
                   .since_grid = static_cast<double>(since_grid()),
                   .committed = &committed_});
@@ -75,6 +78,15 @@ void NefPopulation::take_fired(std::uint32_t first_channel, std::vector<Spike>& 
 }
 
 void NefPopulation::advance(TimeNs end, std::uint32_t first_channel, std::vector<Spike>& spikes) {
+  while (end - since_ > kLongest) {
+    const TimeNs now = since_ + kLongest;
+    fire(now, first_channel, spikes);
+    change(now);
+  }
+  fire(end, first_channel, spikes);
+}
+
+void NefPopulation::fire(TimeNs end, std::uint32_t first_channel, std::vector<Spike>& spikes) {
   take_committed(end, first_channel, spikes);
   firing_.since_grid = static_cast<double>(since_grid());
   firing_.limit = static_cast<double>(end - since_);

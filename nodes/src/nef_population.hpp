@@ -21,7 +21,8 @@ class NefPopulation {
   NefPopulation& operator=(const NefPopulation&) = delete;
 
   /// Neuron n keeps `potential` until the first input comes, and gets the current
-  /// bias + gain * (direction . x)  from input x.
+  /// bias + gain * (direction . x)  from input x, counted from the current that holds it at the
+  /// threshold.
   void set_neuron(std::uint32_t n, double gain, double bias, double potential,
                   std::span<const double> direction);
 
@@ -34,7 +35,11 @@ class NefPopulation {
   void advance(TimeNs end, std::uint32_t first_channel, std::vector<Spike>& spikes);
 
  private:
-  void change(TimeNs now, const float* directions, std::span<const double> x);
+  // Times count from a new zero after about a second, lest they lose their precision.
+  static constexpr TimeNs kLongest = TimeNs{1} << 30;
+
+  void change(TimeNs now);
+  void fire(TimeNs end, std::uint32_t first_channel, std::vector<Spike>& spikes);
   void take_committed(TimeNs end, std::uint32_t first_channel, std::vector<Spike>& spikes);
   void take_fired(std::uint32_t first_channel, std::vector<Spike>& spikes) const;
   TimeNs since_grid() const { return grid_ == 0 ? 0 : since_ % grid_; }
@@ -46,6 +51,8 @@ class NefPopulation {
   LargeArray<NefSlow> slow_;
   LargeArray<float> earliest_;
   LargeArray<float> directions_;
+  std::vector<double> input_;
+  bool has_input_ = false;
   TimeNs since_ = 0;  // the latest change
   std::vector<std::uint32_t> committed_;
   TimeNs committed_at_ = 0;

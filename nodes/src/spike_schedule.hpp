@@ -38,16 +38,16 @@ class SpikeSchedule {
   }
 
   /// From `now` on, channel c has the rate  offset + slope * x  in Hz, cut to [0, kFastest], where
-  /// x is values[c] after `treat(part of the values, its first channel)`; NaN: as it was. Spikes up
-  /// to `now` have been taken.
+  /// x is values[c] after `treat(part of the values, its first channel)`, which
+  /// leaves values within `usual` as they are; NaN: as it was. Spikes up to `now` have been taken.
   template <typename Treat>
   void set_rates(TimeNs now, std::span<const double> values, double offset, double slope,
-                 Treat&& treat) {
+                 double usual, Treat&& treat) {
     ScheduleChange change = change_at(static_cast<double>(now - since_));
     change.offset = offset;
     change.slope = slope;
     change.values = values.data();
-    if (!changes_a_rate(change)) {
+    if (!changes_a_rate(change) && all_within(values, usual)) {
       return;
     }
     // Part by part, so that values which `treat` has looked at are still in a cache.
@@ -69,7 +69,7 @@ class SpikeSchedule {
     for (std::uint32_t c = 0; c < channels_; ++c) {
       rates_[c] = rate_of(c);
     }
-    set_rates(now, rates_, 0, 1, [](auto part, std::size_t) { return part; });
+    set_rates(now, rates_, 0, 1, kScheduleNever, [](auto part, std::size_t) { return part; });
   }
 
   /// Emits the spikes of `interval` to `output`. Of each spike's channel, `thresholds(channels,

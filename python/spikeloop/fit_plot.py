@@ -56,7 +56,10 @@ def _errors(axis, errors):
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    draw(json.load(sys.stdin), sys.argv[1])
+    try:
+        draw(json.load(sys.stdin), sys.argv[1])
+    except OSError as error:
+        sys.exit(f"cannot write {sys.argv[1]}: {error.strerror}")
 
 
 if __name__ == "__main__":

@@ -139,6 +139,11 @@ SpikeRecording read_spikes(const std::string& path, const std::string& stream) {
   const auto id_values = read_rows<std::uint64_t>(ids, count, 1, path);
   recording.spikes.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
+    if (id_values[i] >= recording.width) {
+      throw FileError(
+          fmt::format("cannot read '{}': damaged: a spike of channel {} in a stream of {}", path,
+                      id_values[i], recording.width));
+    }
     recording.spikes.push_back(make_spike(time_values[i], static_cast<std::int32_t>(id_values[i])));
   }
   return recording;

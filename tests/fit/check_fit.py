@@ -40,7 +40,8 @@ def main():
         past = age_s >= -1e-12
         kernel = np.exp(-age_s[past] / TAU_S) / TAU_S
         activities[i] = np.bincount(neurons[past], kernel, NEURONS)
-    training = ends_s[chosen] < 0.75 * 8.0 - 1e-9
+    settled_s = begin_s + 5 * TAU_S
+    training = ends_s[chosen] < settled_s + 0.75 * (8.0 - settled_s) - 1e-9
     a, y = activities[training], targets[chosen][training]
     strength = REGULARISATION * a.max()
     # The regularisation as more rows, solved by singular values: no normal equations.

@@ -49,9 +49,11 @@ TEST_F(Fit, WritesWeightsThatAReadoutTakesAndAPicture) {
   const Outcome outcome = fit({"nef_encoder", "--neurons", "50", "--duration", "5", "--function",
                                "x^2; -x", "--out", "w.json", "--picture", "fit.png"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text();
-  EXPECT_THAT(outcome.out, HasSubstr("nef_encoder: 50 neurons, 2 outputs, 720 samples (spikes, "
+  EXPECT_THAT(outcome.out, HasSubstr("nef_encoder: 50 neurons, 2 outputs, 728 samples (spikes, "
                                      "tau 0.03 s)\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("weights          w.json\npicture          fit.png\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("section          [encoder] binary=spikeloop-node "
+                                     "node=nef_encoder seed=1\n"
+                                     "weights          w.json\npicture          fit.png\n"));
   EXPECT_THAT(directory_.read("fit.png").substr(1, 3), "PNG");
   directory_.write("job.music",
                    "stoptime=1\n[cells]\nnp=1\nbinary=nef_encoder\n[readout]\nnp=1\n"
@@ -140,8 +142,18 @@ TEST_F(Fit, SaysWhatIsWrong) {
   EXPECT_THAT(error({"nef_encoder", "--function", "ln(x0)"}),
               ContainsRegex("--function 'ln\\(x0\\)' has no value at x0 = -"));
   EXPECT_THAT(error({"nef_encoder", "--duration", "0.1"}),
-              HasSubstr("there is no sample to fit to; write a longer duration"));
+              HasSubstr("there is no sample to fit to; fit to a longer time"));
   EXPECT_THAT(error({"nef_encoder", "--neurons", "0"}), HasSubstr("see spikeloop fit --help"));
+  EXPECT_EQ(error({"rate_encoder", "--neurons", "10"}),
+            "spikeloop: rate_encoder has one neuron a dimension, not 10 for 1; write --neurons 10 "
+            "--dimensions 10\n");
+  EXPECT_THAT(error({"nef_encoder", "--tau", "nan"}),
+              HasSubstr("--tau: 'nan' is not a number from 0.0001 to 100; write one"));
+  EXPECT_THAT(error({"nef_encoder", "--picture", "a.pdf"}),
+              HasSubstr("--picture a.pdf: write the name of a .png file"));
+  EXPECT_THAT(error({"nef_encoder", "--rates", "--duration", "3"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({"--spikes", "a.h5", "--target", "a.h5", "--rates"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({"nef_encoder", "--seed", "-1"}), HasSubstr("--seed"));
 }
 
 TEST_F(Fit, SaysWhichFileCannotBeReadOrWritten) {

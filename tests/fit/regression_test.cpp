@@ -105,10 +105,10 @@ std::string error_of(const Regression& regression, double regularisation) {
 
 TEST(Regression, SaysWhyThereAreNoWeights) {
   Regression nothing(2, 1);
-  EXPECT_EQ(error_of(nothing, 0.1), "there is no sample to fit to; write a longer duration");
+  EXPECT_EQ(error_of(nothing, 0.1), "there is no sample to fit to; fit to a longer time");
   nothing.add(std::array{0.0, 0.0}, std::array{1.0});
   EXPECT_EQ(error_of(nothing, 0.1),
-            "no neuron has fired; give inputs at which the neurons fire, or a longer duration");
+            "no neuron has fired; give inputs at which the neurons fire, or a longer time");
   Regression alike(2, 1);
   alike.add(std::array{1.0, 1.0}, std::array{1.0});
   alike.add(std::array{2.0, 2.0}, std::array{2.0});

@@ -180,5 +180,16 @@ TEST(Register, ClassesHaveTextsForTheReference) {
   }
 }
 
+TEST(InputPolicy, HoldsThoughTheRateStaysTheSame) {
+  // With rate_min = 0 the rate of -1.5 is that of a channel that has no value yet.
+  NodeHarness clips("rate_encoder", {1, 1});
+  clips.set_input({-1.5});
+  clips.step(kMs);
+  EXPECT_EQ(clips.counter("inputs_clipped"), 1U);
+  NodeHarness refuses("rate_encoder", {1, 1}, {.keys = {{"out_of_range", "error"}}});
+  refuses.set_input({-1.5});
+  EXPECT_THROW(refuses.step(kMs), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace spikeloop::testing

@@ -119,6 +119,7 @@ std::vector<TimeNs> reference_on_grid(const SampledSignal& signal, TimeNs grid, 
     const double target =
         drive_at(signal.values[static_cast<std::size_t>(now / signal.period)], max_rate, intercept);
     potential = target + (potential - target) * std::exp(-to_seconds(next - now) / kTau);
+    potential = std::max(potential, 0.0);  // Nengo's min_voltage
     if (potential >= 1) {
       const TimeNs stamp = (next + grid - 1) / grid * grid;
       if (stamp <= end) {
@@ -158,6 +159,40 @@ TEST(NefNeuron, ASpikeThatIsDueComesThoughTheInputEnds) {
   node.run_until(crossing + 300 * kMs, kMs / 10);
   EXPECT_EQ(node.spike_count(), before + 1);
   EXPECT_EQ(node.times().back(), (crossing / kMs + 1) * kMs);
+}
+
+TEST(NefNeuron, AnswersAtOnceAfterALongInhibition) {
+  NodeHarness node = population(1, 1, alike(395, 0.85, {{"spike_times", "interpolated"}}));
+  node.set_input({-1.0});
+  node.run_until(200 * kMs, kMs);
+  EXPECT_EQ(node.spike_count(), 0U);
+  node.set_input({1.0});
+  node.run_until(300 * kMs, kMs);
+  // As Nengo's, its potential has not fallen below 0.
+  const TimeNs wait = node.times().front() - 200 * kMs;
+  EXPECT_NEAR(to_seconds(wait), rising_time(drive_at(1, 395, 0.85)), 2e-9);
+}
+
+TEST(NefNeuron, SlowNeuronsKeepTheirPrecision) {
+  // At 20 Hz the drive at the radius is 4e-11 thresholds above the threshold.
+  for (const double rate : {20.0, 40.0}) {
+    NodeHarness node =
+        population(1, 1, alike(rate, 0.5, {{"spike_times", "interpolated"}, {"tau_m", "0.002"}}));
+    node.set_input({1.0});
+    node.run_until(2 * kNsPerSecond, 10 * kMs);
+    const auto times = node.times();
+    if (times.size() < 3) {  // its direction is down
+      node.set_input({-1.0});
+      node.run_until(4 * kNsPerSecond, 10 * kMs);
+    }
+    const auto found = node.times();
+    ASSERT_GT(found.size(), 3U) << rate;
+    EXPECT_NEAR(to_seconds(found[3] - found[2]) * rate, 1, 1e-4);
+    node.take_spikes();
+    node.set_input({0.0});
+    node.run_until(8 * kNsPerSecond, 10 * kMs);
+    EXPECT_LE(node.spike_count(), 1U) << "below the intercept";
+  }
 }
 
 TEST(NefPopulationOnEveryTarget, GivesTheSameSpikesToTheBit) {
@@ -207,7 +242,11 @@ TEST(NefEncoderKeys, SaysWhatIsWrong) {
             "intercept_low at most intercept_high");
   EXPECT_EQ(error({{"max_rate_high", "500"}}),
             "test.yaml:7:3: key 'max_rate_high': 500 Hz leaves no time between refractory periods "
-            "of 0.002 s; write less than 500 Hz");
+            "of 0.002 s; write less than 499.75 Hz");
+  EXPECT_EQ(
+      error({{"max_rate_low", "1"}}),
+      "test.yaml:7:3: key 'max_rate_low': 1 Hz are too slow for a membrane of 0.02 s; write at "
+      "least 2.01 Hz, or a longer tau_m");
   EXPECT_EQ(error({{"t_ref", "0.0015"}}),
             "test.yaml:7:3: key 't_ref': 1.5 ms is no multiple of the resolution, 1 ms; write "
             "another one, or spike_times=interpolated");

@@ -33,8 +33,8 @@ class Trial {
     if (grid_ != 0) {
       keys_["resolution"] = fmt::format("{} ns", grid_);
     }
-    if (pick({0, 1}) == 0) {
-      keys_["max_rate_low"] = "1";
+    if (pick({0, 1}) == 0 && keys_["tau_m"] != "0.0001") {  // which cannot fire so slowly
+      keys_["max_rate_low"] = "3";
       keys_["max_rate_high"] = t_ref_ == 0 ? "100000" : "30";
       keys_["intercept_low"] = "-3";
     } else {

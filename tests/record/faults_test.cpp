@@ -277,6 +277,20 @@ TEST_F(RecorderFaults, ClosedRecorderTakesNoStreams) {
             "cannot record 'out': '" + file() + "' is closed already");
 }
 
+TEST_F(RecorderFaults, ReaderRefusesAChannelThatTheStreamHasNot) {
+  const std::string path = file("wide.h5");
+  {
+    record::Recorder recorder(path, "encoder", {1, 1'000'000});
+    const auto sink = recorder.spike_sink("out", 3);
+    test::send_spikes(*sink, test::tick(0), {make_spike(5, 2)});
+  }
+  const std::string python =
+      "import h5py\nh5py.File('" + path + "', 'r+')['spikes/out/node_ids'][0] = 5000000\n";
+  ASSERT_EQ(test::run({.arguments = {"/usr/bin/python3", "-c", python}}).exit_code, 0);
+  EXPECT_EQ(message<FileError>([&] { record::read_spikes(path, "out"); }),
+            "cannot read '" + path + "': damaged: a spike of channel 5000000 in a stream of 3");
+}
+
 TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
   const std::string missing = file("missing.h5");
   EXPECT_EQ(message<FileError>([&] { record::read_info(missing); }),

@@ -47,14 +47,31 @@ class Progress {
   bool first_ = true;
 };
 
-json final_counters(const Graph& graph, const Pacer::Report& pace, bool pacing) {
+/// Those of the node are summed over the processes that share it: a collective call. Sources see
+/// the same in all of them.
+std::vector<Counter> summed_counters(const Graph& graph, const std::string& node,
+                                     const Ranks& ranks) {
+  std::vector<Counter> counters = graph.counters();
+  if (ranks.count > 1) {
+    for (Counter& counter : counters) {
+      if (counter.name.starts_with(node + ".")) {
+        const std::uint64_t own = counter.value;
+        MPI_Reduce(&own, &counter.value, 1, MPI_UINT64_T, MPI_SUM, 0, ranks.communicator);
+      }
+    }
+  }
+  return counters;
+}
+
+json final_counters(const Graph& graph, const std::vector<Counter>& counted,
+                    const Pacer::Report& pace, bool pacing) {
   json counters = json::object();
   counters["ticks"] = pace.ticks;
   if (pacing) {
     counters["overruns"] = pace.overruns;
     counters["worst_lateness_ns"] = pace.worst_lateness;
   }
-  for (const auto& counter : graph.counters()) {
+  for (const auto& counter : counted) {
     counters[counter.name] = counter.value;
   }
   for (const auto& connection : graph.connections()) {
@@ -140,7 +157,8 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   if (impl_->recording) {
     impl_->recording->close();  // now, because finalize() waits for the slowest sender
   }
-  impl_->status->report(final_counters(graph, pace, keys.pace),
+  const auto counted = summed_counters(graph, impl_->label, impl_->ranks);
+  impl_->status->report(final_counters(graph, counted, pace, keys.pace),
                         hooks.summary ? hooks.summary() : json::object());
   runtime->finalize();
   delete runtime;

@@ -89,8 +89,8 @@ NodeClass Process::gathering(PortKind kind) const {
   return gathering_class(kind, impl_->ranks);
 }
 void Process::let_the_first_speak() const {
-  if (impl_->ranks.rank > 0 && !impl_->running) {
-    std::this_thread::sleep_for(std::chrono::seconds(1));
+  if (impl_->ranks.rank > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(impl_->running ? 200 : 1000));
   }
 }
 std::string Process::file_directory() const {

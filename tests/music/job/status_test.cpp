@@ -135,5 +135,27 @@ TEST(Status, TellsOfAFailureWithItsSentence) {
   EXPECT_EQ(messages.back().at("message"), "node 'cell': the cell has burst");
 }
 
+// Whoever reports must have counted for all: only the first of several processes does report.
+TEST(Status, CountsWhatAllProcessesOfASectionDid) {
+  json counted[2];
+  for (const int processes : {1, 3}) {
+    Job job;
+    job.global("stoptime=0.2\nsync=unpaced");
+    job.raw("sink")
+        .ours("cells", "poisson_encoder", "rate_max=1000", processes)
+        .raw("source", "values=" + job.directory.write("values.txt", "0 1 2 0.5 -3 1 1 0 0 0.2\n"))
+        .connect("source.values -> cells.in [9]")
+        .connect("cells.out -> sink.spikes_in [9]");
+    const auto messages = messages_of(job, "cells", 0);
+    ASSERT_FALSE(messages.empty());
+    EXPECT_EQ(messages.back().at("type"), "report");
+    counted[processes == 1 ? 0 : 1] = messages.back().at("counters");
+  }
+  for (const char* const name : {"cells.spikes", "cells.inputs_clipped"}) {
+    EXPECT_EQ(counted[0].at(name), counted[1].at(name)) << name;
+    EXPECT_GT(counted[0].at(name), 0);
+  }
+}
+
 }  // namespace
 }  // namespace spikeloop::test

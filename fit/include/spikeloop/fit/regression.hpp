@@ -18,7 +18,7 @@ struct Errors {
 /// Finds the weights W that minimise  |A W' - Y|^2 / m + (r max A)^2 |W|^2  for m samples, where a
 /// sample is the activity of every neuron (a row of A) and the wanted outputs (a row of Y): Nengo's
 /// solver LstsqL2 with reg = r (Eliasmith & Anderson 2003, ch. 2). Samples are added up, not kept:
-/// memory is one matrix of neurons x neurons.
+/// memory is two matrices of neurons x neurons.
 class Regression {
  public:
   Regression(std::uint32_t neurons, std::uint32_t outputs);

@@ -33,6 +33,7 @@ struct Encoder {
   std::uint32_t dimensions = 1;
   std::uint32_t neurons = 100;
   double radius = 1;  ///< inputs are at most so long
+  double bound = 1;   ///< nor is any component of theirs further from 0
 };
 
 /// Steady rates at `points` inputs drawn from the ball of the encoder's radius; of each neuron from
@@ -64,6 +65,9 @@ struct Recording {
   std::uint32_t width = 0;
   TimeNs end = 0;  ///< of what both have
 };
+
+/// Simulated time at the beginning of a run that gives no samples yet.
+double settling_time_s(const RunSettings& settings);
 
 /// As sample_spikes(), from the moment at which the signal begins.
 /// @throws ConfigurationError when the signal has no value.

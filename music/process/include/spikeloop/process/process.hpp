@@ -69,8 +69,7 @@ class Process {
   /// Of a section with several processes: a node class that puts together what they compute, with
   /// the ports `in` and `out` of this kind. Spikes come out in the first process, signals in all.
   NodeClass gathering(PortKind kind) const;
-  /// The others of the section say the same: only the first is heard, for a second. Later than that
-  /// every process speaks for itself.
+  /// The others of the section may say the same: the first one goes first, and ends the job.
   void let_the_first_speak() const;
 
   /// Must come before the first call of common().
