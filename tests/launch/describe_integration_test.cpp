@@ -60,7 +60,8 @@ TEST(Describe, ShowsPortsAndParametersOfAClass) {
                   "Parameters:\n"
                   "  rate_min "));
   EXPECT_THAT(outcome.out, HasSubstr("\nRun it with binary=rate_encoder, or with "
-                                     "binary=spikeloop-node and node=rate_encoder.\n"));
+                                     "binary=spikeloop-node and node=rate_encoder. np processes "
+                                     "and threads= in each share its output channels.\n"));
   const Outcome connect = describe({"connect"});
   EXPECT_THAT(connect.out, HasSubstr("binary=connect_adapter or cont_cont_adapter, or with "));
   EXPECT_THAT(connect.out, HasSubstr("Write for weights uniform (1 / inputs), uniform:0.01, "));

@@ -159,7 +159,12 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"np missing", {{"[e]\nnp=1", "[e]"}}, "the section '[e]' has no np"},
         Wrong{"np is a word", {{"[e]\nnp=1", "[e]\nnp=one"}}, "np of '[e]' is 'one'"},
         Wrong{"np is 0", {{"[e]\nnp=1", "[e]\nnp=0"}}, "np of '[e]' is '0'"},
-        Wrong{"np is 2", {{"[e]\nnp=1", "[e]\nnp=2"}}, "but rate_encoder runs in one; write  np=1"},
+        Wrong{
+            "np is 2", {{"[n]\nnp=1", "[n]\nnp=2"}}, "spikeloop-network runs in one; write  np=1"},
+        Wrong{"more parts than channels",
+              {{"[e]\nnp=1", "[e]\nnp=2"}, {"rate_max=200", "threads=2"}},
+              "port 'out' has 3 channels, too few for 4 parts (np times threads); write smaller "
+              "ones"},
         Wrong{"binary missing", {{"binary=rate_encoder\n", ""}}, "the section '[e]' has no binary"},
         Wrong{"binary empty", {{"binary=rate_encoder", "binary="}}, "binary of '[e]' is empty"},
         Wrong{"binary misspelt", {{"rate_encoder", "rate_encodr"}}, "did you mean 'rate_encoder'?"},
