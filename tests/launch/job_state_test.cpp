@@ -114,6 +114,19 @@ TEST_F(State, AProgramThatIsSilentHoldsUpTheJob) {
       "stopped, or hangs");
 }
 
+TEST_F(State, WhoHoldsUpTheJobMayHaveMovedLaterThanTheOthers) {
+  run();
+  now_ += 6s;
+  beat("c", "computing", 1.01);
+  now_ += 5s;
+  beat("a", "exchanging", 1.0);
+  beat("b", "exchanging", 1.0);
+  EXPECT_EQ(
+      state_.who_stands_still(10s, now_),
+      "at 1 s of simulated time: 'c' (linear_readout_decoder) neither ticks nor answers: it is "
+      "stopped, or hangs");
+}
+
 TEST_F(State, AForeignProgramHoldsUpTheJob) {
   for (const char* label : {"a", "c"}) {
     tell(label, "first_tick");

@@ -129,8 +129,16 @@ std::string JobState::who_stands_still(Clock::duration longest, Clock::time_poin
   std::vector<std::string> computing;
   std::vector<std::string> ending;
   double earliest_s = INFINITY;
-  for (const std::string& label : standing_still(longest, now)) {
+  if (standing_still(longest, now).empty()) {
+    return "";
+  }
+  for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
+    const bool runs = !process.program.empty() && process.ticked && !process.reported;
+    // Whoever holds up the others may have moved a little later than they.
+    if (!runs || now - process.moved < longest / 2) {
+      continue;
+    }
     earliest_s = std::min(earliest_s, process.simulated_s);
     if (now - process.heard > kSilence) {
       silent.push_back(shown(label));
@@ -139,9 +147,6 @@ std::string JobState::who_stands_still(Clock::duration longest, Clock::time_poin
     } else if (process.phase == Phase::finalizing) {
       ending.push_back(shown(label));
     }
-  }
-  if (std::isinf(earliest_s)) {
-    return "";
   }
   std::string what;
   if (!silent.empty()) {
