@@ -114,8 +114,8 @@ void rate_coded(benchmark::State& state, const char* name) {
   for (auto _ : state) {
     run.twentieth(state.range(1) * kMs);
   }
-  // A change reads input, rate, time and rest, and writes the last three.
-  run.report(state, 56.0 * neurons);
+  // A change reads input, rate and state, and writes the last two.
+  run.report(state, 40.0 * neurons);
 }
 BENCHMARK_CAPTURE(rate_coded, rate, "rate_encoder")
     ->ArgNames({"neurons", "tick_ms"})

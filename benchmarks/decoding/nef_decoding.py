@@ -39,7 +39,7 @@ def ours(neurons, tau_s, seed):
 
 
 class Population:
-    """Nengo's convention, on a grid of 1 ms."""
+    """Nengo's convention and its floor at 0, on a grid of 1 ms."""
 
     def __init__(self, neurons, rng):
         max_rate = rng.uniform(200, 400, neurons)
@@ -54,7 +54,7 @@ class Population:
         """Whether each neuron fires at the tick's end."""
         target = self.gain * x + self.bias
         free = self.rests == 0
-        decayed = target + (self.potential - target) * np.exp(-TICK_S / TAU_M_S)
+        decayed = np.maximum(0, target + (self.potential - target) * np.exp(-TICK_S / TAU_M_S))
         self.potential = np.where(free, decayed, 0.0)
         self.rests = np.maximum(self.rests - 1, 0)
         fires = self.potential >= 1

@@ -13,7 +13,7 @@ std::vector<ParameterDescription> nef_parameters();
 
 /// @throws ConfigurationError: a key that the preset has no use for, a range that ends before it
 /// begins, rates that the refractory period forbids, a refractory period off the grid.
-NefModel nef_model(const Parameters& parameters);
+NefModel nef_model(const Parameters& given);
 
 /// Draws the neurons first, first + 1, ... for inputs of so many dimensions.
 /// Nengo's convention: a neuron fires at `max_rate` where its direction meets the radius, and
