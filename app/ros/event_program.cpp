@@ -3,7 +3,6 @@
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/core/log.hpp"
 #include "spikeloop/ros1/event_sensor.hpp"
 
 namespace spikeloop {
@@ -113,23 +112,7 @@ int run_events(music::Process& process, const RosProgram& program) {
   }
   ros1::Session session(node);
   ros1::EventSensor sensor(session, settings);
-
-  GraphDescription description;
-  description.tick = process.common().music_timestep;
-  description.seed = process.common().seed;
-  description.sources = {{"topic", &sensor}};
-  description.sinks = {{"out", out.get()}};
-  description.connections = {{"topic.out", "out.out", 0, 0, {}}};
-  process.attach_recorders(description);
-  Graph graph(description);
-  music::Process::LoopHooks hooks;
-  hooks.after_loop = [&] {
-    if (sensor.counters().front().value == 0) {
-      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
-                   settings.topic);
-    }
-  };
-  return process.run(graph, hooks);
+  return run_topic(process, settings.topic, sensor, *out);
 }
 
 }  // namespace spikeloop

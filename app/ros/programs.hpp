@@ -42,6 +42,10 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
 /// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
 /// second adapter does not end the first one.
 ros1::SessionSettings session_settings(const Parameters& parameters);
+/// Puts a topic's port `out` into `out`, and runs: that much all sensors do. `more` has what this
+/// one does besides; the end warns when not one message has come.
+int run_topic(music::Process& process, const std::string& topic, Source& sensor, Sink& out,
+              GraphDescription more = {}, music::Process::LoopHooks hooks = {});
 /// @throws ConfigurationError when the file gives no topic.
 std::string required_topic(const music::Process& process, const Parameters& parameters,
                            const std::string& example);

@@ -7,7 +7,6 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/message_type.hpp"
-#include "spikeloop/core/log.hpp"
 #include "spikeloop/process/initial_key.hpp"
 #include "spikeloop/ros1/sensor.hpp"
 
@@ -111,27 +110,14 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   ros1::Session session(node);
   ros1::Sensor sensor(session, settings);
 
-  GraphDescription description;
-  description.tick = process.common().music_timestep;
-  description.seed = process.common().seed;
-  description.sources = {{"topic", &sensor}};
-  description.sinks = {{"out", out.get()}};
-  description.connections = {{"topic.out", "out.out", 0, 0, {}}};
+  GraphDescription more;
   if (pace) {
-    description.sinks.push_back({"pace", pace.get()});
-    description.connections.push_back({"topic.pace", "pace.pace", 0, 0, {}});
+    more.sinks.push_back({"pace", pace.get()});
+    more.connections.push_back({"topic.pace", "pace.pace", 0, 0, {}});
   }
-  process.attach_recorders(description);
-  Graph graph(description);
   music::Process::LoopHooks hooks;
-  hooks.after_loop = [&] {
-    if (sensor.counters().front().value == 0) {
-      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
-                   settings.topic);
-    }
-  };
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
-  return process.run(graph, hooks);
+  return run_topic(process, settings.topic, sensor, *out, std::move(more), std::move(hooks));
 }
 
 }  // namespace spikeloop

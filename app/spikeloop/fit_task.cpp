@@ -203,37 +203,20 @@ FitResult fit_encoder(const FitTask& task) {
   return result;
 }
 
-/// What is not wrong, but should be known.
-void warn_of(const std::string& file, std::uint64_t dropped) {
-  if (dropped > 0) {
-    put(stderr, fmt::format("spikeloop: warning: {}: the recorder lost {} entries of the stream\n",
-                            file, dropped));
-  }
-  if (!record::read_info(file).complete) {
-    put(stderr, fmt::format("spikeloop: warning: {}: the recording was not closed\n", file));
-  }
-}
-
-void warn_of_two_runs(const std::string& spikes, const std::string& target) {
-  const record::FileInfo a = record::read_info(spikes);
-  const record::FileInfo b = record::read_info(target);
-  if (a.seed != b.seed || a.tick != b.tick) {
-    put(stderr,
-        fmt::format("spikeloop: warning: {} and {} are of different runs (seed {} and {}, "
-                    "tick {} and {})\n",
-                    spikes, target, a.seed, b.seed, format_time(a.tick), format_time(b.tick)));
-  }
-}
+struct Stream {
+  std::string file;
+  record::FileInfo info;
+  std::string name;
+};
 
 /// "run/encoder.h5:out": the file, and which of its streams; the only one when it is not named.
-std::pair<std::string, std::string> stream_of(const std::string& written, const char* option,
-                                              bool spikes) {
+Stream stream_of(const std::string& written, const char* option, bool spikes) {
   const auto colon = written.rfind(".h5:");
   const std::string file = colon == std::string::npos ? written : written.substr(0, colon + 3);
   const record::FileInfo info = record::read_info(file);
   const auto& streams = spikes ? info.spikes : info.signals;
   if (colon != std::string::npos) {
-    return {file, written.substr(colon + 4)};
+    return {file, info, written.substr(colon + 4)};
   }
   if (streams.size() != 1) {
     throw ConfigurationError(fmt::format(
@@ -241,20 +224,40 @@ std::pair<std::string, std::string> stream_of(const std::string& written, const 
         option, file, streams.size(), spikes ? "spikes" : "signals", file,
         streams.empty() ? "" : fmt::format(", as in {}:{}", file, streams.front())));
   }
-  return {file, streams.front()};
+  return {file, info, streams.front()};
+}
+
+/// What is not wrong, but should be known.
+void warn_of(const Stream& stream, std::uint64_t dropped) {
+  if (dropped > 0) {
+    put(stderr, fmt::format("spikeloop: warning: {}: the recorder lost {} entries of the stream\n",
+                            stream.file, dropped));
+  }
+  if (!stream.info.complete) {
+    put(stderr, fmt::format("spikeloop: warning: {}: the recording was not closed\n", stream.file));
+  }
+}
+
+void warn_of_two_runs(const Stream& a, const Stream& b) {
+  if (a.info.seed != b.info.seed || a.info.tick != b.info.tick) {
+    put(stderr, fmt::format("spikeloop: warning: {} and {} are of different runs (seed {} and {}, "
+                            "tick {} and {})\n",
+                            a.file, b.file, a.info.seed, b.info.seed, format_time(a.info.tick),
+                            format_time(b.info.tick)));
+  }
 }
 
 FitResult fit_recording(const FitTask& task) {
-  const auto [spike_file, spike_stream] = stream_of(task.spikes, "--spikes", true);
-  const auto [target_file, target_stream] = stream_of(task.target, "--target", false);
-  const auto spikes = record::read_spikes(spike_file, spike_stream);
-  const auto signal = record::read_signal(target_file, target_stream);
-  warn_of(spike_file, spikes.dropped);
-  warn_of(target_file, signal.dropped);
-  warn_of_two_runs(spike_file, target_file);
+  const Stream spike_stream = stream_of(task.spikes, "--spikes", true);
+  const Stream target_stream = stream_of(task.target, "--target", false);
+  const auto spikes = record::read_spikes(spike_stream.file, spike_stream.name);
+  const auto signal = record::read_signal(target_stream.file, target_stream.name);
+  warn_of(spike_stream, spikes.dropped);
+  warn_of(target_stream, signal.dropped);
+  warn_of_two_runs(spike_stream, target_stream);
   if (spikes.width > kMostNeurons) {
     throw ConfigurationError(fmt::format("--spikes {}: {} channels; at most {} can be fitted",
-                                         spike_file, spikes.width, kMostNeurons));
+                                         spike_stream.file, spikes.width, kMostNeurons));
   }
   const TimeNs end = std::min(spikes.until, signal.until);
   const auto [function, outputs] = function_of(task.function, signal.width);

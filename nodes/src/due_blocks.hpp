@@ -9,6 +9,13 @@
 
 namespace spikeloop {
 
+inline constexpr std::size_t kBlock = 8;  ///< neurons or channels that are computed together
+inline constexpr double kNeverDue = std::numeric_limits<double>::infinity();
+/// Blocks whose spikes are taken at once: they stay in the second cache meanwhile.
+inline constexpr std::size_t kMostBlocks = 512;
+/// So many blocks ahead memory is asked for.
+inline constexpr std::size_t kAhead = 32;
+
 /// The number to keep for a block whose first spike is due at `time` > 0; infinity stays.
 inline float not_later_than(double time) {
   constexpr double kAnUlpLess = 1 - 0x1p-22;

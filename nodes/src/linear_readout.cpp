@@ -1,13 +1,11 @@
 #include "linear_readout.hpp"
 
-#include <fmt/format.h>
-
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "kernel_sum.hpp"
 #include "port_weights.hpp"
+#include "spike_moments.hpp"
 
 namespace spikeloop {
 
@@ -131,10 +129,7 @@ class LinearReadout final : public Node {
       }
       const auto channel = static_cast<std::uint32_t>(spike.channel);
       if (channel >= input.width) {
-        throw std::runtime_error(
-            fmt::format("a spike came on channel {}, but port 'in' has channels 0 "
-                        "to {}; make the connection wider or mend the sender",
-                        spike.channel, input.width - 1));
+        refuse_channel(spike.channel, input.width);
       }
       fan_.add(channel, factor, sum_);
       late_ += time <= interval.begin ? 1 : 0;
@@ -182,13 +177,7 @@ NodeClass linear_readout_class() {
   description.ports = {
       {"in", PortKind::spikes, Direction::input, {}, "One neuron a column of the weights"},
       {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights, in 1/s"}};
-  description.parameters = {{.name = "tau",
-                             .unit = "s",
-                             .default_value = "0.03",
-                             .minimum = 1e-6,
-                             .maximum = 1e6,
-                             .text = "Time constant of the exponential kernel"},
-                            weights_parameter()};
+  description.parameters = {kernel_tau_parameter(), weights_parameter()};
   description.shareable = true;
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<LinearReadout>(setup); }};

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "due_blocks.hpp"
 #include "vector_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nef_kernels.cpp"
@@ -12,22 +11,15 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "vector_math-inl.hpp"
+#include "kernel_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace spikeloop::HWY_NAMESPACE {
 
-using Lanes = hn::CappedTag<double, kNefBlock>;
-using Vector = hn::Vec<Lanes>;
-using Mask = hn::Mask<Lanes>;
 using Singles = hn::Rebind<float, Lanes>;
 
 HWY_INLINE Vector load(const float* values) {
   return hn::PromoteTo(Lanes(), hn::LoadU(Singles(), values));
-}
-
-HWY_INLINE Vector set(double value) {
-  return hn::Set(Lanes(), value);
 }
 
 /// From `potential` to the threshold, when that is on the way to `target`.
@@ -43,7 +35,7 @@ HWY_INLINE Vector time_to_threshold(Vector potential, Vector target, Mask reache
 /// or the grid's next point, and always after 0.
 HWY_INLINE Vector stamp_of(Vector crossing, const NefModel& model, double since_grid) {
   if (model.resolution == 0) {
-    return hn::Max(hn::Floor(hn::Add(crossing, set(0.5))), set(1.0));
+    return nearest_stamp(crossing);
   }
   const Vector points =
       hn::Ceil(hn::Div(hn::Add(crossing, set(since_grid)), set(model.resolution)));
@@ -56,7 +48,7 @@ HWY_INLINE Vector due_of(const NefFast& block, std::size_t lane, const NefModel&
   const Lanes d;
   const auto fires = hn::Gt(hn::Load(d, block.target + lane), set(model.threshold));
   const Vector crossing = hn::Abs(hn::Load(d, block.state + lane));
-  return hn::IfThenElse(fires, stamp_of(crossing, model, since_grid), set(kNefNever));
+  return hn::IfThenElse(fires, stamp_of(crossing, model, since_grid), set(kNeverDue));
 }
 
 /// Potential and what is left of the refractory period, at the change.
@@ -109,7 +101,7 @@ HWY_INLINE Vector new_target(const NefSlow& block, std::size_t lane, const float
   const Lanes d;
   Vector along = hn::Zero(d);
   for (std::size_t k = 0; k < change.dimensions; ++k) {
-    along = fused(d, load(directions + k * kNefBlock + lane), set(change.input[k]), along);
+    along = fused(d, load(directions + k * kBlock + lane), set(change.input[k]), along);
   }
   const Vector current = fused(d, load(block.gain + lane), along, load(block.bias + lane));
   return fused(d, set(change.model->scale), current, set(change.model->threshold));
@@ -117,7 +109,7 @@ HWY_INLINE Vector new_target(const NefSlow& block, std::size_t lane, const float
 
 void note_committed(Mask committed, std::size_t first, std::vector<std::uint32_t>& neurons) {
   const Lanes d;
-  alignas(64) double flags[kNefBlock];
+  alignas(64) double flags[kBlock];
   hn::Store(hn::IfThenElseZero(committed, set(1.0)), d, flags);
   for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
     if (flags[i] != 0) {
@@ -129,15 +121,15 @@ void note_committed(Mask committed, std::size_t first, std::vector<std::uint32_t
 void change_targets(const NefChange& change) {
   const Lanes d;
   const NefModel& model = *change.model;
-  const std::size_t stride = change.dimensions * kNefBlock;
+  const std::size_t stride = change.dimensions * kBlock;
   for (std::size_t b = 0; b < change.block_count; ++b) {
     NefFast& fast = change.fast[b];
     NefSlow& slow = change.slow[b];
-    Vector least = set(kNefNever);
-    for (std::size_t lane = 0; lane < kNefBlock; lane += hn::Lanes(d)) {
+    Vector least = set(kNeverDue);
+    for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
       const Present now = present_of(fast, slow, lane, change);
       if (!hn::AllFalse(d, now.committed)) {
-        note_committed(now.committed, b * kNefBlock + lane, *change.committed);
+        note_committed(now.committed, b * kBlock + lane, *change.committed);
       }
       const Vector target = change.directions == nullptr
                                 ? now.potential
@@ -149,7 +141,7 @@ void change_targets(const NefChange& change) {
       hn::Store(target, d, fast.target + lane);
       hn::StoreU(hn::DemoteTo(Singles(), now.rest), Singles(), slow.rest + lane);
       const Vector stamp = stamp_of(crossing, model, change.since_grid);
-      least = hn::Min(least, hn::IfThenElse(rises, stamp, set(kNefNever)));
+      least = hn::Min(least, hn::IfThenElse(rises, stamp, set(kNeverDue)));
     }
     change.earliest[b] = not_later_than(hn::GetLane(hn::MinOfLanes(d, least)));
   }
@@ -159,18 +151,16 @@ void change_targets(const NefChange& change) {
 HWY_INLINE void collect(NefFiring& firing, std::uint32_t index, double* targets) {
   const Lanes d;
   const NefFast& block = firing.fast[index];
-  alignas(64) double stamps[kNefBlock];
+  alignas(64) double stamps[kBlock];
   unsigned due = 0;
-  for (std::size_t lane = 0; lane < kNefBlock; lane += hn::Lanes(d)) {
+  for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
     const Vector stamp = due_of(block, lane, *firing.model, firing.since_grid);
     hn::Store(stamp, d, stamps + lane);
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Le(stamp, set(firing.limit)), bits);
-    due |= static_cast<unsigned>(bits[0]) << lane;
+    due |= bits_at_most(stamp, firing.limit) << lane;
   }
   for (; due != 0; due &= due - 1) {
     const auto lane = static_cast<std::uint32_t>(std::countr_zero(due));
-    firing.neurons[firing.count] = index * static_cast<std::uint32_t>(kNefBlock) + lane;
+    firing.neurons[firing.count] = index * static_cast<std::uint32_t>(kBlock) + lane;
     firing.stamps[firing.count] = stamps[lane];
     targets[firing.count] = block.target[lane];
     ++firing.count;
@@ -193,7 +183,7 @@ void solve_intervals(const NefModel& model, std::size_t count, double* targets) 
 void restart(NefFiring& firing, const double* intervals) {
   const bool on_grid = firing.model->resolution > 0;
   for (std::size_t i = 0; i < firing.count; ++i) {
-    double& state = firing.fast[firing.neurons[i] / kNefBlock].state[firing.neurons[i] % kNefBlock];
+    double& state = firing.fast[firing.neurons[i] / kBlock].state[firing.neurons[i] % kBlock];
     // On a grid the neuron is reset there; else rounding to nanoseconds must not add up.
     const double reset = on_grid ? firing.stamps[i] : std::fabs(state);
     state = -(reset + intervals[i]);
@@ -202,16 +192,15 @@ void restart(NefFiring& firing, const double* intervals) {
 
 double earliest_of(const NefFast& block, const NefModel& model, double since_grid) {
   const Lanes d;
-  Vector least = set(kNefNever);
-  for (std::size_t lane = 0; lane < kNefBlock; lane += hn::Lanes(d)) {
+  Vector least = set(kNeverDue);
+  for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
     least = hn::Min(least, due_of(block, lane, model, since_grid));
   }
   return hn::GetLane(hn::MinOfLanes(d, least));
 }
 
 std::size_t fire_once(NefFiring& firing, std::span<std::uint32_t> blocks) {
-  constexpr std::size_t kAhead = 32;
-  alignas(64) double intervals[(NefFiring::kMostBlocks + 1) * kNefBlock];
+  alignas(64) double intervals[(kMostBlocks + 1) * kBlock];
   firing.count = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const NefFast& later = firing.fast[blocks[std::min(i + kAhead, blocks.size() - 1)]];

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "due_blocks.hpp"
+
 namespace spikeloop {
 
 /// What all neurons of a population share. Potentials are relative to the resting and reset
@@ -20,25 +22,23 @@ struct NefModel {
   double resolution;  ///< of the grid on which spikes stand; 0: none
 };
 
-inline constexpr std::size_t kNefBlock = 8;  ///< neurons that are computed together
-
 /// What a spike needs of a block's neurons. Times count from the latest change of the input, ns.
 struct alignas(64) NefFast {
   /// Of a neuron whose `target` is above the threshold: when its potential reaches the threshold,
   /// negative once it has fired since the change. Of another one: the potential at `rest`.
-  double state[kNefBlock];
-  double target[kNefBlock];  ///< what the potential tends to
+  double state[kBlock];
+  double target[kBlock];  ///< what the potential tends to
 };
 
 /// What only a change of the input needs besides.
 struct NefSlow {
-  float rest[kNefBlock];  ///< what was left of a refractory period at the change
-  float gain[kNefBlock];
-  float bias[kNefBlock];  ///< from the threshold on, so that it is precise there
+  float rest[kBlock];  ///< what was left of a refractory period at the change
+  float gain[kBlock];
+  float bias[kBlock];  ///< from the threshold on, so that it is precise there
 };
 
 // A block has one more number, before which it has no spike.
-static_assert(sizeof(NefFast) + sizeof(NefSlow) + sizeof(float) <= 32 * kNefBlock);
+static_assert(sizeof(NefFast) + sizeof(NefSlow) + sizeof(float) <= 32 * kBlock);
 
 /// A change of the input: every neuron's present potential, and when it fires with the new target.
 struct NefChange {
@@ -61,21 +61,18 @@ void change_targets(const NefChange& change);
 
 /// The spikes of some blocks up to `limit`, at most one a neuron.
 struct NefFiring {
-  static constexpr std::size_t kMostBlocks = 512;  ///< they stay in the second cache meanwhile
-
   const NefModel* model;
   NefFast* fast;
   float* earliest;
   double since_grid = 0;
   double limit = 0;
   std::size_t count = 0;  ///< of spikes
-  std::uint32_t neurons[kMostBlocks * kNefBlock] = {};
-  double stamps[kMostBlocks * kNefBlock] = {};
+  std::uint32_t neurons[kMostBlocks * kBlock] = {};
+  double stamps[kMostBlocks * kBlock] = {};
 };
 /// Fires neurons of `blocks`. Returns how many blocks have more spikes, which are put first.
 std::size_t fire_once(NefFiring& firing, std::span<std::uint32_t> blocks);
 
-inline constexpr double kNefNever = std::numeric_limits<double>::infinity();
 /// Between two changes of the input, neurons fire at most once in a microsecond.
 inline constexpr double kNefShortestInterval = 1000;
 

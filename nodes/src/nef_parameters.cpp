@@ -9,6 +9,7 @@
 #include <string>
 
 #include "encoder_input.hpp"
+#include "parameter_checks.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -186,16 +187,6 @@ class TuningDraw {
   Bounds second_;    // of intercepts, or biases
 };
 
-ParameterDescription number(std::string name, std::string unit, std::string value, double minimum,
-                            double maximum, std::string text) {
-  return {.name = std::move(name),
-          .unit = std::move(unit),
-          .default_value = std::move(value),
-          .minimum = minimum,
-          .maximum = maximum,
-          .text = std::move(text)};
-}
-
 }  // namespace
 
 std::vector<ParameterDescription> nef_parameters() {
@@ -206,24 +197,24 @@ std::vector<ParameterDescription> nef_parameters() {
        .default_value = "nengo",
        .choices = {"nengo", "rma", "ma"},
        .text = "Whose constants hold: Nengo's, or those of an older program"},
-      number("tau_m", "s", "0.02", 1e-6, 1e3, "Time constant of the membrane (ma: 0.01)"),
-      number("t_ref", "s", "0.002", 0, 1e3, "Refractory period"),
-      number("max_rate_low", "Hz", "200", 1e-3, 1e6,
-             "nengo: rates at the radius are drawn between this"),
-      number("max_rate_high", "Hz", "400", 1e-3, 1e6, "and this"),
-      number("intercept_low", "1", "-1", -1e3, 0.999,
-             "nengo: inputs at which firing begins are drawn between this"),
-      number("intercept_high", "1", "0.9", -1e3, 0.999, "and this"),
-      number("radius", "1", "1", 1e-9, kMost, "nengo: length of the longest input"),
-      number("c_m", "pF", "250", 1e-6, kMost, "rma, ma: capacitance of the membrane"),
-      number("v_th", "mV", "10", 1e-6, kMost,
-             "rma, ma: threshold above the resting and reset potential (ma: 15)"),
-      number("gain_min", "pA", "0", -kMost, kMost,
-             "rma, ma: gains are drawn between this (ma: 100)"),
-      number("gain_max", "pA", "300", -kMost, kMost, "and this (ma: 100)"),
-      number("bias_min", "pA", "0", -kMost, kMost,
-             "rma, ma: constant currents are drawn between this (ma: 275)"),
-      number("bias_max", "pA", "200", -kMost, kMost, "and this (ma: 475)"),
+      number_parameter("tau_m", "s", "0.02", 1e-6, 1e3, "Time constant of the membrane (ma: 0.01)"),
+      number_parameter("t_ref", "s", "0.002", 0, 1e3, "Refractory period"),
+      number_parameter("max_rate_low", "Hz", "200", 1e-3, 1e6,
+                       "nengo: rates at the radius are drawn between this"),
+      number_parameter("max_rate_high", "Hz", "400", 1e-3, 1e6, "and this"),
+      number_parameter("intercept_low", "1", "-1", -1e3, 0.999,
+                       "nengo: inputs at which firing begins are drawn between this"),
+      number_parameter("intercept_high", "1", "0.9", -1e3, 0.999, "and this"),
+      number_parameter("radius", "1", "1", 1e-9, kMost, "nengo: length of the longest input"),
+      number_parameter("c_m", "pF", "250", 1e-6, kMost, "rma, ma: capacitance of the membrane"),
+      number_parameter("v_th", "mV", "10", 1e-6, kMost,
+                       "rma, ma: threshold above the resting and reset potential (ma: 15)"),
+      number_parameter("gain_min", "pA", "0", -kMost, kMost,
+                       "rma, ma: gains are drawn between this (ma: 100)"),
+      number_parameter("gain_max", "pA", "300", -kMost, kMost, "and this (ma: 100)"),
+      number_parameter("bias_min", "pA", "0", -kMost, kMost,
+                       "rma, ma: constant currents are drawn between this (ma: 275)"),
+      number_parameter("bias_max", "pA", "200", -kMost, kMost, "and this (ma: 475)"),
       {.name = "one_hot",
        .type = ParameterType::boolean,
        .default_value = "false",
@@ -233,7 +224,7 @@ std::vector<ParameterDescription> nef_parameters() {
        .default_value = "grid",
        .choices = {"grid", "interpolated"},
        .text = "At the next point of a grid, as neural simulators have them, or exact"},
-      number("resolution", "s", "0.001", 1e-6, 1, "Of the grid"),
+      number_parameter("resolution", "s", "0.001", 1e-6, 1, "Of the grid"),
       initial_of_encoder_parameter()};
   append_encoder_input_policy(parameters);
   return parameters;

@@ -10,24 +10,24 @@ NefPopulation::NefPopulation(const NefModel& model, std::uint32_t neurons, std::
     : model_(model),
       grid_(static_cast<TimeNs>(model.resolution)),
       dimensions_(dimensions),
-      fast_((std::size_t{neurons} + kNefBlock - 1) / kNefBlock, NefFast{}),
+      fast_((std::size_t{neurons} + kBlock - 1) / kBlock, NefFast{}),
       slow_(fast_.size(), NefSlow{}),
-      earliest_(fast_.size(), static_cast<float>(kNefNever)),
-      directions_(fast_.size() * kNefBlock * dimensions, 0.0F),
+      earliest_(fast_.size(), static_cast<float>(kNeverDue)),
+      directions_(fast_.size() * kBlock * dimensions, 0.0F),
       due_(fast_.size()),
       firing_{.model = &model_, .fast = fast_.data(), .earliest = earliest_.data()} {}
 
 void NefPopulation::set_neuron(std::uint32_t n, double gain, double bias, double potential,
                                std::span<const double> direction) {
-  const std::size_t block = n / kNefBlock;
-  const std::size_t lane = n % kNefBlock;
+  const std::size_t block = n / kBlock;
+  const std::size_t lane = n % kBlock;
   slow_[block].gain[lane] = static_cast<float>(gain);
   slow_[block].bias[lane] = static_cast<float>(bias);
   fast_[block].state[lane] = potential;
   fast_[block].target[lane] = potential;
-  float* const first = &directions_[block * kNefBlock * dimensions_ + lane];
+  float* const first = &directions_[block * kBlock * dimensions_ + lane];
   for (std::size_t k = 0; k < dimensions_; ++k) {
-    first[k * kNefBlock] = static_cast<float>(direction[k]);
+    first[k * kBlock] = static_cast<float>(direction[k]);
   }
 }
 
@@ -92,8 +92,8 @@ void NefPopulation::fire(TimeNs end, std::uint32_t first_channel, std::vector<Sp
   firing_.limit = static_cast<double>(end - since_);
   const std::size_t count =
       find_due(earliest_.data(), earliest_.size(), firing_.limit, due_.data());
-  for (std::size_t i = 0; i < count; i += NefFiring::kMostBlocks) {
-    std::span<std::uint32_t> blocks(&due_[i], std::min(NefFiring::kMostBlocks, count - i));
+  for (std::size_t i = 0; i < count; i += kMostBlocks) {
+    std::span<std::uint32_t> blocks(&due_[i], std::min(kMostBlocks, count - i));
     while (!blocks.empty()) {
       blocks = blocks.first(fire_once(firing_, blocks));
       take_fired(first_channel, spikes);

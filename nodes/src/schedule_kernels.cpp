@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "due_blocks.hpp"
 #include "vector_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "schedule_kernels.cpp"
@@ -12,36 +11,26 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "vector_math-inl.hpp"
+#include "kernel_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace spikeloop::HWY_NAMESPACE {
 
-using ScheduleLanes = hn::CappedTag<double, kScheduleBlock>;
-using ScheduleVector = hn::Vec<ScheduleLanes>;
-
-HWY_INLINE ScheduleVector set(double value) {
-  return hn::Set(ScheduleLanes(), value);
-}
-
-/// The nearest nanosecond after 0.
-HWY_INLINE ScheduleVector stamp_of(ScheduleVector rate, ScheduleVector state) {
-  const ScheduleVector stamp = hn::Max(hn::Floor(hn::Add(state, set(0.5))), set(1.0));
-  return hn::IfThenElse(hn::Gt(rate, set(0.0)), stamp, set(kScheduleNever));
+/// When channels fire.
+HWY_INLINE Vector stamp_of(Vector rate, Vector state) {
+  return hn::IfThenElse(hn::Gt(rate, set(0.0)), nearest_stamp(state), set(kNeverDue));
 }
 
 /// schedule_rounding() and round_by().
-HWY_INLINE ScheduleVector rounded(ScheduleVector wait) {
-  const ScheduleVector far =
-      hn::IfThenElse(hn::Lt(wait, set(0x1p41)), set(0x1.8p42), set(0x1.8p52));
-  const ScheduleVector magic = hn::IfThenElse(hn::Lt(wait, set(0x1p31)), set(0x1.8p32), far);
+HWY_INLINE Vector rounded(Vector wait) {
+  const Vector far = hn::IfThenElse(hn::Lt(wait, set(0x1p41)), set(0x1.8p42), set(0x1.8p52));
+  const Vector magic = hn::IfThenElse(hn::Lt(wait, set(0x1p31)), set(0x1.8p32), far);
   return hn::Sub(hn::Add(wait, magic), magic);
 }
 
-HWY_INLINE ScheduleVector new_rate(ScheduleVector value, ScheduleVector old,
-                                   const ScheduleChange& change) {
-  const ScheduleLanes d;
-  ScheduleVector rate = fused(d, set(change.slope), value, set(change.offset));
+HWY_INLINE Vector new_rate(Vector value, Vector old, const ScheduleChange& change) {
+  const Lanes d;
+  Vector rate = fused(d, set(change.slope), value, set(change.offset));
   const auto is_number = hn::Eq(rate, rate);
   rate = hn::Min(hn::Max(rate, set(0.0)), set(change.highest));
   rate = hn::IfThenElse(hn::Lt(rate, set(change.slowest)), set(0.0), rate);
@@ -51,57 +40,57 @@ HWY_INLINE ScheduleVector new_rate(ScheduleVector value, ScheduleVector old,
 /// A block's values; the last block may have fewer than eight.
 HWY_INLINE const double* values_of(const ScheduleChange& change, std::size_t block,
                                    double* padded) {
-  const std::size_t first = block * kScheduleBlock;
+  const std::size_t first = block * kBlock;
   if (change.values == nullptr) {
-    std::fill_n(padded, kScheduleBlock, std::nan(""));
+    std::fill_n(padded, kBlock, std::nan(""));
     return padded;
   }
-  if (first + kScheduleBlock <= change.channels) {
+  if (first + kBlock <= change.channels) {
     return change.values + first;
   }
-  std::fill_n(padded, kScheduleBlock, std::nan(""));
+  std::fill_n(padded, kBlock, std::nan(""));
   std::copy(change.values + first, change.values + change.channels, padded);
   return padded;
 }
 
 bool changes_a_rate(const ScheduleChange& change) {
-  const ScheduleLanes d;
-  const std::size_t blocks = (change.channels + kScheduleBlock - 1) / kScheduleBlock;
-  double padded[kScheduleBlock];
+  const Lanes d;
+  const std::size_t blocks = (change.channels + kBlock - 1) / kBlock;
+  double padded[kBlock];
   for (std::size_t b = 0; b < blocks; ++b) {
     const double* const values = values_of(change, b, padded);
     const bool whole = values != padded;
-    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
-      const ScheduleVector old = hn::Load(d, change.blocks[b].rate + lane);
-      const ScheduleVector value = hn::LoadU(d, values + lane);
+    for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
+      const Vector old = hn::Load(d, change.blocks[b].rate + lane);
+      const Vector value = hn::LoadU(d, values + lane);
       const auto equal = hn::Eq(new_rate(value, old, change), old);
       if (!hn::AllTrue(d, equal) || (whole && !hn::AllTrue(d, hn::Eq(value, value)))) {
         return true;
       }
     }
   }
-  const std::size_t rest = change.channels % kScheduleBlock;
+  const std::size_t rest = change.channels % kBlock;
   return std::any_of(change.values + (change.channels - rest), change.values + change.channels,
                      [](double value) { return std::isnan(value); });
 }
 
 void change_rates(const ScheduleChange& change) {
-  const ScheduleLanes d;
-  const std::size_t blocks = (change.channels + kScheduleBlock - 1) / kScheduleBlock;
-  double padded[kScheduleBlock];
+  const Lanes d;
+  const std::size_t blocks = (change.channels + kBlock - 1) / kBlock;
+  double padded[kBlock];
   for (std::size_t b = 0; b < blocks; ++b) {
     ScheduleBlock& block = change.blocks[b];
     const double* const values = values_of(change, b, padded);
-    ScheduleVector least = set(kScheduleNever);
-    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
-      const ScheduleVector old = hn::Load(d, block.rate + lane);
-      const ScheduleVector state = hn::Load(d, block.state + lane);
-      const ScheduleVector rate = new_rate(hn::LoadU(d, values + lane), old, change);
+    Vector least = set(kNeverDue);
+    for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
+      const Vector old = hn::Load(d, block.rate + lane);
+      const Vector state = hn::Load(d, block.state + lane);
+      const Vector rate = new_rate(hn::LoadU(d, values + lane), old, change);
       const auto ran = hn::Gt(old, set(0.0));
       const auto runs = hn::Gt(rate, set(0.0));
-      const ScheduleVector wait = hn::Max(hn::Sub(state, set(change.passed)), set(0.0));
-      const ScheduleVector left = hn::IfThenElse(ran, hn::Mul(wait, old), state);
-      ScheduleVector next = hn::IfThenElse(runs, rounded(hn::Div(left, rate)), left);
+      const Vector wait = hn::Max(hn::Sub(state, set(change.passed)), set(0.0));
+      const Vector left = hn::IfThenElse(ran, hn::Mul(wait, old), state);
+      Vector next = hn::IfThenElse(runs, rounded(hn::Div(left, rate)), left);
       next = hn::IfThenElse(hn::And(ran, hn::Eq(rate, old)), wait, next);
       hn::Store(rate, d, block.rate + lane);
       hn::Store(next, d, block.state + lane);
@@ -112,8 +101,8 @@ void change_rates(const ScheduleChange& change) {
 }
 
 bool all_within(std::span<const double> values, double limit) {
-  const ScheduleLanes d;
-  const std::size_t whole = values.size() - values.size() % kScheduleBlock;
+  const Lanes d;
+  const std::size_t whole = values.size() - values.size() % kBlock;
   for (std::size_t i = 0; i < whole; i += hn::Lanes(d)) {
     // False for NaN.
     if (!hn::AllTrue(d, hn::Le(hn::Abs(hn::LoadU(d, values.data() + i)), set(limit)))) {
@@ -125,7 +114,7 @@ bool all_within(std::span<const double> values, double limit) {
 }
 
 void negative_logarithms(std::span<double> values) {
-  const ScheduleLanes d;
+  const Lanes d;
   const std::size_t whole = values.size() - values.size() % hn::Lanes(d);
   for (std::size_t i = 0; i < whole; i += hn::Lanes(d)) {
     hn::StoreU(hn::Neg(logarithm(d, hn::LoadU(d, values.data() + i))), d, values.data() + i);
@@ -139,27 +128,24 @@ void negative_logarithms(std::span<double> values) {
 
 void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
                  ScheduleFiring& firing) {
-  constexpr std::size_t kAhead = 32;
-  const ScheduleLanes d;
+  const Lanes d;
   firing.count = 0;
   for (std::size_t i = 0; i < due.size(); ++i) {
     const ScheduleBlock& later = blocks[due[std::min(i + kAhead, due.size() - 1)]];
     hwy::Prefetch(later.rate);
     hwy::Prefetch(later.state);
     const ScheduleBlock& block = blocks[due[i]];
-    alignas(64) double stamps[kScheduleBlock];
+    alignas(64) double stamps[kBlock];
     unsigned fires = 0;
-    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
-      const ScheduleVector stamp =
+    for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
+      const Vector stamp =
           stamp_of(hn::Load(d, block.rate + lane), hn::Load(d, block.state + lane));
       hn::Store(stamp, d, stamps + lane);
-      std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(d, hn::Le(stamp, set(limit)), bits);
-      fires |= static_cast<unsigned>(bits[0]) << lane;
+      fires |= bits_at_most(stamp, limit) << lane;
     }
     for (; fires != 0; fires &= fires - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(fires));
-      firing.channels[firing.count] = due[i] * static_cast<std::uint32_t>(kScheduleBlock) + lane;
+      firing.channels[firing.count] = due[i] * static_cast<std::uint32_t>(kBlock) + lane;
       firing.stamps[firing.count] = stamps[lane];
       ++firing.count;
     }
@@ -168,12 +154,12 @@ void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due
 
 std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, double limit,
                      float* earliest) {
-  const ScheduleLanes d;
+  const Lanes d;
   std::size_t kept = 0;
   for (const std::uint32_t index : due) {
     const ScheduleBlock& block = blocks[index];
-    ScheduleVector least = set(kScheduleNever);
-    for (std::size_t lane = 0; lane < kScheduleBlock; lane += hn::Lanes(d)) {
+    Vector least = set(kNeverDue);
+    for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
       least =
           hn::Min(least, stamp_of(hn::Load(d, block.rate + lane), hn::Load(d, block.state + lane)));
     }

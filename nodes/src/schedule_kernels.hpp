@@ -6,17 +6,16 @@
 #include <limits>
 #include <span>
 
-namespace spikeloop {
+#include "due_blocks.hpp"
 
-inline constexpr std::size_t kScheduleBlock = 8;  ///< channels that are computed together
-inline constexpr double kScheduleNever = std::numeric_limits<double>::infinity();
+namespace spikeloop {
 
 /// Eight channels. Times count from the latest change of a rate, in ns.
 struct alignas(64) ScheduleBlock {
-  double rate[kScheduleBlock];  ///< Hz
+  double rate[kBlock];  ///< Hz
   /// rate > 0: when the integral of the rate reaches the threshold; rate 0: what is left of the
   /// integral till then, in 1e-9 spikes.
-  double state[kScheduleBlock];
+  double state[kBlock];
 };
 
 /// Times are rounded to 1e-6 ns (the far future coarser), so that counting them from another zero
@@ -55,11 +54,9 @@ void negative_logarithms(std::span<double> values);
 
 /// The spikes of some blocks up to `limit`, at most one a channel.
 struct ScheduleFiring {
-  static constexpr std::size_t kMostBlocks = 512;  ///< they stay in the second cache meanwhile
-
   std::size_t count = 0;
-  std::uint32_t channels[kMostBlocks * kScheduleBlock] = {};
-  double stamps[kMostBlocks * kScheduleBlock] = {};
+  std::uint32_t channels[kMostBlocks * kBlock] = {};
+  double stamps[kMostBlocks * kBlock] = {};
 };
 void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
                  ScheduleFiring& firing);

@@ -8,15 +8,11 @@
 
 namespace spikeloop {
 
-void SpikeMoments::check_channels(std::span<const Spike> spikes, std::uint32_t width) {
-  for (const Spike& spike : spikes) {
-    if (static_cast<std::uint32_t>(spike.channel) >= width) {
-      throw std::runtime_error(
-          fmt::format("a spike came on channel {}, but port 'in' has channels 0 "
-                      "to {}; make the connection wider or mend the sender",
-                      spike.channel, width - 1));
-    }
-  }
+void refuse_channel(std::int32_t channel, std::uint32_t width) {
+  throw std::runtime_error(
+      fmt::format("a spike came on channel {}, but port 'in' has channels 0 "
+                  "to {}; make the connection wider or mend the sender",
+                  channel, width - 1));
 }
 
 ParameterDescription kernel_tau_parameter() {

@@ -10,6 +10,9 @@
 
 namespace spikeloop {
 
+/// @throws std::runtime_error: a spike came on a channel that port 'in' of this width has not.
+[[noreturn]] void refuse_channel(std::int32_t channel, std::uint32_t width);
+
 /// Hands on the spikes that share a time together, in the order of time. Whoever advances from one
 /// moment to the next, and not from tick to tick, gives the same result at every tick.
 class SpikeMoments {
@@ -23,7 +26,11 @@ class SpikeMoments {
       const auto other = std::find_if(rest.begin(), rest.end(),
                                       [time](const Spike& spike) { return spike.time_ns != time; });
       const auto now = rest.first(static_cast<std::size_t>(other - rest.begin()));
-      check_channels(now, input.width);
+      for (const Spike& spike : now) {
+        if (static_cast<std::uint32_t>(spike.channel) >= input.width) {
+          refuse_channel(spike.channel, input.width);
+        }
+      }
       late_ += time <= interval.begin ? now.size() : 0;
       latest_ = std::max(latest_, time);
       at(time, now);
@@ -38,8 +45,6 @@ class SpikeMoments {
   std::vector<Counter> counters() const { return {{"spikes", spikes_}, {"late_spikes", late_}}; }
 
  private:
-  static void check_channels(std::span<const Spike> spikes, std::uint32_t width);
-
   TimeNs latest_ = 0;
   std::uint64_t spikes_ = 0;
   std::uint64_t late_ = 0;

@@ -5,8 +5,8 @@ namespace spikeloop {
 SpikeSchedule::SpikeSchedule(const Share& share, std::uint32_t channels)
     : first_(share.begin(channels)),
       channels_(share.count(channels)),
-      blocks_((std::size_t{channels_} + kScheduleBlock - 1) / kScheduleBlock),
-      earliest_(blocks_.size(), static_cast<float>(kScheduleNever)),
+      blocks_((std::size_t{channels_} + kBlock - 1) / kBlock),
+      earliest_(blocks_.size(), static_cast<float>(kNeverDue)),
       due_(blocks_.size()) {
   for (ScheduleBlock& block : blocks_) {
     std::ranges::fill(block.rate, 0.0);
@@ -34,7 +34,7 @@ void SpikeSchedule::shift(TimeNs passed) {
 void SpikeSchedule::restart() {
   for (std::size_t i = 0; i < firing_.count; ++i) {
     const std::uint32_t channel = firing_.channels[i];
-    const double rate = blocks_[channel / kScheduleBlock].rate[channel % kScheduleBlock];
+    const double rate = blocks_[channel / kBlock].rate[channel % kBlock];
     double& state = state_of(channel);
     const double wait = next_[i] * kSpike / rate;
     const double magic = schedule_rounding(wait);

@@ -51,11 +51,11 @@ class SpikeSchedule {
       return;
     }
     // Part by part, so that values which `treat` has looked at are still in a cache.
-    constexpr std::size_t kPart = 256 * kScheduleBlock;
+    constexpr std::size_t kPart = 256 * kBlock;
     for (std::size_t first = 0; first < channels_; first += kPart) {
       const auto part = values.subspan(first, std::min(kPart, channels_ - first));
-      change.blocks = &blocks_[first / kScheduleBlock];
-      change.earliest = &earliest_[first / kScheduleBlock];
+      change.blocks = &blocks_[first / kBlock];
+      change.earliest = &earliest_[first / kBlock];
       change.channels = part.size();
       change.values = treat(part, first).data();
       change_rates(change);
@@ -69,7 +69,7 @@ class SpikeSchedule {
     for (std::uint32_t c = 0; c < channels_; ++c) {
       rates_[c] = rate_of(c);
     }
-    set_rates(now, rates_, 0, 1, kScheduleNever, [](auto part, std::size_t) { return part; });
+    set_rates(now, rates_, 0, 1, kNeverDue, [](auto part, std::size_t) { return part; });
   }
 
   /// Emits the spikes of `interval` to `output`. Of each spike's channel, `thresholds(channels,
@@ -98,8 +98,8 @@ class SpikeSchedule {
     const auto limit = static_cast<double>(end);
     const std::size_t due = find_due(earliest_.data(), earliest_.size(), limit, due_.data());
     std::uint64_t count = 0;
-    for (std::size_t i = 0; i < due; i += ScheduleFiring::kMostBlocks) {
-      std::span<std::uint32_t> blocks(&due_[i], std::min(ScheduleFiring::kMostBlocks, due - i));
+    for (std::size_t i = 0; i < due; i += kMostBlocks) {
+      std::span<std::uint32_t> blocks(&due_[i], std::min(kMostBlocks, due - i));
       while (!blocks.empty()) {
         collect_due(blocks_.data(), blocks, limit, firing_);
         thresholds(std::span(firing_.channels, firing_.count), std::span(next_, firing_.count));
@@ -113,7 +113,7 @@ class SpikeSchedule {
   }
 
   double& state_of(std::uint32_t channel) {
-    return blocks_[channel / kScheduleBlock].state[channel % kScheduleBlock];
+    return blocks_[channel / kBlock].state[channel % kBlock];
   }
 
   ScheduleChange change_at(double passed);
@@ -128,7 +128,7 @@ class SpikeSchedule {
   TimeNs since_ = 0;                  // the latest change
   std::vector<std::uint32_t> due_;
   ScheduleFiring firing_;
-  double next_[ScheduleFiring::kMostBlocks * kScheduleBlock] = {};  // thresholds
+  double next_[kMostBlocks * kBlock] = {};  // thresholds
   std::vector<double> rates_;
   std::vector<Spike> emitted_;
 };

@@ -1,0 +1,29 @@
+// What all adapters have in common that read a topic.
+#include <utility>
+
+#include "programs.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop {
+
+int run_topic(music::Process& process, const std::string& topic, Source& sensor, Sink& out,
+              GraphDescription more, music::Process::LoopHooks hooks) {
+  GraphDescription description = std::move(more);
+  description.tick = process.common().music_timestep;
+  description.seed = process.common().seed;
+  description.sources.insert(description.sources.begin(), {"topic", &sensor});
+  description.sinks.insert(description.sinks.begin(), {"out", &out});
+  description.connections.insert(description.connections.begin(),
+                                 {"topic.out", "out.out", 0, 0, {}});
+  process.attach_recorders(description);
+  Graph graph(description);
+  hooks.after_loop = [&] {
+    if (sensor.counters().front().value == 0) {
+      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
+                   topic);
+    }
+  };
+  return process.run(graph, hooks);
+}
+
+}  // namespace spikeloop
