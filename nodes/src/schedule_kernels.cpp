@@ -173,24 +173,22 @@ std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, 
 
 std::size_t find_due(const float* earliest, std::size_t count, double limit, std::uint32_t* due) {
   const hn::ScalableTag<float> d;
+  const hn::RebindToUnsigned<decltype(d)> indices;
   const std::size_t lanes = hn::Lanes(d);
   const std::size_t whole = count - count % lanes;
   const float most = std::nextafter(static_cast<float>(limit), std::numeric_limits<float>::max());
   std::size_t found = 0;
-  const auto look = [&](std::size_t b) {
-    due[found] = static_cast<std::uint32_t>(b);  // no branch: it would be mispredicted
-    found += earliest[b] <= most ? 1 : 0;
-  };
+  auto index = hn::Iota(indices, 0);
+  // No branches: they would be mispredicted. What is written beyond `found` is overwritten.
   for (std::size_t first = 0; first < whole; first += lanes) {
-    if (hn::AllFalse(d, hn::Le(hn::LoadU(d, earliest + first), hn::Set(d, most)))) {
-      continue;
-    }
-    for (std::size_t b = first; b < first + lanes; ++b) {
-      look(b);
-    }
+    const auto is_due = hn::Le(hn::LoadU(d, earliest + first), hn::Set(d, most));
+    hn::StoreU(hn::Compress(index, hn::RebindMask(indices, is_due)), indices, due + found);
+    found += hn::CountTrue(d, is_due);
+    index = hn::Add(index, hn::Set(indices, static_cast<std::uint32_t>(lanes)));
   }
   for (std::size_t b = whole; b < count; ++b) {
-    look(b);
+    due[found] = static_cast<std::uint32_t>(b);
+    found += earliest[b] <= most ? 1 : 0;
   }
   return found;
 }
