@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "messages.hpp"
+#include "spikeloop/robot/messages.hpp"
 #include "options.hpp"
 #include "spikeloop/ros1/arguments.hpp"
 

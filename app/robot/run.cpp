@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "files.hpp"
+#include "spikeloop/robot/files.hpp"
 #include "ros_link.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -30,7 +30,7 @@ class Loop {
         pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
         scan_period_(whole_ticks(static_cast<double>(vehicle.scan().scan_time_s))) {
     if (!options.out.empty()) {
-      write_world(options.out, vehicle, options);
+      write_world(options.out, vehicle, options.vehicle.seed);
       trajectory_.emplace(options.out);
     }
   }

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "command_map_node.hpp"
-#include "command_sink.hpp"
 #include "programs.hpp"
+#include "spikeloop/command/command_map_node.hpp"
+#include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
@@ -139,12 +139,12 @@ std::vector<std::string> field_paths(const CommandMapping& mapping) {
   return paths;
 }
 
-CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
+command::CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
                                  const command::ComponentMap& map, const RosProgram& program) {
   const auto& keys = process.common();
   const auto wall = [&](double simulated_s) { return from_seconds(simulated_s / keys.rtf); };
   const TimeNs tick = wall(to_seconds(keys.music_timestep));
-  CommandSettings settings;
+  command::CommandSettings settings;
   settings.gate.deadband = map.deadbands(parameters.number("deadband"));
   if (parameters.given("min_interval")) {
     settings.gate.min_interval = from_seconds(parameters.number("min_interval"));
@@ -166,7 +166,7 @@ CommandSettings command_settings(const music::Process& process, const Parameters
 
 /// What the guard has to know to stop the robot in our place.
 guard::Hello guard_hello(const music::Process& process, const std::string& topic,
-                         const std::string& message_type, const CommandSettings& settings,
+                         const std::string& message_type, const command::CommandSettings& settings,
                          const ros1::Publisher& publisher) {
   const std::vector<double> zero(settings.width, 0.0);
   return {.process = process.label(),
@@ -219,7 +219,7 @@ int run_command(music::Process& process, const RosProgram& program) {
           : nullptr;
 
   command::ComponentMap map = component_map(mapping, width);
-  const CommandSettings settings = command_settings(process, parameters, map, program);
+  const command::CommandSettings settings = command_settings(process, parameters, map, program);
   const ros1::SessionSettings node = session_settings(parameters);
   if (process.checking()) {
     for (const CommandField& field : mapping.fields) {
@@ -232,7 +232,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   }
   ros1::Session session(node);
   ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
-  const NodeClass fields = command_map_class(std::move(map));
+  const NodeClass fields = command::command_map_class(std::move(map));
   // Here, so that subscribers are connected to the guard before the robot is driven.
   guard::Link guard(guard_hello(process, topic, mapping.message_type, settings, publisher));
   const auto leave_to_guard_if_dead = [&] {
@@ -249,7 +249,7 @@ int run_command(music::Process& process, const RosProgram& program) {
     leave_to_guard_if_dead();
     return guard.beat(now);
   };
-  CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
+  command::CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
                               .finish = finish,
                               .interrupted = [] { ::kill(::getpid(), SIGTERM); },
                               .beat = beat,

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <numeric>
 
-namespace spikeloop::network_detail {
+namespace spikeloop::yaml_text {
 
 namespace {
 
@@ -298,4 +298,4 @@ NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
   return projection;
 }
 
-}  // namespace spikeloop::network_detail
+}  // namespace spikeloop::yaml_text

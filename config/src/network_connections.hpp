@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "network_yaml.hpp"
+#include "yaml_section.hpp"
 #include "spikeloop/config/network_file.hpp"
 
-namespace spikeloop::network_detail {
+namespace spikeloop::yaml_text {
 
 /// Index of the population called `name`.
 /// @throws ConfigurationError with "did you mean".
@@ -18,4 +18,4 @@ std::size_t find_population(const NetworkFile& network, const std::string& name,
 NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
                                   const YAML::Node& node, const NetworkWeightLoader& load_weights);
 
-}  // namespace spikeloop::network_detail
+}  // namespace spikeloop::yaml_text

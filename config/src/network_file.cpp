@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "network_connections.hpp"
-#include "network_yaml.hpp"
+#include "yaml_section.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "text_file.hpp"
 
@@ -14,8 +14,8 @@ namespace spikeloop {
 
 namespace {
 
-using network_detail::place;
-using network_detail::Section;
+using yaml_text::place;
+using yaml_text::Section;
 
 constexpr TimeNs kDefaultResolution = 100'000;  // NEST's 0.1 ms
 constexpr double kMostNeurons = 10'000'000;
@@ -169,9 +169,9 @@ void read_output(const YAML::Node& list, NetworkFile& network) {
                              "key 'output': expected a list of populations; write  output: [name]");
   }
   for (const auto& entry : list) {
-    const std::string name = network_detail::scalar(network.path, "output", entry);
+    const std::string name = yaml_text::scalar(network.path, "output", entry);
     const Location where = place(network.path, entry);
-    const std::size_t index = network_detail::find_population(network, name, where, "key 'output'");
+    const std::size_t index = yaml_text::find_population(network, name, where, "key 'output'");
     if (network.populations[index].model == NeuronModel::input) {
       throw ConfigurationError(where, fmt::format("key 'output': '{}' is an input; connect it to a "
                                                   "repeater and write the repeater's name",
@@ -297,7 +297,7 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       network.projections.push_back(
-          network_detail::read_connection(network, i, list[i], load_weights));
+          yaml_text::read_connection(network, i, list[i], load_weights));
     }
   }
   read_output(file.at("output", "[name of a population]"), network);

@@ -11,7 +11,7 @@
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
 
-namespace spikeloop::network_detail {
+namespace spikeloop::yaml_text {
 
 /// The place of a YAML node; yaml-cpp counts lines and columns from 0.
 Location place(const std::string& file, const YAML::Node& node);
@@ -53,4 +53,4 @@ class Section {
   std::map<std::string, Location> key_places_;
 };
 
-}  // namespace spikeloop::network_detail
+}  // namespace spikeloop::yaml_text

@@ -11,12 +11,12 @@
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
-namespace spikeloop {
+namespace spikeloop::command {
 
 struct CommandSettings {
   std::uint32_t width = 0;  ///< fields of the command
   bool with_pace = false;
-  command::GateSettings gate;
+  GateSettings gate;
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
 };
@@ -26,7 +26,7 @@ class CommandSink : public Sink {
  public:
   /// What carries the commands.
   struct Carrier {
-    command::CommandChannel::Publish publish;
+    CommandChannel::Publish publish;
     std::function<void()> finish;       ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
@@ -42,7 +42,7 @@ class CommandSink : public Sink {
   std::vector<Counter> counters() const override;
 
   /// Zero, the last thing that leaves. Safe to call from any thread.
-  void stop(command::StopReason reason);
+  void stop(StopReason reason);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
   nlohmann::json summary() const;
 
@@ -56,11 +56,11 @@ class CommandSink : public Sink {
   std::mutex stopping_;
   bool stopped_ = false;
   std::mutex announcing_;
-  std::optional<command::StopReason> announced_;
+  std::optional<StopReason> announced_;
   TimeNs announced_at_ = 0;
-  command::AgeMeter age_;
-  command::CommandChannel channel_;
-  command::Watch watch_;
+  AgeMeter age_;
+  CommandChannel channel_;
+  Watch watch_;
 };
 
-}  // namespace spikeloop
+}  // namespace spikeloop::command

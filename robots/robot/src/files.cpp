@@ -1,4 +1,4 @@
-#include "files.hpp"
+#include "spikeloop/robot/files.hpp"
 
 #include <fmt/format.h>
 
@@ -65,13 +65,13 @@ void TrajectoryFile::check() const {
 }
 
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
-                 const RunOptions& options) {
+                 std::uint64_t seed) {
   const auto& arena = vehicle.arena();
   const auto start = vehicle.pose();
   const auto scan = vehicle.scan();
   nlohmann::json world{
       {"world", vehicle.world()},
-      {"seed", options.vehicle.seed},
+      {"seed", seed},
       {"arena",
        {{"min_x_m", arena.min_x_m},
         {"min_y_m", arena.min_y_m},

@@ -1,11 +1,11 @@
-#include "network_yaml.hpp"
+#include "yaml_section.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace spikeloop::network_detail {
+namespace spikeloop::yaml_text {
 
 Location place(const std::string& file, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
@@ -98,4 +98,4 @@ Location Section::where(const std::string& key) const {
   return found->second.IsNull() ? key_places_.at(key) : place(file_, found->second);
 }
 
-}  // namespace spikeloop::network_detail
+}  // namespace spikeloop::yaml_text

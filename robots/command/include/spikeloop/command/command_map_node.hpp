@@ -5,9 +5,9 @@
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/node.hpp"
 
-namespace spikeloop {
+namespace spikeloop::command {
 
 /// Ports: `in`, the channels; `out`, a value a field of the command.
-NodeClass command_map_class(command::ComponentMap map);
+NodeClass command_map_class(ComponentMap map);
 
-}  // namespace spikeloop
+}  // namespace spikeloop::command

@@ -1,4 +1,4 @@
-#include "messages.hpp"
+#include "spikeloop/robot/messages.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,15 +1,15 @@
-#include "command_map_node.hpp"
+#include "spikeloop/command/command_map_node.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <utility>
 
-namespace spikeloop {
+namespace spikeloop::command {
 namespace {
 
 class CommandMapNode : public Node {
  public:
-  explicit CommandMapNode(command::ComponentMap map) : map_(std::move(map)) {}
+  explicit CommandMapNode(ComponentMap map) : map_(std::move(map)) {}
 
   void step(const Step& step) override {
     const SignalInput in = step.signal_input();
@@ -27,13 +27,13 @@ class CommandMapNode : public Node {
   }
 
  private:
-  command::ComponentMap map_;
+  ComponentMap map_;
   std::uint64_t revision_ = 0;
 };
 
 }  // namespace
 
-NodeClass command_map_class(command::ComponentMap map) {
+NodeClass command_map_class(ComponentMap map) {
   NodeDescription description;
   description.name = "command_map";
   description.text = "The fields of a command from channels";
@@ -44,4 +44,4 @@ NodeClass command_map_class(command::ComponentMap map) {
           }};
 }
 
-}  // namespace spikeloop
+}  // namespace spikeloop::command

@@ -1,4 +1,4 @@
-#include "command_sink.hpp"
+#include "spikeloop/command/command_sink.hpp"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 
-namespace spikeloop {
-
-using command::StopReason;
+namespace spikeloop::command {
 
 namespace {
 
@@ -129,4 +127,4 @@ nlohmann::json CommandSink::summary() const {
           {"age_max_ms", measured(age.age_max_ms)}};
 }
 
-}  // namespace spikeloop
+}  // namespace spikeloop::command

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "options.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 
@@ -29,6 +29,6 @@ class TrajectoryFile {
 /// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres.
 /// @throws FileError.
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
-                 const RunOptions& options);
+                 std::uint64_t seed);
 
 }  // namespace spikeloop::robot
