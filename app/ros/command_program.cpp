@@ -10,7 +10,7 @@
 #include "programs.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/command_sink.hpp"
-#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
@@ -110,35 +110,6 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   return all_channels();
 }
 
-command::ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width) {
-  std::vector<command::Component> components;
-  if (mapping.all_channels) {
-    for (std::uint32_t channel = 0; channel < width; ++channel) {
-      components.push_back({.channel = channel});
-    }
-  }
-  for (const CommandField& field : mapping.fields) {
-    command::Component component{
-        .channel = field.channel, .scale = field.scale, .offset = field.offset};
-    component.minimum = field.minimum.value_or(component.minimum);
-    component.maximum = field.maximum.value_or(component.maximum);
-    components.push_back(component);
-  }
-  return command::ComponentMap(std::move(components));
-}
-
-std::vector<std::string> field_paths(const CommandMapping& mapping) {
-  if (mapping.all_channels) {
-    return {"data"};
-  }
-  std::vector<std::string> paths;
-  paths.reserve(mapping.fields.size());
-  for (const CommandField& field : mapping.fields) {
-    paths.push_back(field.field);
-  }
-  return paths;
-}
-
 command::CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
                                  const command::ComponentMap& map, const RosProgram& program) {
   const auto& keys = process.common();
@@ -218,7 +189,7 @@ int run_command(music::Process& process, const RosProgram& program) {
           ? process.signal_input("pace", static_cast<int>(parameters.integer("pipeline_ticks")))
           : nullptr;
 
-  command::ComponentMap map = component_map(mapping, width);
+  command::ComponentMap map = command::component_map(mapping, width);
   const command::CommandSettings settings = command_settings(process, parameters, map, program);
   const ros1::SessionSettings node = session_settings(parameters);
   if (process.checking()) {
@@ -226,12 +197,12 @@ int run_command(music::Process& process, const RosProgram& program) {
       located_at(field.where,
                  [&] { ros1::Publisher::check(topic, mapping.message_type, {field.field}); });
     }
-    ros1::Publisher::check(topic, mapping.message_type, field_paths(mapping));
+    ros1::Publisher::check(topic, mapping.message_type, command::field_paths(mapping));
     process.check();
     return 0;
   }
   ros1::Session session(node);
-  ros1::Publisher publisher(session, topic, mapping.message_type, field_paths(mapping));
+  ros1::Publisher publisher(session, topic, mapping.message_type, command::field_paths(mapping));
   const NodeClass fields = command::command_map_class(std::move(map));
   // Here, so that subscribers are connected to the guard before the robot is driven.
   guard::Link guard(guard_hello(process, topic, mapping.message_type, settings, publisher));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "experiment_command.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/time.hpp"
@@ -16,6 +17,7 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   spikeloop check braitenberg.music
   spikeloop check loop.music --strict     warnings are errors, too
+  spikeloop check braitenberg.yaml        an experiment file: each error with its line
 
 Starts no job and needs no ROS. Checks MUSIC's grammar, how the programs are connected, whether they
 can be started, and lets each of our programs check its section, its keys and its files. The keys of
@@ -76,12 +78,15 @@ void add_check_command(CLI::App& app, std::function<int()>& action) {
     bool strict = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("check", "Say what is wrong with a .music file");
-  command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
+  CLI::App* command = app.add_subcommand("check", "Say what is wrong with an experiment file or a .music file");
+  command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")->required();
   command->add_flag("--strict", arguments->strict, "Take warnings for errors");
   command->footer(kFooter);
   command->callback([arguments, &action] {
-    action = [arguments] { return check(arguments->file, arguments->strict); };
+    action = [arguments] {
+      return is_experiment(arguments->file) ? check_experiment(arguments->file)
+                                            : check(arguments->file, arguments->strict);
+    };
   });
 }
 

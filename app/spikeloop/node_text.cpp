@@ -118,7 +118,8 @@ std::string table_forms(const NodeDescription& description) {
           "(.npy).\n",
           parameter.name,
           parameter.default_value
-              ? "uniform (1 / inputs), uniform:0.01, one_to_one, one_to_one:2, or "
+              ? "uniform (1 / inputs), uniform:0.01, one_to_one, one_to_one:2, blocks "
+                "(means of neighbouring inputs), or "
               : "");
     }
   }

@@ -8,6 +8,7 @@
 
 #include "check_command.hpp"
 #include "console.hpp"
+#include "experiment_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
@@ -23,13 +24,19 @@ struct RunArguments {
   launch::JobOptions job;
   double start_timeout_s = 60;
   double stall_timeout_s = 60;
+  std::string sync;
+  bool no_record = false;
   bool no_pace = false;
   bool quiet = false;
   bool verbose = false;
   bool dry_run = false;
+  std::vector<CLI::Option*> for_music;       ///< options that only .music files have
+  std::vector<CLI::Option*> for_experiment;  ///< options that only experiments have
 };
 
 constexpr const char* kFooter = R"(Examples:
+  spikeloop run braitenberg.yaml          an experiment file, in one process; leaves runs/braitenberg-1
+  spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
   spikeloop run loop.music --seed 7 --record --out run2
   spikeloop run loop.music --dry-run      what would be started, and how
@@ -74,11 +81,13 @@ void add_values(CLI::App& command, RunArguments& arguments) {
 
 void add_options(CLI::App& command, RunArguments& arguments) {
   auto& job = arguments.job;
-  command.add_option("FILE", arguments.file, "MUSIC configuration file")->required();
+  command.add_option("FILE", arguments.file, "Experiment file (.yaml) or MUSIC configuration file")
+      ->required();
   add_values(command, arguments);
   auto* out = command
                   .add_option("--out", job.folder,
-                              "Run folder: summary.json, effective.music, mpirun.log, recordings")
+                              "Run folder: summary.json, recordings, logs; an experiment without it makes "
+                              "runs/NAME-N")
                   ->check(named("folder"));
   command
       .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
@@ -102,6 +111,50 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       ->excludes(quiet);
 }
 
+/// Those that only one kind of file has stand under a heading of their own.
+void add_experiment_options(CLI::App& command, RunArguments& arguments) {
+  command.add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
+      ->check(CLI::IsMember({"realtime", "unpaced", "lockstep"}));
+  command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
+  const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
+                                std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      list.push_back(command.get_option(name)->group(heading));
+    }
+  };
+  group(arguments.for_experiment, "Experiment files", {"--sync", "--no-record"});
+  group(arguments.for_music, ".music files",
+        {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run",
+         "--start-timeout", "--stall-timeout"});
+}
+
+void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
+  for (const CLI::Option* option : options) {
+    if (option->count() > 0) {
+      throw ConfigurationError(
+          fmt::format("{} is for {}; leave it out", option->get_name(), kind));
+    }
+  }
+}
+
+int run_file(const RunArguments& arguments) {
+  refuse_options(arguments.for_music, ".music files, an experiment file says such things itself");
+  ExperimentArguments experiment;
+  experiment.file = arguments.file;
+  experiment.folder = arguments.job.folder;
+  experiment.record = !arguments.no_record;
+  experiment.overrides.duration_s = arguments.job.run.duration_s;
+  experiment.overrides.seed = arguments.job.run.seed;
+  experiment.overrides.real_time_factor = arguments.job.run.real_time_factor;
+  if (!arguments.sync.empty()) {
+    experiment.overrides.sync = experiment::sync_named(arguments.sync);
+  }
+  experiment.volume = arguments.quiet     ? Console::Volume::quiet
+                      : arguments.verbose ? Console::Volume::verbose
+                                          : Console::Volume::normal;
+  return run_experiment(experiment);
+}
+
 int dry_run(const launch::Job& job, const launch::Findings& findings, const std::string& path) {
   if (!findings.errors.empty()) {
     return refuse(findings, path);
@@ -115,6 +168,10 @@ int dry_run(const launch::Job& job, const launch::Findings& findings, const std:
 }
 
 int run(RunArguments& arguments) {
+  if (is_experiment(arguments.file)) {
+    return run_file(arguments);
+  }
+  refuse_options(arguments.for_experiment, "experiment files");
   if (arguments.job.run.record && arguments.job.folder.empty()) {
     throw ConfigurationError(
         "--record: there is no folder to record to; give one with --out, as in --out run1");
@@ -151,9 +208,10 @@ int run(RunArguments& arguments) {
 }  // namespace
 
 void add_run_command(CLI::App& app, std::function<int()>& action) {
-  CLI::App* command = app.add_subcommand("run", "Run a .music file");
+  CLI::App* command = app.add_subcommand("run", "Run an experiment file or a .music file");
   const auto arguments = std::make_shared<RunArguments>();
   add_options(*command, *arguments);
+  add_experiment_options(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }

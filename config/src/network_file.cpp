@@ -185,22 +185,6 @@ void read_output(const YAML::Node& list, NetworkFile& network) {
   }
 }
 
-YAML::Node load(const std::string& text, const std::string& path) {
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      const YAML::Mark mark = documents[1].Mark();
-      throw ConfigurationError({path, mark.line + 1, mark.column + 1},
-                               "a second document begins; write one network a file, without '---' "
-                               "inside it");
-    }
-    return documents.empty() ? YAML::Node() : documents.front();
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
-                             fmt::format("this is not YAML: {}", error.msg));
-  }
-}
-
 }  // namespace
 
 std::string_view model_name(NeuronModel model) {
@@ -274,7 +258,7 @@ void NetworkFile::check_tick(TimeNs tick) const {
 
 NetworkFile parse_network(const std::string& text, const std::string& path,
                           const NetworkWeightLoader& load_weights) {
-  const YAML::Node root = load(text, path);
+  const YAML::Node root = yaml_text::load(text, path, "network");
   const Section file(path, "network file", root,
                      {"resolution", "populations", "connections", "output"});
   NetworkFile network;

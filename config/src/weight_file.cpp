@@ -180,33 +180,46 @@ std::optional<double> short_form_weight(std::string_view text) {
   return value;
 }
 
-/// "uniform", "uniform:0.01", "one_to_one", "one_to_one:2", "even"; nothing for a path.
+/// A short form that may have a weight behind its name.
+struct ShortForm {
+  std::string_view name;
+  WeightTable (*plain)();
+  WeightTable (*weighted)(double weight);
+};
+constexpr ShortForm kShortForms[] = {
+    {"uniform", [] { return WeightTable::uniform(); },
+     [](double weight) { return WeightTable::uniform(weight); }},
+    {"one_to_one", [] { return WeightTable::one_to_one(); }, &WeightTable::one_to_one},
+    {"blocks", [] { return WeightTable::blocks(); }, &WeightTable::blocks}};
+
+/// "uniform", "uniform:0.01", "one_to_one:2", "blocks", "even"; nothing for a path.
 std::optional<WeightTable> short_form(const std::string& written) {
   if (written == "even") {
     return WeightTable::even();
   }
   const auto colon = written.find(':');
   const std::string name = written.substr(0, colon);
-  if (name != "uniform" && name != "one_to_one") {
+  const auto* const form = std::ranges::find(kShortForms, name, &ShortForm::name);
+  if (form == std::end(kShortForms)) {
     return std::nullopt;
   }
   if (colon == std::string::npos) {
-    return name == "uniform" ? WeightTable::uniform() : WeightTable::one_to_one();
+    return form->plain();
   }
   const auto weight = short_form_weight(std::string_view(written).substr(colon + 1));
   if (!weight) {
     throw ConfigurationError(fmt::format("the weight in '{}' is no finite number; write '{}:0.5'",
                                          shown(written), name));
   }
-  return name == "uniform" ? WeightTable::uniform(*weight) : WeightTable::one_to_one(*weight);
+  return form->weighted(*weight);
 }
 
 std::string missing_text(const std::string& written, const WeightOptions& options) {
   const std::string slip =
-      options.short_forms ? nearest(written, {"uniform", "one_to_one"}) : std::string();
+      options.short_forms ? nearest(written, {"uniform", "one_to_one", "blocks"}) : std::string();
   return fmt::format("there is no {} '{}' in {}; write its path{}{}", options.what, shown(written),
                      data_file_places(options.base_directory),
-                     options.short_forms ? ", 'uniform' or 'one_to_one'" : "",
+                     options.short_forms ? ", 'uniform', 'one_to_one' or 'blocks'" : "",
                      slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
 }
 

@@ -7,6 +7,23 @@
 
 namespace spikeloop::yaml_text {
 
+YAML::Node load(const std::string& text, const std::string& path, const std::string& what) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      const YAML::Mark mark = documents[1].Mark();
+      throw ConfigurationError(
+          {path, mark.line + 1, mark.column + 1},
+          fmt::format(
+              "a second document begins; write one {} a file, without '---' inside it", what));
+    }
+    return documents.empty() ? YAML::Node() : documents.front();
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
+                             fmt::format("this is not YAML: {}", error.msg));
+  }
+}
+
 Location place(const std::string& file, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? Location{file, 0, 0} : Location{file, mark.line + 1, mark.column + 1};

@@ -13,6 +13,10 @@
 
 namespace spikeloop::yaml_text {
 
+/// The only document of a text. `what` is what a file holds one of.
+/// @throws ConfigurationError at the place where it is no YAML, or a second document begins.
+YAML::Node load(const std::string& text, const std::string& path, const std::string& what);
+
 /// The place of a YAML node; yaml-cpp counts lines and columns from 0.
 Location place(const std::string& file, const YAML::Node& node);
 
@@ -39,6 +43,8 @@ class Section {
 
   Location where() const { return where_; }
   Location where(const std::string& key) const;
+  /// Where the key itself stands, not its value.
+  Location where_name(const std::string& key) const { return key_places_.at(key); }
   const std::string& what() const { return what_; }
   const std::string& file() const { return file_; }
   /// In the file's order.

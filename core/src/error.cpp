@@ -70,7 +70,8 @@ std::string Location::text() const {
 }
 
 Error::Error(const Location& where, std::string_view message)
-    : std::runtime_error(one_line(with_place(where, message))), located_(!where.text().empty()) {}
+    : std::runtime_error(one_line(with_place(where, message))),
+      where_(where.text().empty() ? nullptr : std::make_shared<const Location>(where)) {}
 
 FileError::FileError(std::string_view action, std::string_view path, int error_number)
     : Error(fmt::format("cannot {} '{}': {}", action, path,

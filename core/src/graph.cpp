@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "graph_plan.hpp"
+#include "spikeloop/core/graph_plan.hpp"
 #include "thread_team.hpp"
 
 namespace spikeloop {

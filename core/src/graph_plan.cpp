@@ -1,4 +1,4 @@
-#include "graph_plan.hpp"
+#include "spikeloop/core/graph_plan.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -37,6 +37,40 @@ WeightTable WeightTable::one_to_one(double weight) {
   return table;
 }
 
+WeightTable WeightTable::blocks(double weight) {
+  WeightTable table;
+  table.kind = Kind::blocks;
+  table.values = {weight};
+  return table;
+}
+
+namespace {
+
+WeightTable sparse_blocks(double weight, std::uint32_t rows, std::uint32_t columns) {
+  if (rows == 0 || columns % rows != 0) {
+    throw ConfigurationError(
+        fmt::format("blocks need a number of inputs that is a multiple of the outputs, but there "
+                    "are {} inputs and {} outputs; write such widths, or a weight file",
+                    columns, rows));
+  }
+  const std::uint32_t length = columns / rows;
+  WeightTable table;
+  table.kind = WeightTable::Kind::sparse;
+  table.rows = rows;
+  table.columns = columns;
+  table.row_start.push_back(0);
+  for (std::uint32_t j = 0; j < columns; ++j) {
+    table.column.push_back(j);
+    table.values.push_back(weight / length);
+    if ((j + 1) % length == 0) {
+      table.row_start.push_back(table.column.size());
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
 WeightTable WeightTable::even() {
   return {};
 }
@@ -62,6 +96,9 @@ WeightTable WeightTable::resized(std::uint32_t output_width, std::uint32_t input
         fmt::format("one-to-one weights need ports of one width, but there are {} outputs and {} "
                     "inputs; write a weight file instead",
                     output_width, input_width));
+  }
+  if (kind == Kind::blocks) {
+    return sparse_blocks(values.empty() ? 1.0 : values[0], output_width, input_width);
   }
   WeightTable table = *this;
   table.rows = output_width;
@@ -91,6 +128,8 @@ double WeightTable::at(std::uint32_t row_index, std::uint32_t column_index) cons
                  ? values[static_cast<std::size_t>(found - column.begin())]
                  : 0.0;
     }
+    case Kind::blocks:
+      break;  // has no size
   }
   return 0.0;
 }

@@ -12,7 +12,7 @@ namespace spikeloop {
 
 namespace {
 
-// y = W x for the four shapes of a table.
+// y = W x for the shapes of a table.
 class LinearMap {
  public:
   explicit LinearMap(WeightTable table) : table_(std::move(table)) {}
@@ -28,6 +28,9 @@ class LinearMap {
       case WeightTable::Kind::one_to_one:
         std::transform(x.begin(), x.end(), y.begin(),
                        [weight = table_.values[0]](double value) { return weight * value; });
+        return;
+      case WeightTable::Kind::blocks:
+        return;  // became sparse with its size
     }
   }
 

@@ -49,6 +49,8 @@ class Fan {
           sum.add(channel - first_, values_[0] * factor);
         }
         return;
+      case WeightTable::Kind::blocks:
+        return;  // became sparse with its size
     }
   }
 

@@ -2,6 +2,7 @@
 //
 //   uniform            every weight is 1 / inputs         uniform:0.01      every weight is 0.01
 //   one_to_one         output i reads input i             one_to_one:2      ... with weight 2
+//   blocks             output i is the mean of the i-th block of neighbouring inputs; blocks:2  twice it
 //   even               a table without size and numbers: what the node makes of its widths, where
 //                      it knows such a rule (population_vector)
 //   readout.json       [[0.1, 0.2], [0.3, 0.4]]: one row an output, one column an input

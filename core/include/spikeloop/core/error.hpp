@@ -2,6 +2,7 @@
 // with `exit_code()`. Every message says what happened, the value, and what to write instead.
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -32,10 +33,12 @@ class Error : public std::runtime_error {
   Error(const Location& where, std::string_view message);
   virtual int exit_code() const = 0;
   /// Whether the message begins with where in a file the fault is.
-  bool located() const { return located_; }
+  bool located() const { return where_ != nullptr; }
+  /// That place; nothing is known when not located().
+  Location where() const { return where_ ? *where_ : Location{}; }
 
  private:
-  bool located_ = false;
+  std::shared_ptr<const Location> where_;  // copying an exception must not throw
 };
 
 /// A file, key, value, width or connection that cannot be run as written.

@@ -48,6 +48,7 @@ struct GraphPlan {
   std::string text(const PlannedPortAddress& address) const;
 };
 
+/// Makes no node: classes of nodes may have no factory.
 /// @throws ConfigurationError as Graph's constructor says.
 GraphPlan plan(const GraphDescription& description);
 

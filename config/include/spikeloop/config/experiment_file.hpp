@@ -1,0 +1,69 @@
+// Experiment files: one YAML file that says what is coupled.
+//
+//   experiment: braitenberg
+//   duration: 60 s
+//   tick: 1 ms
+//   seed: 1
+//   sync: lockstep
+//   robot: {simulator: mujoco, world: arena.xml}
+//   nodes:
+//     scan:    {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
+//     encoder: {node: rate_encoder, rate_min: 1 Hz, rate_max: 200 Hz}
+//     ...
+//   connections:
+//     - scan -> encoder [100] -> brain [100] -> decoder [100] -> wheels [2, delay 5 ms]
+//
+// This is the text alone; spikeloop/experiment/ knows which nodes there are and what they take.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parameters.hpp"
+
+namespace spikeloop {
+
+/// An entry of `nodes`, or `robot`. A value that is a list or a map stands here as JSON.
+struct ExperimentNode {
+  std::string name;
+  WrittenValues keys;
+  Location where;
+};
+
+/// One arrow.
+struct ExperimentConnection {
+  std::string from;         ///< "scan" or "scan.out"
+  std::string to;
+  std::uint32_t width = 0;  ///< 0: not written
+  WrittenValue delay{};     ///< "5 ms" or "2 ticks"; an empty text: none
+  Location where;           ///< of the arrow's target
+};
+
+struct ExperimentFile {
+  std::string path;
+  WrittenValues keys;  ///< of the whole experiment: experiment, duration, tick, ...
+  std::vector<WrittenValue> plugins;
+  std::optional<ExperimentNode> robot;
+  std::vector<ExperimentNode> nodes;  ///< in the file's order
+  std::vector<ExperimentConnection> connections;
+  Location where_nodes{};        ///< of the key `nodes`
+  Location where_connections{};  ///< of the key `connections`
+};
+
+/// The keys of the whole experiment but those that hold others: robot, plugins, nodes, connections.
+std::vector<ParameterDescription> experiment_parameters();
+
+/// Parses the text of a file; `path` only names it in locations.
+/// @throws ConfigurationError "file:line:column: what is wrong; what to write": not YAML, unknown
+/// keys (did you mean), a key written twice, a connection that cannot be read.
+ExperimentFile parse_experiment(std::string_view text, const std::string& path);
+
+/// @throws FileError when it cannot be read, else as `parse_experiment`.
+ExperimentFile read_experiment_file(const std::filesystem::path& path);
+
+}  // namespace spikeloop

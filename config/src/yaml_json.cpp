@@ -1,0 +1,89 @@
+#include "yaml_json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "yaml_section.hpp"
+
+namespace spikeloop::yaml_text {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kDeepest = 32;
+constexpr std::size_t kMostValues = 4'000'000;
+
+class Converter {
+ public:
+  explicit Converter(const std::string& file) : file_(file) {}
+
+  Json convert(const YAML::Node& node, int depth) {
+    if (depth > kDeepest || ++values_ > kMostValues) {
+      throw ConfigurationError(
+          place(file_, node),
+          fmt::format("there are more than {} values or {} levels here; write them into a file",
+                      kMostValues, kDeepest));
+    }
+    if (node.IsSequence()) {
+      Json list = Json::array();
+      for (const auto& item : node) {
+        list.push_back(convert(item, depth + 1));
+      }
+      return list;
+    }
+    return node.IsMap() ? map(node, depth) : value(node);
+  }
+
+ private:
+  Json map(const YAML::Node& node, int depth) {
+    Json object = Json::object();
+    for (const auto& entry : node) {
+      const std::string key = scalar(file_, "key", entry.first);
+      if (object.contains(key)) {
+        throw ConfigurationError(place(file_, entry.first),
+                                 fmt::format("key '{}' stands here for the second time", key));
+      }
+      object[key] = convert(entry.second, depth + 1);
+    }
+    return object;
+  }
+
+  static Json value(const YAML::Node& node) {
+    if (!node.IsScalar()) {
+      return nullptr;
+    }
+    const std::string& text = node.Scalar();
+    const bool quoted = node.Tag() == "!";
+    if (quoted) {
+      return text;
+    }
+    if (text == "true" || text == "false") {
+      return text == "true";
+    }
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    const bool whole = !text.empty() && *end == '\0' && std::isfinite(number);
+    if (!whole) {
+      return text;
+    }
+    constexpr double kExact = 9007199254740992;  // 2^53
+    if (number == std::floor(number) && std::fabs(number) < kExact) {
+      return static_cast<std::int64_t>(number);
+    }
+    return number;
+  }
+
+  const std::string& file_;
+  std::size_t values_ = 0;
+};
+
+}  // namespace
+
+std::string to_json(const std::string& file, const YAML::Node& node) {
+  return Converter(file).convert(node, 0).dump();
+}
+
+}  // namespace spikeloop::yaml_text

@@ -1,0 +1,99 @@
+// An experiment whose every word has been checked: the nodes with their parameters, the connections
+// with their widths and delays.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/core/graph.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/kinds.hpp"
+
+namespace spikeloop::experiment {
+
+enum class Sync { realtime, unpaced, lockstep, sim_time };
+enum class Ros { none, ros1 };
+
+/// "realtime", "unpaced", "lockstep", "sim_time", as the key `sync` has them.
+Sync sync_named(std::string_view name);
+std::string_view name_of(Sync sync);
+
+/// A node of the experiment.
+struct Part {
+  std::string name;
+  std::string kind;  ///< its class
+  Role role = Role::node;
+  const NodeClass* node_class = nullptr;
+  Parameters parameters;
+  WrittenValues written;  ///< as the file has them, without `node`
+  CommandMapping mapping{};  ///< of a ros_command
+  Location where;
+};
+
+struct Link {
+  std::string from;  ///< "encoder.out"
+  std::string to;
+  PortKind kind = PortKind::signal;
+  std::uint32_t width = 0;
+  std::optional<std::uint32_t> delay_ticks;  ///< as written
+  Location where;
+};
+
+struct Robot {
+  std::string world = "arena.xml";
+  std::uint64_t seed = 1;
+  Location where;
+};
+
+struct Experiment {
+  std::string path;
+  std::string name;
+  std::optional<TimeNs> duration;
+  TimeNs tick = 1'000'000;
+  std::uint64_t seed = 1;
+  Sync sync = Sync::realtime;
+  double real_time_factor = 1;
+  Ros ros = Ros::none;
+  std::optional<Robot> robot;
+  std::vector<Part> parts;  ///< in the file's order
+  std::vector<Link> links;  ///< in the file's order
+  std::vector<WrittenValue> plugins;
+  std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
+
+  const Part& part(std::string_view name) const;
+  /// Of a port that a link reaches; 0 for one that none does.
+  std::uint32_t width(std::string_view part, std::string_view port) const;
+};
+
+/// Something that is wrong; `text` begins with its place.
+struct Fault {
+  std::string text;
+  Location where;
+  int exit_code = 2;
+};
+
+/// What the command line says in place of the file.
+struct Overrides {
+  std::optional<double> duration_s;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> real_time_factor;
+  std::optional<Sync> sync;
+};
+
+/// Checks everything that can be known before the start: keys, units, bounds, files, widths along
+/// every connection, cycles without delay, nodes without connection, what this version does not
+/// have; makes every node once. Relative paths start where the file lies. `kinds` must outlive the
+/// result, which is not to be used when there are faults.
+Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
+                   std::vector<Fault>& faults);
+
+/// Where paths in the file start.
+std::string directory_of(const std::string& experiment_path);
+
+}  // namespace spikeloop::experiment

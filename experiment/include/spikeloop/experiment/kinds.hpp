@@ -1,0 +1,47 @@
+// What a node of an experiment can be: a node class, built in or from a plug-in, or an endpoint,
+// which belongs to the process: a topic, a recording. All are described by the same declarations.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/core/registry.hpp"
+
+namespace spikeloop::experiment {
+
+enum class Role { source, node, sink };
+
+inline constexpr const char* kRosSensor = "ros_sensor";
+inline constexpr const char* kRosCommand = "ros_command";
+inline constexpr const char* kSpikePlayback = "spike_playback";
+inline constexpr const char* kSignalPlayback = "signal_playback";
+inline constexpr const char* kNetwork = "network";
+
+class Kinds {
+ public:
+  /// The built-in ones.
+  Kinds();
+
+  /// Adds the node classes of a plug-in. @throws ConfigurationError as Registry::load_plugin.
+  void load_plugin(const std::string& path) { registry_.load_plugin(path); }
+  /// Those of every plug-in in these directories (SPIKELOOP_PLUGIN_PATH).
+  void load_plugin_path(std::string_view directories) { registry_.load_plugin_path(directories); }
+
+  /// An endpoint's class has no factory. @throws ConfigurationError with "did you mean".
+  const NodeClass& find(std::string_view name) const;
+  Role role(std::string_view name) const;
+  std::vector<std::string> names() const;      ///< sorted
+  std::vector<std::string> endpoints() const;  ///< those that are no node classes, sorted
+
+ private:
+  struct Endpoint {
+    Role role;
+    NodeClass node_class;
+  };
+  Registry registry_;
+  std::map<std::string, Endpoint, std::less<>> endpoints_;
+};
+
+}  // namespace spikeloop::experiment

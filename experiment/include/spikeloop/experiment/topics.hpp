@@ -1,0 +1,20 @@
+// What the keys of topics mean, for whoever carries their messages.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/core/parameters.hpp"
+
+namespace spikeloop::experiment {
+
+/// `fields` of a ros_sensor. @throws ConfigurationError when it is no list of paths.
+std::vector<std::string> sensor_fields(const Parameters& parameters);
+/// `initial` of a ros_sensor. @throws ConfigurationError when it is neither a number nor none.
+std::optional<double> sensor_initial(const Parameters& parameters);
+/// @throws ConfigurationError at the field that the message does not have.
+void check_command_fields(const CommandMapping& mapping);
+
+}  // namespace spikeloop::experiment

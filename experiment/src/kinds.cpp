@@ -1,0 +1,128 @@
+#include "spikeloop/experiment/kinds.hpp"
+
+#include <algorithm>
+
+#include "spikeloop/neurons/network.hpp"
+#include "spikeloop/nodes/register.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+using Parameter = ParameterDescription;
+
+PortDescription out(PortKind kind, const char* text) {
+  return {"out", kind, Direction::output, {}, text};
+}
+
+Parameter text(const char* name, std::optional<std::string> value, const char* line) {
+  return {.name = name,
+          .type = ParameterType::text,
+          .default_value = std::move(value),
+          .text = line};
+}
+
+Parameter number(const char* name, const char* unit, const char* value, double minimum,
+                 const char* line) {
+  return {.name = name, .unit = unit, .default_value = value, .minimum = minimum, .text = line};
+}
+
+NodeDescription ros_sensor() {
+  NodeDescription sensor;
+  sensor.name = kRosSensor;
+  sensor.text = "The newest message of a topic as a continuous signal";
+  sensor.source = "Weidel et al. 2016, section 2.2";
+  sensor.ports = {out(PortKind::signal, "The message's numbers")};
+  sensor.parameters = {
+      text("topic", std::nullopt, "Its name, as /scan"),
+      text("message", std::nullopt,
+           "Its type: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
+           "std_msgs/Float64MultiArray"),
+      text("fields", "",
+           "Other fields than the type's usual ones, as [PATH, PATH]: their numbers as they are"),
+      text("initial", "none", "Value of every channel before the first message; none: silence")};
+  return sensor;
+}
+
+NodeDescription ros_command() {
+  NodeDescription command;
+  command.name = kRosCommand;
+  command.text = "A continuous signal as command messages, and a robot that is never left driving";
+  command.source = "Weidel et al. 2016, section 2.2";
+  command.ports = {{"in", PortKind::signal, Direction::input, {}, "The numbers to send"}};
+  command.parameters = {
+      text("topic", std::nullopt, "Its name, as /cmd_vel"),
+      text("message", std::nullopt, "Its type: geometry_msgs/Twist, std_msgs/Float64MultiArray"),
+      text("fields", "",
+           "Channel of each field: {linear.x: 0, angular.z: {channel: 1, scale: 1, offset: 0, min: "
+           "-1, max: 1}}; a Float64MultiArray without it has all channels"),
+      text("limits", "", "Bounds of fields: {linear.x: [-0.5, 0.5]}"),
+      number("command_rate", "Hz", "20 Hz", 0, "Commands are sent again that often; 0: never"),
+      number("deadband", "1", "0.01", 0,
+             "Part of its range by which a field must move to be sent at once"),
+      number("min_interval", "s", "1 ms", 0, "Least time between two commands"),
+      number("watchdog", "s", "100 ms", 1e-3,
+             "Wall time without a tick after which a zero is sent, at least 3 ticks"),
+      number("max_age", "s", "1 s", 0, "Data older than that stop the robot; 0: never")};
+  return command;
+}
+
+NodeDescription playback(const char* name, PortKind kind, const char* line) {
+  NodeDescription result;
+  result.name = name;
+  result.text = line;
+  result.ports = {out(kind, "What was recorded, at its own times")};
+  result.parameters = {
+      text("file", std::nullopt, "A recording of a run folder, as run1/encoder.h5"),
+      text("stream", "out", "Its name in the file: the port that was recorded")};
+  return result;
+}
+
+}  // namespace
+
+Kinds::Kinds() {
+  register_nodes(registry_);
+  register_neurons(registry_);
+  const auto add = [this](Role role, const NodeDescription& description) {
+    endpoints_.emplace(description.name, Endpoint{role, NodeClass{description, {}}});
+  };
+  add(Role::source, ros_sensor());
+  add(Role::sink, ros_command());
+  add(Role::source, playback(kSpikePlayback, PortKind::spikes, "Recorded spikes once more"));
+  add(Role::source,
+      playback(kSignalPlayback, PortKind::signal, "A recorded continuous signal once more"));
+}
+
+const NodeClass& Kinds::find(std::string_view name) const {
+  if (const auto endpoint = endpoints_.find(name); endpoint != endpoints_.end()) {
+    return endpoint->second.node_class;
+  }
+  if (registry_.contains(name)) {
+    return registry_.find(name);
+  }
+  const std::string written(name);
+  throw ConfigurationError("unknown node class '" + written + "'" +
+                           did_you_mean(written, names()));
+}
+
+Role Kinds::role(std::string_view name) const {
+  const auto endpoint = endpoints_.find(name);
+  return endpoint == endpoints_.end() ? Role::node : endpoint->second.role;
+}
+
+std::vector<std::string> Kinds::endpoints() const {
+  std::vector<std::string> names;
+  for (const auto& [name, endpoint] : endpoints_) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> Kinds::names() const {
+  std::vector<std::string> names = registry_.names();
+  const auto more = endpoints();
+  names.insert(names.end(), more.begin(), more.end());
+  std::ranges::sort(names);
+  return names;
+}
+
+}  // namespace spikeloop::experiment

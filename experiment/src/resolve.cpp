@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "faults.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) {
+  if (keys.given("duration")) {
+    faults.attempt(keys.where("duration"),
+                   [&] { experiment.duration = from_seconds(keys.number("duration")); });
+  }
+  faults.attempt(keys.where("tick"),
+                 [&] { experiment.tick = tick_from_seconds(keys.number("tick")); });
+}
+
+void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
+               Faults& faults) {
+  auto declared = experiment_parameters();
+  if (!file.keys.contains("duration")) {
+    std::erase_if(declared, [](const auto& parameter) { return parameter.name == "duration"; });
+  }
+  faults.attempt({file.path, 0, 0}, [&] {
+    Parameters keys = resolve_keys(declared, file.keys, {}, "the experiment", {file.path, 0, 0});
+    if (!file.keys.contains("duration")) {
+      keys.set("duration", 0.0, false);
+    }
+    read_times(keys, experiment, faults);
+    const std::string& name = keys.text("experiment");
+    experiment.name =
+        name.empty() ? std::filesystem::path(file.path).stem().string() : name;
+    experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
+    experiment.sync = sync_named(keys.text("sync"));
+    experiment.real_time_factor = keys.number("real_time_factor");
+    experiment.ros = keys.text("ros") == "1" ? Ros::ros1 : Ros::none;
+    if (keys.text("ros") == "2") {
+      throw ConfigurationError(keys.where("ros"),
+                               "key 'ros': ROS 2 is not in this version; write 1 or none");
+    }
+  });
+  if (overrides.duration_s) {
+    experiment.duration = from_seconds(*overrides.duration_s);
+  }
+  experiment.seed = overrides.seed.value_or(experiment.seed);
+  experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
+  experiment.sync = overrides.sync.value_or(experiment.sync);
+}
+
+void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
+  if (!file.robot) {
+    return;
+  }
+  const std::vector<ParameterDescription> declared = {
+      {.name = "simulator",
+       .type = ParameterType::choice,
+       .choices = {"mujoco"},
+       .text = "What simulates the robot"},
+      {.name = "world",
+       .type = ParameterType::text,
+       .default_value = "arena.xml",
+       .text = "An MJCF file, or the name of a shipped world"},
+      {.name = "seed",
+       .type = ParameterType::integer,
+       .default_value = std::to_string(experiment.seed),
+       .minimum = 0,
+       .text = "Places the obstacles; the experiment's when it is left out"}};
+  faults.attempt(file.robot->where, [&] {
+    const Parameters keys =
+        resolve_keys(declared, file.robot->keys, {}, "robot", file.robot->where);
+    const std::string& world = keys.text("world");
+    const auto beside = std::filesystem::path(directory_of(file.path)) / world;
+    experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
+                        static_cast<std::uint64_t>(keys.integer("seed")), file.robot->where};
+  });
+}
+
+Location where_of(const ExperimentFile& file, const char* key) {
+  const auto found = file.keys.find(key);
+  return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
+}
+
+/// Ways to run that exclude each other, or that this version does not have.
+void check_ways(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
+  if (experiment.sync == Sync::sim_time) {
+    faults.add(where_of(file, "sync"),
+               "key 'sync': sim_time is not in this version; write realtime, unpaced or lockstep");
+  }
+  if (experiment.sync == Sync::lockstep && experiment.ros != Ros::none) {
+    faults.add(where_of(file, "sync"),
+               "key 'sync': lockstep needs the robot in this process, in this version; write  ros: "
+               "none  and  robot: {simulator: mujoco}");
+  }
+  if (experiment.sync == Sync::lockstep && !experiment.robot) {
+    faults.add(where_of(file, "sync"),
+               "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco}, or  "
+               "sync: unpaced");
+  }
+}
+
+/// What the robot in this process sends and takes.
+struct RobotTopic {
+  const char* kind;
+  const char* topic;
+  const char* message;
+};
+constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserScan"},
+                                       {kRosSensor, "/odom", "nav_msgs/Odometry"},
+                                       {kRosCommand, "/cmd_vel", "geometry_msgs/Twist"}};
+
+void check_robot_topic(const Part& part, const Experiment& experiment) {
+  if (!experiment.robot) {
+    throw ConfigurationError(
+        part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 1, "
+                                "or  robot: {{simulator: mujoco}}",
+                                part.name, part.parameters.text("topic")));
+  }
+  const std::string& topic = part.parameters.text("topic");
+  std::vector<std::string> known;
+  for (const RobotTopic& robot : kRobotTopics) {
+    if (part.kind != robot.kind) {
+      continue;
+    }
+    known.emplace_back(robot.topic);
+    if (topic != robot.topic) {
+      continue;
+    }
+    const std::string& message = part.parameters.text("message");
+    if (message == robot.message) {
+      return;
+    }
+    throw ConfigurationError(
+        part.parameters.where("message"),
+        fmt::format("key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
+                    topic, robot.message, message, robot.message));
+  }
+  throw ConfigurationError(part.parameters.where("topic"),
+                           fmt::format("key 'topic': the robot has no topic {} there{}; with  ros: "
+                                       "1  any topic is possible",
+                                       topic, did_you_mean(topic, known)));
+}
+
+void check_topics(const Experiment& experiment, Faults& faults) {
+  for (const Part& part : experiment.parts) {
+    const bool topic = part.kind == kRosSensor || part.kind == kRosCommand;
+    if (topic && experiment.ros == Ros::none) {
+      faults.attempt(part.where, [&] { check_robot_topic(part, experiment); });
+    }
+  }
+}
+
+/// Whether the text is a number and nothing else.
+bool is_bare_number(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' && number != 0;
+}
+
+}  // namespace
+
+Sync sync_named(std::string_view name) {
+  for (const Sync sync : {Sync::unpaced, Sync::lockstep, Sync::sim_time}) {
+    if (name_of(sync) == name) {
+      return sync;
+    }
+  }
+  return Sync::realtime;
+}
+
+std::string_view name_of(Sync sync) {
+  switch (sync) {
+    case Sync::realtime:
+      return "realtime";
+    case Sync::unpaced:
+      return "unpaced";
+    case Sync::lockstep:
+      return "lockstep";
+    case Sync::sim_time:
+      break;
+  }
+  return "sim_time";
+}
+
+Parameters resolve_keys(const std::vector<ParameterDescription>& declared,
+                        const WrittenValues& written, const WeightLoader& load_weights,
+                        const std::string& what, const Location& where) {
+  for (const ParameterDescription& parameter : declared) {
+    const auto value = written.find(parameter.name);
+    if (value == written.end() && !parameter.default_value) {
+      throw ConfigurationError(where, fmt::format("{}: key '{}' is missing ({}); write  {}: ...",
+                                                  what, parameter.name, parameter.text,
+                                                  parameter.name));
+    }
+    const bool has_unit = parameter.type == ParameterType::number && !parameter.unit.empty() &&
+                          parameter.unit != "1";
+    if (value != written.end() && has_unit && is_bare_number(value->second.text)) {
+      throw ConfigurationError(
+          value->second.where,
+          fmt::format("{0}: key '{1}': {2} has no unit; write for example  {1}: {2} {3}", what,
+                      parameter.name, value->second.text, parameter.unit));
+    }
+  }
+  return resolve(declared, written, load_weights);
+}
+
+std::string directory_of(const std::string& experiment_path) {
+  const auto parent = std::filesystem::path(experiment_path).parent_path();
+  return parent.empty() ? "." : parent.string();
+}
+
+const Part& Experiment::part(std::string_view wanted) const {
+  for (const Part& candidate : parts) {
+    if (candidate.name == wanted) {
+      return candidate;
+    }
+  }
+  throw std::logic_error("there is no such node");
+}
+
+std::uint32_t Experiment::width(std::string_view part, std::string_view port) const {
+  const std::string end = fmt::format("{}.{}", part, port);
+  for (const Link& link : links) {
+    if (link.from == end || link.to == end) {
+      return link.width;
+    }
+  }
+  return 0;
+}
+
+Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
+                   std::vector<Fault>& faults) {
+  Faults all(faults);
+  Experiment experiment;
+  experiment.path = file.path;
+  experiment.plugins = file.plugins;
+  read_keys(file, overrides, experiment, all);
+  read_robot(file, experiment, all);
+  check_ways(file, experiment, all);
+  bool whole = true;
+  for (const ExperimentNode& node : file.nodes) {
+    whole &= resolve_part(node, kinds, directory_of(file.path), experiment, all);
+  }
+  check_topics(experiment, all);
+  if (whole) {
+    resolve_links(file, experiment, all);
+  }
+  return experiment;
+}
+
+}  // namespace spikeloop::experiment

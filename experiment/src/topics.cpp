@@ -1,0 +1,58 @@
+#include "spikeloop/experiment/topics.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/command/mapping.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+
+namespace spikeloop::experiment {
+
+std::vector<std::string> sensor_fields(const Parameters& parameters) {
+  const std::string& text = parameters.text("fields");
+  if (text.empty()) {
+    return {};
+  }
+  if (!text.starts_with('[')) {
+    return {text};  // a single path
+  }
+  std::vector<std::string> fields;
+  for (const auto& field : nlohmann::json::parse(text)) {
+    if (!field.is_string()) {
+      throw ConfigurationError(
+          parameters.where("fields"),
+          fmt::format("key 'fields': {} is no path of a field; write  [pose.pose.position.x]",
+                      field.dump()));
+    }
+    fields.push_back(field.get<std::string>());
+  }
+  return fields;
+}
+
+std::optional<double> sensor_initial(const Parameters& parameters) {
+  const std::string& text = parameters.text("initial");
+  if (text == "none") {
+    return std::nullopt;
+  }
+  try {
+    return parse_quantity(text, "");
+  } catch (const ConfigurationError&) {
+    throw ConfigurationError(
+        parameters.where("initial"),
+        fmt::format("key 'initial': '{}' is neither a number nor 'none'; write for example 0",
+                    text));
+  }
+}
+
+void check_command_fields(const CommandMapping& mapping) {
+  const auto& catalog = messages::Catalog::builtin();
+  for (const CommandField& field : mapping.fields) {
+    located_at(field.where, [&] {
+      return messages::MessageWriter(catalog, mapping.message_type, {field.field}), 0;
+    });
+  }
+  messages::MessageWriter(catalog, mapping.message_type, command::field_paths(mapping));
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,58 @@
+// An experiment in one process, without MPI: the fused layout. All nodes are one graph, and the
+// loop is
+//
+//     for t = 0, h, 2h, ... < duration:
+//       wait until the clock shows t        sync: realtime; the others do not wait
+//       messages of t arrive                from the robot in this process, or from ROS
+//       step the graph over (t, t+h]
+//       commands of t+h leave
+//       the robot in this process advances to t+h, on the commands of t
+//
+// With sync: lockstep nothing else happens, so that a run can be repeated to the bit, as fast as
+// the machine allows.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::fused {
+
+struct Progress {
+  TimeNs simulated = 0;
+  TimeNs wall = 0;
+  std::uint64_t overruns = 0;
+};
+
+struct RunOptions {
+  /// Run folder, which must be there: what nodes put out, trajectory.csv, world.json,
+  /// resolved.json, summary.json. Empty: none.
+  std::string folder{};
+  bool record = true;
+};
+
+/// Called while it runs; may be left out.
+struct RunEvents {
+  std::function<void(const Progress&)> progress{};  ///< ten times a second, and at the end
+  std::function<bool()> stop{};                     ///< asked every tick
+};
+
+struct RunResult {
+  int exit_code = 0;
+  std::string reason;  ///< one line; empty when all went well
+  nlohmann::json summary;
+};
+
+/// Runs to the end of the duration, or until `stop`. What goes wrong meanwhile is in the result;
+/// the robot is stopped in every case.
+/// @throws Error when it cannot begin: a file, a world, a ROS master.
+RunResult run(const experiment::Experiment& experiment, const RunOptions& options,
+              const RunEvents& events = {});
+
+/// Every key with its value, every connection with its width and delay.
+nlohmann::json resolved_json(const experiment::Experiment& experiment);
+
+}  // namespace spikeloop::fused

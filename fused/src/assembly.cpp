@@ -1,0 +1,205 @@
+#include "assembly.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <set>
+
+#include "playback.hpp"
+#include "spikeloop/command/command_map_node.hpp"
+#include "spikeloop/command/mapping.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/record/recorder.hpp"
+
+namespace spikeloop::fused {
+namespace {
+
+using experiment::Experiment;
+using experiment::Link;
+using experiment::Part;
+using experiment::Role;
+
+std::string node_of(const std::string& end) {
+  return end.substr(0, end.find('.'));
+}
+
+constexpr std::string_view kSender = " sender";
+constexpr std::string_view kRecord = "record ";
+
+/// A command is a node that maps, and what sends behind it.
+std::string sender_of(const Part& part) {
+  return part.name + std::string(kSender);
+}
+
+}  // namespace
+
+bool is_recording(std::string_view element) {
+  return element.starts_with(kRecord);
+}
+
+std::string name_in_file(std::string_view element) {
+  std::string name(element);
+  if (const auto sender = name.find(kSender); sender != std::string::npos) {
+    name.erase(sender, kSender.size());
+  }
+  return name;
+}
+
+std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
+  // Dijkstra, against the connections' direction.
+  std::map<std::string, std::uint64_t> distance{{node, 0}};
+  std::set<std::string> done;
+  for (;;) {
+    std::string nearest;
+    for (const auto& [name, delay] : distance) {
+      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
+        nearest = name;
+      }
+    }
+    if (nearest.empty()) {
+      return std::nullopt;
+    }
+    if (experiment.part(nearest).kind == experiment::kRosSensor) {
+      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
+    }
+    done.insert(nearest);
+    for (const Link& link : experiment.links) {
+      if (node_of(link.to) == nearest) {
+        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
+        const auto [known, is_new] = distance.emplace(node_of(link.from), delay);
+        known->second = std::min(known->second, delay);
+      }
+    }
+  }
+}
+
+Assembly::Assembly(const Experiment& experiment, Transport& transport, const std::string& folder)
+    : experiment_(experiment), transport_(transport) {
+  description_.tick = experiment.tick;
+  description_.seed = experiment.seed;
+  for (const Part& part : experiment.parts) {
+    add_part(part);
+  }
+  add_links();
+  if (!folder.empty()) {
+    record(folder);
+  }
+  graph_.emplace(description_);
+}
+
+Assembly::~Assembly() = default;
+
+void Assembly::add_part(const Part& part) {
+  switch (part.role) {
+    case Role::node:
+      description_.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
+      return;
+    case Role::source: {
+      const std::uint32_t width = experiment_.width(part.name, "out");
+      sources_.push_back(part.kind == experiment::kRosSensor ? transport_.sensor(part, width)
+                                                             : make_playback(part, width));
+      description_.sources.push_back({part.name, sources_.back().get()});
+      return;
+    }
+    case Role::sink:
+      add_command(part);
+  }
+}
+
+void Assembly::add_command(const Part& part) {
+  const std::uint32_t width = experiment_.width(part.name, "in");
+  command::ComponentMap map = command::component_map(part.mapping, width);
+  const CommandSpec spec{part, static_cast<std::uint32_t>(map.size()),
+                         map.deadbands(part.parameters.number("deadband")),
+                         nearest_sensor(experiment_, part.name).has_value()};
+  commands_.push_back(transport_.command(spec));
+  classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
+  description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
+  description_.sinks.push_back({sender_of(part), commands_.back().get()});
+  description_.connections.push_back(
+      {part.name + ".out", sender_of(part) + ".command", spec.width, 0, part.where});
+  connect_pace(part);
+}
+
+/// The time at which the data behind a command came takes as long as these data.
+void Assembly::connect_pace(const Part& command) {
+  if (const auto upstream = nearest_sensor(experiment_, command.name)) {
+    description_.connections.push_back({upstream->sensor + ".pace", sender_of(command) + ".pace", 1,
+                                        upstream->delay_ticks, command.where});
+  }
+}
+
+void Assembly::add_links() {
+  for (const Link& link : experiment_.links) {
+    description_.connections.push_back(
+        {link.from, link.to, link.width, link.delay_ticks.value_or(0), link.where});
+  }
+}
+
+void Assembly::record(const std::string& folder) {
+  for (const Part& part : experiment_.parts) {
+    const bool command = part.role == Role::sink;
+    std::unique_ptr<record::Recorder> recorder;
+    std::set<std::string> recorded;
+    const auto add = [&](const std::string& from, const std::string& stream, PortKind kind,
+                         std::uint32_t width, const std::vector<std::string>& channels) {
+      if (!recorder) {
+        recorder = std::make_unique<record::Recorder>(
+            fmt::format("{}/{}.h5", folder, part.name), part.name,
+            record::RunAttributes{experiment_.seed, experiment_.tick});
+      }
+      recording_sinks_.push_back(kind == PortKind::spikes
+                                     ? recorder->spike_sink(stream, width)
+                                     : recorder->signal_sink(stream, width, "1", channels));
+      const std::string name = fmt::format("{}{} {}", kRecord, part.name, stream);
+      description_.sinks.push_back({name, recording_sinks_.back().get()});
+      description_.connections.push_back({from, name, width, 0, {}});
+    };
+    for (const Link& link : experiment_.links) {
+      if (node_of(link.from) == part.name && recorded.insert(link.from).second) {
+        add(link.from, link.from.substr(part.name.size() + 1), link.kind, link.width, {});
+      }
+    }
+    if (command) {
+      const auto paths = command::field_paths(part.mapping);
+      const auto width = static_cast<std::uint32_t>(
+          part.mapping.all_channels ? experiment_.width(part.name, "in") : paths.size());
+      add(part.name + ".out", "command", PortKind::signal, width,
+          part.mapping.all_channels ? std::vector<std::string>{} : paths);
+    }
+    if (recorder) {
+      recorders_.push_back(std::move(recorder));
+    }
+  }
+}
+
+void Assembly::stop_robot(command::StopReason reason) {
+  for (const auto& command : commands_) {
+    command->stop(reason);
+  }
+}
+
+nlohmann::json Assembly::close_recordings() {
+  std::uint64_t spikes = 0;
+  std::uint64_t dropped = 0;
+  for (const auto& recorder : recorders_) {
+    const record::Report report = recorder->close();
+    spikes += report.spikes_written;
+    dropped += report.spikes_dropped + report.signals_dropped;
+    if (!report.error.empty()) {
+      log::warning("{}", report.error);
+    }
+  }
+  recorders_.clear();
+  return {{"spikes_recorded", spikes}, {"records_dropped", dropped}};
+}
+
+nlohmann::json Assembly::summary() const {
+  nlohmann::json summary = nlohmann::json::object();
+  for (const auto& command : commands_) {
+    summary.update(command->summary());
+  }
+  return summary;
+}
+
+}  // namespace spikeloop::fused

@@ -1,0 +1,67 @@
+// From an experiment to a graph with everything that belongs to it.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "spikeloop/core/graph.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+#include "transport.hpp"
+
+namespace spikeloop::record {
+class Recorder;
+}
+
+namespace spikeloop::fused {
+
+class Assembly {
+ public:
+  /// @param folder where what nodes put out is recorded; empty: nowhere
+  /// @throws Error: an endpoint cannot be made, a recording cannot be written.
+  Assembly(const experiment::Experiment& experiment, Transport& transport,
+           const std::string& folder);
+  ~Assembly();
+
+  Graph& graph() { return *graph_; }
+  void stop_robot(command::StopReason reason);
+  /// Closes the recordings; what they lost is warned of and returned.
+  nlohmann::json close_recordings();
+  /// What the commands measured.
+  nlohmann::json summary() const;
+
+ private:
+  void add_part(const experiment::Part& part);
+  void add_command(const experiment::Part& part);
+  void add_links();
+  void connect_pace(const experiment::Part& command);
+  void record(const std::string& folder);
+
+  const experiment::Experiment& experiment_;
+  Transport& transport_;
+  GraphDescription description_;
+  std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::unique_ptr<CommandEnd>> commands_;
+  std::vector<std::unique_ptr<NodeClass>> classes_;
+  std::vector<std::unique_ptr<record::Recorder>> recorders_;
+  std::vector<std::unique_ptr<Sink>> recording_sinks_;
+  std::optional<Graph> graph_;
+};
+
+/// Whether an element of the graph is one of those that record.
+bool is_recording(std::string_view element);
+/// "wheels.commands" of "wheels sender.commands": a command's two elements have one name in a file.
+std::string name_in_file(std::string_view element);
+
+/// The sensor whose data reach a node by the least delay, and that delay in ticks.
+struct Upstream {
+  std::string sensor;
+  std::uint32_t delay_ticks = 0;
+};
+std::optional<Upstream> nearest_sensor(const experiment::Experiment& experiment,
+                                       const std::string& node);
+
+}  // namespace spikeloop::fused

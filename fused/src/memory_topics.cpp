@@ -1,0 +1,184 @@
+#include "memory_topics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "spikeloop/command/age_meter.hpp"
+#include "spikeloop/command/mapping.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/topics.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
+
+namespace spikeloop::fused {
+namespace {
+
+using command::StopReason;
+using experiment::Part;
+
+class MemorySensor : public Source {
+ public:
+  MemorySensor(MemoryTopics& topics, const Part& part, std::uint32_t width)
+      : topic_(part.parameters.text("topic")),
+        initial_(experiment::sensor_initial(part.parameters)),
+        conversion_(messages::Catalog::builtin(), part.parameters.text("message"),
+                    experiment::sensor_fields(part.parameters), width, true) {
+    topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
+  }
+
+  std::vector<EndpointPort> ports() const override {
+    const auto width = static_cast<std::uint32_t>(conversion_.channels().size());
+    return {{"out", PortKind::signal, width}, {"pace", PortKind::signal, 1}};
+  }
+
+  void receive(const Step& step) override {
+    const SignalOutput out = step.signal_output(0);
+    if (initial_) {
+      std::ranges::fill(out.values(), *initial_);
+      out.commit();
+      initial_.reset();
+    }
+    if (!fresh_) {
+      return;
+    }
+    fresh_ = false;
+    std::ranges::copy(conversion_.channels(), out.values().begin());
+    out.commit();
+    const SignalOutput pace = step.signal_output(1);
+    pace.values()[0] = to_seconds(arrived_);
+    pace.commit();
+  }
+
+  std::vector<Counter> counters() const override {
+    const auto& counts = conversion_.counts();
+    return {{"messages", counts.messages},
+            {"invalid_readings", counts.invalid_readings},
+            {"without_reading", counts.without_reading}};
+  }
+
+ private:
+  void take(std::span<const std::byte> message, TimeNs now) {
+    if (conversion_.convert(message)) {
+      arrived_ = now;
+      fresh_ = true;
+    }
+    if (const std::string warning = conversion_.take_warning(); !warning.empty()) {
+      log::warning("topic '{}': {}", topic_, warning);
+    }
+  }
+
+  std::string topic_;
+  std::optional<double> initial_;
+  messages::SensorConversion conversion_;
+  TimeNs arrived_ = 0;
+  bool fresh_ = false;
+};
+
+command::GateSettings gate_settings(const CommandSpec& spec) {
+  const Parameters& keys = spec.part.parameters;
+  const double rate = keys.number("command_rate");
+  return {.deadband = spec.deadbands,
+          .min_interval = from_seconds(keys.number("min_interval")),
+          .period = rate > 0 ? from_seconds(1 / rate) : 0};
+}
+
+class MemoryCommand : public CommandEnd {
+ public:
+  MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
+      : topics_(topics),
+        topic_(spec.part.parameters.text("topic")),
+        width_(spec.width),
+        with_pace_(spec.with_pace),
+        max_age_(from_seconds(spec.part.parameters.number("max_age"))),
+        all_channels_(spec.part.mapping.all_channels),
+        writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
+                command::field_paths(spec.part.mapping)),
+        channel_(gate_settings(spec), [this](auto values) { publish(values); }) {}
+
+  std::vector<EndpointPort> ports() const override {
+    std::vector<EndpointPort> ports = {{"command", PortKind::signal, width_}};
+    if (with_pace_) {
+      ports.push_back({"pace", PortKind::signal, 1});
+    }
+    return ports;
+  }
+
+  void send(const Step& step) override {
+    now_ = step.interval().end;
+    forward(step);
+    channel_.poll(now_);
+  }
+
+  void stop(StopReason reason) override { channel_.stop(reason, now_); }
+
+  std::vector<Counter> counters() const override { return channel_.counters(); }
+
+  nlohmann::json summary() const override {
+    const auto measured = [](double value) {
+      return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+    };
+    const auto age = age_.report();
+    return {{"commands", channel_.counters().front().value},
+            {"latency_median_ms", measured(age.latency_median_ms)},
+            {"latency_p99_ms", measured(age.latency_p99_ms)},
+            {"age_max_ms", measured(age.age_max_ms)}};
+  }
+
+ private:
+  void forward(const Step& step) {
+    std::optional<TimeNs> age;
+    if (with_pace_) {
+      const SignalInput pace = step.signal_input(1);
+      age = age_.update(
+          pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now_);
+    }
+    const SignalInput in = step.signal_input(0);
+    if (!in.valid() || (with_pace_ && !age)) {
+      channel_.stop(StopReason::no_value, now_);
+    } else if (max_age_ != 0 && age && *age > max_age_) {
+      channel_.stop(StopReason::stale, now_);
+    } else {
+      channel_.command(in.values, now_);
+    }
+  }
+
+  void publish(std::span<const double> values) {
+    fields_.clear();
+    if (all_channels_) {
+      fields_.push_back({values, {}});
+    } else {
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        fields_.push_back({values.subspan(i, 1), {}});
+      }
+    }
+    writer_.write(fields_, bytes_);
+    topics_.publish(topic_, bytes_, now_);
+  }
+
+  MemoryTopics& topics_;
+  std::string topic_;
+  std::uint32_t width_;
+  bool with_pace_;
+  TimeNs max_age_;
+  bool all_channels_;
+  messages::MessageWriter writer_;
+  std::vector<messages::FieldValue> fields_;
+  std::vector<std::byte> bytes_;
+  TimeNs now_ = 0;
+  command::AgeMeter age_;
+  command::CommandChannel channel_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const Part& part,
+                                           std::uint32_t width) {
+  return std::make_unique<MemorySensor>(topics, part, width);
+}
+
+std::unique_ptr<CommandEnd> make_memory_command(MemoryTopics& topics, const CommandSpec& spec) {
+  return std::make_unique<MemoryCommand>(topics, spec);
+}
+
+}  // namespace spikeloop::fused

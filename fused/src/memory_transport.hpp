@@ -1,0 +1,52 @@
+// The robot in this process, stepped by the loop.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "memory_topics.hpp"
+#include "spikeloop/robot/files.hpp"
+#include "spikeloop/robot/messages.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+#include "transport.hpp"
+
+namespace spikeloop::fused {
+
+/// Topics: /scan (as often as the world says), /odom (every 20 ms), /cmd_vel.
+class MemoryTransport : public Transport {
+ public:
+  /// @param robot none: nothing is at the other end
+  /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
+  MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder);
+
+  std::unique_ptr<Source> sensor(const experiment::Part& part, std::uint32_t width) override {
+    return make_memory_sensor(topics_, part, width);
+  }
+  std::unique_ptr<CommandEnd> command(const CommandSpec& spec) override {
+    return make_memory_command(topics_, spec);
+  }
+  /// Publishes what has become due since the last call.
+  void begin(TimeNs time) override;
+  /// The robot advances to `time` on the command before; then the newest one holds.
+  void end(TimeNs time) override;
+  void finish() override;
+  nlohmann::json summary() const override;
+
+ private:
+  void step_robot(TimeNs time);
+
+  MemoryTopics topics_;
+  std::optional<vehicle::Vehicle> vehicle_;
+  std::optional<robot::TrajectoryFile> trajectory_;
+  robot::ScanMessage scan_;
+  robot::OdometryMessage odometry_;
+  robot::TwistReader twist_;
+  std::optional<robot::Command> command_;
+  TimeNs scan_period_ = 0;
+  TimeNs next_scan_ = 0;
+  TimeNs next_odometry_ = 0;
+  std::uint64_t scans_ = 0;
+};
+
+}  // namespace spikeloop::fused

@@ -1,0 +1,210 @@
+#include "spikeloop/fused/run.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <limits>
+
+#include "assembly.hpp"
+#include "memory_transport.hpp"
+#include "spikeloop/core/pacer.hpp"
+
+namespace spikeloop::fused {
+namespace {
+
+using experiment::Experiment;
+using experiment::Sync;
+using nlohmann::json;
+
+constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
+
+void write_json(const std::string& path, const json& contents) {
+  errno = 0;
+  std::ofstream file(path);
+  file << contents.dump(2) << '\n';
+  file.close();
+  if (!file) {
+    throw FileError("write", path, errno);
+  }
+}
+
+std::unique_ptr<Pacer> make_pacer(const Experiment& experiment) {
+  return experiment.sync == Sync::realtime
+             ? make_realtime_pacer(experiment.real_time_factor, experiment.tick)
+             : make_unpaced_pacer();
+}
+
+class Loop {
+ public:
+  Loop(const Experiment& experiment, Transport& transport, Assembly& assembly,
+       const RunEvents& events)
+      : experiment_(experiment),
+        transport_(transport),
+        assembly_(assembly),
+        events_(events),
+        pacer_(make_pacer(experiment)) {}
+
+  void run() {
+    const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
+    Graph& graph = assembly_.graph();
+    pacer_->start();
+    while (graph.time() < duration && !(events_.stop && events_.stop())) {
+      pacer_->wait_until(graph.time());
+      transport_.begin(graph.time());
+      graph.step();
+      transport_.end(graph.time());
+      tell_progress(wall_now());
+    }
+  }
+
+  void tell_progress(TimeNs now) {
+    if (now >= next_ && events_.progress) {
+      next_ = now + kProgressPeriod;
+      events_.progress(progress());
+    }
+  }
+
+  Progress progress() const {
+    const auto report = pacer_->report();
+    return {assembly_.graph().time(), report.wall_time, report.overruns};
+  }
+
+ private:
+  const Experiment& experiment_;
+  Transport& transport_;
+  Assembly& assembly_;
+  const RunEvents& events_;
+  std::unique_ptr<Pacer> pacer_;
+  TimeNs next_ = 0;
+};
+
+/// As near as a double comes: what is written down is read by people.
+double exact_seconds(TimeNs time) {
+  return static_cast<double>(time) / 1e9;
+}
+
+json counters_of(const Graph& graph) {
+  json counters = json::object();
+  for (const Counter& counter : graph.counters()) {
+    if (!is_recording(counter.name)) {  // those are summed up elsewhere
+      counters[name_in_file(counter.name)] = counter.value;
+    }
+  }
+  for (const ConnectionReport& connection : graph.connections()) {
+    if (connection.spikes > 0 && !is_recording(connection.to)) {
+      const std::string name = connection.from + "->" + connection.to;
+      counters[name + ".spikes"] = connection.spikes;
+      counters[name + ".late"] = connection.late;
+    }
+  }
+  return counters;
+}
+
+/// Of the networks; none in an experiment without.
+void add_network_spikes(const Experiment& experiment, json& summary) {
+  for (const auto& part : experiment.parts) {
+    const std::string counter = part.name + ".spikes";
+    if (part.kind == experiment::kNetwork && summary["counters"].contains(counter)) {
+      summary["spikes"] = summary.value("spikes", std::uint64_t{0}) +
+                          summary["counters"][counter].get<std::uint64_t>();
+    }
+  }
+}
+
+json summary_of(const Experiment& experiment, const Assembly& assembly, const Graph& graph,
+                const Transport& transport, const Progress& progress) {
+  json summary{{"experiment", experiment.name},
+               {"layout", "fused"},
+               {"sync", experiment::name_of(experiment.sync)},
+               {"seed", experiment.seed},
+               {"tick_ns", experiment.tick},
+               {"version", SPIKELOOP_VERSION},
+               {"simulated_s", exact_seconds(progress.simulated)},
+               {"wall_s", to_seconds(progress.wall)},
+               {"overruns", progress.overruns},
+               {"counters", counters_of(graph)}};
+  summary["real_time_factor"] =
+      progress.wall > 0 ? to_seconds(progress.simulated) / to_seconds(progress.wall) : 0.0;
+  summary.update(assembly.summary());
+  summary.update(transport.summary());
+  add_network_spikes(experiment, summary);
+  return summary;
+}
+
+}  // namespace
+
+json resolved_json(const Experiment& experiment) {
+  json nodes = json::object();
+  for (const auto& part : experiment.parts) {
+    json keys{{"node", part.kind}};
+    for (const auto& [name, value] : part.parameters.all()) {
+      if (const auto* number = std::get_if<double>(&value)) {
+        keys[name] = *number;
+      } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+        keys[name] = *integer;
+      } else if (const auto* truth = std::get_if<bool>(&value)) {
+        keys[name] = *truth;
+      } else if (const auto* text = std::get_if<std::string>(&value)) {
+        keys[name] = *text;
+      } else {
+        const auto written = part.written.find(name);
+        keys[name] = written == part.written.end() ? "" : written->second.text;
+      }
+    }
+    nodes[part.name] = keys;
+  }
+  json links = json::array();
+  for (const auto& link : experiment.links) {
+    links.push_back({{"from", link.from},
+                     {"to", link.to},
+                     {"width", link.width},
+                     {"delay_ticks", link.delay_ticks.value_or(0)}});
+  }
+  json result{{"experiment", experiment.name},
+              {"tick_ns", experiment.tick},
+              {"seed", experiment.seed},
+              {"sync", experiment::name_of(experiment.sync)},
+              {"version", SPIKELOOP_VERSION},
+              {"nodes", nodes},
+              {"connections", links}};
+  result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
+  if (experiment.robot) {
+    result["robot"] = {{"world", experiment.robot->world}, {"seed", experiment.robot->seed}};
+  }
+  return result;
+}
+
+RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events) {
+  if (!options.folder.empty()) {
+    write_json(options.folder + "/resolved.json", resolved_json(experiment));
+  }
+  MemoryTransport transport(experiment.robot, options.folder);
+  Assembly assembly(experiment, transport, options.record ? options.folder : "");
+  Loop loop(experiment, transport, assembly, events);
+  RunResult result;
+  auto reason = command::StopReason::ended;
+  try {
+    loop.run();
+  } catch (const Error& error) {
+    result.exit_code = error.exit_code();
+    result.reason = error.what();
+    reason = command::StopReason::terminated;
+  }
+  assembly.stop_robot(reason);
+  const Progress progress = loop.progress();
+  if (events.progress) {
+    events.progress(progress);
+  }
+  transport.finish();
+  result.summary = summary_of(experiment, assembly, assembly.graph(), transport, progress);
+  result.summary.update(assembly.close_recordings());
+  result.summary["exit_code"] = result.exit_code;
+  result.summary["exit_reason"] = result.reason;
+  if (!options.folder.empty()) {
+    write_json(options.folder + "/summary.json", result.summary);
+  }
+  return result;
+}
+
+}  // namespace spikeloop::fused

@@ -1,0 +1,19 @@
+// A mapping file's contents as what maps channels, and as the fields of a message.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/config/mapping_file.hpp"
+
+namespace spikeloop::command {
+
+/// @param width channels of the port, which all go when the mapping says so
+ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width);
+
+/// A path a component; "data" alone for all channels.
+std::vector<std::string> field_paths(const CommandMapping& mapping);
+
+}  // namespace spikeloop::command
