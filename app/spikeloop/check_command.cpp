@@ -78,8 +78,10 @@ void add_check_command(CLI::App& app, std::function<int()>& action) {
     bool strict = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("check", "Say what is wrong with an experiment file or a .music file");
-  command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")->required();
+  CLI::App* command =
+      app.add_subcommand("check", "Say what is wrong with an experiment file or a .music file");
+  command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
+      ->required();
   command->add_flag("--strict", arguments->strict, "Take warnings for errors");
   command->footer(kFooter);
   command->callback([arguments, &action] {

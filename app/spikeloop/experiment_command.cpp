@@ -96,8 +96,8 @@ void take_signals() {
 }
 
 launch::Progress for_console(const fused::Progress& progress, const Experiment& experiment) {
-  launch::Progress shown{to_seconds(progress.simulated), to_seconds(progress.wall), {},
-                         progress.overruns};
+  launch::Progress shown{
+      to_seconds(progress.simulated), to_seconds(progress.wall), {}, progress.overruns};
   if (experiment.duration) {
     shown.total_s = to_seconds(*experiment.duration);
   }

@@ -62,9 +62,8 @@ ExperimentFolder::ExperimentFolder(const std::string& wanted, const std::string&
   }
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock_);
-    throw ConfigurationError(
-        fmt::format("another run uses the folder '{}'; wait for its end, or give another --out",
-                    shown_));
+    throw ConfigurationError(fmt::format(
+        "another run uses the folder '{}'; wait for its end, or give another --out", shown_));
   }
   remove_earlier(path_);
 }

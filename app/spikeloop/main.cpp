@@ -15,6 +15,7 @@
 #include "describe_command.hpp"
 #include "export_command.hpp"
 #include "fit_command.hpp"
+#include "new_command.hpp"
 #include "output.hpp"
 #include "run_command.hpp"
 #include "spikeloop/core/error.hpp"
@@ -84,6 +85,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
   app.require_subcommand(1);
   std::function<int()> action;
+  spikeloop::app::add_new_command(app, action);
   spikeloop::app::add_run_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);

@@ -84,11 +84,12 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("FILE", arguments.file, "Experiment file (.yaml) or MUSIC configuration file")
       ->required();
   add_values(command, arguments);
-  auto* out = command
-                  .add_option("--out", job.folder,
-                              "Run folder: summary.json, recordings, logs; an experiment without it makes "
-                              "runs/NAME-N")
-                  ->check(named("folder"));
+  auto* out =
+      command
+          .add_option("--out", job.folder,
+                      "Run folder: summary.json, recordings, logs; an experiment without it makes "
+                      "runs/NAME-N")
+          ->check(named("folder"));
   command
       .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
       ->needs(out);
@@ -113,7 +114,8 @@ void add_options(CLI::App& command, RunArguments& arguments) {
 
 /// Those that only one kind of file has stand under a heading of their own.
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
-  command.add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
+  command
+      .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
       ->check(CLI::IsMember({"realtime", "unpaced", "lockstep"}));
   command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
@@ -131,8 +133,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
 void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
   for (const CLI::Option* option : options) {
     if (option->count() > 0) {
-      throw ConfigurationError(
-          fmt::format("{} is for {}; leave it out", option->get_name(), kind));
+      throw ConfigurationError(fmt::format("{} is for {}; leave it out", option->get_name(), kind));
     }
   }
 }

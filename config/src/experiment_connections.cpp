@@ -9,7 +9,8 @@
 namespace spikeloop::experiment_text {
 namespace {
 
-constexpr const char* kExample = "write for example  scan -> encoder [100] -> brain [100, delay 5 ms]";
+constexpr const char* kExample =
+    "write for example  scan -> encoder [100] -> brain [100, delay 5 ms]";
 constexpr std::string_view kBlank = " \t";
 
 /// A part of a line, and where it begins in the line.

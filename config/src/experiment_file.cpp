@@ -67,8 +67,8 @@ void read_nodes(const Section& root, ExperimentFile& result) {
 /// {from: a.out, to: b.in, width: 2, delay: 5 ms}
 ExperimentConnection read_arrow(const std::string& file, const YAML::Node& node) {
   const Section arrow(file, "connection", node, {"from", "to", "width", "delay"});
-  ExperimentConnection connection{arrow.text("from", "scan"), arrow.text("to", "encoder"), 0, {},
-                                  arrow.where("to")};
+  ExperimentConnection connection{
+      arrow.text("from", "scan"), arrow.text("to", "encoder"), 0, {}, arrow.where("to")};
   if (arrow.has("width")) {
     std::vector<ExperimentConnection> parsed;
     experiment_text::read_connections(fmt::format("a -> b [{}]", arrow.text("width", "100")),
@@ -158,8 +158,9 @@ std::vector<ParameterDescription> experiment_parameters() {
        .type = ParameterType::choice,
        .default_value = "realtime",
        .choices = {"realtime", "unpaced", "lockstep", "sim_time"},
-       .text = "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
-               "tick, the topic /clock"},
+       .text =
+           "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
+           "tick, the topic /clock"},
       {.name = "real_time_factor",
        .unit = "1",
        .default_value = "1",
@@ -180,9 +181,10 @@ ExperimentFile parse_experiment(std::string_view text, const std::string& path) 
   known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
   const YAML::Node document = yaml_text::load(std::string(text), path, "experiment");
   if (!document.IsMap()) {
-    throw ConfigurationError(place(path, document),
-                             "this is no experiment: expected lines of  key: value; 'spikeloop new' "
-                             "prints one to begin with");
+    throw ConfigurationError(
+        place(path, document),
+        "this is no experiment: expected lines of  key: value; 'spikeloop new' "
+        "prints one to begin with");
   }
   const Section root(path, "experiment", document, known);
   ExperimentFile result;

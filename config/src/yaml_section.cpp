@@ -14,8 +14,8 @@ YAML::Node load(const std::string& text, const std::string& path, const std::str
       const YAML::Mark mark = documents[1].Mark();
       throw ConfigurationError(
           {path, mark.line + 1, mark.column + 1},
-          fmt::format(
-              "a second document begins; write one {} a file, without '---' inside it", what));
+          fmt::format("a second document begins; write one {} a file, without '---' inside it",
+                      what));
     }
     return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {

@@ -15,10 +15,8 @@ PortDescription out(PortKind kind, const char* text) {
 }
 
 Parameter text(const char* name, std::optional<std::string> value, const char* line) {
-  return {.name = name,
-          .type = ParameterType::text,
-          .default_value = std::move(value),
-          .text = line};
+  return {
+      .name = name, .type = ParameterType::text, .default_value = std::move(value), .text = line};
 }
 
 Parameter number(const char* name, const char* unit, const char* value, double minimum,
@@ -100,8 +98,7 @@ const NodeClass& Kinds::find(std::string_view name) const {
     return registry_.find(name);
   }
   const std::string written(name);
-  throw ConfigurationError("unknown node class '" + written + "'" +
-                           did_you_mean(written, names()));
+  throw ConfigurationError("unknown node class '" + written + "'" + did_you_mean(written, names()));
 }
 
 Role Kinds::role(std::string_view name) const {

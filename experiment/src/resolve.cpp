@@ -32,8 +32,7 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
     }
     read_times(keys, experiment, faults);
     const std::string& name = keys.text("experiment");
-    experiment.name =
-        name.empty() ? std::filesystem::path(file.path).stem().string() : name;
+    experiment.name = name.empty() ? std::filesystem::path(file.path).stem().string() : name;
     experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
     experiment.sync = sync_named(keys.text("sync"));
     experiment.real_time_factor = keys.number("real_time_factor");
@@ -191,12 +190,12 @@ Parameters resolve_keys(const std::vector<ParameterDescription>& declared,
   for (const ParameterDescription& parameter : declared) {
     const auto value = written.find(parameter.name);
     if (value == written.end() && !parameter.default_value) {
-      throw ConfigurationError(where, fmt::format("{}: key '{}' is missing ({}); write  {}: ...",
-                                                  what, parameter.name, parameter.text,
-                                                  parameter.name));
+      throw ConfigurationError(
+          where, fmt::format("{}: key '{}' is missing ({}); write  {}: ...", what, parameter.name,
+                             parameter.text, parameter.name));
     }
-    const bool has_unit = parameter.type == ParameterType::number && !parameter.unit.empty() &&
-                          parameter.unit != "1";
+    const bool has_unit =
+        parameter.type == ParameterType::number && !parameter.unit.empty() && parameter.unit != "1";
     if (value != written.end() && has_unit && is_bare_number(value->second.text)) {
       throw ConfigurationError(
           value->second.where,

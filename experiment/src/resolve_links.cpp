@@ -16,8 +16,7 @@ namespace {
 constexpr std::uint32_t kMostTicks = 1'000'000;
 
 [[noreturn]] void refuse_delay(const WrittenValue& written, const std::string& reason) {
-  throw ConfigurationError(written.where,
-                           fmt::format("delay '{}' {}", written.text, reason));
+  throw ConfigurationError(written.where, fmt::format("delay '{}' {}", written.text, reason));
 }
 
 /// "2 ticks", "1 tick".
@@ -39,8 +38,8 @@ std::uint32_t delay_ticks(const WrittenValue& written, TimeNs tick) {
     try {
       ticks = parse_quantity(written.text, "s") / to_seconds(tick);
     } catch (const ConfigurationError& error) {
-      refuse_delay(written, fmt::format("is no delay: {}; write for example 5 ms or 2 ticks",
-                                        error.what()));
+      refuse_delay(written,
+                   fmt::format("is no delay: {}; write for example 5 ms or 2 ticks", error.what()));
     }
     if (written.text.find_first_not_of("0123456789.+-eE") == std::string::npos) {
       refuse_delay(written, fmt::format("has no unit; write {0} ms or {0} ticks", written.text));
@@ -60,8 +59,7 @@ std::string node_of(const std::string& end) {
   return end.substr(0, end.find('.'));
 }
 
-void check_all_connected(const ExperimentFile& file, const Experiment& experiment,
-                         Faults& faults) {
+void check_all_connected(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
   std::set<std::string> reached;
   for (const ExperimentConnection& connection : file.connections) {
     reached.insert(node_of(connection.from));
@@ -105,9 +103,9 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
   }
   for (const ExperimentConnection& connection : file.connections) {
     const bool delayed = !connection.delay.text.empty();
-    description.connections.push_back(
-        {connection.from, connection.to, connection.width,
-         delayed ? delay_ticks(connection.delay, experiment.tick) : 0, connection.where});
+    description.connections.push_back({connection.from, connection.to, connection.width,
+                                       delayed ? delay_ticks(connection.delay, experiment.tick) : 0,
+                                       connection.where});
   }
   return description;
 }
@@ -116,8 +114,8 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
                 Experiment& experiment) {
   for (std::size_t i = 0; i < plan.connections.size(); ++i) {
     const PlannedConnection& planned = plan.connections[i];
-    Link link{plan.text(planned.from), plan.text(planned.to), plan.port(planned.from).kind,
-              plan.port(planned.from).width, std::nullopt, planned.where};
+    Link link{plan.text(planned.from),       plan.text(planned.to), plan.port(planned.from).kind,
+              plan.port(planned.from).width, std::nullopt,          planned.where};
     if (!file.connections[i].delay.text.empty()) {
       link.delay_ticks = graph.connections[i].delay_ticks;
     }

@@ -53,9 +53,9 @@ Json parsed(const Parameters& parameters, const char* key, const char* example) 
   }
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
-    throw ConfigurationError(parameters.where(key),
-                             fmt::format("key '{}': '{}' is no map; write  {}: {}", key, text, key,
-                                         example));
+    throw ConfigurationError(
+        parameters.where(key),
+        fmt::format("key '{}': '{}' is no map; write  {}: {}", key, text, key, example));
   }
   return json;
 }
@@ -110,8 +110,8 @@ CommandMapping command_mapping(const Parameters& parameters) {
 void check_endpoint(Part& part) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
-    const std::string type = located_at(
-        where, [&] { return canonical_message_type(part.parameters.text("message")); });
+    const std::string type =
+        located_at(where, [&] { return canonical_message_type(part.parameters.text("message")); });
     part.parameters.set("message", type, true, where);
   };
   if (part.kind == kRosSensor) {
@@ -151,9 +151,8 @@ void read_network(Part& part, const std::string& directory, Experiment& experime
     part.parameters.set("network", in_directory(directory, written), true, where);
   }
   const std::string& path = part.parameters.text("network");
-  const NetworkFile network =
-      in_place ? network_in_place(path, where, directory)
-               : located_at(where, [&] { return read_network_file(path); });
+  const NetworkFile network = in_place ? network_in_place(path, where, directory)
+                                       : located_at(where, [&] { return read_network_file(path); });
   network.check_tick(experiment.tick);
   experiment.own_classes.push_back(std::make_shared<NodeClass>(network_class(network)));
   part.node_class = experiment.own_classes.back().get();
@@ -216,10 +215,9 @@ bool resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::str
     return false;
   }
   const bool good = faults.attempt(node.where, [&] {
-    part.parameters =
-        resolve_keys(part.node_class->description.parameters, part.written,
-                     table_loader(directory, *part.node_class),
-                     fmt::format("node '{}'", node.name), node.where);
+    part.parameters = resolve_keys(part.node_class->description.parameters, part.written,
+                                   table_loader(directory, *part.node_class),
+                                   fmt::format("node '{}'", node.name), node.where);
     absolute_files(part, directory);
     check_endpoint(part);
     if (part.kind == kNetwork) {

@@ -130,8 +130,8 @@ class MemoryCommand : public CommandEnd {
     std::optional<TimeNs> age;
     if (with_pace_) {
       const SignalInput pace = step.signal_input(1);
-      age = age_.update(
-          pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now_);
+      age = age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(),
+                        now_);
     }
     const SignalInput in = step.signal_input(0);
     if (!in.valid() || (with_pace_ && !age)) {

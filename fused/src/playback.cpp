@@ -59,10 +59,10 @@ class SignalPlayback : public Source {
 void check_width(const experiment::Part& part, std::uint32_t recorded, std::uint32_t width) {
   if (recorded != width) {
     throw ConfigurationError(
-        part.where, fmt::format("node '{}': the recording {} has {} channels, its connection has "
-                                "{}; write [{}]",
-                                part.name, part.parameters.text("file"), recorded, width,
-                                recorded));
+        part.where,
+        fmt::format("node '{}': the recording {} has {} channels, its connection has "
+                    "{}; write [{}]",
+                    part.name, part.parameters.text("file"), recorded, width, recorded));
   }
 }
 

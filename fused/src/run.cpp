@@ -161,12 +161,9 @@ json resolved_json(const Experiment& experiment) {
                      {"width", link.width},
                      {"delay_ticks", link.delay_ticks.value_or(0)}});
   }
-  json result{{"experiment", experiment.name},
-              {"tick_ns", experiment.tick},
-              {"seed", experiment.seed},
-              {"sync", experiment::name_of(experiment.sync)},
-              {"version", SPIKELOOP_VERSION},
-              {"nodes", nodes},
+  json result{{"experiment", experiment.name}, {"tick_ns", experiment.tick},
+              {"seed", experiment.seed},       {"sync", experiment::name_of(experiment.sync)},
+              {"version", SPIKELOOP_VERSION},  {"nodes", nodes},
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {

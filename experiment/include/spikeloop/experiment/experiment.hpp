@@ -31,7 +31,7 @@ struct Part {
   Role role = Role::node;
   const NodeClass* node_class = nullptr;
   Parameters parameters;
-  WrittenValues written;  ///< as the file has them, without `node`
+  WrittenValues written;     ///< as the file has them, without `node`
   CommandMapping mapping{};  ///< of a ros_command
   Location where;
 };

@@ -1,0 +1,107 @@
+#include "new_command.hpp"
+
+#include <memory>
+#include <string>
+
+#include "option_values.hpp"
+#include "output.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+/// Runs as it is: nothing else is needed, no ROS, no other file.
+constexpr const char* kExperiment =
+    R"(# A vehicle that explores an arena, steered by ten spiking neurons.
+#
+#   spikeloop check x.yaml      says what is wrong with this file
+#   spikeloop run x.yaml        runs it; what happened is in runs/NAME-1
+#
+# `spikeloop describe` lists the nodes there are, `spikeloop describe NODE` what one takes.
+experiment: NAME
+duration: 5 s        # of simulated time; without it, until Ctrl-C
+tick: 1 ms           # how often sensors, network and commands exchange their data
+seed: 1              # of all random numbers
+sync: realtime       # or lockstep: as fast as possible, and the same to the bit every time
+
+# The robot is simulated in this process; without this line and with  ros: 1  it is any robot that
+# speaks ROS.
+robot: {simulator: mujoco, world: arena.xml}
+
+nodes:
+  # 100 laser beams, from right to left: -1 is near, 1 is far.
+  scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
+  # The mean of ten neighbouring beams each.
+  sectors: {node: connect, weights: blocks}
+  # A neuron a sector: it fires the faster the farther away things are.
+  encoder: {node: rate_encoder, rate_min: 1 Hz, rate_max: 200 Hz}
+  # The network, written in place; a larger one stands in a file of its own:  network: brain.yaml
+  brain:
+    simulator: builtin
+    network:
+      populations:
+        input: {model: input, size: 10}
+        relay: {model: repeater, size: 10}
+      connections:
+        - {from: input, to: relay, rule: one_to_one, delay: 1 ms}
+      output: [relay]
+  # Speed and turning rate: weighted sums of the neurons' rates.
+  decoder:
+    node: linear_readout
+    tau: 30 ms
+    weights:
+      - [-0.0026, -0.0006, -0.0001, 0.0020, 0.0042, 0.0042, 0.0020, -0.0001, -0.0006, -0.0026]
+      - [0.0021, -0.0031, -0.0047, -0.0053, -0.0052, -0.0001, 0.0043, 0.0045, 0.0015, 0.0008]
+  wheels:
+    node: ros_command
+    topic: /cmd_vel
+    message: geometry_msgs/Twist
+    fields:
+      linear.x: {channel: 0}                  # m/s
+      angular.z: {channel: 1, offset: 0.2}    # rad/s, to the left
+    limits: {linear.x: [0, 0.8], angular.z: [-2.2, 1.7]}
+
+connections:
+  # NODE -> NODE [width]; a delay stands beside the width: [10, delay 5 ms].
+  - scan -> sectors [100] -> encoder [10] -> brain [10] -> decoder [10] -> wheels [2]
+)";
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop new > explorer.yaml && spikeloop run explorer.yaml
+  spikeloop new maze > maze.yaml         the same under another name)";
+
+std::string named_experiment(const std::string& name) {
+  constexpr std::string_view kPlace = "NAME";
+  std::string text = kExperiment;
+  // "NODE" and the like stay; the name stands where the experiment's own does.
+  for (const std::string_view before : {"experiment: ", "runs/"}) {
+    const std::string place = std::string(before) + std::string(kPlace);
+    if (const auto at = text.find(place); at != std::string::npos) {
+      text.replace(at + before.size(), kPlace.size(), name);
+    }
+  }
+  return text;
+}
+
+int print_new(const std::string& name) {
+  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  if (name.find_first_not_of(allowed) != std::string::npos) {
+    throw ConfigurationError("'" + name +
+                             "' is no name of an experiment; write letters, digits, '_' and '-'");
+  }
+  put_result(named_experiment(name));
+  return 0;
+}
+
+}  // namespace
+
+void add_new_command(CLI::App& app, std::function<int()>& action) {
+  const auto name = std::make_shared<std::string>("explorer");
+  CLI::App* command =
+      app.add_subcommand("new", "Print an experiment file to begin with, commented, ready to run");
+  command->add_option("NAME", *name, "Name of the experiment")->check(named("experiment"));
+  command->footer(kFooter);
+  command->callback([name, &action] { action = [name] { return print_new(*name); }; });
+}
+
+}  // namespace spikeloop::app
