@@ -198,7 +198,11 @@ music::ProgramText node_program_text(const std::string& name) {
       {.name = "plugin",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "A plug-in to load first; those in SPIKELOOP_PLUGIN_PATH are always loaded"}};
+       .text = "A plug-in to load first; those in SPIKELOOP_PLUGIN_PATH are always loaded"},
+      {.name = "ports",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "Of a plug-in's class, for the launcher: continuous->spikes or the like"}};
   text.ports = "  those of the class, under the same names\n";
   text.example =
       "  [encoder]\n  binary=spikeloop-node\n  np=1\n  node=rate_encoder\n  rate_max=200\n"

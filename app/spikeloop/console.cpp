@@ -96,4 +96,21 @@ void Console::end(const launch::JobResult& result, const launch::Progress& progr
   clear();
 }
 
+int run_job(launch::Job& job, Console::Volume volume) {
+  const BackgroundOutput output;
+  Console console(volume);
+  log::set_sink(
+      [&console](log::Level level, std::string_view message) { console.log(level, message); });
+  launch::Progress last;
+  const launch::JobResult result =
+      job.run({[&](const launch::Progress& progress) {
+                 last = progress;
+                 console.progress(progress);
+               },
+               [&console](const launch::ProgramLine& line) { console.line(line); }});
+  log::set_sink({});
+  console.end(result, last);
+  return result.exit_code;
+}
+
 }  // namespace spikeloop::app

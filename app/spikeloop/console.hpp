@@ -37,4 +37,7 @@ class Console {
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
+/// Runs a job and shows it. Returns its exit code.
+int run_job(launch::Job& job, Console::Volume volume);
+
 }  // namespace spikeloop::app

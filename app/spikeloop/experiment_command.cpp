@@ -12,7 +12,9 @@
 #include "experiment_folder.hpp"
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -108,7 +110,18 @@ std::string count(std::size_t number, const char* what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
-int run_loaded(const ExperimentArguments& arguments, const Experiment& experiment) {
+void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& folder) {
+  if (arguments.volume != Console::Volume::quiet) {
+    put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
+  }
+}
+
+int run_fused(const ExperimentArguments& arguments, const Experiment& experiment) {
+  if (experiment.ros != experiment::Ros::none) {
+    throw ConfigurationError({experiment.path, 0, 0},
+                             "the fused layout with ROS is not in this version; write  ros: none, "
+                             "or use  --layout separate");
+  }
   const ExperimentFolder folder(arguments.folder, experiment.name);
   const BackgroundOutput output;
   Console console(arguments.volume);
@@ -131,10 +144,46 @@ int run_loaded(const ExperimentArguments& arguments, const Experiment& experimen
     end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
   }
   console.end(end, last);
-  if (arguments.volume != Console::Volume::quiet) {
-    put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
-  }
+  tell_folder(arguments, folder);
   return end.exit_code;
+}
+
+/// The robot that the experiment has, started when nobody publishes its topics.
+void add_robot(const Experiment& experiment, launch::JobOptions& options) {
+  if (!experiment.robot) {
+    return;
+  }
+  options.roscore = true;
+  options.robot = true;
+  options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
+                             fmt::format("--seed={}", experiment.robot->seed)};
+}
+
+/// Returns the job's file, with the places that programs will name.
+MusicFile write_job(const experiment::MusicJob& job, const std::string& folder) {
+  for (const auto& [name, contents] : job.files) {
+    launch::write_text(folder + "/" + name, contents);
+  }
+  const std::string path = folder + "/experiment.music";
+  launch::write_text(path, to_text(job.file));
+  return read_music_file(path);
+}
+
+int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
+  ExperimentFolder folder(arguments.folder, experiment.name);
+  const experiment::MusicJob music = experiment::music_job(experiment, folder.path());
+  const MusicFile file = write_job(music, folder.path());
+  launch::write_text(folder.path() + "/resolved.json",
+                     fused::resolved_json(experiment).dump(2) + "\n");
+  folder.release();
+  launch::JobOptions options;
+  options.folder = folder.path();
+  options.run.record = arguments.record;
+  add_robot(experiment, options);
+  launch::Job job(file, options);
+  const int exit_code = run_job(job, arguments.volume);
+  tell_folder(arguments, folder);
+  return exit_code;
 }
 
 }  // namespace
@@ -154,7 +203,8 @@ int run_experiment(const ExperimentArguments& arguments) {
     }
     return loaded.faults.front().exit_code;
   }
-  return run_loaded(arguments, *loaded.experiment);
+  return arguments.layout == Layout::separate ? run_separate(arguments, *loaded.experiment)
+                                              : run_fused(arguments, *loaded.experiment);
 }
 
 int check_experiment(const std::string& file) {

@@ -1,11 +1,7 @@
 #include "experiment_folder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -56,20 +52,8 @@ void remove_earlier(const fs::path& folder) {
 ExperimentFolder::ExperimentFolder(const std::string& wanted, const std::string& experiment)
     : shown_(wanted.empty() ? first_free(experiment) : wanted) {
   path_ = launch::make_folder(shown_);
-  lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) {
-    throw FileError("open", path_, errno);
-  }
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock_);
-    throw ConfigurationError(fmt::format(
-        "another run uses the folder '{}'; wait for its end, or give another --out", shown_));
-  }
+  lock_ = launch::lock_folder(path_, shown_);
   remove_earlier(path_);
-}
-
-ExperimentFolder::~ExperimentFolder() {
-  ::close(lock_);
 }
 
 }  // namespace spikeloop::app

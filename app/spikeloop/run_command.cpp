@@ -25,6 +25,7 @@ struct RunArguments {
   double start_timeout_s = 60;
   double stall_timeout_s = 60;
   std::string sync;
+  std::string layout = "fused";
   bool no_record = false;
   bool no_pace = false;
   bool quiet = false;
@@ -117,6 +118,11 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
       ->check(CLI::IsMember({"realtime", "unpaced", "lockstep"}));
+  command
+      .add_option("--layout", arguments.layout,
+                  "fused: all nodes in one process; separate: a process a node, joined by MUSIC")
+      ->check(CLI::IsMember({"fused", "separate"}))
+      ->capture_default_str();
   command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
                                 std::initializer_list<const char*> names) {
@@ -124,7 +130,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
       list.push_back(command.get_option(name)->group(heading));
     }
   };
-  group(arguments.for_experiment, "Experiment files", {"--sync", "--no-record"});
+  group(arguments.for_experiment, "Experiment files", {"--layout", "--sync", "--no-record"});
   group(arguments.for_music, ".music files",
         {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run",
          "--start-timeout", "--stall-timeout"});
@@ -136,6 +142,12 @@ void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) 
       throw ConfigurationError(fmt::format("{} is for {}; leave it out", option->get_name(), kind));
     }
   }
+}
+
+Console::Volume volume_of(const RunArguments& arguments) {
+  return arguments.quiet     ? Console::Volume::quiet
+         : arguments.verbose ? Console::Volume::verbose
+                             : Console::Volume::normal;
 }
 
 int run_file(const RunArguments& arguments) {
@@ -150,9 +162,8 @@ int run_file(const RunArguments& arguments) {
   if (!arguments.sync.empty()) {
     experiment.overrides.sync = experiment::sync_named(arguments.sync);
   }
-  experiment.volume = arguments.quiet     ? Console::Volume::quiet
-                      : arguments.verbose ? Console::Volume::verbose
-                                          : Console::Volume::normal;
+  experiment.volume = volume_of(arguments);
+  experiment.layout = arguments.layout == "separate" ? Layout::separate : Layout::fused;
   return run_experiment(experiment);
 }
 
@@ -188,22 +199,7 @@ int run(RunArguments& arguments) {
   if (arguments.dry_run) {
     return dry_run(job, launch::check_job(file, arguments.job.run), arguments.file);
   }
-  const BackgroundOutput output;
-  Console console(arguments.quiet     ? Console::Volume::quiet
-                  : arguments.verbose ? Console::Volume::verbose
-                                      : Console::Volume::normal);
-  log::set_sink(
-      [&console](log::Level level, std::string_view message) { console.log(level, message); });
-  launch::Progress last;
-  const launch::JobResult result =
-      job.run({[&](const launch::Progress& progress) {
-                 last = progress;
-                 console.progress(progress);
-               },
-               [&console](const launch::ProgramLine& line) { console.line(line); }});
-  log::set_sink({});
-  console.end(result, last);
-  return result.exit_code;
+  return run_job(job, volume_of(arguments));
 }
 
 }  // namespace

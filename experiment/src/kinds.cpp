@@ -90,6 +90,17 @@ Kinds::Kinds() {
       playback(kSignalPlayback, PortKind::signal, "A recorded continuous signal once more"));
 }
 
+void Kinds::load_plugin(const std::string& path) {
+  for (const std::string& name : registry_.load_plugin(path)) {
+    plugins_[name] = path;
+  }
+}
+
+std::string Kinds::plugin_of(std::string_view name) const {
+  const auto found = plugins_.find(name);
+  return found == plugins_.end() ? "" : found->second;
+}
+
 const NodeClass& Kinds::find(std::string_view name) const {
   if (const auto endpoint = endpoints_.find(name); endpoint != endpoints_.end()) {
     return endpoint->second.node_class;

@@ -7,7 +7,7 @@
 
 #include "faults.hpp"
 #include "spikeloop/core/graph_plan.hpp"
-#include "spikeloop/experiment/topics.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
 namespace spikeloop::experiment {
@@ -121,6 +121,13 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
     }
     experiment.links.push_back(link);
   }
+  for (const PlannedElement& element : plan.elements) {
+    for (const PlannedPort& port : element.ports) {
+      if (port.direction == Direction::output) {
+        experiment.outputs.push_back({element.name, port.name, port.kind, port.width});
+      }
+    }
+  }
 }
 
 /// What only widths decide.
@@ -131,6 +138,8 @@ void check_part(const Part& part, const Experiment& experiment) {
                                true);
   } else if (part.kind == kRosCommand) {
     check_channels(part.mapping, experiment.width(part.name, "in"));
+  } else if (part.role == Role::source) {
+    playback(part, experiment.width(part.name, "out"));
   }
 }
 

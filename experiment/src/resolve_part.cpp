@@ -8,7 +8,7 @@
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
-#include "spikeloop/experiment/topics.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/neurons/network.hpp"
 
 namespace spikeloop::experiment {
@@ -210,6 +210,7 @@ bool resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::str
     const Location where = written == node.keys.end() ? node.where : written->second.where;
     part.node_class = located_at(where, [&] { return &kinds.find(part.kind); });
     part.role = kinds.role(part.kind);
+    part.plugin = kinds.plugin_of(part.kind);
   });
   if (!found) {
     return false;

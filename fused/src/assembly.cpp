@@ -5,10 +5,10 @@
 #include <limits>
 #include <set>
 
-#include "playback.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::fused {
@@ -97,7 +97,7 @@ void Assembly::add_part(const Part& part) {
     case Role::source: {
       const std::uint32_t width = experiment_.width(part.name, "out");
       sources_.push_back(part.kind == experiment::kRosSensor ? transport_.sensor(part, width)
-                                                             : make_playback(part, width));
+                                                             : experiment::playback(part, width));
       description_.sources.push_back({part.name, sources_.back().get()});
       return;
     }
@@ -136,40 +136,50 @@ void Assembly::add_links() {
   }
 }
 
+record::Recorder& Assembly::recorder_of(const Part& part, const std::string& folder) {
+  auto& recorder = recorders_[part.name];
+  if (!recorder) {
+    recorder = std::make_unique<record::Recorder>(
+        fmt::format("{}/{}.h5", folder, part.name), part.name,
+        record::RunAttributes{experiment_.seed, experiment_.tick});
+  }
+  return *recorder;
+}
+
+void Assembly::add_recording(const std::string& from, const std::string& name,
+                             std::unique_ptr<Sink> sink) {
+  description_.sinks.push_back({name, sink.get()});
+  description_.connections.push_back({from, name, 0, 0, {}});
+  recording_sinks_.push_back(std::move(sink));
+}
+
+/// Every output of a node, and the fields of every command.
 void Assembly::record(const std::string& folder) {
+  const auto name_of = [](const std::string& part, const std::string& stream) {
+    return fmt::format("{}{} {}", kRecord, part, stream);
+  };
+  for (const experiment::Output& output : experiment_.outputs) {
+    if (output.width == 0) {
+      continue;
+    }
+    record::Recorder& recorder = recorder_of(experiment_.part(output.part), folder);
+    add_recording(fmt::format("{}.{}", output.part, output.port), name_of(output.part, output.port),
+                  output.kind == PortKind::spikes
+                      ? recorder.spike_sink(output.port, output.width)
+                      : recorder.signal_sink(output.port, output.width, "1"));
+  }
   for (const Part& part : experiment_.parts) {
-    const bool command = part.role == Role::sink;
-    std::unique_ptr<record::Recorder> recorder;
-    std::set<std::string> recorded;
-    const auto add = [&](const std::string& from, const std::string& stream, PortKind kind,
-                         std::uint32_t width, const std::vector<std::string>& channels) {
-      if (!recorder) {
-        recorder = std::make_unique<record::Recorder>(
-            fmt::format("{}/{}.h5", folder, part.name), part.name,
-            record::RunAttributes{experiment_.seed, experiment_.tick});
-      }
-      recording_sinks_.push_back(kind == PortKind::spikes
-                                     ? recorder->spike_sink(stream, width)
-                                     : recorder->signal_sink(stream, width, "1", channels));
-      const std::string name = fmt::format("{}{} {}", kRecord, part.name, stream);
-      description_.sinks.push_back({name, recording_sinks_.back().get()});
-      description_.connections.push_back({from, name, width, 0, {}});
-    };
-    for (const Link& link : experiment_.links) {
-      if (node_of(link.from) == part.name && recorded.insert(link.from).second) {
-        add(link.from, link.from.substr(part.name.size() + 1), link.kind, link.width, {});
-      }
+    if (part.role != Role::sink) {
+      continue;
     }
-    if (command) {
-      const auto paths = command::field_paths(part.mapping);
-      const auto width = static_cast<std::uint32_t>(
-          part.mapping.all_channels ? experiment_.width(part.name, "in") : paths.size());
-      add(part.name + ".out", "command", PortKind::signal, width,
-          part.mapping.all_channels ? std::vector<std::string>{} : paths);
-    }
-    if (recorder) {
-      recorders_.push_back(std::move(recorder));
-    }
+    const bool all = part.mapping.all_channels;
+    const auto paths = command::field_paths(part.mapping);
+    const auto width =
+        all ? experiment_.width(part.name, "in") : static_cast<std::uint32_t>(paths.size());
+    add_recording(
+        part.name + ".out", name_of(part.name, "command"),
+        recorder_of(part, folder)
+            .signal_sink("command", width, "1", all ? std::vector<std::string>{} : paths));
   }
 }
 
@@ -182,7 +192,7 @@ void Assembly::stop_robot(command::StopReason reason) {
 nlohmann::json Assembly::close_recordings() {
   std::uint64_t spikes = 0;
   std::uint64_t dropped = 0;
-  for (const auto& recorder : recorders_) {
+  for (const auto& [name, recorder] : recorders_) {
     const record::Report report = recorder->close();
     spikes += report.spikes_written;
     dropped += report.spikes_dropped + report.signals_dropped;

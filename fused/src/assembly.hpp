@@ -39,6 +39,8 @@ class Assembly {
   void add_links();
   void connect_pace(const experiment::Part& command);
   void record(const std::string& folder);
+  record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
+  void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 
   const experiment::Experiment& experiment_;
   Transport& transport_;
@@ -46,7 +48,7 @@ class Assembly {
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<CommandEnd>> commands_;
   std::vector<std::unique_ptr<NodeClass>> classes_;
-  std::vector<std::unique_ptr<record::Recorder>> recorders_;
+  std::map<std::string, std::unique_ptr<record::Recorder>> recorders_;  ///< by node
   std::vector<std::unique_ptr<Sink>> recording_sinks_;
   std::optional<Graph> graph_;
 };

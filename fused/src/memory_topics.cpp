@@ -7,7 +7,7 @@
 #include "spikeloop/command/age_meter.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/experiment/topics.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 

@@ -138,6 +138,17 @@ std::int64_t signal_delay(const MusicFile& file, const MusicSection& section) {
   return ours ? std::llround(number_of(file, section, "signal_delay", "1").value_or(0)) : 0;
 }
 
+/// By which one of our programs delays its spike inputs: by `spike_delay`, or by what it accepts.
+std::int64_t spike_delay(const MusicFile& file, const MusicSection& section,
+                         const Latencies& latencies) {
+  const auto latency = latencies.by_label.find(section.label);
+  const std::int64_t accepted =
+      latency == latencies.by_label.end() ? 0 : latency->second / tick_of(file, section);
+  const bool ours = find_program(file, section) != nullptr;
+  const double written = number_of(file, section, "spike_delay", "1").value_or(0);
+  return std::max(accepted, std::int64_t{ours ? std::llround(written) : 0});
+}
+
 /// Beside a path of n connections MUSIC serves the pace in batches: the ticks of n + 1 come in one
 /// burst, and none between the bursts. That is no silence: a watchdog of three ticks, the command
 /// adapter's own choice, would stop the robot in every pause.
@@ -167,12 +178,8 @@ void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
     for (const std::size_t i : path->connections) {
       const MusicConnection& hop = data.connections[i];
       const MusicSection& to = data.section(hop.to_app);
-      const auto latency = latencies.by_label.find(hop.to_app);
-      if (is_continuous(data, hop)) {
-        ticks += signal_delay(data, to);
-      } else if (latency != latencies.by_label.end()) {
-        ticks += latency->second / tick_of(data, to);
-      }
+      ticks +=
+          is_continuous(data, hop) ? signal_delay(data, to) : spike_delay(data, to, latencies);
     }
     add_key(file, file.section(label), "pipeline_ticks", fmt::format("{}", ticks));
     add_watchdog(file, label, path->connections.size());

@@ -1,6 +1,9 @@
 #include "spikeloop/launch/folders.hpp"
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <stdlib.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -41,6 +44,18 @@ std::string make_folder(const std::string& path) {
     throw FileError("make the folder", path, error.value());
   }
   return whole.lexically_normal().string();
+}
+
+status::Descriptor lock_folder(const std::string& path, const std::string& as_written) {
+  status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  // Some network file systems know no such locks: then there is none.
+  if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw FileError(
+        fmt::format("another run that has not ended writes to the folder '{}'; wait "
+                    "for its end, or give another folder with --out",
+                    as_written));
+  }
+  return folder;
 }
 
 void refuse_to_overwrite(const std::string& file, const std::string& path) {

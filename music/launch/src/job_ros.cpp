@@ -38,8 +38,9 @@ std::string roscore_trouble(const Member& roscore, const RosMaster& master) {
 }
 
 /// The robot keeps the seed and the real-time factor of the sensor adapter, or of the first
-/// program.
+/// program, unless it was given others.
 void add_robot_option(const MusicFile& file, const char* key, const char* option,
+                      const std::vector<std::string>& given,
                       std::vector<std::string>& arguments) {
   const auto source = std::find_if(file.sections.begin(), file.sections.end(),
                                    [&file](const MusicSection& section) {
@@ -48,7 +49,8 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
                                    });
   const MusicKey* found =
       file.find_key(source == file.sections.end() ? file.sections.front() : *source, key);
-  if (found != nullptr) {
+  const auto begins = [option](const std::string& argument) { return argument.starts_with(option); };
+  if (found != nullptr && std::none_of(given.begin(), given.end(), begins)) {
     arguments.insert(arguments.end(), {option, found->value});
   }
 }
@@ -127,8 +129,9 @@ bool JobRun::start_robot() {
   }
   ProgramStart start;
   start.arguments = {"spikeloop-robot", "--out", folder_};
-  add_robot_option(effective_.file, "seed", "--seed", start.arguments);
-  add_robot_option(effective_.file, "rtf", "--real-time-factor", start.arguments);
+  add_robot_option(effective_.file, "seed", "--seed", options_.robot_arguments, start.arguments);
+  add_robot_option(effective_.file, "rtf", "--real-time-factor", options_.robot_arguments,
+                   start.arguments);
   start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),

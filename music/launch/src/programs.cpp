@@ -85,7 +85,84 @@ constexpr std::array kPrograms{
             .input = kEvents,
             .output = kContinuous},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
+    Program{.name = "spike_playback", .output = kEvents, .source = true},
+    Program{.name = "signal_playback", .output = kContinuous, .source = true},
 };
+
+/// Of classes that no program of its own runs, spikeloop-node alone.
+constexpr std::array kOtherNodes{
+    Program{.name = "spikeloop-node", .node = "clip", .input = kContinuous, .output = kContinuous},
+    Program{
+        .name = "spikeloop-node", .node = "normalise", .input = kContinuous, .output = kContinuous},
+    Program{
+        .name = "spikeloop-node", .node = "low_pass", .input = kContinuous, .output = kContinuous},
+    Program{.name = "spikeloop-node", .node = "delay", .input = kContinuous, .output = kContinuous},
+    Program{
+        .name = "spikeloop-node", .node = "function", .input = kContinuous, .output = kContinuous},
+    Program{.name = "spikeloop-node",
+            .node = "population_encoder",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "spikeloop-node",
+            .node = "step_forward_encoder",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "spikeloop-node",
+            .node = "temporal_contrast_encoder",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "spikeloop-node",
+            .node = "time_to_first_spike_encoder",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "spikeloop-node",
+            .node = "population_vector",
+            .input = kEvents,
+            .output = kContinuous},
+    Program{.name = "spikeloop-node",
+            .node = "winner_take_all",
+            .input = kEvents,
+            .output = kContinuous},
+    Program{
+        .name = "spikeloop-node", .node = "rate_window", .input = kEvents, .output = kContinuous},
+};
+
+/// Of a plug-in's class, whose section says the kinds of its ports.
+constexpr std::array kPluginNodes{
+    Program{.name = "spikeloop-node",
+            .node = "continuous->continuous",
+            .input = kContinuous,
+            .output = kContinuous},
+    Program{.name = "spikeloop-node",
+            .node = "continuous->spikes",
+            .input = kContinuous,
+            .output = kEvents},
+    Program{.name = "spikeloop-node",
+            .node = "spikes->continuous",
+            .input = kEvents,
+            .output = kContinuous},
+    Program{
+        .name = "spikeloop-node", .node = "spikes->spikes", .input = kEvents, .output = kEvents},
+};
+
+template <typename Table>
+const Program* find_node(const Table& table, std::string_view node) {
+  const auto* const found = std::ranges::find(table, node, &Program::node);
+  return found == std::end(table) ? nullptr : found;
+}
+
+/// What spikeloop-node is in this section.
+const Program* program_of_node(const MusicFile& file, const MusicSection& section,
+                               std::string_view node) {
+  if (const Program* program = find_node(kPrograms, node)) {
+    return program;
+  }
+  if (const Program* program = find_node(kOtherNodes, node)) {
+    return program;
+  }
+  const MusicKey* ports = file.find_key(section, "ports");
+  return ports == nullptr ? nullptr : find_node(kPluginNodes, ports->value);
+}
 
 }  // namespace
 
@@ -118,11 +195,12 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
-  const MusicKey* node = name == "spikeloop-node" ? file.find_key(section, "node") : nullptr;
-  const auto found = std::find_if(kPrograms.begin(), kPrograms.end(), [&](const Program& program) {
-    return node == nullptr ? program.name == name : program.node == node->value;
-  });
-  return found == kPrograms.end() ? nullptr : &*found;
+  if (const MusicKey* node = file.find_key(section, "node");
+      name == "spikeloop-node" && node != nullptr) {
+    return program_of_node(file, section, node->value);
+  }
+  const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
+  return found == kPrograms.end() ? nullptr : found;
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {

@@ -19,18 +19,6 @@ namespace fs = std::filesystem;
 constexpr const char* kEffective = "effective.music";
 
 /// The lock is the folder's own: there is no file to leave behind, and it goes with the process.
-status::Descriptor lock(const std::string& path, const std::string& as_written) {
-  status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  // Some network file systems know no such locks: then there is none.
-  if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    throw FileError(
-        fmt::format("another run that has not ended writes to the folder '{}'; wait "
-                    "for its end, or give another folder with --out",
-                    as_written));
-  }
-  return folder;
-}
-
 /// A file of the user's may have the name of a section, too.
 bool is_recording(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -62,7 +50,7 @@ RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
   if (!path.empty()) {
     path_ = make_folder(path);
     refuse_to_overwrite(file.path, (fs::path(path_) / kEffective).string());
-    lock_ = lock(path_, path);
+    lock_ = lock_folder(path_, path);
     labels_ = earlier_labels(path_);
     const std::vector<std::string> present = file.labels();
     labels_.insert(labels_.end(), present.begin(), present.end());

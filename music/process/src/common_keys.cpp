@@ -96,6 +96,14 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        "whole ticks by which continuous inputs are delayed, beside the one that each hop costs; "
        "the "
        "delays and latencies around a closed loop must add up to a tick a hop"},
+      {"spike_delay",
+       ParameterType::integer,
+       "",
+       "0",
+       0,
+       1'000'000,
+       {},
+       "whole ticks by which spike inputs are delayed: their times grow by as much"},
       boolean("record", false, "record what this program puts out to $SPIKELOOP_OUT/LABEL.h5"),
   };
 }
@@ -130,6 +138,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   keys.stamp_guard = parameters.boolean("stamp_guard");
   set_latency(parameters, defaults, keys);
   keys.signal_delay = static_cast<int>(parameters.integer("signal_delay"));
+  keys.spike_delay += parameters.integer("spike_delay") * keys.music_timestep;
   keys.record = parameters.boolean("record");
   return keys;
 }

@@ -83,6 +83,7 @@ class NodeProgram {
 
   void add_output(const PortDescription& port) {
     if (!process_.connected_output(port.name, port.kind)) {
+      record_alone(port);
       return;
     }
     const bool spikes = port.kind == PortKind::spikes;
@@ -90,6 +91,23 @@ class NodeProgram {
     description_.sinks.push_back({endpoint_name(port), sinks_.back().get()});
     description_.connections.push_back(
         {gathered(port), endpoint_name(port) + "." + port.name, 0, 0, process_.where(port.name)});
+  }
+
+  // An output that goes nowhere is recorded all the same, where its width is known.
+  void record_alone(const PortDescription& port) {
+    const bool same = port.width.kind == WidthRule::Kind::same_as;
+    const PortDescription& other = ports_[same ? port.width.value : 0];
+    const std::uint32_t width = port.width.kind == WidthRule::Kind::fixed ? port.width.value
+                                : same && process_.connected_input(other.name, other.kind)
+                                    ? process_.width(other.name)
+                                    : 0;
+    if (width == 0 || !process_.common().record) {
+      return;
+    }
+    sinks_.push_back(make_idle_sink({port.name, port.kind, width}));
+    description_.sinks.push_back({endpoint_name(port), sinks_.back().get()});
+    description_.connections.push_back(
+        {gathered(port), endpoint_name(port) + "." + port.name, 0, 0, process_.where()});
   }
 
   // Where all channels of an output are: the node itself when it has no share only.

@@ -27,7 +27,8 @@ std::string_view name_of(Sync sync);
 /// A node of the experiment.
 struct Part {
   std::string name;
-  std::string kind;  ///< its class
+  std::string kind;    ///< its class
+  std::string plugin;  ///< file that the class comes from; empty: built in, or SPIKELOOP_PLUGIN_PATH
   Role role = Role::node;
   const NodeClass* node_class = nullptr;
   Parameters parameters;
@@ -43,6 +44,14 @@ struct Link {
   std::uint32_t width = 0;
   std::optional<std::uint32_t> delay_ticks;  ///< as written
   Location where;
+};
+
+/// An output of a node, connected or not.
+struct Output {
+  std::string part;
+  std::string port;
+  PortKind kind = PortKind::signal;
+  std::uint32_t width = 0;  ///< 0: nothing says it
 };
 
 struct Robot {
@@ -63,6 +72,7 @@ struct Experiment {
   std::optional<Robot> robot;
   std::vector<Part> parts;  ///< in the file's order
   std::vector<Link> links;  ///< in the file's order
+  std::vector<Output> outputs;
   std::vector<WrittenValue> plugins;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
 

@@ -25,13 +25,15 @@ class Kinds {
   Kinds();
 
   /// Adds the node classes of a plug-in. @throws ConfigurationError as Registry::load_plugin.
-  void load_plugin(const std::string& path) { registry_.load_plugin(path); }
+  void load_plugin(const std::string& path);
   /// Those of every plug-in in these directories (SPIKELOOP_PLUGIN_PATH).
   void load_plugin_path(std::string_view directories) { registry_.load_plugin_path(directories); }
 
   /// An endpoint's class has no factory. @throws ConfigurationError with "did you mean".
   const NodeClass& find(std::string_view name) const;
   Role role(std::string_view name) const;
+  /// The file that load_plugin() got the class from; empty for any other.
+  std::string plugin_of(std::string_view name) const;
   std::vector<std::string> names() const;      ///< sorted
   std::vector<std::string> endpoints() const;  ///< those that are no node classes, sorted
 
@@ -42,6 +44,7 @@ class Kinds {
   };
   Registry registry_;
   std::map<std::string, Endpoint, std::less<>> endpoints_;
+  std::map<std::string, std::string, std::less<>> plugins_;  ///< class to file
 };
 
 }  // namespace spikeloop::experiment

@@ -1,4 +1,4 @@
-// What the keys of topics mean, for whoever carries their messages.
+// What the keys of endpoints mean, for whoever makes them.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
 
@@ -16,5 +18,9 @@ std::vector<std::string> sensor_fields(const Parameters& parameters);
 std::optional<double> sensor_initial(const Parameters& parameters);
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping);
+
+/// The source of a playback. @throws FileError, ConfigurationError: no such file or stream, another
+/// width than the connection's.
+std::unique_ptr<Source> playback(const Part& part, std::uint32_t width);
 
 }  // namespace spikeloop::experiment

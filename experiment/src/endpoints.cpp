@@ -1,4 +1,4 @@
-#include "spikeloop/experiment/topics.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/record/playback.hpp"
 
 namespace spikeloop::experiment {
 
@@ -43,6 +44,23 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
         fmt::format("key 'initial': '{}' is neither a number nor 'none'; write for example 0",
                     text));
   }
+}
+
+std::unique_ptr<Source> playback(const Part& part, std::uint32_t width) {
+  const std::string& file = part.parameters.text("file");
+  const std::string& stream = part.parameters.text("stream");
+  auto source = located_at(part.where, [&] {
+    return part.kind == kSpikePlayback ? record::make_spike_playback(file, stream)
+                                       : record::make_signal_playback(file, stream);
+  });
+  const std::uint32_t recorded = source->ports().front().width;
+  if (recorded != width) {
+    throw ConfigurationError(
+        part.where, fmt::format("node '{}': the recording {} has {} channels, its connection has "
+                                "{}; write [{}]",
+                                part.name, file, recorded, width, recorded));
+  }
+  return source;
 }
 
 void check_command_fields(const CommandMapping& mapping) {

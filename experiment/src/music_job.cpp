@@ -1,0 +1,236 @@
+#include "spikeloop/experiment/music_job.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/experiment/endpoints.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+std::string node_of(const std::string& end) {
+  return end.substr(0, end.find('.'));
+}
+std::string port_of(const std::string& end) {
+  return end.substr(end.find('.') + 1);
+}
+bool is_composed(const std::string& text) {
+  return text.starts_with('[') || text.starts_with('{');
+}
+
+/// The mapping that a ros_command wrote in place, as the file that its program reads.
+std::string mapping_text(const CommandMapping& mapping) {
+  nlohmann::ordered_json json{{"message_type", mapping.message_type}};
+  for (const CommandField& field : mapping.fields) {
+    auto& entry = json["mapping"][field.field];
+    entry = {{"channel", field.channel}, {"scale", field.scale}, {"offset", field.offset}};
+    if (field.minimum) {
+      entry["min"] = *field.minimum;
+    }
+    if (field.maximum) {
+      entry["max"] = *field.maximum;
+    }
+  }
+  return json.dump(2) + "\n";
+}
+
+/// "continuous->spikes", for the launcher, which does not know a plug-in's class.
+std::string kinds_of(const NodeClass& node_class) {
+  std::string in = "spikes";
+  std::string out = "spikes";
+  for (const PortDescription& port : node_class.description.ports) {
+    (port.direction == Direction::input ? in : out) =
+        port.kind == PortKind::signal ? "continuous" : "spikes";
+  }
+  return in + "->" + out;
+}
+
+class Writer {
+ public:
+  Writer(const Experiment& experiment, const std::string& folder)
+      : experiment_(experiment), folder_(folder) {}
+
+  MusicJob write() {
+    write_globals();
+    for (const Part& part : experiment_.parts) {
+      job_.file.sections.push_back({part.name, {}, part.where});
+      write_section(part);
+    }
+    for (const Link& link : experiment_.links) {
+      write_connection(link);
+    }
+    return std::move(job_);
+  }
+
+ private:
+  void write_globals() {
+    const auto add = [this](const char* name, const std::string& value) {
+      set_key(job_.file.globals, name, value);
+    };
+    if (experiment_.duration) {
+      add("stoptime", seconds(*experiment_.duration));
+    }
+    add("music_timestep", seconds(experiment_.tick));
+    add("seed", std::to_string(experiment_.seed));
+    add("strict", "true");
+    add("barrier", "false");
+    add("rtf", fmt::format("{}", experiment_.real_time_factor));
+    add("sync", experiment_.sync == Sync::unpaced ? "unpaced" : "realtime");
+  }
+
+  static std::string seconds(TimeNs time) {
+    return fmt::format("{}.{:09}", time / kNsPerSecond, time % kNsPerSecond);
+  }
+
+  void add(const Part& part, const std::string& name, const std::string& value) {
+    auto& keys = job_.file.sections.back().keys;
+    set_key(keys, name, value);
+    const auto written = part.written.find(name);
+    keys.back().where = written == part.written.end() ? part.where : written->second.where;
+  }
+
+  /// Makes it a file of its own when it stands in place.
+  std::string as_file(const Part& part, const std::string& key, const std::string& text,
+                      const char* extension) {
+    if (!is_composed(text)) {
+      return text;
+    }
+    const std::string name = fmt::format("{}.{}.{}", part.name, key, extension);
+    job_.files[name] = text;
+    return (std::filesystem::path(folder_) / name).string();
+  }
+
+  void write_section(const Part& part) {
+    add(part, "np", "1");
+    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.path)).string());
+    if (part.kind == kRosSensor) {
+      write_sensor(part);
+    } else if (part.kind == kRosCommand) {
+      write_command(part);
+    } else if (part.role == Role::source) {
+      add(part, "binary", part.kind);
+      add(part, "file", std::filesystem::absolute(part.parameters.text("file")).string());
+      add(part, "stream", part.parameters.text("stream"));
+    } else if (part.kind == kNetwork) {
+      add(part, "binary", "spikeloop-network");
+      const std::string& network = part.parameters.text("network");
+      add(part, "network",
+          is_composed(network) ? as_file(part, "network", network, "yaml")
+                               : std::filesystem::absolute(network).string());
+    } else {
+      write_node(part);
+    }
+    write_delay(part);
+  }
+
+  void write_node(const Part& part) {
+    add(part, "binary", "spikeloop-node");
+    add(part, "node", part.kind);
+    if (!part.plugin.empty()) {
+      add(part, "plugin", std::filesystem::absolute(part.plugin).string());
+      add(part, "ports", kinds_of(*part.node_class));
+    }
+    for (const auto& [name, value] : part.written) {
+      add(part, name, as_file(part, name, value.text, "json"));
+    }
+  }
+
+  void write_sensor(const Part& part) {
+    add(part, "binary", "ros_sensor_adapter");
+    add(part, "ros_topic", part.parameters.text("topic"));
+    add(part, "message_type", part.parameters.text("message"));
+    if (const auto fields = sensor_fields(part.parameters); !fields.empty()) {
+      add(part, "fields", fmt::format("{}", fmt::join(fields, ",")));
+    }
+    add(part, "initial", part.parameters.text("initial"));
+  }
+
+  void write_command(const Part& part) {
+    add(part, "binary", "ros_command_adapter");
+    add(part, "ros_topic", part.parameters.text("topic"));
+    const std::string mapping = mapping_text(part.mapping);
+    add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"));
+    for (const char* key : {"command_rate", "deadband", "min_interval", "watchdog", "max_age"}) {
+      if (part.parameters.given(key)) {
+        add(part, key, part.written.at(key).text);
+      }
+    }
+  }
+
+  /// One key a section: all connections into it wait equally long.
+  void write_delay(const Part& part) {
+    const Link* first = nullptr;
+    for (const Link& link : experiment_.links) {
+      if (node_of(link.to) != part.name) {
+        continue;
+      }
+      check_delay(link);
+      if (first != nullptr && first->kind == link.kind && ticks(*first) != ticks(link)) {
+        throw ConfigurationError(
+            link.where,
+            fmt::format("the inputs '{}' and '{}' have different delays, which the separate layout "
+                        "does not have; write one delay, or use the fused layout",
+                        first->to, link.to));
+      }
+      first = &link;
+      const std::uint32_t delay = ticks(link);
+      if (link.kind == PortKind::spikes && delay > 0) {
+        add(part, "spike_delay", std::to_string(delay));
+        add(part, "accept_latency", seconds(delay * experiment_.tick));
+      } else if (link.kind == PortKind::signal && delay > 1) {
+        add(part, "signal_delay", std::to_string(delay - 1));
+      }
+    }
+  }
+
+  static void check_delay(const Link& link) {
+    if (link.kind == PortKind::signal && link.delay_ticks == 0U) {
+      throw ConfigurationError(
+          link.where, fmt::format("the continuous connection '{}' -> '{}' has the delay 0, but "
+                                  "between processes it takes a tick; write a delay of at least 1 "
+                                  "tick, leave it out, or use the fused layout",
+                                  link.from, link.to));
+    }
+  }
+  static std::uint32_t ticks(const Link& link) {
+    return link.delay_ticks.value_or(link.kind == PortKind::signal ? 1 : 0);
+  }
+
+  void write_connection(const Link& link) {
+    MusicConnection connection{node_of(link.from),
+                               port_of(link.from),
+                               node_of(link.to),
+                               port_of(link.to),
+                               link.width,
+                               {},
+                               {},
+                               link.where};
+    job_.file.connections.push_back(std::move(connection));
+  }
+
+  const Experiment& experiment_;
+  std::string folder_;
+  MusicJob job_;
+};
+
+}  // namespace
+
+MusicJob music_job(const Experiment& experiment, const std::string& folder) {
+  const Location where{experiment.path, 0, 0};
+  if (experiment.sync == Sync::lockstep) {
+    throw ConfigurationError(where,
+                             "lockstep steps robot and network in one process; use the fused "
+                             "layout, or  sync: realtime");
+  }
+  if (experiment.robot && experiment.ros == Ros::none) {
+    throw ConfigurationError(experiment.robot->where,
+                             "in the separate layout the robot is reached over ROS; write  ros: 1, "
+                             "or use the fused layout");
+  }
+  return Writer(experiment, folder).write();
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,17 @@
+// Recordings as sources: what was recorded in an interval comes in that interval once more, so that
+// a replay of a sensor gives the same spikes.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "spikeloop/core/endpoint.hpp"
+
+namespace spikeloop::record {
+
+/// Port: `out`, as wide as the recording. Reads the whole stream.
+/// @throws FileError, ConfigurationError as read_spikes() and read_signal().
+std::unique_ptr<Source> make_spike_playback(const std::string& file, const std::string& stream);
+std::unique_ptr<Source> make_signal_playback(const std::string& file, const std::string& stream);
+
+}  // namespace spikeloop::record
