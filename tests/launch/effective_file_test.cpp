@@ -402,5 +402,21 @@ TEST(EffectiveFile, AddsNoPaceConnectionFromASourceWithoutThePort) {
   EXPECT_EQ(made.file.connections.size(), 1U);
 }
 
+TEST(EffectiveFile, WarnsOfForeignProgramsThatMusic1116CannotRun) {
+  std::string text = "stoptime=1\n";
+  for (int i = 0; i < 12; ++i) {
+    text += "[p" + std::to_string(i) + "]\nnp=1\nbinary=foreign.py\n";
+    if (i > 0) {
+      text += "p" + std::to_string(i - 1) + ".out -> p" + std::to_string(i) + ".in [1]\n";
+    }
+  }
+  const auto warnings = make_effective(parse_music(text, "loop.music"), {}).warnings;
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_EQ(
+      warnings[0],
+      "'p1' is program 11 of the job, and MUSIC 1.1.16, which Debian has, crashes in programs "
+      "after the tenth; run fewer, or use MUSIC 1.1.17");
+}
+
 }  // namespace
 }  // namespace spikeloop::launch

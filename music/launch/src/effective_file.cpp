@@ -178,8 +178,7 @@ void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
     for (const std::size_t i : path->connections) {
       const MusicConnection& hop = data.connections[i];
       const MusicSection& to = data.section(hop.to_app);
-      ticks +=
-          is_continuous(data, hop) ? signal_delay(data, to) : spike_delay(data, to, latencies);
+      ticks += is_continuous(data, hop) ? signal_delay(data, to) : spike_delay(data, to, latencies);
     }
     add_key(file, file.section(label), "pipeline_ticks", fmt::format("{}", ticks));
     add_watchdog(file, label, path->connections.size());
@@ -247,6 +246,20 @@ void set_latencies(MusicFile& file, const Latencies& latencies) {
   }
 }
 
+/// Ours help themselves (Process).
+void warn_of_eleventh_programs(EffectiveFile& effective) {
+  constexpr std::size_t kMost = 10;
+  for (std::size_t i = kMost; i < effective.file.sections.size(); ++i) {
+    const MusicSection& section = effective.file.sections[i];
+    if (find_program(effective.file, section) == nullptr) {
+      effective.warnings.push_back(fmt::format(
+          "'{}' is program {} of the job, and MUSIC 1.1.16, which Debian has, crashes in "
+          "programs after the tenth; run fewer, or use MUSIC 1.1.17",
+          section.label, i + 1));
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<double> number_of(const MusicFile& file, const MusicSection& section,
@@ -309,7 +322,9 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   const Latencies latencies = choose_latencies(file);
   set_latencies(file, latencies);
   add_pipeline_ticks(file, latencies);
-  return {order_downstream_first(std::move(file)), latencies.warnings};
+  EffectiveFile result{order_downstream_first(std::move(file)), latencies.warnings};
+  warn_of_eleventh_programs(result);
+  return result;
 }
 
 }  // namespace spikeloop::launch

@@ -40,8 +40,7 @@ std::string roscore_trouble(const Member& roscore, const RosMaster& master) {
 /// The robot keeps the seed and the real-time factor of the sensor adapter, or of the first
 /// program, unless it was given others.
 void add_robot_option(const MusicFile& file, const char* key, const char* option,
-                      const std::vector<std::string>& given,
-                      std::vector<std::string>& arguments) {
+                      const std::vector<std::string>& given, std::vector<std::string>& arguments) {
   const auto source = std::find_if(file.sections.begin(), file.sections.end(),
                                    [&file](const MusicSection& section) {
                                      const Program* program = find_program(file, section);
@@ -49,7 +48,9 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
                                    });
   const MusicKey* found =
       file.find_key(source == file.sections.end() ? file.sections.front() : *source, key);
-  const auto begins = [option](const std::string& argument) { return argument.starts_with(option); };
+  const auto begins = [option](const std::string& argument) {
+    return argument.starts_with(option);
+  };
   if (found != nullptr && std::none_of(given.begin(), given.end(), begins)) {
     arguments.insert(arguments.end(), {option, found->value});
   }

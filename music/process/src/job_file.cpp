@@ -154,6 +154,16 @@ std::string label_in_environment(std::string_view music_config) {
   return std::string(music_config.substr(0, music_config.find(':')));
 }
 
+std::string with_one_digit_color(std::string_view music_config) {
+  const auto label = music_config.find(':');
+  const auto color = label == std::string_view::npos ? label : music_config.find(':', label + 1);
+  if (color == std::string_view::npos || color - label <= 2) {
+    return std::string(music_config);
+  }
+  return std::string(music_config.substr(0, label)) + ":0" +
+         std::string(music_config.substr(color));
+}
+
 std::string section_label(int argc, char** argv) {
   if (const char* config = std::getenv("_MUSIC_CONFIG_"); config != nullptr) {
     return label_in_environment(config);

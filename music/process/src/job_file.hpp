@@ -63,6 +63,10 @@ class JobFile {
 /// The section's label in the value of _MUSIC_CONFIG_: its first field.
 std::string label_in_environment(std::string_view music_config);
 
+/// The value of _MUSIC_CONFIG_ as MUSIC can read it: 1.1.16 takes the program's place in the file
+/// for a single digit and crashes in the eleventh program. It makes no use of it.
+std::string with_one_digit_color(std::string_view music_config);
+
 /// The section's label before Setup: from _MUSIC_CONFIG_ or `--app-label`; else the basename of
 /// argv[0].
 std::string section_label(int argc, char** argv);

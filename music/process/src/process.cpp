@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 
@@ -36,6 +37,9 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   // MUSIC's launcher starts us as `music FILE`, and Setup then writes the key `binary` there: which
   // may be a script of the user's that has become us.
   const std::string called = argc > 0 ? basename_of(argv[0]) : "";
+  if (const char* config = std::getenv("_MUSIC_CONFIG_"); config != nullptr) {
+    ::setenv("_MUSIC_CONFIG_", with_one_digit_color(config).c_str(), 1);
+  }
   int provided = MPI_THREAD_SINGLE;
   impl_->setup = new MUSIC::Setup(argc, argv, MPI_THREAD_FUNNELED, &provided);
   const std::string written = argc > 0 ? basename_of(argv[0]) : impl_->label;

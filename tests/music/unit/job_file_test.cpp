@@ -36,9 +36,17 @@ struct Arguments {
   std::vector<char*> pointers;
 };
 
+TEST(JobFile, AProgramsPlaceHasOneDigitForMusic1116) {
+  EXPECT_EQ(with_one_digit_color("encoder:9:12:sensor:1"), "encoder:9:12:sensor:1");
+  EXPECT_EQ(with_one_digit_color("encoder:10:12:sensor:1"), "encoder:0:12:sensor:1");
+  EXPECT_EQ(with_one_digit_color("encoder"), "encoder");
+  EXPECT_EQ(with_one_digit_color(""), "");
+}
+
 TEST(SectionLabel, IsTheFirstFieldOfTheEnvironmentVariable) {
   EXPECT_EQ(label_in_environment("encoder:1:2:sensor:1:encoder:1:0"), "encoder");
   EXPECT_EQ(label_in_environment(""), "");
+
   const Environment config("_MUSIC_CONFIG_", "encoder:1:0:0");
   Arguments arguments({"music", "loop.music"});
   EXPECT_EQ(section_label(arguments.count(), arguments.pointers.data()), "encoder");

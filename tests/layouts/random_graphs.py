@@ -1,0 +1,159 @@
+#!/usr/bin/python3
+"""Runs random experiments in both layouts and compares their spikes.
+
+    random_graphs.py --spikeloop build/release/bin/spikeloop --graphs 100 --seed 1
+
+A graph is acyclic, 3 to 9 nodes long, driven by recordings of a robot's drive, with delays on all
+connections. Every spike of every node must be there in both layouts, at the same time to 1 ns.
+"""
+
+import argparse
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+DURATION_S = 1.0
+TICKS = ("0.5 ms", "1 ms", "2 ms", "5 ms")
+
+
+def dense(rng, rows, columns):
+    """A weight table as YAML."""
+    table = [[round(rng.uniform(-1, 1) / columns, 4) for _ in range(columns)] for _ in range(rows)]
+    return str(table)
+
+
+def signal_consumer(rng, width):
+    """A node that takes a signal: its keys, the kind and the width of its output."""
+    few = rng.randint(1, 4)
+    return rng.choice((
+        ("node: rate_encoder, rate_min: 1 Hz, rate_max: 150 Hz", "spikes", width),
+        ("node: poisson_encoder, rate_min: 5 Hz, rate_max: 150 Hz", "spikes", width),
+        ("node: nef_encoder, out_of_range: clip", "spikes", rng.randint(5, 40)),
+        ("node: nef_encoder, spike_times: interpolated", "spikes", rng.randint(5, 40)),
+        ("node: step_forward_encoder, threshold: 0.05", "spikes", 2 * width),
+        (f"node: connect, weights: {dense(rng, few, width)}", "signal", few),
+        ("node: low_pass, tau: 20 ms", "signal", width),
+        ("node: sigmoid", "signal", width),
+        ("node: clip, min: -0.5, max: 0.5", "signal", width),
+    ))
+
+
+def spike_consumer(rng, width):
+    few = rng.randint(1, 4)
+    network = ("{resolution: 0.1 ms, populations: {input: {model: input, size: %d}, "
+               "relay: {model: repeater, size: %d}}, connections: [{from: input, to: relay, "
+               "rule: one_to_one, delay: 0.7 ms}], output: [relay]}" % (width, width))
+    return rng.choice((
+        (f"node: linear_readout, tau: 30 ms, weights: {dense(rng, few, width)}", "signal", few),
+        ("node: rate_window, window: 50 ms", "signal", width),
+        (f"simulator: builtin, network: {network}", "spikes", width),
+    ))
+
+
+def random_experiment(rng, recording):
+    """The text of an experiment, and its nodes whose output is spikes."""
+    nodes = {"scan": f"node: signal_playback, file: {recording}/scan.h5",
+             "speed": f"node: signal_playback, file: {recording}/decoder.h5",
+             "beams": f"node: spike_playback, file: {recording}/encoder.h5"}
+    ends = {"scan": ("signal", 100), "speed": ("signal", 2), "beams": ("spikes", 10)}
+    arrows = []
+    for i in range(rng.randint(3, 9)):
+        source = rng.choice(sorted(ends))
+        kind, width = ends[source]
+        keys, out_kind, out_width = (signal_consumer if kind == "signal" else spike_consumer)(rng, width)
+        name = f"n{i}"
+        nodes[name] = keys
+        ends[name] = (out_kind, out_width)
+        delay = rng.randint(1 if kind == "signal" else 0, 5)
+        arrows.append((source, name, width, delay))
+    used = {end for arrow in arrows for end in arrow[:2]}
+    lines = [f"experiment: random\nduration: {DURATION_S} s\ntick: {rng.choice(TICKS)}",
+             f"seed: {rng.randint(0, 10**9)}\nsync: unpaced\nnodes:"]
+    lines += [f"  {name}: {{{keys}}}" for name, keys in nodes.items() if name in used]
+    lines.append("connections:")
+    for source, name, width, delay in arrows:
+        lines.append(f"  - {source} -> {name} [{width}, delay {delay} ticks]")
+    # A node nobody reads has outputs as wide as its parameters say: give every leaf a reader.
+    read = {arrow[0] for arrow in arrows}
+    for name in sorted(used - read):
+        kind, width = ends[name]
+        sink = f"end_{name}"
+        keys = ("node: rate_encoder, rate_max: 50 Hz" if kind == "signal"
+                else "node: rate_window, window: 20 ms")
+        lines.insert(2, f"  {sink}: {{{keys}}}")
+        lines.append(f"  - {name} -> {sink} [{width}, delay 1 tick]")
+    return "\n".join(lines) + "\n"
+
+
+def spikes_of(folder):
+    """Every recorded train: times in ns and channels, sorted."""
+    trains = {}
+    for path in sorted(pathlib.Path(folder).glob("*.h5")):
+        with h5py.File(path) as file:
+            for stream in file.get("spikes", {}):
+                group = file["spikes"][stream]
+                times, channels = group["timestamps_ns"][:], group["node_ids"][:]
+                order = np.lexsort((channels, times))
+                trains[f"{path.stem}.{stream}"] = (times[order], channels[order])
+    return trains
+
+
+def run(spikeloop, *arguments, text=""):
+    done = subprocess.run([spikeloop, "run", "-q", *arguments], capture_output=True, text=True,
+                          check=False)
+    if done.returncode != 0:
+        sys.exit(f"{text}\nspikeloop run {' '.join(arguments)} ended with {done.returncode}:\n{done.stderr}")
+
+
+def record_drive(spikeloop, folder):
+    text = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
+    path = folder / "explorer.yaml"
+    path.write_text(text)
+    run(spikeloop, str(path), "--sync", "lockstep", "--duration", str(DURATION_S), "--out",
+        str(folder / "drive"))
+    return folder / "drive"
+
+
+def compare(fused, separate, text):
+    """The number of spikes; exits when a train differs."""
+    if fused.keys() != separate.keys():
+        sys.exit(f"{text}\nfused recorded {sorted(fused)}, separate {sorted(separate)}")
+    for name, (times, channels) in fused.items():
+        others, other_channels = separate[name]
+        same = len(times) == len(others) and np.array_equal(channels, other_channels)
+        if not same or np.abs(times - others).max(initial=0) > 1:
+            sys.exit(f"{text}\n{name}: {len(times)} spikes fused, {len(others)} separate; they differ")
+    return sum(len(times) for times, _ in fused.values())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--spikeloop", default="build/release/bin/spikeloop")
+    parser.add_argument("--graphs", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    program = str(pathlib.Path(options.spikeloop).resolve())
+    spikes = 0
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        drive = record_drive(program, scratch)
+        for i in range(options.graphs):
+            rng = random.Random(options.seed * 100003 + i)
+            text = random_experiment(rng, drive)
+            path = scratch / "random.yaml"
+            path.write_text(text)
+            for layout in ("fused", "separate"):
+                run(program, str(path), "--layout", layout, "--out", str(scratch / layout), text=text)
+            spikes += compare(spikes_of(scratch / "fused"), spikes_of(scratch / "separate"), text)
+    if spikes < 100 * options.graphs:
+        sys.exit(f"only {spikes} spikes in {options.graphs} graphs: nothing was compared")
+    print(f"{options.graphs} graphs, {spikes} spikes: the same in both layouts")
+
+
+if __name__ == "__main__":
+    main()
