@@ -1,29 +1,21 @@
 // ros_command_adapter: a continuous signal as command messages, and a robot that is never left
 // driving.
 #include <fmt/format.h>
-#include <signal.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
 #include "spikeloop/command/command_map_node.hpp"
-#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/guard/link.hpp"
-#include "spikeloop/process/signals.hpp"
-#include "spikeloop/ros1/master.hpp"
 #include "spikeloop/ros1/publisher.hpp"
+#include "spikeloop/ros1_command/ros1_command.hpp"
 
 namespace spikeloop {
 namespace {
-
-constexpr TimeNs kLeastInterval = 1'000'000;
-constexpr TimeNs kLeastWatchdog = 100'000'000;
 
 std::vector<ParameterDescription> command_parameters(const RosProgram& program) {
   auto parameters = connection_parameters(program);
@@ -110,44 +102,6 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   return all_channels();
 }
 
-command::CommandSettings command_settings(const music::Process& process, const Parameters& parameters,
-                                 const command::ComponentMap& map, const RosProgram& program) {
-  const auto& keys = process.common();
-  const auto wall = [&](double simulated_s) { return from_seconds(simulated_s / keys.rtf); };
-  const TimeNs tick = wall(to_seconds(keys.music_timestep));
-  command::CommandSettings settings;
-  settings.gate.deadband = map.deadbands(parameters.number("deadband"));
-  if (parameters.given("min_interval")) {
-    settings.gate.min_interval = from_seconds(parameters.number("min_interval"));
-  } else {
-    settings.gate.min_interval = std::max(tick, kLeastInterval);
-    settings.gate.tolerance = tick / 2;
-  }
-  const double rate = command_rate(parameters, program, keys.strict);
-  settings.gate.period = rate > 0 ? wall(1 / rate) : 0;
-  // Fast ticks repeat commands themselves, with newer values.
-  settings.gate.grace = tick < settings.gate.period ? tick + tick / 2 : 0;
-  settings.watchdog = parameters.given("watchdog") ? from_seconds(parameters.number("watchdog"))
-                                                   : std::max(3 * tick, kLeastWatchdog);
-  settings.max_age = from_seconds(parameters.number("max_age"));
-  settings.width = static_cast<std::uint32_t>(map.size());
-  settings.with_pace = process.connected_input("pace", PortKind::signal);
-  return settings;
-}
-
-/// What the guard has to know to stop the robot in our place.
-guard::Hello guard_hello(const music::Process& process, const std::string& topic,
-                         const std::string& message_type, const command::CommandSettings& settings,
-                         const ros1::Publisher& publisher) {
-  const std::vector<double> zero(settings.width, 0.0);
-  return {.process = process.label(),
-          .topic = topic,
-          .message_type = message_type,
-          .master_uri = ros1::master_uri(),
-          .watchdog = settings.watchdog,
-          .zero = publisher.message(zero)};
-}
-
 }  // namespace
 
 music::ProgramText command_text(const RosProgram& program) {
@@ -190,7 +144,10 @@ int run_command(music::Process& process, const RosProgram& program) {
           : nullptr;
 
   command::ComponentMap map = command::component_map(mapping, width);
-  const command::CommandSettings settings = command_settings(process, parameters, map, program);
+  const auto& keys = process.common();
+  const command::CommandSettings settings = command::command_settings(
+      parameters, map, command_rate(parameters, program, keys.strict),
+      {keys.music_timestep, keys.rtf}, process.connected_input("pace", PortKind::signal));
   const ros1::SessionSettings node = session_settings(parameters);
   if (process.checking()) {
     for (const CommandField& field : mapping.fields) {
@@ -202,30 +159,10 @@ int run_command(music::Process& process, const RosProgram& program) {
     return 0;
   }
   ros1::Session session(node);
-  ros1::Publisher publisher(session, topic, mapping.message_type, command::field_paths(mapping));
   const NodeClass fields = command::command_map_class(std::move(map));
-  // Here, so that subscribers are connected to the guard before the robot is driven.
-  guard::Link guard(guard_hello(process, topic, mapping.message_type, settings, publisher));
-  const auto leave_to_guard_if_dead = [&] {
-    if (!session.alive()) {
-      guard.abandon();
-    }
-  };
-  const auto finish = [&] {
-    leave_to_guard_if_dead();
-    publisher.drain();
-    guard.done();
-  };
-  const auto beat = [&](TimeNs now) {
-    leave_to_guard_if_dead();
-    return guard.beat(now);
-  };
-  command::CommandSink sink(settings, {.publish = [&](auto values) { publisher.publish(values); },
-                              .finish = finish,
-                              .interrupted = [] { ::kill(::getpid(), SIGTERM); },
-                              .beat = beat,
-                              .require = [&] { session.require_alive(); }});
-  const music::TerminationHook on_termination([&] { sink.stop(command::StopReason::terminated); });
+  ros1_command::Ros1Command sink(
+      session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
+      settings);
 
   GraphDescription description;
   description.tick = process.common().music_timestep;

@@ -46,40 +46,6 @@ std::string text_of(const char* kind, const Fault& fault) {
   return fmt::format("{}: {}\n{}", kind, fault.text, source_line(fault.where));
 }
 
-/// The experiment and all that it points to.
-struct Loaded {
-  experiment::Kinds kinds;
-  std::vector<Fault> faults;
-  std::optional<Experiment> experiment;
-};
-
-void load_plugins(const ExperimentFile& file, Loaded& loaded) {
-  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
-    loaded.kinds.load_plugin_path(directories);
-  }
-  for (const WrittenValue& plugin : file.plugins) {
-    try {
-      located_at(plugin.where, [&] {
-        const std::filesystem::path directory = experiment::directory_of(file.path);
-        loaded.kinds.load_plugin((directory / plugin.text).string());
-        return 0;
-      });
-    } catch (const Error& error) {
-      loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
-    }
-  }
-}
-
-void load(const std::string& path, const experiment::Overrides& overrides, Loaded& loaded) {
-  try {
-    const ExperimentFile file = read_experiment_file(path);
-    load_plugins(file, loaded);
-    loaded.experiment = experiment::resolve(file, loaded.kinds, overrides, loaded.faults);
-  } catch (const Error& error) {
-    loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
-  }
-}
-
 std::atomic<int> signal_number{0};
 
 /// The first one ends the loop, the second one the process.
@@ -117,11 +83,6 @@ void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& f
 }
 
 int run_fused(const ExperimentArguments& arguments, const Experiment& experiment) {
-  if (experiment.ros != experiment::Ros::none) {
-    throw ConfigurationError({experiment.path, 0, 0},
-                             "the fused layout with ROS is not in this version; write  ros: none, "
-                             "or use  --layout separate");
-  }
   const ExperimentFolder folder(arguments.folder, experiment.name);
   const BackgroundOutput output;
   Console console(arguments.volume);
@@ -159,6 +120,42 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
                              fmt::format("--seed={}", experiment.robot->seed)};
 }
 
+/// One process and its partners: master, robot, guard.
+int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
+  ExperimentFolder folder(arguments.folder, experiment.name);
+  folder.release();
+  MusicFile file;
+  file.path = experiment.path;
+  file.sections.push_back({"experiment", {}, {experiment.path, 0, 0}});
+  auto& keys = file.sections.front().keys;
+  set_key(keys, "binary", "spikeloop-fused");
+  set_key(keys, "np", "1");
+  set_key(keys, "seed", std::to_string(experiment.seed));
+  set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
+  set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
+  launch::JobOptions options;
+  options.folder = folder.path();
+  options.program = {"spikeloop-fused",
+                     std::filesystem::absolute(arguments.file).string(),
+                     "--out",
+                     folder.path(),
+                     fmt::format("--seed={}", experiment.seed),
+                     fmt::format("--real-time-factor={}", experiment.real_time_factor),
+                     fmt::format("--sync={}", experiment::name_of(experiment.sync))};
+  if (experiment.duration) {
+    set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
+    options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
+  }
+  if (!arguments.record) {
+    options.program.emplace_back("--no-record");
+  }
+  add_robot(experiment, options);
+  launch::Job job(file, options);
+  const int exit_code = run_job(job, arguments.volume);
+  tell_folder(arguments, folder);
+  return exit_code;
+}
+
 /// Returns the job's file, with the places that programs will name.
 MusicFile write_job(const experiment::MusicJob& job, const std::string& folder) {
   for (const auto& [name, contents] : job.files) {
@@ -193,8 +190,8 @@ bool is_experiment(const std::string& file) {
 }
 
 int run_experiment(const ExperimentArguments& arguments) {
-  Loaded loaded;
-  load(arguments.file, arguments.overrides, loaded);
+  const auto all = experiment::load(arguments.file, arguments.overrides);
+  const experiment::Loaded& loaded = *all;
   if (!loaded.faults.empty()) {
     put(stderr, text_of("spikeloop", loaded.faults.front()));
     if (loaded.faults.size() > 1) {
@@ -203,13 +200,17 @@ int run_experiment(const ExperimentArguments& arguments) {
     }
     return loaded.faults.front().exit_code;
   }
-  return arguments.layout == Layout::separate ? run_separate(arguments, *loaded.experiment)
-                                              : run_fused(arguments, *loaded.experiment);
+  const Experiment& experiment = *loaded.experiment;
+  if (arguments.layout == Layout::separate) {
+    return run_separate(arguments, experiment);
+  }
+  return experiment.ros == experiment::Ros::none ? run_fused(arguments, experiment)
+                                                 : run_fused_over_ros(arguments, experiment);
 }
 
 int check_experiment(const std::string& file) {
-  Loaded loaded;
-  load(file, {}, loaded);
+  const auto all = experiment::load(file, {});
+  const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));
   }

@@ -109,15 +109,14 @@ void Assembly::add_part(const Part& part) {
 void Assembly::add_command(const Part& part) {
   const std::uint32_t width = experiment_.width(part.name, "in");
   command::ComponentMap map = command::component_map(part.mapping, width);
-  const CommandSpec spec{part, static_cast<std::uint32_t>(map.size()),
-                         map.deadbands(part.parameters.number("deadband")),
-                         nearest_sensor(experiment_, part.name).has_value()};
-  commands_.push_back(transport_.command(spec));
+  const auto fields = static_cast<std::uint32_t>(map.size());
+  commands_.push_back(
+      transport_.command({part, map, nearest_sensor(experiment_, part.name).has_value()}));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});
   description_.connections.push_back(
-      {part.name + ".out", sender_of(part) + ".command", spec.width, 0, part.where});
+      {part.name + ".out", sender_of(part) + ".command", fields, 0, part.where});
   connect_pace(part);
 }
 

@@ -10,7 +10,7 @@
 
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/experiment/experiment.hpp"
-#include "transport.hpp"
+#include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::record {
 class Recorder;

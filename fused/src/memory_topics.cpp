@@ -78,7 +78,7 @@ class MemorySensor : public Source {
 command::GateSettings gate_settings(const CommandSpec& spec) {
   const Parameters& keys = spec.part.parameters;
   const double rate = keys.number("command_rate");
-  return {.deadband = spec.deadbands,
+  return {.deadband = spec.map.deadbands(keys.number("deadband")),
           .min_interval = from_seconds(keys.number("min_interval")),
           .period = rate > 0 ? from_seconds(1 / rate) : 0};
 }
@@ -88,7 +88,7 @@ class MemoryCommand : public CommandEnd {
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
       : topics_(topics),
         topic_(spec.part.parameters.text("topic")),
-        width_(spec.width),
+        width_(static_cast<std::uint32_t>(spec.map.size())),
         with_pace_(spec.with_pace),
         max_age_(from_seconds(spec.part.parameters.number("max_age"))),
         all_channels_(spec.part.mapping.all_channels),

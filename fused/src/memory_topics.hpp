@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
-#include "transport.hpp"
+#include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::fused {
 

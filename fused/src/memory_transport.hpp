@@ -9,7 +9,7 @@
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
-#include "transport.hpp"
+#include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::fused {
 

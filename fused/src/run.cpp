@@ -54,6 +54,9 @@ class Loop {
       transport_.begin(graph.time());
       graph.step();
       transport_.end(graph.time());
+      if (events_.ticked) {
+        events_.ticked(graph.time());
+      }
       tell_progress(wall_now());
     }
   }
@@ -173,10 +176,15 @@ json resolved_json(const Experiment& experiment) {
 }
 
 RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events) {
+  MemoryTransport transport(experiment.robot, options.folder);
+  return run(experiment, transport, options, events);
+}
+
+RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
+              const RunEvents& events) {
   if (!options.folder.empty()) {
     write_json(options.folder + "/resolved.json", resolved_json(experiment));
   }
-  MemoryTransport transport(experiment.robot, options.folder);
   Assembly assembly(experiment, transport, options.record ? options.folder : "");
   Loop loop(experiment, transport, assembly, events);
   RunResult result;

@@ -10,16 +10,19 @@
 namespace spikeloop::launch {
 namespace {
 
-EffectiveFile checked(const MusicFile& file, const RunOptions& options) {
+EffectiveFile checked(const MusicFile& file, const JobOptions& options) {
+  if (!options.program.empty()) {
+    return {file, {}};
+  }
   check_structure(file);
-  return make_effective(file, options);
+  return make_effective(file, options.run);
 }
 
 }  // namespace
 
 Job::Job(const MusicFile& file, JobOptions options)
     : options_(std::move(options)),
-      effective_(checked(file, options_.run)),
+      effective_(checked(file, options_)),
       directory_(directory_of(file.path)) {
   if (!options_.hostfile.empty()) {
     check_hostfile(options_.hostfile);

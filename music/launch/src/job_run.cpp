@@ -104,14 +104,18 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
 void JobRun::start_programs() {
   ProgramStart start;
   const bool here = options_.hostfile.empty();
-  start.arguments = mpirun_command(effective_.file, file_,
-                                   {.scratch = here ? scratch_.path() : "",
-                                    .hostfile = options_.hostfile,
-                                    .variables = variables_of_job(effective_.file)});
+  start.arguments = options_.program;
+  if (options_.program.empty()) {
+    start.arguments = mpirun_command(effective_.file, file_,
+                                     {.scratch = here ? scratch_.path() : "",
+                                      .hostfile = options_.hostfile,
+                                      .variables = variables_of_job(effective_.file)});
+  }
   start.directory = directory_;
   mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);
-    take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : "mpirun", line);
+    const std::string other = options_.program.empty() ? "mpirun" : effective_.file.labels().front();
+    take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : other, line);
   });
   started_ = prepared_ = Clock::now();
   starting_.emplace(effective_.file.labels(), started_);
@@ -132,6 +136,9 @@ void JobRun::run() {
 }
 
 bool JobRun::check() {
+  if (!options_.program.empty()) {
+    return !outcome_;
+  }
   Findings findings = check_together(effective_);
   for (const std::string& warning : findings.warnings) {
     log::warning("{}", warning);
@@ -184,7 +191,8 @@ void JobRun::watch_start() {
   if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
     prepared_ = now;
   }
-  const bool before_setup = !state_.any_started() && options_.hostfile.empty();
+  const bool before_setup =
+      !state_.any_started() && options_.hostfile.empty() && options_.program.empty();
   if (before_setup && starting_->is_due(now)) {
     starting_->take(living_sections(mpirun_->tree().pid()), now);
   }

@@ -85,6 +85,8 @@ constexpr std::array kPrograms{
             .input = kEvents,
             .output = kContinuous},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
+    // An experiment in one process, which MUSIC does not start.
+    Program{.name = "spikeloop-fused", .input = kContinuous, .source = true, .ros = true},
     Program{.name = "spike_playback", .output = kEvents, .source = true},
     Program{.name = "signal_playback", .output = kContinuous, .source = true},
 };

@@ -6,7 +6,7 @@
 
 #include "process_impl.hpp"
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/process/transfer.hpp"
 
 namespace spikeloop::music {
@@ -112,7 +112,7 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   }
   impl_->open_setup();
   const auto pacer = impl_->ranks.rank == 0 ? make_pacer(keys) : make_unpaced_pacer();
-  Heartbeat& heartbeat = *impl_->heartbeat;
+  status::Heartbeat& heartbeat = *impl_->heartbeat;
   heartbeat.enter(Phase::meeting);
   if (keys.barrier && impl_->launched) {
     MPI_Barrier(MPI_COMM_WORLD);
@@ -127,7 +127,7 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   pacer->start();
   Progress progress(*impl_->status, *pacer, keys.pace);
   const auto goes_on = [&](TimeNs time) {
-    return !stop_requested() && (!keys.stoptime || time < *keys.stoptime);
+    return !status::stop_requested() && (!keys.stoptime || time < *keys.stoptime);
   };
   impl_->running = true;
   for (TimeNs time = 0; first_says(impl_->ranks, goes_on(time));) {
@@ -159,7 +159,7 @@ int Process::run(Graph& graph, const LoopHooks& hooks) {
   }
   const auto counted = summed_counters(graph, impl_->label, impl_->ranks);
   impl_->status->report(final_counters(graph, counted, pace, keys.pace),
-                        hooks.summary ? hooks.summary() : json::object());
+                        hooks.summary ? hooks.summary() : json::object(), graph.time());
   runtime->finalize();
   delete runtime;
   return 0;

@@ -11,7 +11,7 @@
 
 #include "job_file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::music {
@@ -167,7 +167,7 @@ int music_main(int argc, char** argv, const ProgramText& text,
     return standalone(argc, argv, text, body);
   }
   const std::string label = section_label(argc, argv);
-  const SignalThread signals;
+  const status::SignalThread signals;
   log_to_standard_error(label);
   try {
     return run_body(argc, argv, text, body);

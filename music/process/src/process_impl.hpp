@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "heartbeat.hpp"
+#include "spikeloop/status/heartbeat.hpp"
 #include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
 #include "spikeloop/process/process.hpp"
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::music {
@@ -48,8 +48,8 @@ struct Process::Impl {
   std::set<std::string> served;  ///< ports that have an endpoint
   std::set<std::string> asked;   ///< keys that some code has looked up
   std::optional<status::Sender> status;
-  std::optional<Heartbeat> heartbeat;
-  std::optional<TerminationHook> on_termination;
+  std::optional<status::Heartbeat> heartbeat;
+  std::optional<status::TerminationHook> on_termination;
   std::unique_ptr<Recording> recording;
 
   /// @throws std::logic_error after run() has begun.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::music {
@@ -83,7 +83,7 @@ class FileRecording : public Recording {
   std::string path_;
   record::Recorder recorder_;
   std::vector<std::unique_ptr<Sink>> sinks_;
-  TerminationHook on_termination_;  // gone before what it touches
+  status::TerminationHook on_termination_;  // gone before what it touches
   bool closed_ = false;
 };
 

@@ -126,11 +126,15 @@ void Sender::terminated() const {
   }
 }
 
-void Sender::report(const json& counters, const json& summary) const {
+void Sender::report(const json& counters, const json& summary,
+                    std::optional<TimeNs> simulated) const {
   if (socket_.get() < 0) {
     return;
   }
   json report = message("report");
+  if (simulated) {
+    report["simulated_s"] = to_seconds(*simulated);
+  }
   report["counters"] = counters.is_object() ? counters : json::object();
   report["summary"] = summary.is_object() ? summary : json::object();
   const std::string text = text_of(report);

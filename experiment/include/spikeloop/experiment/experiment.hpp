@@ -103,6 +103,17 @@ struct Overrides {
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
                    std::vector<Fault>& faults);
 
+/// An experiment with all that it points to, or what is wrong with it.
+struct Loaded {
+  Kinds kinds;
+  std::vector<Fault> faults;
+  std::optional<Experiment> experiment;  ///< there when the file could be read
+};
+
+/// Reads a file, loads its plug-ins and those in SPIKELOOP_PLUGIN_PATH, resolves it. Never throws
+/// for what is wrong with these.
+std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides);
+
 /// Where paths in the file start.
 std::string directory_of(const std::string& experiment_path);
 

@@ -18,6 +18,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::fused {
 
@@ -36,6 +37,7 @@ struct RunOptions {
 
 /// Called while it runs; may be left out.
 struct RunEvents {
+  std::function<void(TimeNs simulated)> ticked{};           ///< after every tick
   std::function<void(const Progress&)> progress{};  ///< ten times a second, and at the end
   std::function<bool()> stop{};                     ///< asked every tick
 };
@@ -51,6 +53,10 @@ struct RunResult {
 /// @throws Error when it cannot begin: a file, a world, a ROS master.
 RunResult run(const experiment::Experiment& experiment, const RunOptions& options,
               const RunEvents& events = {});
+
+/// The same with messages that come and go elsewhere.
+RunResult run(const experiment::Experiment& experiment, Transport& transport,
+              const RunOptions& options, const RunEvents& events = {});
 
 /// Every key with its value, every connection with its width and delay.
 nlohmann::json resolved_json(const experiment::Experiment& experiment);

@@ -26,6 +26,9 @@ struct JobOptions {
   /// Open MPI's file of hosts; empty: this host. What runs elsewhere cannot report: the deadlines
   /// then hold for what runs here.
   std::string hostfile{};
+  /// A program in mpirun's place, already checked, for the only section of the file: it reports as
+  /// that section and stops at SIGUSR1. Empty: mpirun and MUSIC.
+  std::vector<std::string> program{};
   bool roscore = false;  ///< start a ROS master when none answers
   bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
   std::vector<std::string> robot_arguments{};

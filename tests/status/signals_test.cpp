@@ -1,4 +1,4 @@
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace spikeloop::music {
+namespace spikeloop::status {
 namespace {
 
 // Runs `body` in a process of its own, as these change the process; its exit code, or -1.
@@ -123,4 +123,4 @@ TEST(Signals, AHangupWhileTheParentLivesIsNone) {
 }
 
 }  // namespace
-}  // namespace spikeloop::music
+}  // namespace spikeloop::status

@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-namespace spikeloop::music {
+namespace spikeloop::status {
 
 /// True after SIGUSR1 or request_stop(). The loop of Process::run() looks at it every tick.
 bool stop_requested();
@@ -40,4 +40,4 @@ class SignalThread {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace spikeloop::music
+}  // namespace spikeloop::status

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/command/command_channel.hpp"
+#include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
@@ -22,8 +23,7 @@ class CommandEnd : public Sink {
 
 struct CommandSpec {
   const experiment::Part& part;
-  std::uint32_t width;            ///< fields of the command
-  std::vector<double> deadbands;  ///< a field
+  const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
 };
 

@@ -1,4 +1,4 @@
-#include "spikeloop/process/signals.hpp"
+#include "spikeloop/status/signals.hpp"
 
 #include <pthread.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace spikeloop::music {
+namespace spikeloop::status {
 namespace {
 
 constexpr int kTerminated = 128 + SIGTERM;
@@ -119,4 +119,4 @@ SignalThread::~SignalThread() {
   // They stay blocked: a signal that comes while the program ends must not change its exit code.
 }
 
-}  // namespace spikeloop::music
+}  // namespace spikeloop::status

@@ -9,24 +9,24 @@
 
 #include "spikeloop/status/status.hpp"
 
-namespace spikeloop::music {
+namespace spikeloop::status {
 
 class Heartbeat {
  public:
   /// Begins in Phase::preparing; does nothing without a launcher. The sender must outlive it.
-  explicit Heartbeat(const status::Sender& sender);
+  explicit Heartbeat(const Sender& sender);
   ~Heartbeat();
   Heartbeat(const Heartbeat&) = delete;
   Heartbeat& operator=(const Heartbeat&) = delete;
 
-  void enter(status::Phase phase) { phase_.store(phase, std::memory_order_relaxed); }
+  void enter(Phase phase) { phase_.store(phase, std::memory_order_relaxed); }
   void at(TimeNs simulated) { simulated_.store(simulated, std::memory_order_relaxed); }
 
  private:
   void run();
 
-  const status::Sender& sender_;
-  std::atomic<status::Phase> phase_{status::Phase::preparing};
+  const Sender& sender_;
+  std::atomic<Phase> phase_{Phase::preparing};
   std::atomic<TimeNs> simulated_{0};
   std::mutex mutex_;
   std::condition_variable wake_;
@@ -34,4 +34,4 @@ class Heartbeat {
   std::thread thread_;
 };
 
-}  // namespace spikeloop::music
+}  // namespace spikeloop::status

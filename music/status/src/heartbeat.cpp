@@ -1,13 +1,13 @@
-#include "heartbeat.hpp"
+#include "spikeloop/status/heartbeat.hpp"
 
-namespace spikeloop::music {
+namespace spikeloop::status {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{500};
 
 }  // namespace
 
-Heartbeat::Heartbeat(const status::Sender& sender) : sender_(sender) {
+Heartbeat::Heartbeat(const Sender& sender) : sender_(sender) {
   if (sender_.connected()) {
     thread_ = std::thread([this] { run(); });
   }
@@ -32,4 +32,4 @@ void Heartbeat::run() {
   } while (!wake_.wait_for(lock, kPeriod, [this] { return ended_; }));
 }
 
-}  // namespace spikeloop::music
+}  // namespace spikeloop::status

@@ -1,0 +1,107 @@
+// spikeloop-fused: an experiment over ROS in one process, which `spikeloop run` starts and
+// supervises.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "ros1_transport.hpp"
+#include "spikeloop/command/watch.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/fused/run.hpp"
+#include "spikeloop/status/heartbeat.hpp"
+#include "spikeloop/status/signals.hpp"
+#include "spikeloop/status/status.hpp"
+
+namespace {
+
+using namespace spikeloop;
+
+constexpr const char* kLabel = "experiment";  // of the section that the launcher has for us
+
+struct Arguments {
+  std::string file;
+  fused::RunOptions run;
+  experiment::Overrides overrides;
+  std::string sync;
+  bool no_record = false;
+};
+
+int run(const Arguments& arguments, const status::Sender& sender) {
+  const auto loaded = experiment::load(arguments.file, arguments.overrides);
+  if (!loaded->faults.empty()) {
+    throw ConfigurationError(loaded->faults.front().text);
+  }
+  const experiment::Experiment& experiment = *loaded->experiment;
+  status::Heartbeat heartbeat(sender);
+  Ros1Transport transport(experiment);
+  sender.started();
+  heartbeat.enter(status::Phase::computing);
+  bool first = true;
+  TimeNs simulated = 0;
+  const fused::RunEvents events{.ticked =
+                                    [&](TimeNs time) {
+                                      simulated = time;
+                                      heartbeat.at(time);
+                                      if (first) {
+                                        sender.first_tick();
+                                        first = false;
+                                      }
+                                    },
+                                .progress =
+                                    [&](const fused::Progress& progress) {
+                                      sender.progress(progress.simulated, progress.wall,
+                                                      progress.overruns);
+                                    },
+                                .stop = [] { return status::stop_requested(); }};
+  const fused::RunResult result = fused::run(experiment, transport, arguments.run, events);
+  heartbeat.enter(status::Phase::finalizing);
+  if (result.exit_code != 0) {
+    fmt::print(stderr, "{}\n", result.reason);
+    sender.failure(result.exit_code, result.reason);
+    return result.exit_code;
+  }
+  auto summary = result.summary;
+  const auto counters = summary["counters"];
+  summary.erase("counters");
+  sender.report(counters, summary, simulated);
+  return 0;
+}
+
+int guarded(const Arguments& arguments) {
+  const status::Sender sender(kLabel);
+  try {
+    return run(arguments, sender);
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    sender.failure(error.exit_code(), error.what());
+    return error.exit_code();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  command::Watch::block_signals();
+  const status::SignalThread signals;
+  log::set_sink([](log::Level level, std::string_view message) {
+    fmt::print(stderr, "{}{}\n", level == log::Level::warning ? "warning: " : "", message);
+  });
+  CLI::App app("Runs an experiment over ROS in one process; started by  spikeloop run FILE.yaml",
+               "spikeloop-fused");
+  Arguments arguments;
+  app.add_option("FILE", arguments.file, "Experiment file")->required();
+  app.add_option("--out", arguments.run.folder, "Run folder, which must be there");
+  app.add_option("--duration", arguments.overrides.duration_s, "Simulated time, s");
+  app.add_option("--seed", arguments.overrides.seed, "Seed of the random numbers");
+  app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
+                 "Simulated time over wall time");
+  app.add_option("--sync", arguments.sync, "In place of the key sync");
+  app.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
+  CLI11_PARSE(app, argc, argv);
+  arguments.run.record = !arguments.no_record;
+  if (!arguments.sync.empty()) {
+    arguments.overrides.sync = experiment::sync_named(arguments.sync);
+  }
+  return guarded(arguments);
+}

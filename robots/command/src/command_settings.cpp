@@ -1,0 +1,38 @@
+#include "spikeloop/command/command_settings.hpp"
+
+#include <algorithm>
+
+namespace spikeloop::command {
+namespace {
+
+constexpr TimeNs kLeastInterval = 1'000'000;
+constexpr TimeNs kLeastWatchdog = 100'000'000;
+
+}  // namespace
+
+CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
+                                 double command_rate, const LoopClock& clock, bool with_pace) {
+  const auto wall = [&](double simulated_s) {
+    return from_seconds(simulated_s / clock.real_time_factor);
+  };
+  const TimeNs tick = wall(to_seconds(clock.tick));
+  CommandSettings settings;
+  settings.gate.deadband = map.deadbands(keys.number("deadband"));
+  if (keys.given("min_interval")) {
+    settings.gate.min_interval = from_seconds(keys.number("min_interval"));
+  } else {
+    settings.gate.min_interval = std::max(tick, kLeastInterval);
+    settings.gate.tolerance = tick / 2;
+  }
+  settings.gate.period = command_rate > 0 ? wall(1 / command_rate) : 0;
+  // Fast ticks repeat commands themselves, with newer values.
+  settings.gate.grace = tick < settings.gate.period ? tick + tick / 2 : 0;
+  settings.watchdog = keys.given("watchdog") ? from_seconds(keys.number("watchdog"))
+                                             : std::max(3 * tick, kLeastWatchdog);
+  settings.max_age = from_seconds(keys.number("max_age"));
+  settings.width = static_cast<std::uint32_t>(map.size());
+  settings.with_pace = with_pace;
+  return settings;
+}
+
+}  // namespace spikeloop::command

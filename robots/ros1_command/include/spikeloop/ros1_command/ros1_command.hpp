@@ -1,0 +1,48 @@
+// Commands over ROS 1, and everything that stops the robot: the sink's own watch, the guard, the
+// end of the process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/guard/link.hpp"
+#include "spikeloop/ros1/publisher.hpp"
+#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/status/signals.hpp"
+
+namespace spikeloop::ros1_command {
+
+struct Address {
+  std::string process;  ///< how the guard calls this one
+  std::string topic;
+  std::string message_type;
+  std::vector<std::string> fields;  ///< as ros1::Publisher has them
+};
+
+/// Ports as command::CommandSink.
+class Ros1Command : public Sink {
+ public:
+  /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
+  /// both before the robot is driven. @throws ConfigurationError as ros1::Publisher.
+  Ros1Command(ros1::Session& session, const Address& address,
+              const command::CommandSettings& settings);
+
+  std::vector<EndpointPort> ports() const override { return sink_.ports(); }
+  void send(const Step& step) override { sink_.send(step); }
+  std::vector<Counter> counters() const override { return sink_.counters(); }
+  /// As CommandSink.
+  void stop(command::StopReason reason) { sink_.stop(reason); }
+  nlohmann::json summary() const { return sink_.summary(); }
+
+ private:
+  void leave_to_guard_if_dead();
+
+  ros1::Session& session_;
+  ros1::Publisher publisher_;
+  guard::Link guard_;
+  command::CommandSink sink_;
+  status::TerminationHook on_termination_;
+};
+
+}  // namespace spikeloop::ros1_command
