@@ -88,6 +88,7 @@ void start_interpreter() {
 const py::module_& node_host() {
   auto*& host = imported_host();
   if (host == nullptr) {
+    py::module_::import("numpy");
     py::module_::import("sys").attr("path").attr("insert")(0, package_directory());
     py::module_ module = py::module_::import("spikeloop.node_host");
     module.attr("begin")();

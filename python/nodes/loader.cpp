@@ -47,11 +47,10 @@ const spikeloop_plugin* load(const char* path, const spikeloop_host* host, char*
     try {
       node_host();
     } catch (const py::error_already_set& raised) {
-      write_error(std::string("plug-in '") + path +
-                      "': Python nodes need the package spikeloop and NumPy: " + raised.what() +
-                      "; install python3-numpy",
-                  error, error_size);
-      return nullptr;
+      const std::string text = raised.what();
+      throw std::runtime_error("nodes in Python need NumPy and the package spikeloop: " +
+                               text.substr(0, text.find('\n')) +
+                               "; install python3-numpy, or Spikeloop again");
     }
     try {
       return file_at(path, *host);

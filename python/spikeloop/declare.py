@@ -13,7 +13,7 @@ A class, for one with memory; parameters are attributes, and already have their 
         outputs = {"out": spikeloop.Spikes(same_as="in")}
         rate_max = spikeloop.Parameter(100, unit="Hz", minimum=0, text="Firing rate at 1")
 
-        def __init__(self, setup): ...       # setup.name, seed, widths, parameters, random()
+        def __init__(self, setup): ...       # or without setup: name, seed, widths, random()
         def step(self, step): ...            # once an interval; see spikeloop.steps.Step
         def counters(self): return {...}     # may be left out; whole numbers since the start
 
@@ -238,7 +238,8 @@ class Definition:
         for name, value in setup.parameters.items():
             setattr(made, name, value)
         if self.target.__init__ is not object.__init__:
-            made.__init__(setup)
+            alone = len(inspect.signature(self.target.__init__).parameters) == 1
+            made.__init__(*(() if alone else (setup,)))
         return made.step, getattr(made, "counters", None)
 
 

@@ -92,7 +92,7 @@ def report(error, trace):
         return _shortened(message), []  # its text says everything
     lines = ["Traceback (most recent call last):", *traceback.StackSummary.from_list(frames).format(),
              *traceback.TracebackException(type(error), error, None).format_exception_only()]
-    lines = [line for text in lines for line in text.rstrip().splitlines()]
+    lines = [_printable(line) for text in lines for line in text.rstrip().splitlines()]
     if len(lines) > MOST_LINES:
         lines[MOST_LINES // 2:-MOST_LINES // 2] = ["  ..."]
     return _shortened(message), lines
@@ -100,13 +100,13 @@ def report(error, trace):
 
 def _what(error):
     kind = type(error).__name__
+    if isinstance(error, NodeError):
+        return str(error)
     try:
         text = error.msg if isinstance(error, SyntaxError) else str(error)
         text = " ".join(text.split())
     except BaseException as second:  # whatever str() does, the first error is what counts
         return f"{kind} (its text cannot be had: str() raised {type(second).__name__})"
-    if isinstance(error, NodeError):
-        return text
     if isinstance(error, ValueError) and text in READ_ONLY:
         text += "; inputs are read-only: work on a copy, as step.inputs['in'].copy()"
     if isinstance(error, SystemExit):
@@ -118,7 +118,12 @@ def _shortened(message):
     if len(message) > LONGEST_MESSAGE:
         half = LONGEST_MESSAGE // 2
         message = message[:half] + " ... " + message[-half:]
-    return message.encode("utf-8", "backslashreplace").decode()
+    return _printable(message)
+
+
+def _printable(text):
+    """Surrogates cannot be written as UTF-8."""
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _source(path):

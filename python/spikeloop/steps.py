@@ -154,12 +154,10 @@ class Step:
                                                 and times.size != lanes.size):
             raise NodeError(f"step.emit('{port}', ...) got {_shape_text(times, 'time')} and "
                             f"{_shape_text(lanes, 'channel')}; write as many times as channels")
-        # Seen as unsigned, a number below 0 is a large one: one comparison for both bounds.
-        after_begin = np.subtract(times, self.begin + 1, dtype=np.int64).view(np.uint64)
         lanes = lanes.astype(np.int64, copy=False)
-        if after_begin.max() >= self.end - self.begin:
+        if _largest(np.subtract(times, self.begin + 1, dtype=np.int64)) >= self.end - self.begin:
             self._refuse_time(port, times)
-        if lanes.view(np.uint64).max() >= self._widths[port]:
+        if _largest(lanes) >= self._widths[port]:
             self._refuse_channel(port, lanes)
         spikes = np.zeros(max(times.size, lanes.size), SPIKE)
         spikes["time_ns"] = times
@@ -304,6 +302,11 @@ def _count(name, value):
     if count != value or not 0 <= count < 2**64:
         raise NodeError(f"counters(): '{name}' is {value!r}; write a whole number from 0")
     return count
+
+
+def _largest(numbers):
+    """Of int64, seen as unsigned: what is below 0 is very large, one comparison for two bounds."""
+    return np.maximum.reduce(numbers.view(np.uint64)) if numbers.ndim else int(numbers) % 2**64
 
 
 def _channels(count):
