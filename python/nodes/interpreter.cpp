@@ -55,8 +55,15 @@ void check(const PyStatus& status) {
   }
 }
 
-/// Python's own signal handlers stay out: Ctrl-C is the program's.
+/// Python's own signal handlers stay out, Ctrl-C is the program's; so does the locale. Text is
+/// UTF-8.
 void initialize() {
+  PyPreConfig before;
+  PyPreConfig_InitPythonConfig(&before);
+  before.configure_locale = 0;
+  before.coerce_c_locale = 0;
+  before.utf8_mode = 1;
+  check(Py_PreInitialize(&before));
   PyConfig config;
   PyConfig_InitPythonConfig(&config);
   config.install_signal_handlers = 0;
@@ -97,13 +104,14 @@ const py::module_& node_host() {
   return *host;
 }
 
-std::string described(const py::error_already_set& error, const spikeloop_host& host) {
+std::string described(const py::error_already_set& error, const spikeloop_host& host,
+                      std::uint32_t level) {
   try {
     const py::tuple report = node_host().attr("report")(
         error.value(),
         error.trace() ? py::reinterpret_borrow<py::object>(error.trace()) : py::none());
     for (const py::handle line : report[1]) {
-      host.log(SPIKELOOP_LOG_WARNING, line.cast<std::string>().c_str());
+      host.log(level, line.cast<std::string>().c_str());
     }
     return report[0].cast<std::string>();
   } catch (py::error_already_set&) {

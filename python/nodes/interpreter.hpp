@@ -32,8 +32,9 @@ void start_interpreter();
 const pybind11::module_& node_host();
 
 /// The message of an exception, in one line: where and what. The traceback goes to the log, a line
-/// each. Needs the lock.
-std::string described(const pybind11::error_already_set& error, const spikeloop_host& host);
+/// each, at this level. Needs the lock.
+std::string described(const pybind11::error_already_set& error, const spikeloop_host& host,
+                      std::uint32_t level);
 
 /// `text`, as far as it fits.
 void write_error(const std::string& text, char* error, std::uint64_t error_size);

@@ -55,7 +55,7 @@ const spikeloop_plugin* load(const char* path, const spikeloop_host* host, char*
     try {
       return file_at(path, *host);
     } catch (const py::error_already_set& raised) {
-      write_error(described(raised, *host), error, error_size);
+      write_error(described(raised, *host, SPIKELOOP_LOG_INFO), error, error_size);
     }
   } catch (const std::exception& exception) {
     write_error(std::string("plug-in '") + path + "': " + exception.what(), error, error_size);

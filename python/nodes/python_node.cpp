@@ -165,14 +165,15 @@ class PythonNode {
 namespace {
 
 /// What `work` returns, or `failure`, with the text of what it threw in `error`. Takes the lock.
+/// The traceback is a warning in a run; before it, `spikeloop check` counts warnings.
 template <typename Work, typename Result>
-Result guarded(const spikeloop_host& host, char* error, std::uint64_t error_size, Result failure,
-               Work&& work) {
+Result guarded(const spikeloop_host& host, std::uint32_t level, char* error,
+               std::uint64_t error_size, Result failure, Work&& work) {
   const Lock lock;
   try {
     return work();
   } catch (const py::error_already_set& raised) {
-    write_error(described(raised, host), error, error_size);
+    write_error(described(raised, host, level), error, error_size);
   } catch (const std::exception& exception) {
     write_error(exception.what(), error, error_size);
   }
@@ -183,13 +184,14 @@ Result guarded(const spikeloop_host& host, char* error, std::uint64_t error_size
 
 void* create_node(const spikeloop_setup* setup, char* error, std::uint64_t error_size) {
   const auto& node_class = static_cast<const PythonClass&>(*setup->node_class);
-  return guarded(node_class.host(), error, error_size, static_cast<void*>(nullptr),
+  return guarded(node_class.host(), SPIKELOOP_LOG_INFO, error, error_size,
+                 static_cast<void*>(nullptr),
                  [&]() -> void* { return new PythonNode(node_class, *setup); });
 }
 
 int step_node(void* node, const spikeloop_step* step, char* error, std::uint64_t error_size) {
   auto& self = *static_cast<PythonNode*>(node);
-  return guarded(self.host(), error, error_size, 1, [&] {
+  return guarded(self.host(), SPIKELOOP_LOG_WARNING, error, error_size, 1, [&] {
     self.step(*step);
     return 0;
   });
@@ -198,7 +200,7 @@ int step_node(void* node, const spikeloop_step* step, char* error, std::uint64_t
 std::uint32_t count_of_node(void* node, spikeloop_counter* counters, std::uint32_t capacity,
                             char* error, std::uint64_t error_size) {
   auto& self = *static_cast<PythonNode*>(node);
-  return guarded(self.host(), error, error_size, SPIKELOOP_FAILED, [&] {
+  return guarded(self.host(), SPIKELOOP_LOG_WARNING, error, error_size, SPIKELOOP_FAILED, [&] {
     const auto& all = self.counters();
     const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(all.size(), capacity));
     for (std::uint32_t i = 0; i < count; ++i) {
