@@ -30,15 +30,15 @@ import sys
 
 SECOND = 1_000_000_000  # nanoseconds; all times are whole nanoseconds
 
-UNITS = ("", "1", "ns", "us", "ms", "s", "min", "h", "Hz", "kHz", "MHz", "uV", "mV", "V", "pA", "nA",
-         "uA", "mA", "A", "pF", "nF", "uF", "Ohm", "kOhm", "MOhm", "GOhm", "mm", "cm", "m", "km",
-         "rad", "deg", "m/s", "rad/s", "deg/s")
+UNITS = ("", "1", "ns", "us", "ms", "s", "min", "h", "Hz", "kHz", "MHz", "uV", "mV", "V", "pA",
+         "nA", "uA", "mA", "A", "pF", "nF", "uF", "Ohm", "kOhm", "MOhm", "GOhm", "mm", "cm", "m",
+         "km", "rad", "deg", "m/s", "rad/s", "deg/s")
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "text"}
 _REQUIRED = object()
 
 
 class NodeError(Exception):
-    """A declaration, or what a node did, is wrong; the text says what, and what to write instead."""
+    """A declaration, or what a node did, is wrong; the text says what, and what to write."""
 
 
 def did_you_mean(word, candidates):
@@ -113,8 +113,8 @@ class Parameter:
                         float if self.required else default.__class__)
             type = float if type is int else type
         if type not in _TYPES:
-            raise NodeError(f"a parameter of type {getattr(type, '__name__', type)}; write a number, "
-                            "a text, True or False, or spikeloop.Weights for a table")
+            raise NodeError(f"a parameter of type {getattr(type, '__name__', type)}; write a "
+                            "number, a text, True or False, or spikeloop.Weights for a table")
         return _TYPES[type]
 
     def _check_declaration(self):
@@ -122,8 +122,8 @@ class Parameter:
         if self.unit not in UNITS:
             raise NodeError(f"there is no unit '{self.unit}'; write one of: {', '.join(UNITS[1:])}")
         if not numeric and (self.unit or self.minimum != -math.inf or self.maximum != math.inf):
-            raise NodeError(f"a parameter that is a {self.kind} has no unit and no bounds; write its "
-                            "default as a number in its unit, such as 0.03 for 30 ms")
+            raise NodeError(f"a parameter that is a {self.kind} has no unit and no bounds; write "
+                            "its default as a number in its unit, such as 0.03 for 30 ms")
         if not self.minimum <= self.maximum:
             raise NodeError(f"minimum={self.minimum} is not below maximum={self.maximum}; exchange "
                             "them")
@@ -196,8 +196,8 @@ class Definition:
         self.text = ((target.__doc__ or "").strip().splitlines() or [""])[0].rstrip(" .")
         self.module, self.line = target.__module__, line
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):
-            raise NodeError(f"'{self.name}' is no name for a node; write one such as my_encoder with "
-                            "@spikeloop.node(name=...)")
+            raise NodeError(f"'{self.name}' is no name for a node; write one such as my_encoder "
+                            "with @spikeloop.node(name=...)")
         self.inputs = _ports(inputs, "inputs", self.name)
         self.outputs = _ports(outputs, "outputs", self.name)
         self.parameters = parameters
@@ -275,8 +275,8 @@ def definition_of(target):
     """
     found = vars(target).get("__spikeloop__") if hasattr(target, "__dict__") else None
     if found is None:
-        raise NodeError(f"{getattr(target, '__name__', target)!r} is no node; write @spikeloop.node "
-                        "before it")
+        raise NodeError(f"{getattr(target, '__name__', target)!r} is no node; write "
+                        "@spikeloop.node before it")
     return found
 
 

@@ -90,7 +90,8 @@ def report(error, trace):
     message = place + _what(error)
     if isinstance(error, NodeError):
         return _shortened(message), []  # its text says everything
-    lines = ["Traceback (most recent call last):", *traceback.StackSummary.from_list(frames).format(),
+    lines = ["Traceback (most recent call last):",
+             *traceback.StackSummary.from_list(frames).format(),
              *traceback.TracebackException(type(error), error, None).format_exception_only()]
     lines = [_printable(line) for text in lines for line in text.rstrip().splitlines()]
     if len(lines) > MOST_LINES:
@@ -144,13 +145,13 @@ def _free_name(name):
 
 def _check_names(path, found):
     if not found:
-        raise LoadError(f"plug-in '{path}': defines no node; write @spikeloop.node before a class or "
-                        "a function")
+        raise LoadError(f"plug-in '{path}': defines no node; write @spikeloop.node before a class "
+                        "or a function")
     lines = {}
     for each in found:
         if each.name in lines:
-            raise LoadError(f"plug-in '{path}': lines {lines[each.name]} and {each.line} both define "
-                            f"the node '{each.name}'; give one another name, with "
+            raise LoadError(f"plug-in '{path}': lines {lines[each.name]} and {each.line} both "
+                            f"define the node '{each.name}'; give one another name, with "
                             "@spikeloop.node(name=...)")
         lines[each.name] = each.line
 

@@ -17,7 +17,7 @@ SPIKE = np.dtype([("time_ns", np.int64), ("channel", np.int32), ("reserved", np.
 MOST_COUNTERS = 32
 
 SpikeTrain = collections.namedtuple("SpikeTrain", "times_ns channels")
-SpikeTrain.__doc__ = """Spikes sorted by (time, channel): int64 nanoseconds, int32 channels from 0."""
+SpikeTrain.__doc__ = """Spikes sorted by (time, channel): int64 ns, int32 channels from 0."""
 
 
 def name_hash(name):
@@ -122,8 +122,8 @@ class Step:
         given = np.asarray(values)
         out = self._outputs[i]
         if given.dtype.kind not in "fiub":
-            raise NodeError(f"step.write('{port}', ...) got {_type_text(values, given)}; write real "
-                            "numbers")
+            raise NodeError(f"step.write('{port}', ...) got {_type_text(values, given)}; write "
+                            "real numbers")
         if given.ndim and given.shape != out.shape:
             raise NodeError(f"step.write('{port}', ...) got {_shape_text(given)}, but the port has "
                             f"{_channels(out.size)}; write {_values(out.size)}")
@@ -195,23 +195,23 @@ class Step:
     @staticmethod
     def _refuse_types(port, times, lanes):
         if times.dtype.kind != "i":
-            raise NodeError(f"step.emit('{port}', ...) got times that are {times.dtype}; write whole "
-                            "nanoseconds: np.rint(seconds * 1e9).astype(np.int64)")
-        raise NodeError(f"step.emit('{port}', ...) got channels that are {lanes.dtype}; write whole "
-                        "numbers from 0: channels.astype(np.int32), np.flatnonzero(mask)")
+            raise NodeError(f"step.emit('{port}', ...) got times that are {times.dtype}; write "
+                            "whole nanoseconds: np.rint(seconds * 1e9).astype(np.int64)")
+        raise NodeError(f"step.emit('{port}', ...) got channels that are {lanes.dtype}; write "
+                        "whole numbers from 0: channels.astype(np.int32), np.flatnonzero(mask)")
 
     def _refuse_time(self, port, times):
         times = np.atleast_1d(times)
         wrong = times[(times <= self.begin) | (times > self.end)][0]
-        raise NodeError(f"step.emit('{port}', ...) got a spike at {wrong} ns, outside of the interval "
-                        f"({self.begin}, {self.end}] ns; write times after step.begin, and up to "
-                        "step.end")
+        raise NodeError(f"step.emit('{port}', ...) got a spike at {wrong} ns, outside of the "
+                        f"interval ({self.begin}, {self.end}] ns; write times after step.begin, and "
+                        "up to step.end")
 
     def _refuse_channel(self, port, lanes):
         width, lanes = self._widths[port], np.atleast_1d(lanes)
         wrong = lanes[(lanes < 0) | (lanes >= width)][0]
-        raise NodeError(f"step.emit('{port}', ...) got channel {wrong}, but the port has channels 0 "
-                        f"to {width - 1}")
+        raise NodeError(f"step.emit('{port}', ...) got channel {wrong}, but the port has channels "
+                        f"0 to {width - 1}")
 
     def _commit(self, i):
         if self._written[i] <= 0:  # a revision is never used twice, not after invalidate() either
@@ -262,8 +262,8 @@ class Session:
         finally:
             view._leave()
         if result is not None:
-            raise NodeError(f"step() gave back {_type_text(result)}; write step.write(PORT, values) "
-                            "or step.emit(PORT, times_ns, channels), and return nothing")
+            raise NodeError(f"step() gave back {_type_text(result)}; write step.write(PORT, "
+                            "values) or step.emit(PORT, times_ns, channels), and return nothing")
         if before != [getrefcount(array) for array in values + arrived + outputs]:
             self._refuse_kept(values, arrived, outputs, before)
         return view._written, view._emitted

@@ -109,8 +109,8 @@ class RunnerTest(Says):
         def run(what):
             return run_node(wrong, {"in": [[1, 2]]}, what=what)
 
-        self.says("step.write('out', ...) got 3 values, but the port has 2 channels; write 2 values",
-                  run, "step.write('out', [1, 2, 3])")
+        self.says("step.write('out', ...) got 3 values, but the port has 2 channels; write 2 "
+                  "values", run, "step.write('out', [1, 2, 3])")
         with self.assertRaisesRegex(ValueError, "read-only"):
             run("values[0] = 3")
         with self.assertRaisesRegex(NodeError, "keeps the array of port 'in' beyond its step"):
@@ -208,8 +208,8 @@ class DeclarationTest(Says):
                   self.declare, inputs={"in": 3})
 
     def test_parameters(self):
-        self.says("there is no unit 'mile'; write one of: " + ", ".join(spikeloop.declare.UNITS[1:]),
-                  Parameter, 1, unit="mile")
+        self.says("there is no unit 'mile'; write one of: "
+                  + ", ".join(spikeloop.declare.UNITS[1:]), Parameter, 1, unit="mile")
         self.says("a parameter that is a text has no unit and no bounds; write its default as a "
                   "number in its unit, such as 0.03 for 30 ms", Parameter, "30 ms", unit="s")
         self.says("minimum=2 is not below maximum=1; exchange them", Parameter, 1, minimum=2,
@@ -234,11 +234,13 @@ class DeclarationTest(Says):
         self.says("class It has no step; write  def step(self, step): ...", node,
                   type("It", (), {}))
         self.says("'3d' is no name for a node; write one such as my_encoder with "
-                  "@spikeloop.node(name=...)", node(name="3d", outputs={"o": "signal"}), lambda step: None)
+                  "@spikeloop.node(name=...)", node(name="3d", outputs={"o": "signal"}),
+                  lambda step: None)
         self.says("wrong_name() takes (step, gian), but its node has (step, gain); write  def "
                   "wrong_name(step, gain):",
                   node(outputs={"o": "signal"}, gain=1), wrong_name)
-        self.says("@spikeloop.node stands before 3; write it before a class or a function", node(), 3)
+        self.says("@spikeloop.node stands before 3; write it before a class or a function",
+                  node(), 3)
 
 
 class PageTest(unittest.TestCase):
