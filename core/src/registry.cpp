@@ -54,7 +54,7 @@ std::vector<std::string> Registry::load_plugin(const std::string& path) {
     return add_classes(path, load_by_loader(path));
   }
   SharedLibrary library(path);
-  const auto added = add_classes(path, library.checked_plugin());
+  auto added = add_classes(path, library.checked_plugin());
   impl_->libraries.push_back(std::move(library));
   return added;
 }

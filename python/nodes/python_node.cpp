@@ -15,8 +15,8 @@ namespace {
 /// An array over memory that is somebody else's. With a base that is no buffer NumPy can neither
 /// free the memory nor make a read-only array writable again.
 py::array view_of(const py::dtype& type, const void* data, std::uint64_t count, bool writable) {
-  const py::array view(type, {static_cast<py::ssize_t>(count)},
-                       {static_cast<py::ssize_t>(type.itemsize())}, data, py::none());
+  py::array view(type, {static_cast<py::ssize_t>(count)},
+                 {static_cast<py::ssize_t>(type.itemsize())}, data, py::none());
   if (!writable) {
     py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   }
