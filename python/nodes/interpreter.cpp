@@ -51,7 +51,8 @@ void make_python_global() {
 void check(const PyStatus& status) {
   if (PyStatus_Exception(status) != 0) {
     throw std::runtime_error(std::string("Python does not start: ") +
-                             (status.err_msg == nullptr ? "no reason given" : status.err_msg));
+                             (status.err_msg == nullptr ? "no reason given" : status.err_msg) +
+                             "; unset PYTHONHOME and PYTHONPATH, or install python3 again");
   }
 }
 

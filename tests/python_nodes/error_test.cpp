@@ -164,6 +164,17 @@ TEST(PythonError, ExceptionsOfAllKinds) {
               HasSubstr("RecursionError: maximum recursion depth exceeded"));
 }
 
+TEST(PythonError, EvenWhenItCannotBeDescribed) {
+  EXPECT_EQ(step_error("import spikeloop.node_host as host\n"
+                       "        real = host.report\n"
+                       "        def once(*_):\n"
+                       "            host.report = real\n"
+                       "            raise MemoryError\n"
+                       "        host.report = once\n"
+                       "        raise ValueError"),
+            "ValueError, and an error while its place was looked for");
+}
+
 TEST(PythonError, OfMakingANode) {
   const PythonFile file(
       class_with("    def __init__(self, setup):\n"

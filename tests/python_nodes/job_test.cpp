@@ -149,6 +149,16 @@ TEST(PythonDescribe, WithoutNumPyItSaysWhatToInstall) {
                          "Spikeloop again\n");
 }
 
+TEST(PythonDescribe, WhenPythonDoesNotStartItSaysWhy) {
+  const std::string directory = std::filesystem::path(ENCODER_FILE).parent_path();
+  const Outcome outcome = describe(
+      "my_rate_encoder", {{"SPIKELOOP_PLUGIN_PATH", directory}, {"PYTHONHOME", "/nowhere"}});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr(": Python does not start: "));
+  EXPECT_THAT(outcome.err,
+              EndsWith("; unset PYTHONHOME and PYTHONPATH, or install python3 again\n"));
+}
+
 TEST(PythonDescribe, AVirtualEnvironmentOfTheSamePythonIsUsed) {
   const TemporaryDirectory directory;
   const std::string environment = (directory.path() / "venv").string();
