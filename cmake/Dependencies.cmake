@@ -20,6 +20,13 @@ endif()
 # Random123 is a set of headers without a CMake file.
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
+# Nodes in Python: the distribution's, for its NumPy, not another python3 that is first in PATH.
+if(EXISTS /usr/bin/python3 AND NOT Python3_EXECUTABLE)
+  set(Python3_EXECUTABLE /usr/bin/python3)
+endif()
+find_package(Python3 REQUIRED COMPONENTS Interpreter Development.Embed)
+find_path(PYBIND11_INCLUDE_DIR pybind11/pybind11.h REQUIRED)
+
 # MUSIC 1.1 needs MPI's C++ bindings; its headers are kept out of our warnings.
 set(MPI_CXX_SKIP_MPICXX OFF)
 find_package(MPI REQUIRED COMPONENTS CXX)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 
 #include "older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
@@ -168,6 +169,14 @@ WeightLoader table_loader(const music::Process& process, const NodeClass& node_c
   return weight_loader(options);
 }
 
+/// Beside the .music file, as other files are; else what the system finds under the name.
+std::string plugin_path(const music::Process& process, const std::string& written) {
+  namespace fs = std::filesystem;
+  const fs::path beside = fs::path(process.file_directory()) / written;
+  std::error_code error;
+  return fs::exists(beside, error) ? beside.string() : written;
+}
+
 }  // namespace
 
 const NodeProgram* find_node_program(std::string_view name) {
@@ -198,7 +207,8 @@ music::ProgramText node_program_text(const std::string& name) {
       {.name = "plugin",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "A plug-in to load first; those in SPIKELOOP_PLUGIN_PATH are always loaded"},
+       .text = "A plug-in to load first, *.so or *.py; those in SPIKELOOP_PLUGIN_PATH are always "
+               "loaded"},
       {.name = "ports",
        .type = ParameterType::text,
        .default_value = "",
@@ -220,7 +230,8 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
   }
   const auto keys = process.read(node_program_text("").parameters);
   if (!keys.text("plugin").empty()) {
-    registry.load_plugin(keys.text("plugin"));
+    const std::string path = plugin_path(process, keys.text("plugin"));
+    located_at(keys.where("plugin"), [&] { return registry.load_plugin(path); });
   }
   try {
     return registry.find(keys.text("node"));

@@ -1,6 +1,5 @@
 #include "foreign_node.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,7 +69,8 @@ ParameterDescription parameter_description(const std::string& path,
 // The plain form of a setup; owns what its pointers point to.
 class PlainSetup {
  public:
-  PlainSetup(const NodeDescription& description, const NodeSetup& setup) {
+  PlainSetup(const spikeloop_node_class& node_class, const NodeDescription& description,
+             const NodeSetup& setup) {
     find_weight_widths(description, setup);
     tables_.reserve(setup.parameters.all().size());
     weights_.reserve(setup.parameters.all().size());
@@ -82,7 +82,8 @@ class PlainSetup {
               values_.data(),
               setup.widths.data(),
               static_cast<std::uint32_t>(values_.size()),
-              static_cast<std::uint32_t>(setup.widths.size())};
+              static_cast<std::uint32_t>(setup.widths.size()),
+              &node_class};
   }
   const spikeloop_setup& plain() const { return plain_; }
 
@@ -129,7 +130,7 @@ class PlainSetup {
   spikeloop_setup plain_{};
 };
 
-using ErrorText = std::array<char, 1024>;
+using ErrorText = std::array<char, 2048>;
 
 std::string reason(ErrorText& text) {
   text.back() = '\0';
@@ -142,7 +143,7 @@ class ForeignNode : public Node {
               const NodeSetup& setup)
       : class_(node_class) {
     ErrorText error{};
-    const PlainSetup plain(description, setup);
+    const PlainSetup plain(class_, description, setup);
     node_ = class_.create(&plain.plain(), error.data(), error.size());
     if (node_ == nullptr) {
       throw ConfigurationError(reason(error));
@@ -159,10 +160,15 @@ class ForeignNode : public Node {
 
   std::vector<Counter> counters() const override {
     std::array<spikeloop_counter, 32> plain{};
+    ErrorText error{};
     const std::uint32_t count =
         class_.counters == nullptr
             ? 0
-            : class_.counters(node_, plain.data(), static_cast<std::uint32_t>(plain.size()));
+            : class_.counters(node_, plain.data(), static_cast<std::uint32_t>(plain.size()),
+                              error.data(), error.size());
+    if (count == SPIKELOOP_FAILED) {
+      throw std::runtime_error(reason(error));
+    }
     std::vector<Counter> all;
     for (std::uint32_t i = 0; i < std::min<std::uint32_t>(count, plain.size()); ++i) {
       all.push_back({plain[i].name, plain[i].value});
@@ -176,56 +182,6 @@ class ForeignNode : public Node {
 };
 
 }  // namespace
-
-SharedLibrary::SharedLibrary(std::string path) : path_(std::move(path)) {
-  handle_ = dlopen(path_.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle_ == nullptr) {
-    refuse(path_, fmt::format("cannot be loaded: {}", text_or_empty(dlerror())));
-  }
-}
-
-SharedLibrary::SharedLibrary(SharedLibrary&& other) noexcept
-    : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, nullptr)) {}
-
-SharedLibrary& SharedLibrary::operator=(SharedLibrary&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(handle_, other.handle_);
-  return *this;
-}
-
-SharedLibrary::~SharedLibrary() {
-  if (handle_ != nullptr) {
-    dlclose(handle_);
-  }
-}
-
-const spikeloop_plugin& SharedLibrary::checked_plugin() const {
-  void* symbol = dlsym(handle_, "spikeloop_plugin_entry");
-  if (symbol == nullptr) {
-    refuse(path_,
-           "is no Spikeloop plug-in (it has no spikeloop_plugin_entry); write "
-           "SPIKELOOP_PLUGIN(...) in one of its sources");
-  }
-  const auto entry = reinterpret_cast<spikeloop_plugin_entry_function>(symbol);
-  const spikeloop_plugin* plugin = entry();
-  if (plugin == nullptr) {
-    refuse(path_, "its entry function returned nothing");
-  }
-  if (plugin->abi_version != SPIKELOOP_ABI_VERSION) {
-    refuse(path_, fmt::format("was built for plug-in ABI {}, this Spikeloop has {}; rebuild it",
-                              plugin->abi_version, SPIKELOOP_ABI_VERSION));
-  }
-  if (plugin->size < sizeof(spikeloop_plugin)) {
-    refuse(path_,
-           fmt::format("its entry structure has {} bytes, this Spikeloop needs {}; rebuild it",
-                       plugin->size, sizeof(spikeloop_plugin)));
-  }
-  if (text_or_empty(plugin->build) != SPIKELOOP_BUILD) {
-    refuse(path_, fmt::format("was built for '{}', this machine is '{}'; rebuild it",
-                              text_or_empty(plugin->build), SPIKELOOP_BUILD));
-  }
-  return *plugin;
-}
 
 NodeClass foreign_node_class(const std::string& path, const spikeloop_node_class* foreign) {
   const bool well_formed = foreign != nullptr && foreign->name != nullptr &&

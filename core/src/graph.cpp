@@ -90,7 +90,14 @@ struct Element {
     if (source != nullptr) {
       return source->counters();
     }
-    return node ? node->counters() : sink->counters();
+    if (sink != nullptr) {
+      return sink->counters();
+    }
+    try {
+      return node->counters();
+    } catch (const std::exception& error) {
+      throw NodeError(name, error.what());
+    }
   }
 };
 

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "foreign_node.hpp"
+#include "plugin_loader.hpp"
+#include "shared_library.hpp"
 
 namespace spikeloop {
 
@@ -48,23 +50,33 @@ std::vector<std::string> Registry::names() const {
 }
 
 std::vector<std::string> Registry::load_plugin(const std::string& path) {
+  if (has_loader(path)) {
+    return add_classes(path, load_by_loader(path));
+  }
   SharedLibrary library(path);
-  const spikeloop_plugin& plugin = library.checked_plugin();
+  auto added = add_classes(path, library.checked_plugin());
+  impl_->libraries.push_back(std::move(library));
+  return added;
+}
+
+std::vector<std::string> Registry::add_classes(const std::string& path,
+                                               const spikeloop_plugin& plugin) {
   std::vector<NodeClass> loaded;
   for (std::uint64_t i = 0; i < plugin.class_count; ++i) {
     loaded.push_back(foreign_node_class(path, plugin.classes[i]));
   }
   std::vector<std::string> added;
-  for (NodeClass& node_class : loaded) {
-    const std::string name = node_class.description.name;
-    if (contains(name)) {
+  for (const NodeClass& node_class : loaded) {
+    const std::string& name = node_class.description.name;
+    if (contains(name) || std::ranges::find(added, name) != added.end()) {
       throw ConfigurationError(fmt::format(
           "plug-in '{}': there is already a node class '{}'; give it another name", path, name));
     }
-    add(std::move(node_class));
     added.push_back(name);
   }
-  impl_->libraries.push_back(std::move(library));
+  for (NodeClass& node_class : loaded) {
+    add(std::move(node_class));
+  }
   return added;
 }
 
@@ -80,8 +92,9 @@ std::vector<std::string> Registry::load_plugin_path(std::string_view directories
     std::error_code error;
     std::vector<std::string> paths;
     for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
-      if (entry.path().extension() == ".so") {
-        paths.push_back(entry.path().string());
+      const std::string path = entry.path().string();
+      if (entry.path().extension() == ".so" || (has_loader(path) && defines_nodes(path))) {
+        paths.push_back(path);
       }
     }
     if (error) {

@@ -18,8 +18,8 @@ class Gain : public Node {
         {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), "values times gain"},
         {"negative", PortKind::spikes, Direction::output, WidthRule::same_as(0), "signs"}};
     ParameterDescription gain{"gain", ParameterType::number, "1", "2", -10, 10, {}, "the factor"};
-    ParameterDescription mode{"mode", ParameterType::choice, "",          "plain", 0,
-                              0,      {"plain", "fail"},     "what to do"};
+    ParameterDescription mode{"mode", ParameterType::choice,         "",          "plain", 0,
+                              0,      {"plain", "fail", "miscount"}, "what to do"};
     ParameterDescription weights{"weights", ParameterType::weights, "", "uniform", 0, 0, {},
                                  "unused"};
     description.parameters = {gain, mode, weights};
@@ -29,6 +29,7 @@ class Gain : public Node {
   explicit Gain(const NodeSetup& setup)
       : gain_(setup.parameters.number("gain")),
         fail_(setup.parameters.text("mode") == "fail"),
+        miscount_(setup.parameters.text("mode") == "miscount"),
         weight_sum_(0) {
     if (setup.widths[0] > 4) {
       throw ConfigurationError("at most 4 channels");
@@ -59,12 +60,16 @@ class Gain : public Node {
   }
 
   std::vector<Counter> counters() const override {
+    if (miscount_) {
+      throw std::runtime_error("asked to miscount");
+    }
     return {{"revisions", revisions_}, {"weight_sum", static_cast<std::uint64_t>(weight_sum_)}};
   }
 
  private:
   double gain_;
   bool fail_;
+  bool miscount_;
   double weight_sum_;
   std::uint64_t seen_ = 0;
   std::uint64_t revisions_ = 0;

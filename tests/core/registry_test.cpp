@@ -52,7 +52,8 @@ TEST_F(Plugin, DescribesItselfAcrossTheBorder) {
   ASSERT_EQ(description.parameters.size(), 3U);
   EXPECT_EQ(description.parameters[0].default_value, "2");
   EXPECT_EQ(description.parameters[0].maximum, 10);
-  EXPECT_EQ(description.parameters[1].choices, (std::vector<std::string>{"plain", "fail"}));
+  EXPECT_EQ(description.parameters[1].choices,
+            (std::vector<std::string>{"plain", "fail", "miscount"}));
 }
 
 TEST_F(Plugin, RunsInAGraph) {
@@ -101,6 +102,9 @@ TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
   const auto node = gain.create(setup);
   const spikeloop_step data{};
   EXPECT_EQ(message_of<std::runtime_error>([&] { node->step(Step(data)); }), "asked to fail");
+  setup.parameters = gain_parameters(gain, {{"mode", {"miscount", {}}}});
+  EXPECT_EQ(message_of<std::runtime_error>([&] { gain.create(setup)->counters(); }),
+            "asked to miscount");
 }
 
 TEST_F(Plugin, TheSameNameTwiceIsRefused) {
@@ -118,7 +122,7 @@ std::string refusal(const std::string& name) {
 
 TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
   EXPECT_EQ(refusal("old_plugin.so"),
-            "was built for plug-in ABI 0, this Spikeloop has 1; rebuild it");
+            "was built for plug-in ABI 0, this Spikeloop has 2; rebuild it");
   EXPECT_EQ(refusal("foreign_plugin.so"),
             "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
   EXPECT_EQ(

@@ -1,5 +1,5 @@
 #!/bin/sh
-# install_test.sh BUILD_DIRECTORY CONSUMER_SOURCE COMPILER
+# install_test.sh BUILD_DIRECTORY CONSUMER_SOURCE COMPILER PYTHON_NODES
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -24,4 +24,16 @@ cmake --build "$work/build" >"$work/build.log" 2>&1 || {
 }
 "$work/build/use_library"
 SPIKELOOP_PLUGIN_PATH="$work/build" "$work/prefix/bin/spikeloop-node" --list | grep -w doubler
+
+# A Python node, with the installed package and nothing in the environment that would lead there.
+mkdir "$work/nodes"
+cp "$4"/*.py "$work/nodes"
+env -u PYTHONPATH -u SPIKELOOP_LIBRARY_PATH SPIKELOOP_PLUGIN_PATH="$work/nodes" \
+  "$work/prefix/bin/spikeloop" describe my_rate_encoder | grep "^  rate_max  Hz  100  >= 0 "
+printf '%s\n' 'import spikeloop' 'raise ValueError(spikeloop.__file__)' '@spikeloop.node' \
+  'def where(step): ...' \
+  >"$work/nodes/where.py"
+env -u PYTHONPATH -u SPIKELOOP_LIBRARY_PATH SPIKELOOP_PLUGIN_PATH="$work/nodes" \
+  "$work/prefix/bin/spikeloop-node" --list 2>&1 |
+  grep "$work/nodes/where.py:2: ValueError: $work/prefix/share/spikeloop/python/spikeloop/__init__.py"
 echo "find_package(Spikeloop): a program and a plug-in were built and ran"

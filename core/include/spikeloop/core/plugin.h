@@ -2,7 +2,8 @@
  * compiler, standard library or Spikeloop version is either called correctly or refused with a
  * sentence. <spikeloop/core/plugin.hpp> wraps it in C++. Built-in nodes see the same step data.
  *
- * Rule of change: add members at the end and raise SPIKELOOP_ABI_VERSION. */
+ * Rule of change: whatever changes raises SPIKELOOP_ABI_VERSION, which must be the same on both
+ * sides. The members that are checked before anything else is read never move. */
 #ifndef SPIKELOOP_CORE_PLUGIN_H
 #define SPIKELOOP_CORE_PLUGIN_H
 
@@ -12,7 +13,7 @@
 extern "C" {
 #endif
 
-#define SPIKELOOP_ABI_VERSION 1u
+#define SPIKELOOP_ABI_VERSION 2u
 
 /* A spike: simulated time in nanoseconds and 0-based channel. */
 typedef struct spikeloop_spike {
@@ -129,6 +130,8 @@ typedef struct spikeloop_value {
   uint32_t given; /* 1: the user wrote it; 0: the default */
 } spikeloop_value;
 
+struct spikeloop_node_class;
+
 /* What a node is made from. widths[i] is the width of port i of its class. */
 typedef struct spikeloop_setup {
   const char* name;
@@ -137,6 +140,7 @@ typedef struct spikeloop_setup {
   const uint32_t* widths;
   uint32_t value_count;
   uint32_t width_count;
+  const struct spikeloop_node_class* node_class; /* the one whose create is called */
 } spikeloop_setup;
 
 typedef struct spikeloop_counter {
@@ -144,8 +148,10 @@ typedef struct spikeloop_counter {
   uint64_t value;
 } spikeloop_counter;
 
-/* A class of nodes. Functions that can fail write a sentence to error[error_size] and return NULL
- * or non-zero. None is called from two threads at once. */
+/* A class of nodes. Functions that can fail write a sentence to error[error_size]; create then
+ * returns NULL, step non-zero, counters SPIKELOOP_FAILED. None is called from two threads at once.
+ */
+#define SPIKELOOP_FAILED UINT32_MAX
 typedef struct spikeloop_node_class {
   const char* name;
   const char* text;
@@ -155,7 +161,8 @@ typedef struct spikeloop_node_class {
   uint32_t parameter_count;
   void* (*create)(const spikeloop_setup* setup, char* error, uint64_t error_size);
   int (*step)(void* node, const spikeloop_step* step, char* error, uint64_t error_size);
-  uint32_t (*counters)(void* node, spikeloop_counter* counters, uint32_t capacity);
+  uint32_t (*counters)(void* node, spikeloop_counter* counters, uint32_t capacity, char* error,
+                       uint64_t error_size);
   void (*destroy)(void* node);
 } spikeloop_node_class;
 
@@ -170,6 +177,28 @@ typedef struct spikeloop_plugin {
 } spikeloop_plugin;
 
 typedef const spikeloop_plugin* (*spikeloop_plugin_entry_function)(void);
+
+/* What the program does for a library. log may be called from any thread. */
+enum { SPIKELOOP_LOG_INFO = 1, SPIKELOOP_LOG_WARNING = 2 };
+typedef struct spikeloop_host {
+  void (*log)(uint32_t level, const char* line);
+} spikeloop_host;
+
+/* A library that makes node classes of files which are no libraries (*.py) exports this under the
+ * name spikeloop_loader_entry. The first three members are as those of spikeloop_plugin. */
+typedef struct spikeloop_loader {
+  uint64_t size;
+  uint64_t abi_version;
+  const char* build;
+  /* Whether the file looks as if it defined node classes; runs nothing of it. */
+  int (*defines_nodes)(const char* path);
+  /* The same file gives the same classes again. They and the host live until the program ends. On
+   * failure NULL, and in error the whole message with the path. */
+  const spikeloop_plugin* (*load)(const char* path, const spikeloop_host* host, char* error,
+                                  uint64_t error_size);
+} spikeloop_loader;
+
+typedef const spikeloop_loader* (*spikeloop_loader_entry_function)(void);
 
 #if defined(__x86_64__)
 #define SPIKELOOP_BUILD "x86_64-linux"

@@ -106,12 +106,17 @@ class ExportedClass {
     return 1;
   }
 
-  static std::uint32_t counters(void* held_node, spikeloop_counter* out, std::uint32_t capacity) {
+  static std::uint32_t counters(void* held_node, spikeloop_counter* out, std::uint32_t capacity,
+                                char* error, std::uint64_t error_size) {
     auto& held = *static_cast<Held*>(held_node);
     try {
       held.counters = held.node.counters();
+    } catch (const std::exception& exception) {
+      write_error(exception.what(), error, error_size);
+      return SPIKELOOP_FAILED;
     } catch (...) {
-      return 0;
+      write_error("it threw something that is no std::exception", error, error_size);
+      return SPIKELOOP_FAILED;
     }
     const auto count = std::min<std::size_t>(held.counters.size(), capacity);
     for (std::size_t i = 0; i < count; ++i) {

@@ -24,15 +24,21 @@ class Registry {
   bool contains(std::string_view name) const;
   std::vector<std::string> names() const;  ///< sorted
 
-  /// Loads a shared library and adds its node classes; returns their names. Size, ABI version and
-  /// build are checked before anything in it is called.
+  /// Loads a shared library, or a *.py file, and adds its node classes; returns their names. Size,
+  /// ABI version and build of a library are checked before anything in it is called. Of a file that
+  /// is no library the classes are made by a library of ours, which is looked for in
+  /// SPIKELOOP_LIBRARY_PATH, beside the program, and in ../lib/spikeloop of it.
   /// @throws ConfigurationError with the path and the reason: cannot be loaded, is no plug-in, was
   /// built for another version, names a class that is already there, malformed description.
   std::vector<std::string> load_plugin(const std::string& path);
-  /// Loads every *.so in the directories of a ':'-separated list (SPIKELOOP_PLUGIN_PATH).
+  /// Loads every *.so in the directories of a ':'-separated list (SPIKELOOP_PLUGIN_PATH), and every
+  /// *.py that defines nodes: one with a line that begins with @spikeloop.node or another @...node.
   std::vector<std::string> load_plugin_path(std::string_view directories);
 
  private:
+  /// All classes of a plug-in, or none.
+  std::vector<std::string> add_classes(const std::string& path, const spikeloop_plugin& plugin);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

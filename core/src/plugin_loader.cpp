@@ -1,0 +1,104 @@
+#include "plugin_loader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "shared_library.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Loader {
+  const char* extension;
+  const char* library;
+};
+
+constexpr Loader kLoaders[] = {{".py", "libspikeloop_python_nodes.so"}};
+
+const Loader* loader_of(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  for (const Loader& loader : kLoaders) {
+    if (extension == loader.extension) {
+      return &loader;
+    }
+  }
+  return nullptr;
+}
+
+/// Beside the program, in the build tree as installed; SPIKELOOP_LIBRARY_PATH goes first.
+std::vector<std::string> directories() {
+  std::vector<std::string> all;
+  const char* written = std::getenv("SPIKELOOP_LIBRARY_PATH");
+  std::string rest = written == nullptr ? "" : written;
+  while (!rest.empty()) {
+    const auto colon = rest.find(':');
+    if (colon != 0) {
+      all.push_back(rest.substr(0, colon));
+    }
+    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  }
+  std::error_code error;
+  const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (!error) {
+    all.push_back(programs.string());
+    all.push_back((programs.parent_path() / "lib" / "spikeloop").string());
+  }
+  return all;
+}
+
+const spikeloop_loader& open_loader(const Loader& loader, const std::string& path) {
+  const auto searched = directories();
+  for (const std::string& directory : searched) {
+    const fs::path library = fs::path(directory) / loader.library;
+    std::error_code error;
+    if (fs::exists(library, error)) {
+      // Its entry outlives the handle: the library stays.
+      return SharedLibrary(library.string(), true).checked_loader();
+    }
+  }
+  throw ConfigurationError(
+      fmt::format("plug-in '{}': *{} files need {}, which is not in {}; install Spikeloop with it, "
+                  "or write its "
+                  "directory into SPIKELOOP_LIBRARY_PATH",
+                  path, loader.extension, loader.library, fmt::join(searched, ", ")));
+}
+
+void log_line(std::uint32_t level, const char* line) {
+  log::write(level == SPIKELOOP_LOG_WARNING ? log::Level::warning : log::Level::info, line);
+}
+
+constexpr spikeloop_host kHost{&log_line};
+
+}  // namespace
+
+bool has_loader(const std::string& path) {
+  return loader_of(path) != nullptr;
+}
+
+bool defines_nodes(const std::string& path) {
+  return open_loader(*loader_of(path), path).defines_nodes(path.c_str()) != 0;
+}
+
+const spikeloop_plugin& load_by_loader(const std::string& path) {
+  const spikeloop_loader& loader = open_loader(*loader_of(path), path);
+  std::array<char, 2048> message{};
+  const spikeloop_plugin* plugin =
+      loader.load(path.c_str(), &kHost, message.data(), message.size());
+  if (plugin == nullptr) {
+    message.back() = '\0';
+    throw ConfigurationError(message.data());
+  }
+  return *plugin;
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,81 @@
+#include "shared_library.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+  throw ConfigurationError(fmt::format("plug-in '{}': {}", path, reason));
+}
+
+std::string text_or_empty(const char* text) {
+  return text == nullptr ? "" : text;
+}
+
+}  // namespace
+
+SharedLibrary::SharedLibrary(std::string path, bool stays) : path_(std::move(path)) {
+  handle_ = dlopen(path_.c_str(), RTLD_NOW | RTLD_LOCAL | (stays ? RTLD_NODELETE : 0));
+  if (handle_ == nullptr) {
+    refuse(path_, fmt::format("cannot be loaded: {}", text_or_empty(dlerror())));
+  }
+}
+
+SharedLibrary::SharedLibrary(SharedLibrary&& other) noexcept
+    : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, nullptr)) {}
+
+SharedLibrary& SharedLibrary::operator=(SharedLibrary&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(handle_, other.handle_);
+  return *this;
+}
+
+SharedLibrary::~SharedLibrary() {
+  if (handle_ != nullptr) {
+    dlclose(handle_);
+  }
+}
+
+template <typename Entry>
+const Entry& SharedLibrary::checked_entry(const char* name, const char* remedy) const {
+  void* symbol = dlsym(handle_, name);
+  if (symbol == nullptr) {
+    refuse(path_, fmt::format("is no Spikeloop plug-in (it has no {}); {}", name, remedy));
+  }
+  const Entry* entry = reinterpret_cast<const Entry* (*)()>(symbol)();
+  if (entry == nullptr) {
+    refuse(path_, "its entry function returned nothing");
+  }
+  if (entry->abi_version != SPIKELOOP_ABI_VERSION) {
+    refuse(path_, fmt::format("was built for plug-in ABI {}, this Spikeloop has {}; rebuild it",
+                              entry->abi_version, SPIKELOOP_ABI_VERSION));
+  }
+  if (entry->size < sizeof(Entry)) {
+    refuse(path_,
+           fmt::format("its entry structure has {} bytes, this Spikeloop needs {}; rebuild it",
+                       entry->size, sizeof(Entry)));
+  }
+  if (text_or_empty(entry->build) != SPIKELOOP_BUILD) {
+    refuse(path_, fmt::format("was built for '{}', this machine is '{}'; rebuild it",
+                              text_or_empty(entry->build), SPIKELOOP_BUILD));
+  }
+  return *entry;
+}
+
+const spikeloop_plugin& SharedLibrary::checked_plugin() const {
+  return checked_entry<spikeloop_plugin>("spikeloop_plugin_entry",
+                                         "write SPIKELOOP_PLUGIN(...) in one of its sources");
+}
+
+const spikeloop_loader& SharedLibrary::checked_loader() const {
+  return checked_entry<spikeloop_loader>("spikeloop_loader_entry", "install it again");
+}
+
+}  // namespace spikeloop
