@@ -13,6 +13,7 @@
 
 #include "check_command.hpp"
 #include "describe_command.hpp"
+#include "doctor/doctor_command.hpp"
 #include "export_command.hpp"
 #include "fit_command.hpp"
 #include "output.hpp"
@@ -89,6 +90,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_export_command(app, action);
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
+  spikeloop::app::add_doctor_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;
