@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "check_command.hpp"
+#include "completion/completion_command.hpp"
 #include "describe_command.hpp"
 #include "doctor/doctor_command.hpp"
 #include "export_command.hpp"
@@ -91,6 +92,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
   spikeloop::app::add_doctor_command(app, action);
+  spikeloop::app::add_completion_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;
