@@ -215,8 +215,8 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
     return registry.find(program->node_class);
   }
   const auto keys = process.read(node_program_text("").parameters);
-  if (!keys.text("plugin").empty()) {
-    registry.load_plugin(keys.text("plugin"));
+  if (const std::string& plugin = keys.text("plugin"); !plugin.empty()) {
+    located_at(keys.where("plugin"), [&] { return registry.load_plugin(plugin); });
   }
   try {
     return registry.find(keys.text("node"));

@@ -131,21 +131,23 @@ class PlainSetup {
 
 using ErrorText = std::array<char, 1024>;
 
-std::string reason(ErrorText& text) {
+/// The plug-in's own sentence, and whose it is: a run's last line tells which file to mend.
+std::string reason(ErrorText& text, const std::string& path) {
   text.back() = '\0';
-  return text.front() == '\0' ? "it failed without a reason" : text.data();
+  return fmt::format("{} (plug-in '{}')",
+                     text.front() == '\0' ? "it failed without a reason" : text.data(), path);
 }
 
 class ForeignNode : public Node {
  public:
   ForeignNode(const spikeloop_node_class& node_class, const NodeDescription& description,
               const NodeSetup& setup)
-      : class_(node_class) {
+      : class_(node_class), path_(description.source) {
     ErrorText error{};
     const PlainSetup plain(description, setup);
     node_ = class_.create(&plain.plain(), error.data(), error.size());
     if (node_ == nullptr) {
-      throw ConfigurationError(reason(error));
+      throw ConfigurationError(reason(error, path_));
     }
   }
   ~ForeignNode() override { class_.destroy(node_); }
@@ -153,7 +155,7 @@ class ForeignNode : public Node {
   void step(const Step& step) override {
     ErrorText error{};
     if (class_.step(node_, &step.plain(), error.data(), error.size()) != 0) {
-      throw std::runtime_error(reason(error));  // the graph adds the node's name
+      throw std::runtime_error(reason(error, path_));  // the graph adds the node's name
     }
   }
 
@@ -172,13 +174,16 @@ class ForeignNode : public Node {
 
  private:
   const spikeloop_node_class& class_;
+  std::string path_;
   void* node_ = nullptr;
 };
 
 }  // namespace
 
 SharedLibrary::SharedLibrary(std::string path) : path_(std::move(path)) {
-  handle_ = dlopen(path_.c_str(), RTLD_NOW | RTLD_LOCAL);
+  // Without a '/' the dynamic linker would look in its own places alone.
+  const std::string file = path_.find('/') == std::string::npos ? "./" + path_ : path_;
+  handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) {
     refuse(path_, fmt::format("cannot be loaded: {}", text_or_empty(dlerror())));
   }

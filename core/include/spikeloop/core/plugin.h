@@ -171,6 +171,10 @@ typedef struct spikeloop_plugin {
 
 typedef const spikeloop_plugin* (*spikeloop_plugin_entry_function)(void);
 
+/* A plug-in defines it; SPIKELOOP_PLUGIN in plugin.hpp does that. Seen from outside even where
+ * everything else is hidden. */
+__attribute__((visibility("default"))) const spikeloop_plugin* spikeloop_plugin_entry(void);
+
 #if defined(__x86_64__)
 #define SPIKELOOP_BUILD "x86_64-linux"
 #elif defined(__aarch64__)

@@ -24,7 +24,13 @@ class Registry {
   bool contains(std::string_view name) const;
   std::vector<std::string> names() const;  ///< sorted
 
-  /// Loads a shared library and adds its node classes; returns their names. Size, ABI version and
+  /// Adds the node classes of the plug-ins that were linked into this program, compiled with
+  /// SPIKELOOP_STATIC_PLUGIN; returns their names.
+  /// @throws ConfigurationError when a class of one of these names is already there.
+  std::vector<std::string> add_linked_plugins();
+
+  /// Loads a shared library and adds its node classes; returns their names. A path without '/' is
+  /// seen from the working directory, like any other. Size, ABI version and
   /// build are checked before anything in it is called.
   /// @throws ConfigurationError with the path and the reason: cannot be loaded, is no plug-in, was
   /// built for another version, names a class that is already there, malformed description.
