@@ -152,6 +152,8 @@ std::string refusal(const std::string& name) {
 TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
   EXPECT_EQ(refusal("old_plugin.so"),
             "was built for plug-in ABI 0, this Spikeloop has 1; rebuild it");
+  EXPECT_EQ(refusal("short_plugin.so"),
+            "its entry structure has 16 bytes, this Spikeloop needs 40; rebuild it");
   EXPECT_EQ(refusal("foreign_plugin.so"),
             "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
   EXPECT_EQ(

@@ -87,6 +87,8 @@ constexpr std::array kPrograms{
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
 };
 
+constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
+
 }  // namespace
 
 std::vector<std::string_view> program_names() {
@@ -118,11 +120,15 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
-  const MusicKey* node = name == "spikeloop-node" ? file.find_key(section, "node") : nullptr;
+  const bool any_node = name == kAnyNode.name;
+  const MusicKey* node = any_node ? file.find_key(section, "node") : nullptr;
   const auto found = std::find_if(kPrograms.begin(), kPrograms.end(), [&](const Program& program) {
     return node == nullptr ? program.name == name : program.node == node->value;
   });
-  return found == kPrograms.end() ? nullptr : &*found;
+  if (found != kPrograms.end()) {
+    return &*found;
+  }
+  return any_node ? &kAnyNode : nullptr;
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {
