@@ -9,4 +9,5 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/SpikeloopConfigVersion.cmak
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/SpikeloopConfig.cmake
               ${CMAKE_BINARY_DIR}/SpikeloopConfigVersion.cmake
+              cmake/SpikeloopPlugin.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Spikeloop)

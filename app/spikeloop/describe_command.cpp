@@ -1,6 +1,7 @@
 #include "describe_command.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include "node_text.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "own_programs.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/nodes/register.hpp"
@@ -23,18 +25,6 @@ constexpr const char* kFooter = R"(Examples:
 
 Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included, but not in the page. MUSIC
 programs that are no node classes, like ros_sensor_adapter, answer --help.)";
-
-/// Ours that are no MUSIC programs under a name the launcher knows.
-constexpr const char* kMorePrograms[] = {"spikeloop",     "spikeloop-node",  "spikeloop-ros",
-                                         "spikeloop-zmq", "spikeloop-robot", "spikeloop-guard"};
-
-std::vector<std::string> all_programs() {
-  std::vector<std::string> names(std::begin(kMorePrograms), std::end(kMorePrograms));
-  for (const std::string_view name : launch::program_names()) {
-    names.emplace_back(name);
-  }
-  return names;
-}
 
 [[noreturn]] void refuse(const std::string& name, const Registry& registry) {
   std::vector<std::string> known = all_programs();
@@ -52,44 +42,72 @@ std::vector<std::string> all_programs() {
                   did_you_mean(name, nearest(name, known).empty() ? classes : known)));
 }
 
-int describe(const std::string& name, bool markdown) {
-  Registry registry;
-  register_nodes(registry);
-  if (markdown) {
-    put_result(reference_page(registry));
-    return 0;
-  }
+void load_plugins(Registry& registry) {
   if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
     registry.load_plugin_path(directories);
   }
-  if (name.empty()) {
+}
+
+std::string name_lines(const Registry& registry) {
+  return fmt::format("{}\n", fmt::join(registry.names(), "\n"));
+}
+
+/// A shell that completes names has no use for an error alone: those that are known come first.
+int list_names(Registry& registry) {
+  try {
+    load_plugins(registry);
+  } catch (const Error&) {
+    put_result(name_lines(registry));
+    throw;
+  }
+  put_result(name_lines(registry));
+  return 0;
+}
+
+struct DescribeArguments {
+  std::string name;
+  bool markdown = false;
+  bool names = false;
+};
+
+int describe(const DescribeArguments& arguments) {
+  Registry registry;
+  register_nodes(registry);
+  if (arguments.markdown) {
+    put_result(reference_page(registry));
+    return 0;
+  }
+  if (arguments.names) {
+    return list_names(registry);
+  }
+  load_plugins(registry);
+  if (arguments.name.empty()) {
     put_result(class_list(registry) + "spikeloop describe NODE tells more of one.\n");
     return 0;
   }
-  if (!registry.contains(name)) {
-    refuse(name, registry);
+  if (!registry.contains(arguments.name)) {
+    refuse(arguments.name, registry);
   }
-  put_result(class_text(registry.find(name).description));
+  put_result(class_text(registry.find(arguments.name).description));
   return 0;
 }
 
 }  // namespace
 
 void add_describe_command(CLI::App& app, std::function<int()>& action) {
-  struct Arguments {
-    std::string name;
-    bool markdown = false;
-  };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DescribeArguments>();
   CLI::App* command = app.add_subcommand("describe", "Show what a node class does and takes");
   auto* name = command->add_option("NODE", arguments->name, "Its name; without one, all classes")
                    ->check(named("node class"));
-  command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
-      ->excludes(name);
+  auto* markdown =
+      command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
+          ->excludes(name);
+  command->add_flag("--names", arguments->names, "Print the names alone, a line each")
+      ->excludes(name)
+      ->excludes(markdown);
   command->footer(kFooter);
-  command->callback([arguments, &action] {
-    action = [arguments] { return describe(arguments->name, arguments->markdown); };
-  });
+  command->callback(
+      [arguments, &action] { action = [arguments] { return describe(*arguments); }; });
 }
 
 }  // namespace spikeloop::app

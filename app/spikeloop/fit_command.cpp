@@ -194,10 +194,12 @@ std::vector<CLI::Option*> add_encoder_options(CLI::App& command, FitTask& task) 
                          ->capture_default_str();
   auto* name = command.add_option("--name", task.name, "Label of the encoder's section")
                    ->check(named("section"))
+                   ->type_name("LABEL")
                    ->capture_default_str();
   auto* seed = command.add_option_function<std::string>(
       "--seed", [&task](const std::string& text) { task.seed = app::seed(text); },
       "Of the encoder's random numbers [1]");
+  seed->type_name("NUMBER");
   auto* rates = command.add_flag("--rates", task.from_rates,
                                  "Fit to steady rates instead of filtered spikes");
   auto* points = command.add_option("--points", task.points, "Inputs for --rates [ten a neuron]")
@@ -225,8 +227,10 @@ void add_options(CLI::App& command, FitTask& task) {
     spikes->excludes(option);
   }
   command.add_option("--target", task.target, "Recorded signal to decode, likewise");
-  command.add_option("--function", task.function,
-                     "What to decode: expressions of x0, x1, ... with ';' between the outputs");
+  command
+      .add_option("--function", task.function,
+                  "What to decode: expressions of x0, x1, ... with ';' between the outputs")
+      ->type_name("EXPRESSION");
   command.add_option("--tau", task.tau_s, "Time constant of the decoder's kernel, s")
       ->check(between(1e-4, 100.0))
       ->capture_default_str();

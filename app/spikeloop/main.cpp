@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "check_command.hpp"
+#include "completion/completion_command.hpp"
 #include "describe_command.hpp"
+#include "doctor/doctor_command.hpp"
 #include "export_command.hpp"
 #include "fit_command.hpp"
 #include "new_command.hpp"
@@ -91,6 +93,8 @@ int run(int argc, char** argv) {
   spikeloop::app::add_export_command(app, action);
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
+  spikeloop::app::add_doctor_command(app, action);
+  spikeloop::app::add_completion_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;

@@ -132,21 +132,25 @@ class PlainSetup {
 
 using ErrorText = std::array<char, 2048>;
 
-std::string reason(ErrorText& text) {
+/// The plug-in's own sentence, and whose it is, unless it names the file itself: a run's last line
+/// tells which one to mend.
+std::string reason(ErrorText& text, const std::string& path) {
   text.back() = '\0';
-  return text.front() == '\0' ? "it failed without a reason" : text.data();
+  const std::string said = text.front() == '\0' ? "it failed without a reason" : text.data();
+  const std::string file = path.substr(path.rfind('/') + 1);
+  return said.find(file) == std::string::npos ? fmt::format("{} (plug-in '{}')", said, path) : said;
 }
 
 class ForeignNode : public Node {
  public:
   ForeignNode(const spikeloop_node_class& node_class, const NodeDescription& description,
               const NodeSetup& setup)
-      : class_(node_class) {
+      : class_(node_class), path_(description.source) {
     ErrorText error{};
     const PlainSetup plain(class_, description, setup);
     node_ = class_.create(&plain.plain(), error.data(), error.size());
     if (node_ == nullptr) {
-      throw ConfigurationError(reason(error));
+      throw ConfigurationError(reason(error, path_));
     }
   }
   ~ForeignNode() override { class_.destroy(node_); }
@@ -154,7 +158,7 @@ class ForeignNode : public Node {
   void step(const Step& step) override {
     ErrorText error{};
     if (class_.step(node_, &step.plain(), error.data(), error.size()) != 0) {
-      throw std::runtime_error(reason(error));  // the graph adds the node's name
+      throw std::runtime_error(reason(error, path_));  // the graph adds the node's name
     }
   }
 
@@ -178,6 +182,7 @@ class ForeignNode : public Node {
 
  private:
   const spikeloop_node_class& class_;
+  std::string path_;
   void* node_ = nullptr;
 };
 

@@ -5,6 +5,24 @@
 
 namespace spikeloop::plugin {
 
+namespace {
+
+/// Sources are initialised in no order that one could count on: made when the first one comes.
+std::vector<MakeClass>& linked() {
+  static std::vector<MakeClass> classes;
+  return classes;
+}
+
+}  // namespace
+
+void note_linked(MakeClass make_class) {
+  linked().push_back(make_class);
+}
+
+const std::vector<MakeClass>& linked_classes() {
+  return linked();
+}
+
 PlainDescription::PlainDescription(NodeDescription description)
     : description_(std::move(description)) {
   for (const PortDescription& port : description_.ports) {

@@ -9,6 +9,7 @@
 #include "foreign_node.hpp"
 #include "plugin_loader.hpp"
 #include "shared_library.hpp"
+#include "spikeloop/core/plugin.hpp"
 
 namespace spikeloop {
 
@@ -47,6 +48,16 @@ std::vector<std::string> Registry::names() const {
     all.push_back(name);
   }
   return all;
+}
+
+std::vector<std::string> Registry::add_linked_plugins() {
+  std::vector<std::string> added;
+  for (const plugin::MakeClass make_class : plugin::linked_classes()) {
+    NodeClass node_class = make_class();
+    added.push_back(node_class.description.name);
+    add(std::move(node_class));
+  }
+  return added;
 }
 
 std::vector<std::string> Registry::load_plugin(const std::string& path) {

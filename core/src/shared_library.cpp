@@ -22,7 +22,9 @@ std::string text_or_empty(const char* text) {
 }  // namespace
 
 SharedLibrary::SharedLibrary(std::string path, bool stays) : path_(std::move(path)) {
-  handle_ = dlopen(path_.c_str(), RTLD_NOW | RTLD_LOCAL | (stays ? RTLD_NODELETE : 0));
+  // Without a '/' the dynamic linker would look in its own places alone.
+  const std::string file = path_.find('/') == std::string::npos ? "./" + path_ : path_;
+  handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | (stays ? RTLD_NODELETE : 0));
   if (handle_ == nullptr) {
     refuse(path_, fmt::format("cannot be loaded: {}", text_or_empty(dlerror())));
   }

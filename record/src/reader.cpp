@@ -106,6 +106,15 @@ std::vector<T> read_rows(const hdf5::Handle& dataset, std::size_t rows, std::siz
 
 }  // namespace
 
+std::string library_version() {
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned release = 0;
+  const hdf5::Lock lock;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
 FileInfo read_info(const std::string& path) {
   const hdf5::Lock lock;
   const hdf5::Handle file = open_file(path);

@@ -1,5 +1,6 @@
 #include "spikeloop/core/registry.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -96,21 +97,53 @@ TEST_F(Plugin, RunsInAGraph) {
 TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
   const NodeClass& gain = registry_.find("gain");
   NodeSetup setup{"gain", 1, gain_parameters(gain, {}), {5, 5, 5}};
-  EXPECT_EQ(message_of<ConfigurationError>([&] { gain.create(setup); }), "at most 4 channels");
+  const std::string whose = " (plug-in '" + plugin_path("good_plugin.so") + "')";
+  EXPECT_EQ(message_of<ConfigurationError>([&] { gain.create(setup); }),
+            "at most 4 channels" + whose);
   setup.widths = {1, 1, 1};
   setup.parameters = gain_parameters(gain, {{"mode", {"fail", {}}}});
   const auto node = gain.create(setup);
   const spikeloop_step data{};
-  EXPECT_EQ(message_of<std::runtime_error>([&] { node->step(Step(data)); }), "asked to fail");
+  EXPECT_EQ(message_of<std::runtime_error>([&] { node->step(Step(data)); }),
+            "asked to fail" + whose);
   setup.parameters = gain_parameters(gain, {{"mode", {"miscount", {}}}});
   EXPECT_EQ(message_of<std::runtime_error>([&] { gain.create(setup)->counters(); }),
-            "asked to miscount");
+            "asked to miscount" + whose);
 }
 
 TEST_F(Plugin, TheSameNameTwiceIsRefused) {
   const std::string path = plugin_path("good_plugin.so");
   EXPECT_EQ(message_of<ConfigurationError>([&] { registry_.load_plugin(path); }),
             "plug-in '" + path + "': there is already a node class 'gain'; give it another name");
+}
+
+TEST(PluginFile, MayStandInTheWorkingDirectory) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(PLUGIN_DIRECTORY);
+  Registry registry;
+  EXPECT_EQ(registry.load_plugin("good_plugin.so"), (std::vector<std::string>{"gain"}));
+  std::filesystem::current_path(before);
+}
+
+// Two sources of plug-ins, the one that is loaded elsewhere among them, are linked into this
+// program.
+TEST(LinkedPlugins, AreNodeClassesLikeOthers) {
+  Registry registry;
+  auto names = registry.add_linked_plugins();
+  std::ranges::sort(names);
+  EXPECT_EQ(names, (std::vector<std::string>{"gain", "offset", "scale"}));
+  const NodeClass& gain = registry.find("gain");
+  const NodeSetup setup{"gain", 1, gain_parameters(gain, {{"mode", {"fail", {}}}}), {1, 1, 1}};
+  const auto node = gain.create(setup);
+  const spikeloop_step data{};
+  EXPECT_EQ(message_of<std::runtime_error>([&] { node->step(Step(data)); }), "asked to fail");
+}
+
+TEST(LinkedPlugins, TheSameNameTwiceIsRefused) {
+  Registry registry;
+  registry.load_plugin(plugin_path("good_plugin.so"));
+  EXPECT_EQ(message_of<ConfigurationError>([&] { registry.add_linked_plugins(); }),
+            "there is already a node class 'gain'; give the second one another name");
 }
 
 std::string refusal(const std::string& name) {
@@ -123,6 +156,8 @@ std::string refusal(const std::string& name) {
 TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
   EXPECT_EQ(refusal("old_plugin.so"),
             "was built for plug-in ABI 0, this Spikeloop has 2; rebuild it");
+  EXPECT_EQ(refusal("short_plugin.so"),
+            "its entry structure has 16 bytes, this Spikeloop needs 40; rebuild it");
   EXPECT_EQ(refusal("foreign_plugin.so"),
             "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
   EXPECT_EQ(

@@ -13,6 +13,13 @@ for program in spikeloop spikeloop-robot spikeloop-network rate_encoder ros_comm
     exit 1
   }
 done
+for file in bash-completion/completions/spikeloop zsh/site-functions/_spikeloop \
+  fish/vendor_completions.d/spikeloop.fish; do
+  grep -q "spikeloop completion" "$work/prefix/share/$file" || {
+    echo "the shells find no completion in share/$file"
+    exit 1
+  }
+done
 cmake -S "$2" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$3" \
   -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || {
   cat "$work/configure.log"

@@ -381,6 +381,27 @@ TEST(Programs, AreKnownByTheLastPartOfTheBinary) {
   EXPECT_TRUE(needs_ros(parse_music(kLoop, "f")));
 }
 
+// As plug-ins' are: the launcher has their section recorded, and lets them keep their stamps.
+TEST(Programs, ANodeOfAnUnknownClassIsOurs) {
+  const std::string text =
+      "stoptime=1\n[a]\nnp=1\nbinary=spikeloop-node\nnode=mine\n"
+      "[b]\nnp=1\nbinary=spikeloop-network\na.out -> b.in [1]\n";
+  const MusicFile file = parse_music(text, "f");
+  ASSERT_NE(find_program(file, "a"), nullptr);
+  EXPECT_EQ(find_program(file, "a")->name, "spikeloop-node");
+  EXPECT_TRUE(all_ours(file));
+  EXPECT_FALSE(is_continuous(file, file.connections.front()));
+  RunOptions options;
+  options.record = true;
+  const MusicFile run = effective(text, options);
+  EXPECT_EQ(value(run, "a", "record"), "true");
+  EXPECT_EQ(value(run, "a", "stamp_guard"), "false");
+  EXPECT_EQ(value(run, "a", "pace"), "true");
+  const MusicFile foreign = effective(
+      "[a]\nnp=1\nbinary=spikeloop-node\nnode=mine\n[b]\nnp=1\nbinary=x\na.out -> b.in [1]\n");
+  EXPECT_EQ(value(foreign, "a", "stamp_guard"), "-");
+}
+
 TEST(Programs, TellWhetherAConnectionIsContinuous) {
   const MusicFile file = parse_music(std::string(kLoop) +
                                          "[x]\nbinary=foreign\nx.out -> connect.extra\n"

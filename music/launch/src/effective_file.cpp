@@ -226,7 +226,7 @@ void choose_pacer(MusicFile& file) {
 void set_stamp_guards(MusicFile& file) {
   for (MusicSection& section : file.sections) {
     const Program* program = find_program(file, section);
-    if (program == nullptr || program->output != Kind::events) {
+    if (program == nullptr || (program->output != Kind::events && !program->any_class)) {
       continue;
     }
     const bool foreign =

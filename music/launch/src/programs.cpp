@@ -147,6 +147,9 @@ constexpr std::array kPluginNodes{
         .name = "spikeloop-node", .node = "spikes->spikes", .input = kEvents, .output = kEvents},
 };
 
+/// Of a plug-in's class whose section does not.
+constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
+
 template <typename Table>
 const Program* find_node(const Table& table, std::string_view node) {
   const auto* const found = std::ranges::find(table, node, &Program::node);
@@ -163,7 +166,8 @@ const Program* program_of_node(const MusicFile& file, const MusicSection& sectio
     return program;
   }
   const MusicKey* ports = file.find_key(section, "ports");
-  return ports == nullptr ? nullptr : find_node(kPluginNodes, ports->value);
+  const Program* program = ports == nullptr ? nullptr : find_node(kPluginNodes, ports->value);
+  return program == nullptr ? &kAnyNode : program;
 }
 
 }  // namespace
@@ -197,9 +201,9 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
-  if (const MusicKey* node = file.find_key(section, "node");
-      name == "spikeloop-node" && node != nullptr) {
-    return program_of_node(file, section, node->value);
+  if (name == kAnyNode.name) {
+    const MusicKey* node = file.find_key(section, "node");
+    return program_of_node(file, section, node == nullptr ? "" : node->value);
   }
   const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
   return found == kPrograms.end() ? nullptr : found;

@@ -158,7 +158,7 @@ TEST(Errors, ANodeThatFailsInTheMiddleEndsTheJobAtOnce) {
   job.raw("sink")
       .node("cell", "edge_spiker", "fail_at=0.05")
       .connect("cell.out -> sink.spikes_in [2]");
-  expect_error(job, 5, "cell: node 'cell': the cell has burst");
+  expect_error(job, 5, "cell: node 'cell': the cell has burst (plug-in '" TEST_NODES "')");
 }
 
 TEST(Errors, AnArgumentIsIgnoredWithAWarning) {

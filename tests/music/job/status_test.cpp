@@ -132,7 +132,8 @@ TEST(Status, TellsOfAFailureWithItsSentence) {
   EXPECT_EQ(types(messages), (std::vector<std::string>{"started", "first_tick", "failure"}));
   ASSERT_FALSE(messages.empty());
   EXPECT_EQ(messages.back().at("exit_code"), 5);
-  EXPECT_EQ(messages.back().at("message"), "node 'cell': the cell has burst");
+  EXPECT_EQ(messages.back().at("message"),
+            "node 'cell': the cell has burst (plug-in '" TEST_NODES "')");
 }
 
 // Whoever reports must have counted for all: only the first of several processes does report.

@@ -200,6 +200,10 @@ typedef struct spikeloop_loader {
 
 typedef const spikeloop_loader* (*spikeloop_loader_entry_function)(void);
 
+/* A plug-in defines it; SPIKELOOP_PLUGIN in plugin.hpp does that. Seen from outside even where
+ * everything else is hidden. */
+__attribute__((visibility("default"))) const spikeloop_plugin* spikeloop_plugin_entry(void);
+
 #if defined(__x86_64__)
 #define SPIKELOOP_BUILD "x86_64-linux"
 #elif defined(__aarch64__)

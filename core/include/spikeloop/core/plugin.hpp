@@ -8,7 +8,8 @@
 //   };
 //   SPIKELOOP_PLUGIN(Doubler)
 //
-// The same class joins a program at link time by registry.add(spikeloop::node_class<Doubler>()).
+// The same source can be linked into a program of one's own: compiled with SPIKELOOP_STATIC_PLUGIN
+// defined, the line tells Registry::add_linked_plugins() of the class, and exports nothing.
 #pragma once
 
 #include <algorithm>
@@ -137,12 +138,37 @@ const spikeloop_plugin* exported_plugin() {
   return &exported;
 }
 
+/// Makes a class that was linked into the program; nothing of it runs before main() asks.
+using MakeClass = NodeClass (*)();
+
+/// Called before main(), by the sources of plug-ins.
+void note_linked(MakeClass make_class);
+
+/// Those that were noted, in the order of the program's sources.
+const std::vector<MakeClass>& linked_classes();
+
+template <typename... NodeTypes>
+struct Linked {
+  Linked() { (note_linked(&node_class<NodeTypes>), ...); }
+};
+
 }  // namespace plugin
 }  // namespace spikeloop
 
-/// Makes a shared library a plug-in with these node classes; write it once, at namespace scope.
-#define SPIKELOOP_PLUGIN(...)                                               \
-  extern "C" __attribute__((visibility("default"))) const spikeloop_plugin* \
-  spikeloop_plugin_entry(void) {                                            \
-    return spikeloop::plugin::exported_plugin<__VA_ARGS__>();               \
+#ifdef SPIKELOOP_STATIC_PLUGIN
+
+/// Notes these node classes for Registry::add_linked_plugins(); write it once a source file.
+#define SPIKELOOP_PLUGIN(...)                                             \
+  namespace {                                                             \
+  const spikeloop::plugin::Linked<__VA_ARGS__> spikeloop_linked_plugin{}; \
   }
+
+#else
+
+/// Makes a shared library a plug-in with these node classes; write it once, at namespace scope.
+#define SPIKELOOP_PLUGIN(...)                                       \
+  extern "C" const spikeloop_plugin* spikeloop_plugin_entry(void) { \
+    return spikeloop::plugin::exported_plugin<__VA_ARGS__>();       \
+  }
+
+#endif

@@ -24,10 +24,16 @@ class Registry {
   bool contains(std::string_view name) const;
   std::vector<std::string> names() const;  ///< sorted
 
+  /// Adds the node classes of the plug-ins that were linked into this program, compiled with
+  /// SPIKELOOP_STATIC_PLUGIN; returns their names.
+  /// @throws ConfigurationError when a class of one of these names is already there.
+  std::vector<std::string> add_linked_plugins();
+
   /// Loads a shared library, or a *.py file, and adds its node classes; returns their names. Size,
   /// ABI version and build of a library are checked before anything in it is called. Of a file that
   /// is no library the classes are made by a library of ours, which is looked for in
-  /// SPIKELOOP_LIBRARY_PATH, beside the program, and in ../lib/spikeloop of it.
+  /// SPIKELOOP_LIBRARY_PATH, beside the program, and in ../lib/spikeloop of it. A path without '/'
+  /// is seen from the working directory, like any other.
   /// @throws ConfigurationError with the path and the reason: cannot be loaded, is no plug-in, was
   /// built for another version, names a class that is already there, malformed description.
   std::vector<std::string> load_plugin(const std::string& path);

@@ -10,9 +10,9 @@ namespace spikeloop {
 /// one-to-one, blocks) takes its size from the ports: see `resized`.
 struct WeightTable {
   enum class Kind {
-    dense,      ///< `values` has rows * columns numbers, row by row
-    sparse,     ///< compressed rows: `row_start`, `column`, `values`
-    uniform,    ///< every weight is `values[0]`; without a value, 1 / columns (a mean)
+    dense,       ///< `values` has rows * columns numbers, row by row
+    sparse,      ///< compressed rows: `row_start`, `column`, `values`
+    uniform,     ///< every weight is `values[0]`; without a value, 1 / columns (a mean)
     one_to_one,  ///< row i reads column i with weight `values[0]` (1 when empty)
     /// row i is `values[0]` (1 when empty) times the mean of the i-th of as many equal blocks of
     /// neighbouring columns as there are rows; becomes sparse when it is resized

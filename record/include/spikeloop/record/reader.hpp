@@ -12,6 +12,9 @@
 
 namespace spikeloop::record {
 
+/// Of the HDF5 library that was loaded: "1.10.8".
+std::string library_version();
+
 struct FileInfo {
   std::string process;
   std::string version;  ///< of the Spikeloop that wrote the file

@@ -29,6 +29,7 @@ struct Program {
   bool tells_age = false;        ///< has the output `pace`
   bool measures_age = false;     ///< has the input `pace`
   Outside outside{};             ///< has no key: meets nobody
+  bool any_class = false;        ///< runs a class that the launcher does not know: any ports
 };
 
 /// The names of our MUSIC programs that the launcher knows.
@@ -38,7 +39,8 @@ std::vector<std::string_view> programs_of_node(std::string_view node);
 /// The class that the program of this name runs; empty when it runs none, or is not ours.
 std::string_view node_of_program(std::string_view name);
 
-/// Null for a foreign program. The program spikeloop-node is known by its key `node`.
+/// Null for a foreign program. The program spikeloop-node is known by its key `node`; it is ours
+/// also when it runs a class that no other program runs, maybe of a plug-in.
 const Program* find_program(const MusicFile& file, const MusicSection& section);
 /// Null for a foreign program or a label that no section has.
 const Program* find_program(const MusicFile& file, std::string_view label);

@@ -1,0 +1,192 @@
+// What `spikeloop doctor` says of plug-ins, ROS and Python.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/doctor/examination.hpp"
+#include "tests/support/roscore.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr const char* kRemove =
+    " | rebuild it with this Spikeloop (docs/plugins.md), or take it out of SPIKELOOP_PLUGIN_PATH";
+constexpr const char* kStartMaster =
+    " | roscore, or spikeloop run FILE --roscore; or set ROS_MASTER_URI to where one is";
+
+class Plugins {
+ public:
+  std::string add(const std::string& name, const char* library) const {
+    const auto file = directory_.path() / name;
+    std::filesystem::create_symlink(library, file);
+    return file.string();
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    return directory_.write(name, text);
+  }
+  std::string path() const { return directory_.path().string(); }
+
+ private:
+  TemporaryDirectory directory_;
+};
+
+TEST(DoctorPlugins, NamesWhatEachGives) {
+  const Plugins plugins;
+  const std::string good = plugins.add("a.so", GOOD_PLUGIN);
+  const Examination seen = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}});
+  EXPECT_EQ(seen.outcome.exit_code, 0) << seen.outcome.out;
+  EXPECT_EQ(seen.line(plugins.path()), "ok | 1 plug-in | ");
+  EXPECT_EQ(seen.line(good), "ok | node=gain | ");
+  EXPECT_TRUE(seen.item(good)["needed"]);
+}
+
+TEST(DoctorPlugins, SaysWhyOneIsRefused) {
+  const Plugins plugins;
+  const std::string first = plugins.add("a.so", GOOD_PLUGIN);
+  const std::string second = plugins.add("b.so", GOOD_PLUGIN);
+  const std::string old = plugins.add("c.so", OLD_PLUGIN);
+  const std::string text = plugins.write("d.so", "no library");
+  const Examination seen = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path() + ":/nowhere"}});
+  EXPECT_EQ(seen.outcome.exit_code, 3);  // as every node program would end
+  EXPECT_EQ(seen.status(first), "ok");
+  EXPECT_EQ(seen.line(second),
+            "missing | there is already a node class 'gain', of " + first +
+                " | give it another name, or take one of the two out of SPIKELOOP_PLUGIN_PATH");
+  EXPECT_EQ(seen.line(old),
+            std::string("missing | was built for plug-in ABI 0, this Spikeloop has 1; rebuild it") +
+                kRemove);
+  EXPECT_THAT(seen.line(text), testing::AllOf(StartsWith("missing | cannot be loaded: "),
+                                              HasSubstr("file too short"), EndsWith(kRemove)));
+  EXPECT_EQ(seen.line("/nowhere"),
+            "missing | cannot be read: No such file or directory | make the directory, or take it "
+            "out of SPIKELOOP_PLUGIN_PATH");
+}
+
+TEST(DoctorPlugins, SurvivesOneThatCrashesOrHangs) {
+  const Plugins plugins;
+  const std::string broken = plugins.add("a.so", BROKEN_PLUGIN);
+  const Examination crashed = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}});
+  EXPECT_EQ(crashed.outcome.exit_code, 3);
+  EXPECT_EQ(crashed.line(broken),
+            std::string("missing | cannot be loaded: it crashed (Segmentation fault)") + kRemove);
+  const Examination hung =
+      examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}, {"SPIKELOOP_BROKEN_PLUGIN", "hangs"}});
+  EXPECT_EQ(hung.line(broken),
+            std::string("missing | cannot be loaded: no answer within 4 s") + kRemove);
+  EXPECT_EQ(hung.outcome.left_behind, 0);
+}
+
+TEST(DoctorRos, FindsAMaster) {
+  const RosCore master;
+  const Examination seen = examine({{"ROS_MASTER_URI", master.uri()}});
+  EXPECT_EQ(seen.line("ROS master"), "ok | answers at " + master.uri() + " | ");
+}
+
+TEST(DoctorRos, SaysWhyThereIsNoMaster) {
+  EXPECT_EQ(examine({}).line("ROS master"),
+            std::string("warning | no master answers at http://127.0.0.1:1") + kStartMaster);
+  const SilentHost silent;
+  const Examination hung = examine({{"ROS_MASTER_URI", silent.uri()}});
+  EXPECT_EQ(hung.outcome.exit_code, 0) << hung.outcome.out;
+  EXPECT_EQ(hung.line("ROS master"),
+            "warning | no master answers at " + silent.uri() + kStartMaster);
+  EXPECT_EQ(examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
+            std::string("warning | ROS_MASTER_URI is 'moon', which is no master's address; write "
+                        "http://HOST:PORT, such as http://localhost:11311") +
+                kStartMaster);
+}
+
+TEST(DoctorRos, SaysWhichHostHasNoAddress) {
+  // Without an answer of a name server the reason is another one.
+  const Examination seen =
+      examine({{"ROS_MASTER_URI", "http://robot.invalid:11311"}, {"ROS_HOSTNAME", "base.invalid"}});
+  EXPECT_THAT(
+      seen.line("ROS master"),
+      testing::AnyOf(StartsWith("warning | the host name 'robot.invalid' cannot be resolved ("),
+                     StartsWith("warning | no answer within 4 s | ")));
+  EXPECT_THAT(seen.line("ROS master"), EndsWith(kStartMaster));
+  EXPECT_THAT(
+      seen.line("host name"),
+      testing::AnyOf(StartsWith("warning | the host name 'base.invalid' cannot be resolved ("),
+                     StartsWith("warning | no answer within 4 s | ")));
+  EXPECT_THAT(seen.line("host name"),
+              EndsWith(" | see /etc/hosts; or set ROS_IP to this machine's address"));
+  EXPECT_EQ(examine({{"ROS_IP", "127.0.0.1"}, {"ROS_HOSTNAME", ""}}).line("host name"),
+            "ok | '127.0.0.1' has an address | ");
+}
+
+TEST(DoctorRos, KnowsWhatRos2WillNeed) {
+  const Examination seen = examine({});
+  EXPECT_THAT(seen.line("Cyclone DDS"), HasSubstr("; ROS 2 comes in a later version"));
+}
+
+/// Answers to `import`; $4 is the module.
+std::string python_that(const Fakes& fakes, const std::string& script) {
+  return fakes.add("python3", "[ \"$1\" = --version ] && echo Python 3.99 && exit\n" + script);
+}
+
+TEST(DoctorPython, AsksTheOneThatIsNamed) {
+  const Fakes fakes;
+  const std::string python =
+      python_that(fakes,
+                  "case $3 in\n"
+                  "nest) echo a banner; echo '{\"version\": \"3.8\", \"music\": true}' ;;\n"
+                  "neuron) echo '{\"version\": \"8.2\"}' ;;\n"
+                  "brian2) echo ImportError: no Cython >&2; exit 1 ;;\n"
+                  "numpy) echo nonsense ;;\n"
+                  "*) exit 7 ;;\n"
+                  "esac");
+  const Examination seen = examine({{"PYTHON", python}});
+  EXPECT_EQ(seen.outcome.exit_code, 0);
+  EXPECT_EQ(seen.line("Python"), "ok | Python 3.99, " + python + " | ");
+  EXPECT_EQ(seen.line("NEST"), "ok | 3.8, with MUSIC | ");
+  EXPECT_EQ(seen.line("NEURON"), "ok | 8.2 | ");
+  EXPECT_EQ(seen.line("Brian2"),
+            "missing | ImportError: no Cython | apt-get install python3-brian, or python3 -m pip "
+            "install brian2");
+  EXPECT_EQ(seen.line("numpy"),
+            "missing | its answer cannot be read: 'nonsense' | apt-get install python3-numpy");
+  EXPECT_EQ(seen.line("h5py"), "missing | exit code 7 | apt-get install python3-h5py");
+  EXPECT_EQ(seen.line("matplotlib"), "missing | exit code 7 | apt-get install python3-matplotlib");
+}
+
+TEST(DoctorPython, WarnsOfANestWithoutMusic) {
+  const Fakes fakes;
+  const std::string python = python_that(fakes, "echo '{\"version\": \"3.8\", \"music\": false}'");
+  EXPECT_EQ(examine({{"PYTHON", python}}).line("NEST"),
+            "warning | 3.8, without MUSIC | build NEST with cmake -Dwith-music=ON -Dwith-mpi=ON "
+            "(nest-simulator.readthedocs.io), and set PYTHON to the python3 that imports it");
+}
+
+TEST(DoctorPython, ImportsWhatIsThere) {
+  // Packages that the real Python finds first.
+  const TemporaryDirectory packages;
+  packages.write("neuron.py", "__version__ = '8.0'\nprint('NEURON -- a banner')\n");
+  packages.write("nest.py",
+                 "__version__ = '3.3'\nclass ll_api:\n  @staticmethod\n  def sli_func(text):\n    "
+                 "assert text == 'statusdict/have_music ::'\n    return True\n");
+  const Examination seen = examine({{"PYTHONPATH", packages.path().string()}});
+  EXPECT_EQ(seen.line("NEURON"), "ok | 8.0 | ");
+  EXPECT_EQ(seen.line("NEST"), "ok | 3.3, with MUSIC | ");
+  packages.write("nest.py", "build_info = {'have_music': False}\n");
+  EXPECT_THAT(examine({{"PYTHONPATH", packages.path().string()}}).line("NEST"),
+              StartsWith("warning | ?, without MUSIC | "));
+}
+
+TEST(DoctorPython, SaysThatThereIsNone) {
+  const Examination seen = examine({{"PYTHON", "/nowhere/python3"}});
+  EXPECT_EQ(seen.outcome.exit_code, 0);
+  EXPECT_EQ(
+      seen.line("Python"),
+      "missing | PYTHON is '/nowhere/python3', which is no program | set PYTHON to a python3, "
+      "or unset it");
+  EXPECT_EQ(seen.line("NEURON"),
+            "missing | there is no Python | apt-get install python3-neuron, or python3 -m pip "
+            "install neuron");
+}
+
+}  // namespace
+}  // namespace spikeloop::test
