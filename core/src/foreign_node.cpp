@@ -171,7 +171,7 @@ class ForeignNode : public Node {
             : class_.counters(node_, plain.data(), static_cast<std::uint32_t>(plain.size()),
                               error.data(), error.size());
     if (count == SPIKELOOP_FAILED) {
-      throw std::runtime_error(reason(error));
+      throw std::runtime_error(reason(error, path_));
     }
     std::vector<Counter> all;
     for (std::uint32_t i = 0; i < std::min<std::uint32_t>(count, plain.size()); ++i) {

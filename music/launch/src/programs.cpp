@@ -159,6 +159,9 @@ const Program* find_node(const Table& table, std::string_view node) {
 /// What spikeloop-node is in this section.
 const Program* program_of_node(const MusicFile& file, const MusicSection& section,
                                std::string_view node) {
+  if (node.empty()) {
+    return &kAnyNode;
+  }
   if (const Program* program = find_node(kPrograms, node)) {
     return program;
   }
