@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -20,7 +21,33 @@ namespace {
 using experiment::Experiment;
 using experiment::Fault;
 
-/// The line of the file, and a caret below the place.
+bool continues(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;  // inside a UTF-8 character
+}
+
+/// What stands around the place, when the line is too long for a screen. `at` counts bytes from 0.
+std::string window(const std::string& line, std::size_t& at) {
+  constexpr std::size_t kBefore = 60;
+  constexpr std::size_t kLongest = 150;
+  constexpr std::string_view kCut = "... ";
+  if (line.size() <= kLongest || at > line.size()) {
+    return line;
+  }
+  std::size_t begin = at > kBefore ? at - kBefore : 0;
+  while (begin > 0 && continues(line[begin])) {
+    --begin;
+  }
+  std::size_t end = std::min(line.size(), begin + kLongest);
+  while (end < line.size() && continues(line[end])) {
+    ++end;
+  }
+  at -= begin;
+  at += begin > 0 ? kCut.size() : 0;
+  return fmt::format("{}{}{}", begin > 0 ? kCut : "", line.substr(begin, end - begin),
+                     end < line.size() ? " ..." : "");
+}
+
+/// The line of the file, and a caret below the place. YAML's columns count bytes.
 std::string source_line(const Location& where) {
   if (where.line <= 0) {
     return "";
@@ -32,10 +59,15 @@ std::string source_line(const Location& where) {
       return "";
     }
   }
-  const std::string number = fmt::format("{:>5} | ", where.line);
-  std::string text = fmt::format("{}{}\n", number, one_line(line));
-  if (where.column > 0) {
-    text += fmt::format("{:>{}}\n", "^", static_cast<int>(number.size()) + where.column);
+  line.erase(line.find_last_not_of("\r") + 1);
+  std::size_t at = static_cast<std::size_t>(std::max(where.column, 1)) - 1;
+  line = one_line(window(line, at));
+  std::string text = fmt::format("{:>5} | {}\n", where.line, line);
+  if (where.column > 0 && at <= line.size()) {
+    const auto characters =
+        std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(at),
+                      [](char c) { return !continues(c); });
+    text += fmt::format("{:>{}}\n", "^", characters + 9);
   }
   return text;
 }
@@ -70,7 +102,9 @@ void load_plugins(const ExperimentFile& file, Loaded& loaded) {
 
 void load(const std::string& path, const experiment::Overrides& overrides, Loaded& loaded) {
   try {
-    const ExperimentFile file = read_experiment_file(path);
+    const ExperimentFile file = read_experiment_file(path, [&](const ConfigurationError& error) {
+      loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
+    });
     load_plugins(file, loaded);
     loaded.experiment = experiment::resolve(file, loaded.kinds, overrides, loaded.faults);
   } catch (const Error& error) {
@@ -157,7 +191,7 @@ int run_experiment(const ExperimentArguments& arguments) {
   return run_loaded(arguments, *loaded.experiment);
 }
 
-int check_experiment(const std::string& file) {
+int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
   Loaded loaded;
   load(file, {}, loaded);
   for (const Fault& fault : loaded.faults) {
@@ -167,13 +201,18 @@ int check_experiment(const std::string& file) {
     put(stderr, fmt::format("spikeloop: {}: {}\n", file, count(loaded.faults.size(), "error")));
     return loaded.faults.front().exit_code;
   }
-  const Experiment& experiment = *loaded.experiment;
-  put_result(fmt::format(
-      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
-      count(experiment.parts.size(), "node"), count(experiment.links.size(), "connection"),
-      format_time(experiment.tick),
-      experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
-  return 0;
+  return use(*loaded.experiment);
+}
+
+int check_experiment(const std::string& file) {
+  return use_experiment(file, [&](const Experiment& experiment) {
+    put_result(fmt::format(
+        "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
+        count(experiment.parts.size(), "node"), count(experiment.links.size(), "connection"),
+        format_time(experiment.tick),
+        experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
+    return 0;
+  });
 }
 
 }  // namespace spikeloop::app

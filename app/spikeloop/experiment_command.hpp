@@ -1,6 +1,7 @@
 // Experiment files: what `spikeloop run` and `spikeloop check` do with them.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,6 +23,11 @@ struct ExperimentArguments {
 
 /// Returns the exit code. @throws Error when it cannot begin.
 int run_experiment(const ExperimentArguments& arguments);
+
+/// Gives an experiment that is right to `use`; else says everything that is wrong, each with its
+/// line. Returns the exit code.
+int use_experiment(const std::string& file,
+                   const std::function<int(const experiment::Experiment&)>& use);
 
 /// Says everything that is wrong, each with its line. Returns the exit code.
 int check_experiment(const std::string& file);

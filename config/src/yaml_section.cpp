@@ -7,6 +7,36 @@
 
 namespace spikeloop::yaml_text {
 
+namespace {
+
+/// Lines count from 0.
+std::string_view line_of(std::string_view text, int line) {
+  for (int i = 0; i < line; ++i) {
+    const auto end = text.find('\n');
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return text.substr(0, text.find('\n'));
+}
+
+/// What yaml-cpp says, and what to look for.
+std::string reason_of(const YAML::Exception& error, const std::string& text) {
+  if (error.msg == "bad file") {
+    return "it is nested too deeply; close its brackets";
+  }
+  const std::string_view line = line_of(text, error.mark.line);
+  const auto indent = line.substr(0, line.find_first_not_of(" \t"));
+  if (indent.find('\t') != std::string_view::npos) {
+    return fmt::format("{}; this line begins with a tab, write blanks", error.msg);
+  }
+  if (line.find("->") != std::string_view::npos && line.find('[') != std::string_view::npos) {
+    return fmt::format("{}; put quotes round a connection that stands in brackets", error.msg);
+  }
+  return fmt::format("{}; look for a bracket, a quote or an indentation that does not match",
+                     error.msg);
+}
+
+}  // namespace
+
 YAML::Node load(const std::string& text, const std::string& path, const std::string& what) {
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
@@ -20,13 +50,20 @@ YAML::Node load(const std::string& text, const std::string& path, const std::str
     return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
-                             fmt::format("this is not YAML: {}", error.msg));
+                             fmt::format("this is not YAML: {}", reason_of(error, text)));
   }
 }
 
 Location place(const std::string& file, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? Location{file, 0, 0} : Location{file, mark.line + 1, mark.column + 1};
+}
+
+Location text_place(const std::string& file, const YAML::Node& node) {
+  Location where = place(file, node);
+  const bool quoted = node.Tag() == "!";
+  where.column += quoted && where.line > 0 ? 1 : 0;
+  return where;
 }
 
 std::string scalar(const std::string& file, const std::string& key, const YAML::Node& node) {
@@ -42,6 +79,11 @@ std::string scalar(const std::string& file, const std::string& key, const YAML::
 
 Section::Section(std::string file, std::string what, const YAML::Node& node,
                  const std::vector<std::string>& known)
+    : Section(std::move(file), std::move(what), node, known,
+              [](const ConfigurationError& error) { throw error; }) {}
+
+Section::Section(std::string file, std::string what, const YAML::Node& node,
+                 const std::vector<std::string>& known, const Complain& complain)
     : file_(std::move(file)), what_(std::move(what)), where_(place(file_, node)) {
   if (!node.IsMap()) {
     throw ConfigurationError(
@@ -52,13 +94,15 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
     const std::string key = scalar(file_, what_, entry.first);
     const Location here = place(file_, entry.first);
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-      throw ConfigurationError(
-          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known)));
+      complain(ConfigurationError(
+          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known))));
+      continue;
     }
     if (!entries_.emplace(key, entry.second).second) {
-      throw ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
-                                                 "the first is at {}",
-                                                 what_, key, key_places_[key].text()));
+      complain(ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
+                                                    "the first is at {}",
+                                                    what_, key, key_places_[key].text())));
+      continue;
     }
     keys_.push_back(key);
     key_places_[key] = here;

@@ -81,7 +81,7 @@ NodeClass network_class() {
   ParameterDescription path;
   path.name = "network";
   path.type = ParameterType::text;
-  path.text = "network file (YAML), relative to the working directory";
+  path.text = "Network file (YAML)";
   description.parameters = {path};
   return {std::move(description), create};
 }
