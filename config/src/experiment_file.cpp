@@ -213,13 +213,36 @@ class Reader {
   ExperimentFile file_;
 };
 
-YAML::Node load(std::string_view text, const std::string& path) {
-  if (text.find('\0') != std::string_view::npos) {
-    throw ConfigurationError(
-        {path, 0, 0},
-        "this is no text file: it has bytes of value 0; 'spikeloop new' prints "
-        "an experiment to begin with");
+/// The length of the UTF-8 character that begins here; 0: there is none.
+std::size_t character(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  const auto rest = text.substr(std::min<std::size_t>(text.size(), 1), length - (length > 0));
+  const bool whole = std::ranges::all_of(
+      rest, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; });
+  return length <= text.size() && whole ? length : 0;
+}
+
+void check_text(std::string_view text, const std::string& path) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = text[at] == '\0' ? 0 : character(text.substr(at));
+    if (length == 0) {
+      throw ConfigurationError(locate(text, at, path),
+                               fmt::format("the byte 0x{:02X} is no UTF-8 text; save the file as "
+                                           "UTF-8 ('spikeloop new' prints an "
+                                           "experiment to begin with)",
+                                           static_cast<unsigned char>(text[at])));
+    }
+    at += length;
   }
+}
+
+YAML::Node load(std::string_view text, const std::string& path) {
+  check_text(text, path);
   const YAML::Node document = yaml_text::load(std::string(text), path, "experiment");
   if (!document.IsMap()) {
     throw ConfigurationError(

@@ -1,9 +1,11 @@
 #include "yaml_section.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace spikeloop::yaml_text {
 
@@ -35,21 +37,72 @@ std::string reason_of(const YAML::Exception& error, const std::string& text) {
                      error.msg);
 }
 
+/// Where documents begin.
+class Begins : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> marks;
+
+  void OnDocumentStart(const YAML::Mark&) override { expected_ = true; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                const std::string&) override {
+    note(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    note(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    note(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void note(const YAML::Mark& mark) {
+    if (expected_) {
+      marks.push_back(mark);
+      expected_ = false;
+    }
+  }
+  bool expected_ = false;
+};
+
+/// Of at most two documents: YAML::LoadAll finds documents for ever behind a ',' at the left
+/// margin.
+std::vector<YAML::Mark> first_documents(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Begins begins;
+  while (begins.marks.size() < 2 && parser.HandleNextDocument(begins)) {
+  }
+  return begins.marks;
+}
+
 }  // namespace
 
 YAML::Node load(const std::string& text, const std::string& path, const std::string& what) {
+  const auto where = [&](const YAML::Mark& mark) {
+    return Location{path, mark.line + 1, mark.column + 1};
+  };
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      const YAML::Mark mark = documents[1].Mark();
+    const std::vector<YAML::Mark> begins = first_documents(text);
+    if (begins.size() > 1 && begins[0].pos == begins[1].pos) {
+      throw ConfigurationError(where(begins[0]),
+                               "this is not YAML: nothing can begin like this; write  key: value");
+    }
+    if (begins.size() > 1) {
       throw ConfigurationError(
-          {path, mark.line + 1, mark.column + 1},
+          where(begins[1]),
           fmt::format("a second document begins; write one {} a file, without '---' inside it",
                       what));
     }
-    return documents.empty() ? YAML::Node() : documents.front();
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
+    throw ConfigurationError(where(error.mark),
                              fmt::format("this is not YAML: {}", reason_of(error, text)));
   }
 }

@@ -134,13 +134,20 @@ void check_part(const Part& part, const Experiment& experiment) {
 }
 
 /// Makes the node once: it says whether its parameters go with its widths.
-void try_node(const Part& part, const Experiment& experiment) {
+void try_node(const Part& part, const PlannedElement& element, std::uint64_t seed) {
   if (part.role != Role::node) {
     return;
   }
-  NodeSetup setup{part.name, experiment.seed, part.parameters, {}};
-  for (const PortDescription& port : part.node_class->description.ports) {
-    setup.widths.push_back(experiment.width(part.name, port.name));
+  NodeSetup setup{part.name, seed, part.parameters, {}};
+  for (const PlannedPort& port : element.ports) {
+    if (port.width == 0) {
+      throw ConfigurationError(
+          part.where,
+          fmt::format("nothing is connected to the output '{}.{}', and nothing else says "
+                      "how wide it is; connect it, or leave the node out",
+                      part.name, port.name));
+    }
+    setup.widths.push_back(port.width);
   }
   part.node_class->create(setup);
 }
@@ -161,11 +168,12 @@ void resolve_links(const ExperimentFile& file, const std::set<std::string>& whol
     return;
   }
   take_links(planned, file, graph, experiment);
-  for (const Part& part : experiment.parts) {
+  for (std::size_t i = 0; i < experiment.parts.size(); ++i) {
+    const Part& part = experiment.parts[i];
     if (whole.contains(part.name)) {
       faults.attempt(part.where, [&] {
         check_part(part, experiment);
-        try_node(part, experiment);
+        try_node(part, planned.elements[i], experiment.seed);
       });
     }
   }

@@ -117,6 +117,11 @@ TEST_F(GoodFiles, DelaysInTimeAndInTicks) {
                           "brain.out -> decoder.in [3, 1]", "decoder.out -> wheels.in [2, 3]"));
 }
 
+TEST_F(GoodFiles, AnOutputOfKnownWidthMayLeadNowhere) {
+  good(with({{"nodes:\n", "nodes:\n  other: {node: rate_encoder}\n"},
+             {"connections:\n", "connections:\n  - scan -> other\n"}}));
+}
+
 TEST_F(GoodFiles, ACycleWithADelay) {
   const Experiment experiment =
       good(with({{"nodes:\n", "nodes:\n  a: {node: sigmoid}\n  b: {node: sigmoid}\n"},

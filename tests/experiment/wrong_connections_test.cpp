@@ -42,6 +42,15 @@ INSTANTIATE_TEST_SUITE_P(
               "encoder\n"}},
             {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out",
              "x.yaml:13:15: two connections lead into 'encoder.in'; an input takes one"}},
+        WrongFile{
+            "output that leads nowhere",
+            {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan -> "
+              "extra\n"},
+             {"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
+              "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: sigmoid}\n"}},
+            {"x.yaml:8:3: nothing is connected to the output 'extra.out', and nothing else says "
+             "how wide it is; connect it, or leave the node out"}},
         WrongFile{"two connections into one input",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "

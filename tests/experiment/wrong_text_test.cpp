@@ -44,12 +44,27 @@ INSTANTIATE_TEST_SUITE_P(
                    "'---' inside it"}},
         WrongFile{"binary bytes",
                   {{"", std::string("\177ELF\002\001\000\000\000", 9)}},
-                  {"x.yaml: this is no text file: it has bytes of value 0; 'spikeloop new' prints "
-                   "an experiment to begin with"}},
+                  {"x.yaml:1:7: the byte 0x00 is no UTF-8 text; save the file as UTF-8 ('spikeloop "
+                   "new' prints an experiment to begin with)"}},
         WrongFile{"not UTF-8",
                   {{"", "\377\376\200\201: \220"}},
-                  {"x.yaml:1:1: this is no experiment: expected lines of  key: value; 'spikeloop "
-                   "new' prints one to begin with"}},
+                  {"x.yaml:1:1: the byte 0xFF is no UTF-8 text; save the file as UTF-8 ('spikeloop "
+                   "new' prints an experiment to begin with)"}},
+        WrongFile{"Latin-1",
+                  {{"experiment: table", "experiment: caf\351"}},
+                  {"x.yaml:1:16: the byte 0xE9 is no UTF-8 text; save the file as UTF-8 "
+                   "('spikeloop new' prints an experiment to begin with)"}},
+        WrongFile{"surrogate in a list",
+                  {{"weights: w.json", "weights: [[\"\\uD800\"]]"}},
+                  {"x.yaml:9:65: this is not YAML: invalid unicode: 55296; look for a bracket, a "
+                   "quote or an indentation that does not match"}},
+        WrongFile{"comma first",
+                  {{"", " , a: b\n"}},
+                  {"x.yaml:1:2: this is not YAML: nothing can begin like this; write  key: value"}},
+        WrongFile{"text behind a map",
+                  {{"", "{nodes: {}, connections: []} x\n"}},
+                  {"x.yaml:1:30: a second document begins; write one experiment a file, without "
+                   "'---' inside it"}},
         WrongFile{"deep nesting",
                   {{"weights: w.json", "weights: " + nested(40)}},
                   {"x.yaml:9:89: there are more than 4000000 values or 32 levels here; write them "
