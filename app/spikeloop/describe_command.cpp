@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "experiment_text.hpp"
 #include "node_text.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
@@ -20,6 +21,9 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop describe                      the node classes, a line each
   spikeloop describe rate_encoder         its ports and parameters
   spikeloop describe --markdown           the page of all built-in classes: docs/nodes.md
+
+  spikeloop describe --experiment         the keys of experiment files
+  spikeloop describe --experiment --markdown   the same for docs/experiment-file.md
 
 Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included, but not in the page. MUSIC
 programs that are no node classes, like ros_sensor_adapter, answer --help.)";
@@ -44,7 +48,10 @@ std::vector<std::string> all_programs() {
         "'{0}' is a program, not a node class; see {0} --help{1}", name,
         node.empty() ? "" : fmt::format(", or spikeloop describe {} for what it runs", node)));
   }
-  const auto classes = registry.names();
+  auto classes = registry.names();
+  const auto more = experiment_classes(experiment::Kinds());
+  classes.insert(classes.end(), more.begin(), more.end());
+  std::ranges::sort(classes);
   known.insert(known.end(), classes.begin(), classes.end());
   // A program may be meant, but the list of what there is has classes alone.
   throw ConfigurationError(
@@ -52,18 +59,35 @@ std::vector<std::string> all_programs() {
                   did_you_mean(name, nearest(name, known).empty() ? classes : known)));
 }
 
-int describe(const std::string& name, bool markdown) {
+/// The nodes of experiment files that no MUSIC program runs; null for any other name.
+const NodeDescription* find_in_experiments(const experiment::Kinds& kinds,
+                                           const std::string& name) {
+  const auto names = experiment_classes(kinds);
+  return std::ranges::find(names, name) == names.end() ? nullptr : &kinds.find(name).description;
+}
+
+int describe(const std::string& name, bool experiment, bool markdown) {
+  const experiment::Kinds kinds;
+  if (experiment) {
+    put_result(experiment_reference(kinds, markdown));
+    return 0;
+  }
   Registry registry;
   register_nodes(registry);
   if (markdown) {
     put_result(reference_page(registry));
     return 0;
   }
+  if (const NodeDescription* description = find_in_experiments(kinds, name)) {
+    put_result(experiment_class_text(*description));
+    return 0;
+  }
   if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
     registry.load_plugin_path(directories);
   }
   if (name.empty()) {
-    put_result(class_list(registry) + "spikeloop describe NODE tells more of one.\n");
+    put_result(class_list(registry) + experiment_class_list(kinds) +
+               "spikeloop describe NODE tells more of one.\n");
     return 0;
   }
   if (!registry.contains(name)) {
@@ -78,6 +102,7 @@ int describe(const std::string& name, bool markdown) {
 void add_describe_command(CLI::App& app, std::function<int()>& action) {
   struct Arguments {
     std::string name;
+    bool experiment = false;
     bool markdown = false;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -86,9 +111,15 @@ void add_describe_command(CLI::App& app, std::function<int()>& action) {
                    ->check(named("node class"));
   command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
       ->excludes(name);
+  command
+      ->add_flag("--experiment", arguments->experiment,
+                 "The keys of experiment files, and the nodes that only they have")
+      ->excludes(name);
   command->footer(kFooter);
   command->callback([arguments, &action] {
-    action = [arguments] { return describe(arguments->name, arguments->markdown); };
+    action = [arguments] {
+      return describe(arguments->name, arguments->experiment, arguments->markdown);
+    };
   });
 }
 
