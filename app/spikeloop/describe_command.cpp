@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "experiment_text.hpp"
 #include "node_text.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
@@ -23,6 +24,9 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop describe rate_encoder         its ports and parameters
   spikeloop describe --markdown           the page of all built-in classes: docs/nodes.md
 
+  spikeloop describe --experiment         the keys of experiment files
+  spikeloop describe --experiment --markdown   the same for docs/experiment-file.md
+
 Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included, but not in the page. MUSIC
 programs that are no node classes, like ros_sensor_adapter, answer --help.)";
 
@@ -34,7 +38,10 @@ programs that are no node classes, like ros_sensor_adapter, answer --help.)";
         "'{0}' is a program, not a node class; see {0} --help{1}", name,
         node.empty() ? "" : fmt::format(", or spikeloop describe {} for what it runs", node)));
   }
-  const auto classes = registry.names();
+  auto classes = registry.names();
+  const auto more = experiment_classes(experiment::Kinds());
+  classes.insert(classes.end(), more.begin(), more.end());
+  std::ranges::sort(classes);
   known.insert(known.end(), classes.begin(), classes.end());
   // A program may be meant, but the list of what there is has classes alone.
   throw ConfigurationError(
@@ -48,8 +55,18 @@ void load_plugins(Registry& registry) {
   }
 }
 
+/// The nodes of experiment files that no MUSIC program runs; null for any other name.
+const NodeDescription* find_in_experiments(const experiment::Kinds& kinds,
+                                           const std::string& name) {
+  const auto names = experiment_classes(kinds);
+  return std::ranges::find(names, name) == names.end() ? nullptr : &kinds.find(name).description;
+}
+
 std::string name_lines(const Registry& registry) {
-  return fmt::format("{}\n", fmt::join(registry.names(), "\n"));
+  auto names = registry.names();
+  const auto more = experiment_classes(experiment::Kinds());
+  names.insert(names.end(), more.begin(), more.end());
+  return fmt::format("{}\n", fmt::join(names, "\n"));
 }
 
 /// A shell that completes names has no use for an error alone: those that are known come first.
@@ -66,11 +83,17 @@ int list_names(Registry& registry) {
 
 struct DescribeArguments {
   std::string name;
+  bool experiment = false;
   bool markdown = false;
   bool names = false;
 };
 
 int describe(const DescribeArguments& arguments) {
+  const experiment::Kinds kinds;
+  if (arguments.experiment) {
+    put_result(experiment_reference(kinds, arguments.markdown));
+    return 0;
+  }
   Registry registry;
   register_nodes(registry);
   if (arguments.markdown) {
@@ -80,9 +103,14 @@ int describe(const DescribeArguments& arguments) {
   if (arguments.names) {
     return list_names(registry);
   }
+  if (const NodeDescription* description = find_in_experiments(kinds, arguments.name)) {
+    put_result(experiment_class_text(*description));
+    return 0;
+  }
   load_plugins(registry);
   if (arguments.name.empty()) {
-    put_result(class_list(registry) + "spikeloop describe NODE tells more of one.\n");
+    put_result(class_list(registry) + experiment_class_list(kinds) +
+               "spikeloop describe NODE tells more of one.\n");
     return 0;
   }
   if (!registry.contains(arguments.name)) {
@@ -102,9 +130,15 @@ void add_describe_command(CLI::App& app, std::function<int()>& action) {
   auto* markdown =
       command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
           ->excludes(name);
+  auto* experiment =
+      command
+          ->add_flag("--experiment", arguments->experiment,
+                     "The keys of experiment files, and the nodes that only they have")
+          ->excludes(name);
   command->add_flag("--names", arguments->names, "Print the names alone, a line each")
       ->excludes(name)
-      ->excludes(markdown);
+      ->excludes(markdown)
+      ->excludes(experiment);
   command->footer(kFooter);
   command->callback(
       [arguments, &action] { action = [arguments] { return describe(*arguments); }; });

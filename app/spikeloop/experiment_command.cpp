@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -22,7 +23,33 @@ namespace {
 using experiment::Experiment;
 using experiment::Fault;
 
-/// The line of the file, and a caret below the place.
+bool continues(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;  // inside a UTF-8 character
+}
+
+/// What stands around the place, when the line is too long for a screen. `at` counts bytes from 0.
+std::string window(const std::string& line, std::size_t& at) {
+  constexpr std::size_t kBefore = 60;
+  constexpr std::size_t kLongest = 150;
+  constexpr std::string_view kCut = "... ";
+  if (line.size() <= kLongest || at > line.size()) {
+    return line;
+  }
+  std::size_t begin = at > kBefore ? at - kBefore : 0;
+  while (begin > 0 && continues(line[begin])) {
+    --begin;
+  }
+  std::size_t end = std::min(line.size(), begin + kLongest);
+  while (end < line.size() && continues(line[end])) {
+    ++end;
+  }
+  at -= begin;
+  at += begin > 0 ? kCut.size() : 0;
+  return fmt::format("{}{}{}", begin > 0 ? kCut : "", line.substr(begin, end - begin),
+                     end < line.size() ? " ..." : "");
+}
+
+/// The line of the file, and a caret below the place. YAML's columns count bytes.
 std::string source_line(const Location& where) {
   if (where.line <= 0) {
     return "";
@@ -34,10 +61,15 @@ std::string source_line(const Location& where) {
       return "";
     }
   }
-  const std::string number = fmt::format("{:>5} | ", where.line);
-  std::string text = fmt::format("{}{}\n", number, one_line(line));
-  if (where.column > 0) {
-    text += fmt::format("{:>{}}\n", "^", static_cast<int>(number.size()) + where.column);
+  line.erase(line.find_last_not_of("\r") + 1);
+  std::size_t at = static_cast<std::size_t>(std::max(where.column, 1)) - 1;
+  line = one_line(window(line, at));
+  std::string text = fmt::format("{:>5} | {}\n", where.line, line);
+  if (where.column > 0 && at <= line.size()) {
+    const auto characters =
+        std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(at),
+                      [](char c) { return !continues(c); });
+    text += fmt::format("{:>{}}\n", "^", characters + 9);
   }
   return text;
 }
@@ -156,20 +188,9 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   return exit_code;
 }
 
-/// Returns the job's file, with the places that programs will name.
-MusicFile write_job(const experiment::MusicJob& job, const std::string& folder) {
-  for (const auto& [name, contents] : job.files) {
-    launch::write_text(folder + "/" + name, contents);
-  }
-  const std::string path = folder + "/experiment.music";
-  launch::write_text(path, to_text(job.file));
-  return read_music_file(path);
-}
-
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
-  const experiment::MusicJob music = experiment::music_job(experiment, folder.path());
-  const MusicFile file = write_job(music, folder.path());
+  const std::string path = write_music_job(experiment, folder.path());
   launch::write_text(folder.path() + "/resolved.json",
                      fused::resolved_json(experiment).dump(2) + "\n");
   folder.release();
@@ -177,7 +198,7 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   options.folder = folder.path();
   options.run.record = arguments.record;
   add_robot(experiment, options);
-  launch::Job job(file, options);
+  launch::Job job(read_music_file(path), options);
   const int exit_code = run_job(job, arguments.volume);
   tell_folder(arguments, folder);
   return exit_code;
@@ -208,7 +229,17 @@ int run_experiment(const ExperimentArguments& arguments) {
                                                  : run_fused_over_ros(arguments, experiment);
 }
 
-int check_experiment(const std::string& file) {
+std::string write_music_job(const Experiment& experiment, const std::string& folder) {
+  const experiment::MusicJob job = experiment::music_job(experiment, folder);
+  for (const auto& [name, contents] : job.files) {
+    launch::write_text(folder + "/" + name, contents);
+  }
+  const std::string path = folder + "/experiment.music";
+  launch::write_text(path, to_text(job.file));
+  return path;
+}
+
+int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
   const auto all = experiment::load(file, {});
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
@@ -218,13 +249,18 @@ int check_experiment(const std::string& file) {
     put(stderr, fmt::format("spikeloop: {}: {}\n", file, count(loaded.faults.size(), "error")));
     return loaded.faults.front().exit_code;
   }
-  const Experiment& experiment = *loaded.experiment;
-  put_result(fmt::format(
-      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
-      count(experiment.parts.size(), "node"), count(experiment.links.size(), "connection"),
-      format_time(experiment.tick),
-      experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
-  return 0;
+  return use(*loaded.experiment);
+}
+
+int check_experiment(const std::string& file) {
+  return use_experiment(file, [&](const Experiment& experiment) {
+    put_result(fmt::format(
+        "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
+        count(experiment.parts.size(), "node"), count(experiment.links.size(), "connection"),
+        format_time(experiment.tick),
+        experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
+    return 0;
+  });
 }
 
 }  // namespace spikeloop::app

@@ -1,6 +1,7 @@
 // Experiment files: what `spikeloop run` and `spikeloop check` do with them.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,9 +27,14 @@ struct ExperimentArguments {
 /// Returns the exit code. @throws Error when it cannot begin.
 int run_experiment(const ExperimentArguments& arguments);
 
-/// Prints the .music file of the separate layout and mpirun's line; with a folder, writes the job
-/// there. Returns the exit code.
-int export_experiment(const std::string& file, const std::string& folder);
+/// Writes the separate layout into a folder: experiment.music, and what stands in the experiment
+/// but has to be a file for a process. Returns the path of experiment.music.
+std::string write_music_job(const experiment::Experiment& experiment, const std::string& folder);
+
+/// Gives an experiment that is right to `use`; else says everything that is wrong, each with its
+/// line. Returns the exit code.
+int use_experiment(const std::string& file,
+                   const std::function<int(const experiment::Experiment&)>& use);
 
 /// Says everything that is wrong, each with its line. Returns the exit code.
 int check_experiment(const std::string& file);

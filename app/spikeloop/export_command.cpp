@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "check_command.hpp"
+#include "experiment_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
@@ -22,6 +23,7 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop export loop.music                        the file that would be run, and mpirun's line
+  spikeloop export explorer.yaml --out job           an experiment as a MUSIC job, a process a node
   spikeloop export loop.music --out job              writes job/effective.music; prints the line
   spikeloop export loop.music --out job --srun       also job/programs.conf; prints srun's line
   spikeloop export loop.music --out job --hostfile hosts
@@ -90,11 +92,31 @@ int export_job(const Arguments& arguments) {
 
 }  // namespace
 
+namespace {
+
+int export_file(const Arguments& arguments) {
+  if (!is_experiment(arguments.file)) {
+    return export_job(arguments);
+  }
+  if (arguments.folder.empty()) {
+    throw ConfigurationError(
+        "an experiment is exported to a folder; give one with --out, as in --out job");
+  }
+  return use_experiment(arguments.file, [&](const experiment::Experiment& experiment) {
+    Arguments job = arguments;
+    job.file = write_music_job(experiment, launch::make_folder(arguments.folder));
+    return export_job(job);
+  });
+}
+
+}  // namespace
+
 void add_export_command(CLI::App& app, std::function<int()>& action) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
-  command->add_option("FILE", arguments->file, "MUSIC configuration file")->required();
+  command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
+      ->required();
   command->add_option("--out", arguments->folder, "Folder to write to")->check(named("folder"));
   auto* srun = command->add_flag("--srun", arguments->srun, "For Slurm's srun instead of mpirun");
   command->add_option("--hostfile", arguments->hostfile, "Open MPI's file of hosts")
@@ -102,7 +124,7 @@ void add_export_command(CLI::App& app, std::function<int()>& action) {
       ->excludes(srun);
   command->footer(kFooter);
   command->callback(
-      [arguments, &action] { action = [arguments] { return export_job(*arguments); }; });
+      [arguments, &action] { action = [arguments] { return export_file(*arguments); }; });
 }
 
 }  // namespace spikeloop::app

@@ -17,9 +17,11 @@
 #include "doctor/doctor_command.hpp"
 #include "export_command.hpp"
 #include "fit_command.hpp"
+#include "graph_command.hpp"
 #include "new_command.hpp"
 #include "output.hpp"
 #include "run_command.hpp"
+#include "schema_command.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace {
@@ -95,6 +97,8 @@ int run(int argc, char** argv) {
   spikeloop::app::add_describe_command(app, action);
   spikeloop::app::add_doctor_command(app, action);
   spikeloop::app::add_completion_command(app, action);
+  spikeloop::app::add_schema_command(app, action);
+  spikeloop::app::add_graph_command(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;

@@ -16,6 +16,7 @@ constexpr const char* kExperiment =
 #
 #   spikeloop check x.yaml      says what is wrong with this file
 #   spikeloop run x.yaml        runs it; what happened is in runs/NAME-1
+#   spikeloop graph x.yaml --out x.svg      draws it
 #
 # `spikeloop describe` lists the nodes there are, `spikeloop describe NODE` what one takes.
 experiment: NAME

@@ -91,6 +91,8 @@ std::string port_table(const NodeDescription& description) {
   return text;
 }
 
+}  // namespace
+
 std::string tables(const NodeDescription& description) {
   std::string text = "Ports:\n" + port_table(description);
   if (!description.parameters.empty()) {
@@ -98,6 +100,8 @@ std::string tables(const NodeDescription& description) {
   }
   return text;
 }
+
+namespace {
 
 std::string how_to_run(const NodeDescription& description) {
   const auto programs = launch::programs_of_node(description.name);

@@ -10,6 +10,9 @@ namespace spikeloop::app {
 /// A line a class, in groups: encoders, decoders, adapters.
 std::string class_list(const Registry& registry);
 
+/// Ports and parameters.
+std::string tables(const NodeDescription& description);
+
 /// Ports, parameters and how to run it.
 std::string class_text(const NodeDescription& description);
 

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <optional>
 #include <string_view>
+
+#include "spikeloop/config/weight_file.hpp"
 
 namespace spikeloop::experiment_text {
 namespace {
@@ -40,23 +44,48 @@ std::vector<Piece> split(Piece piece, std::string_view at) {
   }
 }
 
+/// NODE or NODE.PORT
+bool is_end(std::string_view text) {
+  const auto dot = text.find('.');
+  const auto is_name = [](std::string_view name) {
+    return !name.empty() &&
+           std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  };
+  return is_name(text.substr(0, dot)) &&
+         (dot == std::string_view::npos || is_name(text.substr(dot + 1)));
+}
+
+std::optional<std::uint32_t> width_of(std::string_view text) {
+  std::uint32_t width = 0;
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, width);
+  const bool good = parsed.ec == std::errc() && parsed.ptr == end && width > 0;
+  return good && width <= kMaximumChannels ? std::optional(width) : std::nullopt;
+}
+
 class Line {
  public:
   Line(const std::string& text, const Location& where) : text_(text), where_(where) {}
 
   void read(std::vector<ExperimentConnection>& connections) const {
     const auto stations = split({text_, 0}, "->");
+    std::vector<ExperimentConnection> arrows;
+    if (const auto other = text_.find("=>"); other != std::string::npos) {
+      fail(other, fmt::format("'=>' is no arrow; {}", kExample));
+    }
     if (stations.size() < 2) {
       fail(0, fmt::format("'{}' is no connection; {}", text_, kExample));
     }
-    std::string from = std::string(end_of(stations.front(), false).text);
+    Piece from = end_of(stations.front(), false);
     for (std::size_t i = 1; i < stations.size(); ++i) {
       const Piece end = end_of(stations[i], true);
-      ExperimentConnection connection{from, std::string(end.text), 0, {}, place(end.begin)};
+      ExperimentConnection connection{std::string(from.text), std::string(end.text), 0, {},
+                                      place(end.begin),       place(from.begin)};
       read_brackets(stations[i], connection);
-      connections.push_back(connection);
-      from = connection.to;
+      arrows.push_back(connection);
+      from = {end.text.substr(0, end.text.find('.')), end.begin};
     }
+    connections.insert(connections.end(), arrows.begin(), arrows.end());
   }
 
  private:
@@ -80,9 +109,9 @@ class Line {
     if (name.text.empty()) {
       fail(station.begin, fmt::format("a node is missing beside '->'; {}", kExample));
     }
-    const auto bad = name.text.find_first_of(" \t,]>-");
-    if (bad != std::string_view::npos) {
-      fail(name.begin + bad, fmt::format("'{}' is no name of a node; {}", name.text, kExample));
+    if (!is_end(name.text)) {
+      fail(name.begin,
+           fmt::format("'{}' is neither a node nor NODE.PORT; {}", name.text, kExample));
     }
     return name;
   }
@@ -105,20 +134,26 @@ class Line {
 
   void read_item(const Piece& item, ExperimentConnection& connection) const {
     constexpr std::string_view kDelay = "delay ";
+    const auto once = [&](bool before) {
+      if (before) {
+        fail(item.begin, fmt::format("'{}' is the second of its kind here; write one width and one "
+                                     "delay",
+                                     item.text));
+      }
+    };
     if (item.text.starts_with(kDelay)) {
+      once(!connection.delay.text.empty());
       const Piece time = trimmed({item.text.substr(kDelay.size()), item.begin + kDelay.size()});
       connection.delay = {std::string(time.text), place(time.begin)};
       return;
     }
-    constexpr std::uint32_t kMostChannels = 16'777'216;
-    std::uint32_t width = 0;
-    const char* const end = item.text.data() + item.text.size();
-    const auto parsed = std::from_chars(item.text.data(), end, width);
-    if (parsed.ec != std::errc() || parsed.ptr != end || width == 0 || width > kMostChannels) {
+    const auto width = width_of(item.text);
+    if (!width) {
       fail(item.begin, fmt::format("'{}' is neither a width from 1 to {} nor a delay; {}",
-                                   item.text, kMostChannels, kExample));
+                                   item.text, kMaximumChannels, kExample));
     }
-    connection.width = width;
+    once(connection.width != 0);
+    connection.width = *width;
   }
 
   const std::string& text_;
@@ -130,6 +165,24 @@ class Line {
 void read_connections(const std::string& text, const Location& where,
                       std::vector<ExperimentConnection>& connections) {
   Line(text, where).read(connections);
+}
+
+std::uint32_t read_width(const std::string& text, const Location& where) {
+  const auto width = width_of(text);
+  if (!width) {
+    throw ConfigurationError(
+        where, fmt::format("key 'width': '{}' is no width from 1 to {}; write for example 100",
+                           text, kMaximumChannels));
+  }
+  return *width;
+}
+
+void check_end(const std::string& text, const Location& where) {
+  if (!is_end(text)) {
+    throw ConfigurationError(
+        where,
+        fmt::format("'{}' is neither a node nor NODE.PORT; write for example  encoder.out", text));
+  }
 }
 
 }  // namespace spikeloop::experiment_text

@@ -1,6 +1,7 @@
 // The lines of `connections` in an experiment file.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,15 @@
 
 namespace spikeloop::experiment_text {
 
-/// Appends the arrows of "a -> b.in [2] -> c [3, delay 5 ms]"; `where` is where the text begins.
+/// Appends the arrows of "a -> b.in [2] -> c [3, delay 5 ms]", of which the second begins at b's only
+/// output; `where` is where the text begins.
 /// @throws ConfigurationError at the place of what cannot be read.
 void read_connections(const std::string& text, const Location& where,
                       std::vector<ExperimentConnection>& connections);
+
+/// The width of a connection that is written as a map.
+std::uint32_t read_width(const std::string& text, const Location& where);
+/// @throws ConfigurationError when it is neither NODE nor NODE.PORT.
+void check_end(const std::string& text, const Location& where);
 
 }  // namespace spikeloop::experiment_text

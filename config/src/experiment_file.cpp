@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "experiment_connections.hpp"
 #include "text_file.hpp"
@@ -19,190 +20,262 @@ using yaml_text::Section;
 constexpr std::uint64_t kMostBytes = 16'000'000;
 constexpr const char* kHolders[] = {"robot", "plugins", "nodes", "connections"};
 
+std::string one_value(const Section& section, const std::string& key) {
+  const YAML::Node& node = section.at(key, "");
+  if (!node.IsScalar() || node.Scalar().empty()) {
+    throw ConfigurationError(
+        section.where(key),
+        fmt::format("{}: key '{}' has {}; write one value behind it, or leave the key out",
+                    section.what(), key,
+                    node.IsMap()        ? "a map"
+                    : node.IsSequence() ? "a list"
+                                        : "no value"));
+  }
+  return node.Scalar();
+}
+
 /// The value of a key; a list or map becomes JSON.
 WrittenValue value_of(const Section& section, const std::string& key) {
   const YAML::Node& node = section.at(key, "");
   if (node.IsSequence() || node.IsMap()) {
     return {yaml_text::to_json(section.file(), node), section.where(key)};
   }
-  return {section.text(key, "..."), section.where(key)};
+  return {one_value(section, key), section.where(key)};
 }
 
 bool is_name(const std::string& text) {
   return std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
-ExperimentNode read_node(const std::string& file, const std::string& name, const Location& where,
-                         const YAML::Node& node) {
-  if (!is_name(name)) {
-    throw ConfigurationError(
-        where, fmt::format("'{}' is no name of a node; write letters, digits and '_'", name));
+class Reader {
+ public:
+  Reader(const std::string& path, const Complain& complain) : complain_(complain) {
+    file_.path = path;
   }
-  if (!node.IsMap()) {
-    throw ConfigurationError(
-        where, fmt::format("node '{0}' has no keys; write  {0}: {{node: rate_encoder}}", name));
-  }
-  const Section section(file, fmt::format("node '{}'", name), node, {});
-  ExperimentNode result{name, {}, where};
-  for (const std::string& key : section.keys()) {
-    result.keys[key] = value_of(section, key);
-  }
-  return result;
-}
 
-void read_nodes(const Section& root, ExperimentFile& result) {
-  constexpr const char* kExample = "{encoder: {node: rate_encoder}}";
-  result.where_nodes = root.where("nodes");
-  const Section nodes(result.path, "key 'nodes'", root.at("nodes", kExample), {});
-  for (const std::string& name : nodes.keys()) {
-    result.nodes.push_back(
-        read_node(result.path, name, nodes.where_name(name), nodes.at(name, "")));
+  ExperimentFile read(const YAML::Node& document) {
+    std::vector<std::string> known = names_of(experiment_parameters());
+    const std::vector<std::string> plain = known;
+    known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
+    const Section root(file_.path, "experiment", document, known, complain_);
+    for (const std::string& key : plain) {
+      if (root.has(key)) {
+        attempt([&] { file_.keys[key] = {one_value(root, key), root.where(key)}; });
+      }
+    }
+    attempt([&] { read_plugins(root); });
+    attempt([&] { read_robot(root); });
+    file_.joined = attempt([&] { read_nodes(root); }) && file_.joined;
+    file_.joined = attempt([&] { read_connections(root); }) && file_.joined;
+    return std::move(file_);
   }
-  if (result.nodes.empty()) {
-    throw ConfigurationError(result.where_nodes,
-                             fmt::format("there are no nodes; write  nodes: {}", kExample));
-  }
-}
 
-/// {from: a.out, to: b.in, width: 2, delay: 5 ms}
-ExperimentConnection read_arrow(const std::string& file, const YAML::Node& node) {
-  const Section arrow(file, "connection", node, {"from", "to", "width", "delay"});
-  ExperimentConnection connection{
-      arrow.text("from", "scan"), arrow.text("to", "encoder"), 0, {}, arrow.where("to")};
-  if (arrow.has("width")) {
-    std::vector<ExperimentConnection> parsed;
-    experiment_text::read_connections(fmt::format("a -> b [{}]", arrow.text("width", "100")),
-                                      {file, 0, 0}, parsed);
-    connection.width = parsed.front().width;
-  }
-  if (arrow.has("delay")) {
-    connection.delay = {arrow.text("delay", "5 ms"), arrow.where("delay")};
-  }
-  return connection;
-}
-
-void read_connections(const Section& root, ExperimentFile& result) {
-  constexpr const char* kExample = "[\"scan -> encoder [100] -> brain [100]\"]";
-  result.where_connections = root.where("connections");
-  const YAML::Node& list = root.at("connections", kExample);
-  if (!list.IsSequence() || list.size() == 0) {
-    throw ConfigurationError(
-        result.where_connections,
-        "key 'connections': expected a list; write lines of  - scan -> encoder [100] -> brain");
-  }
-  for (const YAML::Node& item : list) {
-    if (item.IsMap()) {
-      result.connections.push_back(read_arrow(result.path, item));
-    } else {
-      experiment_text::read_connections(yaml_text::scalar(result.path, "connections", item),
-                                        place(result.path, item), result.connections);
+ private:
+  /// Whether `work` had nothing to complain about.
+  template <typename Work>
+  bool attempt(Work&& work) {
+    try {
+      work();
+      return true;
+    } catch (const ConfigurationError& error) {
+      complain_(error);
+      return false;
     }
   }
+
+  ExperimentNode read_keys(const std::string& what, const std::string& name, const Location& where,
+                           const YAML::Node& node) {
+    const Section section(file_.path, what, node, {}, complain_);
+    ExperimentNode result{name, {}, where};
+    for (const std::string& key : section.keys()) {
+      result.places[key] = section.where_name(key);
+      if (!attempt([&] { result.keys[key] = value_of(section, key); })) {
+        result.unread.push_back(key);
+      }
+    }
+    return result;
+  }
+
+  void read_node(const std::string& name, const Location& where, const YAML::Node& node) {
+    if (!is_name(name)) {
+      throw ConfigurationError(
+          where, fmt::format("'{}' is no name of a node; write letters, digits and '_'", name));
+    }
+    if (!node.IsMap()) {
+      throw ConfigurationError(
+          where, fmt::format("node '{0}' has no keys; write  {0}: {{node: rate_encoder}}", name));
+    }
+    file_.nodes.push_back(read_keys(fmt::format("node '{}'", name), name, where, node));
+  }
+
+  void read_nodes(const Section& root) {
+    constexpr const char* kExample = "{encoder: {node: rate_encoder}}";
+    const YAML::Node& map = root.at("nodes", kExample);
+    file_.where_nodes = root.where_name("nodes");
+    const bool empty = map.IsNull() || ((map.IsMap() || map.IsSequence()) && map.size() == 0);
+    if (empty || !map.IsMap()) {
+      throw ConfigurationError(
+          file_.where_nodes,
+          fmt::format("key 'nodes': {}; write  nodes: {}",
+                      empty ? "there are no nodes" : "expected a map of nodes", kExample));
+    }
+    const Section nodes(file_.path, "key 'nodes'", map, {}, complain_);
+    for (const std::string& name : nodes.keys()) {
+      file_.joined =
+          attempt([&] { read_node(name, nodes.where_name(name), nodes.at(name, "")); }) &&
+          file_.joined;
+    }
+  }
+
+  /// {from: a.out, to: b.in, width: 2, delay: 5 ms}
+  ExperimentConnection read_arrow(const YAML::Node& node) {
+    const Section arrow(file_.path, "connection", node, names_of(connection_parameters()));
+    ExperimentConnection connection{arrow.text("from", "scan"), arrow.text("to", "encoder"), 0, {},
+                                    arrow.where("to"),          arrow.where("from")};
+    experiment_text::check_end(connection.from, arrow.where("from"));
+    experiment_text::check_end(connection.to, arrow.where("to"));
+    if (arrow.has("width")) {
+      connection.width =
+          experiment_text::read_width(arrow.text("width", "100"), arrow.where("width"));
+    }
+    if (arrow.has("delay")) {
+      connection.delay = {arrow.text("delay", "5 ms"), arrow.where("delay")};
+    }
+    return connection;
+  }
+
+  void read_connection(const YAML::Node& item) {
+    if (item.IsMap()) {
+      file_.connections.push_back(read_arrow(item));
+    } else if (!item.IsScalar()) {
+      throw ConfigurationError(
+          place(file_.path, item),
+          fmt::format("a connection is a line or a map, this is {}; write  - scan -> encoder [100]",
+                      item.IsSequence() ? "a list" : "nothing"));
+    } else {
+      experiment_text::read_connections(yaml_text::scalar(file_.path, "connections", item),
+                                        yaml_text::text_place(file_.path, item), file_.connections);
+    }
+  }
+
+  void read_connections(const Section& root) {
+    const YAML::Node& list = root.at("connections", "[\"scan -> encoder [100] -> brain [100]\"]");
+    file_.where_connections = root.where_name("connections");
+    if (!list.IsSequence() || list.size() == 0) {
+      throw ConfigurationError(
+          file_.where_connections,
+          fmt::format(
+              "key 'connections': {}; write lines of  - scan -> encoder [100] -> brain",
+              list.IsNull() || list.IsSequence() ? "there are no connections" : "expected a list"));
+    }
+    for (const YAML::Node& item : list) {
+      file_.joined = attempt([&] { read_connection(item); }) && file_.joined;
+    }
+  }
+
+  void read_plugins(const Section& root) {
+    if (!root.has("plugins")) {
+      return;
+    }
+    const YAML::Node& list = root.at("plugins", "");
+    if (!list.IsSequence()) {
+      throw ConfigurationError(
+          root.where("plugins"),
+          "key 'plugins': expected a list of files; write  plugins: [my_encoder.so]");
+    }
+    for (const YAML::Node& item : list) {
+      if (!item.IsScalar() || item.Scalar().empty()) {
+        throw ConfigurationError(
+            place(file_.path, item),
+            "key 'plugins': an entry is no path of a file; write  plugins: [my_encoder.so]");
+      }
+      file_.plugins.push_back({item.Scalar(), place(file_.path, item)});
+    }
+  }
+
+  void read_robot(const Section& root) {
+    if (!root.has("robot")) {
+      return;
+    }
+    const YAML::Node& robot = root.at("robot", "");
+    if (!robot.IsMap()) {
+      // There is one all the same: topics are not said to lead nowhere.
+      file_.robot = {"robot", {}, root.where("robot"), {"simulator"}, {}};
+      throw ConfigurationError(
+          root.where("robot"),
+          "key 'robot': expected a map; write  robot: {simulator: mujoco, world: arena.xml}, or "
+          "leave it out when the robot is somewhere else");
+    }
+    file_.robot = read_keys("robot", "robot", root.where_name("robot"), robot);
+  }
+
+  const Complain& complain_;
+  ExperimentFile file_;
+};
+
+/// The length of the UTF-8 character that begins here; 0: there is none.
+std::size_t character(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  const auto rest = text.substr(std::min<std::size_t>(text.size(), 1), length - (length > 0));
+  const bool whole = std::ranges::all_of(
+      rest, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; });
+  return length <= text.size() && whole ? length : 0;
 }
 
-void read_plugins(const Section& root, ExperimentFile& result) {
-  if (!root.has("plugins")) {
-    return;
-  }
-  const YAML::Node& list = root.at("plugins", "[encoder.py]");
-  if (!list.IsSequence()) {
-    throw ConfigurationError(root.where("plugins"),
-                             "key 'plugins': expected a list of files; write  [encoder.py]");
-  }
-  for (const YAML::Node& item : list) {
-    result.plugins.push_back(
-        {yaml_text::scalar(result.path, "plugins", item), place(result.path, item)});
+void check_text(std::string_view text, const std::string& path) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = text[at] == '\0' ? 0 : character(text.substr(at));
+    if (length == 0) {
+      throw ConfigurationError(locate(text, at, path),
+                               fmt::format("the byte 0x{:02X} is no UTF-8 text; save the file as "
+                                           "UTF-8 ('spikeloop new' prints an "
+                                           "experiment to begin with)",
+                                           static_cast<unsigned char>(text[at])));
+    }
+    at += length;
   }
 }
 
-void read_robot(const Section& root, ExperimentFile& result) {
-  if (!root.has("robot")) {
-    return;
-  }
-  const YAML::Node& robot = root.at("robot", "");
-  if (!robot.IsMap()) {
+YAML::Node load(std::string_view text, const std::string& path) {
+  check_text(text, path);
+  const YAML::Node document = yaml_text::load(std::string(text), path, "experiment");
+  if (!document.IsMap()) {
     throw ConfigurationError(
-        root.where("robot"),
-        "key 'robot': expected a map; write  robot: {simulator: mujoco, world: arena.xml}, or "
-        "leave it out when the robot is somewhere else");
+        document.IsDefined() && !document.IsNull() ? place(path, document) : Location{path, 0, 0},
+        fmt::format("{}; 'spikeloop new' prints one to begin with",
+                    document.IsDefined() && !document.IsNull()
+                        ? "this is no experiment: expected lines of  key: value"
+                        : "there is no experiment in this file"));
   }
-  result.robot = read_node(result.path, "robot", root.where_name("robot"), robot);
+  return document;
+}
+
+[[noreturn]] void raise(const ConfigurationError& error) {
+  throw error;
 }
 
 }  // namespace
 
-std::vector<ParameterDescription> experiment_parameters() {
-  return {
-      {.name = "experiment",
-       .type = ParameterType::text,
-       .default_value = "",
-       .text = "Its name; that of the file when it is left out"},
-      {.name = "duration",
-       .unit = "s",
-       .default_value = "",
-       .minimum = 0,
-       .maximum = 9e9,
-       .text = "Simulated time; without it, the experiment runs until it is stopped"},
-      {.name = "tick",
-       .unit = "s",
-       .default_value = "1 ms",
-       .minimum = 1e-9,
-       .maximum = 1000,
-       .text = "How often sensors, network and commands exchange their data"},
-      {.name = "seed",
-       .type = ParameterType::integer,
-       .default_value = "1",
-       .minimum = 0,
-       .text = "Seed of all random numbers, with the node's name"},
-      {.name = "sync",
-       .type = ParameterType::choice,
-       .default_value = "realtime",
-       .choices = {"realtime", "unpaced", "lockstep", "sim_time"},
-       .text =
-           "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
-           "tick, the topic /clock"},
-      {.name = "real_time_factor",
-       .unit = "1",
-       .default_value = "1",
-       .minimum = 0.001,
-       .maximum = 1000,
-       .text = "Simulated time over wall time, with sync: realtime"},
-      {.name = "ros",
-       .type = ParameterType::choice,
-       .default_value = "none",
-       .choices = {"none", "1", "2"},
-       .text = "What carries messages; none: memory, between this process and its own robot"},
-  };
+ExperimentFile parse_experiment(std::string_view text, const std::string& path,
+                                const Complain& complain) {
+  return Reader(path, complain).read(load(text, path));
 }
 
 ExperimentFile parse_experiment(std::string_view text, const std::string& path) {
-  std::vector<std::string> known = names_of(experiment_parameters());
-  const std::vector<std::string> plain = known;
-  known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
-  const YAML::Node document = yaml_text::load(std::string(text), path, "experiment");
-  if (!document.IsMap()) {
-    throw ConfigurationError(
-        place(path, document),
-        "this is no experiment: expected lines of  key: value; 'spikeloop new' "
-        "prints one to begin with");
-  }
-  const Section root(path, "experiment", document, known);
-  ExperimentFile result;
-  result.path = path;
-  for (const std::string& key : plain) {
-    if (root.has(key)) {
-      result.keys[key] = {root.text(key, "..."), root.where(key)};
-    }
-  }
-  read_plugins(root, result);
-  read_robot(root, result);
-  read_nodes(root, result);
-  read_connections(root, result);
-  return result;
+  return parse_experiment(text, path, raise);
+}
+
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const Complain& complain) {
+  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), complain);
 }
 
 ExperimentFile read_experiment_file(const std::filesystem::path& path) {
-  return parse_experiment(read_text_file(path, kMostBytes, "experiment file"), path.string());
+  return read_experiment_file(path, raise);
 }
 
 }  // namespace spikeloop

@@ -83,7 +83,8 @@ class Converter {
 }  // namespace
 
 std::string to_json(const std::string& file, const YAML::Node& node) {
-  return Converter(file).convert(node, 0).dump();
+  // YAML can write characters that no text may have: "\\uD800".
+  return Converter(file).convert(node, 0).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace spikeloop::yaml_text

@@ -1,32 +1,122 @@
 #include "yaml_section.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace spikeloop::yaml_text {
 
+namespace {
+
+/// Lines count from 0.
+std::string_view line_of(std::string_view text, int line) {
+  for (int i = 0; i < line; ++i) {
+    const auto end = text.find('\n');
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return text.substr(0, text.find('\n'));
+}
+
+/// What yaml-cpp says, and what to look for.
+std::string reason_of(const YAML::Exception& error, const std::string& text) {
+  if (error.msg == "bad file") {
+    return "it is nested too deeply; close its brackets";
+  }
+  const std::string_view line = line_of(text, error.mark.line);
+  const auto indent = line.substr(0, line.find_first_not_of(" \t"));
+  if (indent.find('\t') != std::string_view::npos) {
+    return fmt::format("{}; this line begins with a tab, write blanks", error.msg);
+  }
+  if (line.find("->") != std::string_view::npos && line.find('[') != std::string_view::npos) {
+    return fmt::format("{}; put quotes round a connection that stands in brackets", error.msg);
+  }
+  return fmt::format("{}; look for a bracket, a quote or an indentation that does not match",
+                     error.msg);
+}
+
+/// Where documents begin.
+class Begins : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> marks;
+
+  void OnDocumentStart(const YAML::Mark&) override { expected_ = true; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                const std::string&) override {
+    note(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    note(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    note(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void note(const YAML::Mark& mark) {
+    if (expected_) {
+      marks.push_back(mark);
+      expected_ = false;
+    }
+  }
+  bool expected_ = false;
+};
+
+/// Of at most two documents: YAML::LoadAll finds documents for ever behind a ',' at the left
+/// margin.
+std::vector<YAML::Mark> first_documents(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Begins begins;
+  while (begins.marks.size() < 2 && parser.HandleNextDocument(begins)) {
+  }
+  return begins.marks;
+}
+
+}  // namespace
+
 YAML::Node load(const std::string& text, const std::string& path, const std::string& what) {
+  const auto where = [&](const YAML::Mark& mark) {
+    return Location{path, mark.line + 1, mark.column + 1};
+  };
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      const YAML::Mark mark = documents[1].Mark();
+    const std::vector<YAML::Mark> begins = first_documents(text);
+    if (begins.size() > 1 && begins[0].pos == begins[1].pos) {
+      throw ConfigurationError(where(begins[0]),
+                               "this is not YAML: nothing can begin like this; write  key: value");
+    }
+    if (begins.size() > 1) {
       throw ConfigurationError(
-          {path, mark.line + 1, mark.column + 1},
+          where(begins[1]),
           fmt::format("a second document begins; write one {} a file, without '---' inside it",
                       what));
     }
-    return documents.empty() ? YAML::Node() : documents.front();
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigurationError({path, error.mark.line + 1, error.mark.column + 1},
-                             fmt::format("this is not YAML: {}", error.msg));
+    throw ConfigurationError(where(error.mark),
+                             fmt::format("this is not YAML: {}", reason_of(error, text)));
   }
 }
 
 Location place(const std::string& file, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? Location{file, 0, 0} : Location{file, mark.line + 1, mark.column + 1};
+}
+
+Location text_place(const std::string& file, const YAML::Node& node) {
+  Location where = place(file, node);
+  const bool quoted = node.Tag() == "!";
+  where.column += quoted && where.line > 0 ? 1 : 0;
+  return where;
 }
 
 std::string scalar(const std::string& file, const std::string& key, const YAML::Node& node) {
@@ -42,6 +132,11 @@ std::string scalar(const std::string& file, const std::string& key, const YAML::
 
 Section::Section(std::string file, std::string what, const YAML::Node& node,
                  const std::vector<std::string>& known)
+    : Section(std::move(file), std::move(what), node, known,
+              [](const ConfigurationError& error) { throw error; }) {}
+
+Section::Section(std::string file, std::string what, const YAML::Node& node,
+                 const std::vector<std::string>& known, const Complain& complain)
     : file_(std::move(file)), what_(std::move(what)), where_(place(file_, node)) {
   if (!node.IsMap()) {
     throw ConfigurationError(
@@ -52,13 +147,15 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
     const std::string key = scalar(file_, what_, entry.first);
     const Location here = place(file_, entry.first);
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-      throw ConfigurationError(
-          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known)));
+      complain(ConfigurationError(
+          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known))));
+      continue;
     }
     if (!entries_.emplace(key, entry.second).second) {
-      throw ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
-                                                 "the first is at {}",
-                                                 what_, key, key_places_[key].text()));
+      complain(ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
+                                                    "the first is at {}",
+                                                    what_, key, key_places_[key].text())));
+      continue;
     }
     keys_.push_back(key);
     key_places_[key] = here;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/core/complain.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
@@ -20,6 +21,9 @@ YAML::Node load(const std::string& text, const std::string& path, const std::str
 /// The place of a YAML node; yaml-cpp counts lines and columns from 0.
 Location place(const std::string& file, const YAML::Node& node);
 
+/// Where the text of a plain value begins: behind its quote, if it has one.
+Location text_place(const std::string& file, const YAML::Node& node);
+
 /// Text of a plain value.
 /// @throws ConfigurationError when it is a list, a map or empty.
 std::string scalar(const std::string& file, const std::string& key, const YAML::Node& node);
@@ -30,6 +34,10 @@ class Section {
   /// @throws ConfigurationError: not a map, a key twice, a key that is not known (did you mean).
   Section(std::string file, std::string what, const YAML::Node& node,
           const std::vector<std::string>& known);
+  /// Tells of keys that are not known or stand there twice, and leaves them out.
+  /// @throws ConfigurationError: not a map, a key that is no plain value.
+  Section(std::string file, std::string what, const YAML::Node& node,
+          const std::vector<std::string>& known, const Complain& complain);
 
   bool has(const std::string& key) const { return entries_.count(key) != 0; }
   /// @throws ConfigurationError when the key is missing; `example` says what to write.

@@ -150,28 +150,28 @@ void settle_widths(GraphPlan& plan, const GraphDescription& description) {
   }
 }
 
-void check_connection_widths(const GraphPlan& plan, const GraphDescription& description) {
+void check_connection_widths(const GraphPlan& plan, const GraphDescription& description,
+                             const Complain& complain) {
   for (std::size_t i = 0; i < plan.connections.size(); ++i) {
     const PlannedConnection& connection = plan.connections[i];
     const std::uint32_t from = plan.port(connection.from).width;
     const std::uint32_t to = plan.port(connection.to).width;
     const std::uint32_t written = description.connections[i].width;
     if (from != to || (written != 0 && written != from)) {
-      throw ConfigurationError(
+      complain(ConfigurationError(
           connection.where,
           fmt::format("widths differ: '{}' has {} channels, '{}' has {}{}",
                       plan.text(connection.from), from, plan.text(connection.to), to,
-                      written != 0 ? fmt::format(", the connection says [{}]", written) : ""));
-    }
-    if (from == 0) {
-      throw ConfigurationError(connection.where,
-                               fmt::format("the width of '{}' -> '{}' is unknown; write it as [10]",
-                                           plan.text(connection.from), plan.text(connection.to)));
+                      written != 0 ? fmt::format(", the connection says [{}]", written) : "")));
+    } else if (from == 0) {
+      complain(ConfigurationError(
+          connection.where, fmt::format("the width of '{}' -> '{}' is unknown; write it as [10]",
+                                        plan.text(connection.from), plan.text(connection.to))));
     }
   }
 }
 
-void check_node_widths(const GraphPlan& plan) {
+void check_node_widths(const GraphPlan& plan, const Complain& complain) {
   for (const PlannedElement& element : plan.elements) {
     for (const PlannedPort& port : element.ports) {
       const bool fixed = port.rule.kind == WidthRule::Kind::fixed;
@@ -179,67 +179,99 @@ void check_node_widths(const GraphPlan& plan) {
       const std::uint32_t wanted =
           fixed ? port.rule.value : (same ? element.ports[port.rule.value].width : port.width);
       if (port.width != wanted) {
-        throw ConfigurationError(
+        complain(ConfigurationError(
             element.where, fmt::format("port '{}.{}' has {} channels but must have {}{}",
                                        element.name, port.name, port.width, wanted,
                                        same ? fmt::format(", as many as '{}.{}'", element.name,
                                                           element.ports[port.rule.value].name)
-                                            : ""));
+                                            : "")));
       }
     }
   }
 }
 
-void check_inputs(const GraphPlan& plan) {
-  std::set<std::pair<std::size_t, std::size_t>> taken;
-  for (const PlannedConnection& connection : plan.connections) {
-    if (!taken.insert({connection.to.element, connection.to.port}).second) {
-      throw ConfigurationError(connection.where,
-                               fmt::format("two connections lead into '{}'; an input takes one",
-                                           plan.text(connection.to)));
-    }
-  }
+using Inputs = std::set<std::pair<std::size_t, std::size_t>>;
+
+void check_inputs(const GraphPlan& plan, const Inputs& reached, const Complain& complain) {
   for (std::size_t e = 0; e < plan.elements.size(); ++e) {
     for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
       const bool input = plan.elements[e].ports[p].direction == Direction::input;
-      if (input && taken.count({e, p}) == 0) {
-        throw ConfigurationError(
+      if (input && reached.count({e, p}) == 0) {
+        complain(ConfigurationError(
             plan.elements[e].where,
-            fmt::format("nothing is connected to the input '{}'", plan.text({e, p})));
+            fmt::format("nothing is connected to the input '{}'", plan.text({e, p}))));
       }
     }
   }
 }
 
-void resolve_connections(GraphPlan& plan, const GraphDescription& description) {
-  for (const ConnectionDescription& written : description.connections) {
-    const auto from = find_port(plan.elements, written.from, Direction::output, written.where);
-    const auto to = find_port(plan.elements, written.to, Direction::input, written.where);
-    if (plan.port(from).kind != plan.port(to).kind) {
-      throw ConfigurationError(
+class Connector {
+ public:
+  Connector(GraphPlan& plan, const Complain& complain) : plan_(plan), complain_(complain) {}
+
+  void connect(const ConnectionDescription& written) {
+    const auto from = find(written.from, Direction::output,
+                           written.where_from.text().empty() ? written.where : written.where_from);
+    const auto to = find(written.to, Direction::input, written.where);
+    if (to && !reached_.insert({to->element, to->port}).second) {
+      complain_(
+          ConfigurationError(written.where, fmt::format("two connections lead into '{}'; an input "
+                                                        "takes one",
+                                                        plan_.text(*to))));
+    }
+    if (!from || !to) {
+      return;
+    }
+    if (plan_.port(*from).kind != plan_.port(*to).kind) {
+      complain_(ConfigurationError(
           written.where,
           fmt::format("'{}' is {}, but '{}' is {}; put an encoder or a decoder between them",
-                      plan.text(from), kind_text(plan.port(from).kind), plan.text(to),
-                      kind_text(plan.port(to).kind)));
+                      plan_.text(*from), kind_text(plan_.port(*from).kind), plan_.text(*to),
+                      kind_text(plan_.port(*to).kind))));
     }
-    plan.connections.push_back({from, to, written.delay_ticks, written.where});
+    plan_.connections.push_back({*from, *to, written.delay_ticks, written.where});
   }
-}
+  /// An input whose connection has a slip in its name is not said to have none.
+  void finish() const {
+    if (all_found_) {
+      check_inputs(plan_, reached_, complain_);
+    }
+  }
 
-// Names a cycle of connections without delay among the elements that could not be ordered.
-std::string cycle_text(const GraphPlan& plan, const std::vector<bool>& placed) {
+ private:
+  std::optional<PlannedPortAddress> find(const std::string& written, Direction direction,
+                                         const Location& where) {
+    try {
+      return find_port(plan_.elements, written, direction, where);
+    } catch (const ConfigurationError& error) {
+      all_found_ = false;
+      complain_(error);
+      return std::nullopt;
+    }
+  }
+
+  GraphPlan& plan_;
+  const Complain& complain_;
+  Inputs reached_;
+  bool all_found_ = true;
+};
+
+// A cycle of connections without delay among the elements that could not be ordered.
+ConfigurationError cycle_error(const GraphPlan& plan, const std::vector<bool>& placed) {
   std::size_t at = 0;
   while (placed[at]) {
     ++at;
   }
   // Every unplaced element waits for another unplaced one: walking back must return somewhere.
   std::vector<std::size_t> walk;
+  Location last;
   while (std::find(walk.begin(), walk.end(), at) == walk.end()) {
     walk.push_back(at);
     for (const PlannedConnection& connection : plan.connections) {
       if (connection.to.element == at && connection.delay_ticks == 0 &&
           !placed[connection.from.element]) {
         at = connection.from.element;
+        last = connection.where;
         break;
       }
     }
@@ -248,10 +280,12 @@ std::string cycle_text(const GraphPlan& plan, const std::vector<bool>& placed) {
   for (auto i = walk.rbegin(); i != walk.rend() && *i != at; ++i) {
     text += " -> " + plan.elements[*i].name;
   }
-  return text + " -> " + plan.elements[at].name;
+  return {last, fmt::format("the cycle {} -> {} has no delay; give one of its connections a delay "
+                            "of at least 1 tick",
+                            text, plan.elements[at].name)};
 }
 
-void order_elements(GraphPlan& plan) {
+void order_elements(GraphPlan& plan, const Complain& complain) {
   std::vector<std::size_t> waits_for(plan.elements.size(), 0);
   for (const PlannedConnection& connection : plan.connections) {
     waits_for[connection.to.element] += connection.delay_ticks == 0 ? 1 : 0;
@@ -273,9 +307,7 @@ void order_elements(GraphPlan& plan) {
     }
   }
   if (plan.order.size() < plan.elements.size()) {
-    throw ConfigurationError(fmt::format(
-        "the cycle {} has no delay; give one of its connections a delay of at least 1 tick",
-        cycle_text(plan, placed)));
+    complain(cycle_error(plan, placed));
   }
 }
 
@@ -285,20 +317,36 @@ std::string GraphPlan::text(const PlannedPortAddress& address) const {
   return fmt::format("{}.{}", elements[address.element].name, port(address).name);
 }
 
-GraphPlan plan(const GraphDescription& description) {
+GraphPlan plan(const GraphDescription& description, const Complain& complain) {
   if (description.tick < 1) {
     throw ConfigurationError(
         fmt::format("a tick of {} ns cannot be run; write for example 1 ms", description.tick));
   }
+  bool good = true;
+  const Complain tell = [&](const ConfigurationError& error) {
+    good = false;
+    complain(error);
+  };
   GraphPlan plan;
   plan.elements = planned_elements(description);
-  resolve_connections(plan, description);
-  check_inputs(plan);
-  order_elements(plan);
-  settle_widths(plan, description);
-  check_connection_widths(plan, description);
-  check_node_widths(plan);
+  Connector connector(plan, tell);
+  for (const ConnectionDescription& written : description.connections) {
+    connector.connect(written);
+  }
+  connector.finish();
+  order_elements(plan, tell);
+  if (good) {
+    settle_widths(plan, description);
+    check_connection_widths(plan, description, tell);
+  }
+  if (good) {
+    check_node_widths(plan, tell);
+  }
   return plan;
+}
+
+GraphPlan plan(const GraphDescription& description) {
+  return plan(description, [](const ConfigurationError& error) { throw error; });
 }
 
 }  // namespace spikeloop

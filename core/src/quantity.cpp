@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/units.hpp"
 
 namespace spikeloop {
 
@@ -62,6 +63,15 @@ std::string_view trimmed(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<std::string> units_like(std::string_view unit) {
+  if (unit.empty() || unit == "1") {
+    return {};
+  }
+  const Unit* known = find_unit(unit);
+  return known == nullptr ? std::vector<std::string>{std::string(unit)}
+                          : units_of(known->dimension);
+}
 
 double parse_quantity(std::string_view text, std::string_view unit) {
   const std::string_view body = trimmed(text);

@@ -15,6 +15,11 @@ std::vector<std::string> sensor_fields(const Parameters& parameters) {
   if (text.empty()) {
     return {};
   }
+  if (text.starts_with('{')) {
+    throw ConfigurationError(
+        parameters.where("fields"),
+        fmt::format("key 'fields': '{}' is no list; write  fields: [pose.pose.position.x]", text));
+  }
   if (!text.starts_with('[')) {
     return {text};  // a single path
   }
@@ -23,8 +28,9 @@ std::vector<std::string> sensor_fields(const Parameters& parameters) {
     if (!field.is_string()) {
       throw ConfigurationError(
           parameters.where("fields"),
-          fmt::format("key 'fields': {} is no path of a field; write  [pose.pose.position.x]",
-                      field.dump()));
+          fmt::format(
+              "key 'fields': {} is no path of a field; write  fields: [pose.pose.position.x]",
+              field.dump()));
     }
     fields.push_back(field.get<std::string>());
   }

@@ -1,6 +1,11 @@
 // Faults are collected, so that one check tells all of them.
 #pragma once
 
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "spikeloop/core/error.hpp"
@@ -12,7 +17,14 @@ class Faults {
  public:
   explicit Faults(std::vector<Fault>& list) : list_(list) {}
 
-  void add(const Error& error) { list_.push_back({error.what(), error.where(), error.exit_code()}); }
+  /// The same is not told twice: a node that is misspelt in the middle of a line is the end of two
+  /// connections.
+  void add(const Error& error) {
+    const std::string text = error.what();
+    if (std::ranges::none_of(list_, [&](const Fault& fault) { return fault.text == text; })) {
+      list_.push_back({text, error.where(), error.exit_code()});
+    }
+  }
   void add(const Location& where, const std::string& message) {
     add(ConfigurationError(where, message));
   }
@@ -27,22 +39,56 @@ class Faults {
       return false;
     }
   }
-  bool none() const { return list_.empty(); }
+  std::size_t count() const { return list_.size(); }
 
  private:
   std::vector<Fault>& list_;
 };
 
-/// A node's class, keys and files. False when it cannot take part in further checks.
-bool resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
-                  Experiment& experiment, Faults& faults);
-/// Widths along every connection; makes every node once.
-void resolve_links(const ExperimentFile& file, Experiment& experiment, Faults& faults);
+/// What is known of a node after a look at it alone.
+struct Checked {
+  bool ports = false;       ///< they are known, so that connections can be checked
+  bool parameters = false;  ///< all of it is right: it can be made
+};
 
-/// Keys whose declaration has a unit are written with it.
-/// @throws ConfigurationError for the first number without one, an unknown or a missing key.
-Parameters resolve_keys(const std::vector<ParameterDescription>& declared,
-                        const WrittenValues& written, const WeightLoader& load_weights,
-                        const std::string& what, const Location& where);
+/// A node's class, keys and files.
+Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
+                     Experiment& experiment, Faults& faults);
+/// Ends, kinds, cycles, delays; widths along every connection; makes every node once that `whole`
+/// names.
+void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
+                   Experiment& experiment, Faults& faults);
+
+/// What a message says behind its place.
+std::string reason_of(const Error& error);
+
+/// Mapping files and experiments have the same fields; their errors speak of the file's.
+template <typename Work>
+void in_yaml(Work&& work) {
+  try {
+    work();
+  } catch (const ConfigurationError& error) {
+    constexpr std::string_view kFile = "'mapping.";
+    std::string text = reason_of(error);
+    for (auto at = text.find(kFile); at != std::string::npos; at = text.find(kFile)) {
+      text.replace(at, kFile.size(), "'fields.");
+    }
+    throw ConfigurationError(error.where(), text);
+  }
+}
+
+/// Something that has keys.
+struct Keyed {
+  const WrittenValues& written;
+  std::string what;  ///< "node 'encoder'"
+  Location where;
+  std::vector<std::string> unread{};         ///< were told of before
+  std::map<std::string, Location> places{};  ///< of keys
+};
+
+/// Each key by itself: unknown, missing, without unit, wrong. Numbers whose declaration has a unit
+/// are written with one.
+Parameters resolve_keys(const std::vector<ParameterDescription>& declared, const Keyed& keyed,
+                        const WeightLoader& load_weights, Faults& faults);
 
 }  // namespace spikeloop::experiment

@@ -32,7 +32,8 @@ void load_plugins(const ExperimentFile& file, Loaded& loaded) {
 std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides) {
   auto loaded = std::make_unique<Loaded>();
   try {
-    const ExperimentFile file = read_experiment_file(path);
+    const ExperimentFile file =
+        read_experiment_file(path, [&](const ConfigurationError& error) { add(error, *loaded); });
     load_plugins(file, *loaded);
     loaded->experiment = resolve(file, loaded->kinds, overrides, loaded->faults);
   } catch (const Error& error) {

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "faults.hpp"
 #include "spikeloop/experiment/experiment.hpp"
@@ -19,29 +20,36 @@ void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) 
                  [&] { experiment.tick = tick_from_seconds(keys.number("tick")); });
 }
 
+void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& experiment,
+               Faults& faults) {
+  read_times(keys, experiment, faults);
+  const std::string& name = keys.text("experiment");
+  experiment.name = name.empty() ? std::filesystem::path(file.path).stem().string() : name;
+  experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
+  experiment.sync = sync_named(keys.text("sync"));
+  experiment.real_time_factor = keys.number("real_time_factor");
+  experiment.ros = keys.text("ros") == "1" ? Ros::ros1 : Ros::none;
+  if (keys.text("ros") == "2") {
+    faults.add(keys.where("ros"), "key 'ros': ROS 2 is not in this version; write 1 or none");
+  }
+}
+
+/// Keys that may be left out and then have no value.
+std::vector<ParameterDescription> without(std::vector<ParameterDescription> declared,
+                                          const char* name, const WrittenValues& written) {
+  if (!written.contains(name)) {
+    std::erase_if(declared, [&](const auto& parameter) { return parameter.name == name; });
+  }
+  return declared;
+}
+
+/// A fault in one key leaves the others' checks alone: its default stands in.
 void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
                Faults& faults) {
-  auto declared = experiment_parameters();
-  if (!file.keys.contains("duration")) {
-    std::erase_if(declared, [](const auto& parameter) { return parameter.name == "duration"; });
-  }
-  faults.attempt({file.path, 0, 0}, [&] {
-    Parameters keys = resolve_keys(declared, file.keys, {}, "the experiment", {file.path, 0, 0});
-    if (!file.keys.contains("duration")) {
-      keys.set("duration", 0.0, false);
-    }
-    read_times(keys, experiment, faults);
-    const std::string& name = keys.text("experiment");
-    experiment.name = name.empty() ? std::filesystem::path(file.path).stem().string() : name;
-    experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
-    experiment.sync = sync_named(keys.text("sync"));
-    experiment.real_time_factor = keys.number("real_time_factor");
-    experiment.ros = keys.text("ros") == "1" ? Ros::ros1 : Ros::none;
-    if (keys.text("ros") == "2") {
-      throw ConfigurationError(keys.where("ros"),
-                               "key 'ros': ROS 2 is not in this version; write 1 or none");
-    }
-  });
+  const auto declared = without(experiment_parameters(), "duration", file.keys);
+  Parameters keys =
+      resolve_keys(declared, {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
+  take_keys(file, keys, experiment, faults);
   if (overrides.duration_s) {
     experiment.duration = from_seconds(*overrides.duration_s);
   }
@@ -54,28 +62,16 @@ void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faul
   if (!file.robot) {
     return;
   }
-  const std::vector<ParameterDescription> declared = {
-      {.name = "simulator",
-       .type = ParameterType::choice,
-       .choices = {"mujoco"},
-       .text = "What simulates the robot"},
-      {.name = "world",
-       .type = ParameterType::text,
-       .default_value = "arena.xml",
-       .text = "An MJCF file, or the name of a shipped world"},
-      {.name = "seed",
-       .type = ParameterType::integer,
-       .default_value = std::to_string(experiment.seed),
-       .minimum = 0,
-       .text = "Places the obstacles; the experiment's when it is left out"}};
-  faults.attempt(file.robot->where, [&] {
-    const Parameters keys =
-        resolve_keys(declared, file.robot->keys, {}, "robot", file.robot->where);
-    const std::string& world = keys.text("world");
-    const auto beside = std::filesystem::path(directory_of(file.path)) / world;
-    experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
-                        static_cast<std::uint64_t>(keys.integer("seed")), file.robot->where};
-  });
+  const ExperimentNode& robot = *file.robot;
+  const auto declared = without(robot_parameters(), "seed", robot.keys);
+  const Parameters keys = resolve_keys(
+      declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
+  const std::string& world = keys.text("world");
+  const auto beside = std::filesystem::path(directory_of(file.path)) / world;
+  const bool own_seed = keys.given("seed");
+  experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
+                      own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
+                      robot.where};
 }
 
 Location where_of(const ExperimentFile& file, const char* key) {
@@ -89,12 +85,14 @@ void check_ways(const ExperimentFile& file, const Experiment& experiment, Faults
     faults.add(where_of(file, "sync"),
                "key 'sync': sim_time is not in this version; write realtime, unpaced or lockstep");
   }
-  if (experiment.sync == Sync::lockstep && experiment.ros != Ros::none) {
+  if (experiment.sync != Sync::lockstep) {
+    return;
+  }
+  if (experiment.ros != Ros::none) {
     faults.add(where_of(file, "sync"),
                "key 'sync': lockstep needs the robot in this process, in this version; write  ros: "
                "none  and  robot: {simulator: mujoco}");
-  }
-  if (experiment.sync == Sync::lockstep && !experiment.robot) {
+  } else if (!experiment.robot) {
     faults.add(where_of(file, "sync"),
                "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco}, or  "
                "sync: unpaced");
@@ -143,20 +141,14 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
                                        topic, did_you_mean(topic, known)));
 }
 
-void check_topics(const Experiment& experiment, Faults& faults) {
+void check_topics(const Experiment& experiment, const std::set<std::string>& whole,
+                  Faults& faults) {
   for (const Part& part : experiment.parts) {
     const bool topic = part.kind == kRosSensor || part.kind == kRosCommand;
-    if (topic && experiment.ros == Ros::none) {
+    if (topic && whole.contains(part.name) && experiment.ros == Ros::none) {
       faults.attempt(part.where, [&] { check_robot_topic(part, experiment); });
     }
   }
-}
-
-/// Whether the text is a number and nothing else.
-bool is_bare_number(const std::string& text) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && number != 0;
 }
 
 }  // namespace
@@ -182,28 +174,6 @@ std::string_view name_of(Sync sync) {
       break;
   }
   return "sim_time";
-}
-
-Parameters resolve_keys(const std::vector<ParameterDescription>& declared,
-                        const WrittenValues& written, const WeightLoader& load_weights,
-                        const std::string& what, const Location& where) {
-  for (const ParameterDescription& parameter : declared) {
-    const auto value = written.find(parameter.name);
-    if (value == written.end() && !parameter.default_value) {
-      throw ConfigurationError(
-          where, fmt::format("{}: key '{}' is missing ({}); write  {}: ...", what, parameter.name,
-                             parameter.text, parameter.name));
-    }
-    const bool has_unit =
-        parameter.type == ParameterType::number && !parameter.unit.empty() && parameter.unit != "1";
-    if (value != written.end() && has_unit && is_bare_number(value->second.text)) {
-      throw ConfigurationError(
-          value->second.where,
-          fmt::format("{0}: key '{1}': {2} has no unit; write for example  {1}: {2} {3}", what,
-                      parameter.name, value->second.text, parameter.unit));
-    }
-  }
-  return resolve(declared, written, load_weights);
 }
 
 std::string directory_of(const std::string& experiment_path) {
@@ -239,14 +209,22 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   read_keys(file, overrides, experiment, all);
   read_robot(file, experiment, all);
   check_ways(file, experiment, all);
-  bool whole = true;
+  bool joined = file.joined;
+  std::set<std::string> whole;
   for (const ExperimentNode& node : file.nodes) {
-    whole &= resolve_part(node, kinds, directory_of(file.path), experiment, all);
+    const Checked checked = resolve_part(node, kinds, directory_of(file.path), experiment, all);
+    joined = joined && checked.ports;
+    if (checked.parameters) {
+      whole.insert(node.name);
+    }
   }
-  check_topics(experiment, all);
-  if (whole) {
-    resolve_links(file, experiment, all);
+  check_topics(experiment, whole, all);
+  if (joined) {
+    resolve_links(file, whole, experiment, all);
   }
+  std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
+    return std::pair(fault.where.line, fault.where.column);
+  });
   return experiment;
 }
 

@@ -59,53 +59,48 @@ std::string node_of(const std::string& end) {
   return end.substr(0, end.find('.'));
 }
 
-void check_all_connected(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
-  std::set<std::string> reached;
-  for (const ExperimentConnection& connection : file.connections) {
-    reached.insert(node_of(connection.from));
-    reached.insert(node_of(connection.to));
-  }
+/// Nodes that no connection names; none as long as a connection has a slip in a name.
+std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment& experiment) {
+  std::set<std::string> lonely;
   for (const Part& part : experiment.parts) {
-    if (!reached.contains(part.name)) {
-      faults.add(part.where, fmt::format("node '{0}' is not connected; write it into "
-                                         "'connections', or leave it out",
-                                         part.name));
+    lonely.insert(part.name);
+  }
+  const std::set<std::string> known = lonely;
+  for (const ExperimentConnection& connection : file.connections) {
+    for (const std::string& name : {node_of(connection.from), node_of(connection.to)}) {
+      lonely.erase(name);
+      if (!known.contains(name)) {
+        return {};
+      }
     }
   }
+  return lonely;
 }
 
-class IdleSource : public Source {
- public:
-  explicit IdleSource(std::vector<EndpointPort> ports) : ports_(std::move(ports)) {}
-  std::vector<EndpointPort> ports() const override { return ports_; }
-  void receive(const Step&) override {}
-
- private:
-  std::vector<EndpointPort> ports_;
-};
-
-class IdleSink : public Sink {
- public:
-  explicit IdleSink(std::vector<EndpointPort> ports) : ports_(std::move(ports)) {}
-  std::vector<EndpointPort> ports() const override { return ports_; }
-  void send(const Step&) override {}
-
- private:
-  std::vector<EndpointPort> ports_;
-};
-
-GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment) {
+GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment,
+                          Faults& faults) {
   GraphDescription description;
   description.tick = experiment.tick;
   description.seed = experiment.seed;
+  const auto lonely = lonely_nodes(file, experiment);
   for (const Part& part : experiment.parts) {
-    description.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
+    if (lonely.contains(part.name)) {
+      faults.add(part.where, fmt::format("node '{0}' is not connected; write it into "
+                                         "'connections', or leave it out",
+                                         part.name));
+    } else {
+      description.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
+    }
   }
   for (const ExperimentConnection& connection : file.connections) {
-    const bool delayed = !connection.delay.text.empty();
-    description.connections.push_back({connection.from, connection.to, connection.width,
-                                       delayed ? delay_ticks(connection.delay, experiment.tick) : 0,
-                                       connection.where});
+    std::uint32_t ticks = 0;
+    if (!connection.delay.text.empty() && !faults.attempt(connection.where, [&] {
+          ticks = delay_ticks(connection.delay, experiment.tick);
+        })) {
+      ticks = 1;  // something was meant: a cycle that it is part of has a delay
+    }
+    description.connections.push_back({connection.from, connection.to, connection.width, ticks,
+                                       connection.where, connection.where_from});
   }
   return description;
 }
@@ -133,62 +128,63 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
 /// What only widths decide.
 void check_part(const Part& part, const Experiment& experiment) {
   if (part.kind == kRosSensor) {
-    messages::SensorConversion(messages::Catalog::builtin(), part.parameters.text("message"),
-                               sensor_fields(part.parameters), experiment.width(part.name, "out"),
-                               true);
+    const bool fields = part.parameters.given("fields");
+    located_at(part.parameters.where(fields ? "fields" : "message"), [&] {
+      messages::SensorConversion(messages::Catalog::builtin(), part.parameters.text("message"),
+                                 sensor_fields(part.parameters), experiment.width(part.name, "out"),
+                                 true);
+      return 0;
+    });
   } else if (part.kind == kRosCommand) {
-    check_channels(part.mapping, experiment.width(part.name, "in"));
+    in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
   } else if (part.role == Role::source) {
     playback(part, experiment.width(part.name, "out"));
   }
 }
 
-/// Every node once, with nothing at the rim.
-void try_nodes(const Experiment& experiment) {
-  GraphDescription description;
-  description.tick = experiment.tick;
-  description.seed = experiment.seed;
-  std::vector<std::unique_ptr<IdleSource>> sources;
-  std::vector<std::unique_ptr<IdleSink>> sinks;
-  for (const Part& part : experiment.parts) {
-    if (part.role == Role::node) {
-      description.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
-      continue;
-    }
-    const PortDescription& port = part.node_class->description.ports.front();
-    const std::vector<EndpointPort> ports{
-        {port.name, port.kind, experiment.width(part.name, port.name)}};
-    if (part.role == Role::source) {
-      sources.push_back(std::make_unique<IdleSource>(ports));
-      description.sources.push_back({part.name, sources.back().get()});
-    } else {
-      sinks.push_back(std::make_unique<IdleSink>(ports));
-      description.sinks.push_back({part.name, sinks.back().get()});
-    }
+/// Makes the node once: it says whether its parameters go with its widths.
+void try_node(const Part& part, const PlannedElement& element, std::uint64_t seed) {
+  if (part.role != Role::node) {
+    return;
   }
-  for (const Link& link : experiment.links) {
-    description.connections.push_back(
-        {link.from, link.to, link.width, link.delay_ticks.value_or(0), link.where});
+  NodeSetup setup{part.name, seed, part.parameters, {}};
+  for (const PlannedPort& port : element.ports) {
+    if (port.width == 0) {
+      throw ConfigurationError(
+          part.where,
+          fmt::format("nothing is connected to the output '{}.{}', and nothing else says "
+                      "how wide it is; connect it, or leave the node out",
+                      part.name, port.name));
+    }
+    setup.widths.push_back(port.width);
   }
-  const Graph graph(description);
+  part.node_class->create(setup);
 }
 
 }  // namespace
 
-void resolve_links(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
-  check_all_connected(file, experiment, faults);
-  const bool planned = faults.none() && faults.attempt(file.where_connections, [&] {
-    const GraphDescription graph = as_nodes(file, experiment);
-    take_links(plan(graph), file, graph, experiment);
+void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
+                   Experiment& experiment, Faults& faults) {
+  const std::size_t before = faults.count();
+  const GraphDescription graph = as_nodes(file, experiment, faults);
+  GraphPlan planned;
+  faults.attempt(file.where_connections, [&] {
+    planned = plan(graph, [&](const ConfigurationError& error) {
+      faults.attempt(file.where_connections, [&] { throw error; });
+    });
   });
-  if (!planned) {
+  if (faults.count() != before) {
     return;
   }
-  for (const Part& part : experiment.parts) {
-    faults.attempt(part.where, [&] { check_part(part, experiment); });
-  }
-  if (faults.none()) {
-    faults.attempt(file.where_nodes, [&] { try_nodes(experiment); });
+  take_links(planned, file, graph, experiment);
+  for (std::size_t i = 0; i < experiment.parts.size(); ++i) {
+    const Part& part = experiment.parts[i];
+    if (whole.contains(part.name)) {
+      faults.attempt(part.where, [&] {
+        check_part(part, experiment);
+        try_node(part, planned.elements[i], experiment.seed);
+      });
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/neurons/network.hpp"
+#include "spikeloop/record/reader.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -39,13 +40,6 @@ WeightLoader table_loader(const std::string& directory, const NodeClass& node_cl
   };
 }
 
-/// What a message says behind its place.
-std::string reason_of(const Error& error) {
-  const std::string text = error.what();
-  const std::size_t place = error.located() ? error.where().text().size() + 2 : 0;
-  return text.substr(std::min(place, text.size()));
-}
-
 Json parsed(const Parameters& parameters, const char* key, const char* example) {
   const std::string& text = parameters.text(key);
   if (text.empty()) {
@@ -73,11 +67,14 @@ void add_limits(const Parameters& parameters, Json& fields) {
           fmt::format("key 'limits': '{}' is not one of the fields; write it into  fields, too",
                       field));
     }
-    if (!range.is_array() || range.size() != 2) {
+    const bool pair = range.is_array() && range.size() == 2 && range[0].is_number() &&
+                      range[1].is_number() && range[0] <= range[1];
+    if (!pair) {
       throw ConfigurationError(
           parameters.where("limits"),
-          fmt::format("key 'limits': {} of '{}' is no pair of numbers; write  {}: [-0.5, 0.5]",
-                      range.dump(), field, field));
+          fmt::format(
+              "key 'limits': {} of '{}' is no least and greatest value; write  {}: [-0.5, 0.5]",
+              range.dump(), field, field));
     }
     if (!fields[field].is_object()) {
       fields[field] = Json{{"channel", fields[field]}};
@@ -93,6 +90,12 @@ CommandMapping command_mapping(const Parameters& parameters) {
   add_limits(parameters, fields);
   if (!fields.is_null()) {
     mapping["mapping"] = fields;
+  } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
+    throw ConfigurationError(
+        parameters.where("message"),
+        fmt::format("key 'fields' is missing: a {} has to know which channel is which; write for "
+                    "example  fields: {{linear.x: 0, angular.z: 1}}",
+                    parameters.text("message")));
   }
   const bool about_fields = parameters.given("fields");
   const Location where = parameters.where(about_fields ? "fields" : "message");
@@ -103,7 +106,8 @@ CommandMapping command_mapping(const Parameters& parameters) {
     }
     return result;
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(where, reason_of(error));
+    in_yaml([&] { throw ConfigurationError(where, reason_of(error)); });
+    throw;  // never reached
   }
 }
 
@@ -115,7 +119,8 @@ void check_endpoint(Part& part) {
     part.parameters.set("message", type, true, where);
   };
   if (part.kind == kRosSensor) {
-    if (part.parameters.text("fields").empty()) {
+    const std::string& message = part.parameters.text("message");
+    if (part.parameters.text("fields").empty() || message.find('/') == std::string::npos) {
       canonical();
     }
     sensor_initial(part.parameters);
@@ -125,6 +130,13 @@ void check_endpoint(Part& part) {
     part.mapping = command_mapping(part.parameters);
     check_command_fields(part.mapping);
   }
+}
+
+[[noreturn]] void refuse_file(const char* key, const Location& where, const char* what,
+                              const std::string& path) {
+  throw ConfigurationError(
+      where, fmt::format("key '{}': there is no {} '{}'; write its path, from where this file lies",
+                         key, what, path));
 }
 
 /// A network that was written as a map, which is JSON by now: YAML as well. Its places are lost.
@@ -148,7 +160,11 @@ void read_network(Part& part, const std::string& directory, Experiment& experime
   const std::string& written = part.parameters.text("network");
   const bool in_place = written.starts_with('{');
   if (!in_place) {
-    part.parameters.set("network", in_directory(directory, written), true, where);
+    const std::string path = in_directory(directory, written);
+    if (!std::filesystem::exists(path)) {
+      refuse_file("network", where, "network file", path);
+    }
+    part.parameters.set("network", path, true, where);
   }
   const std::string& path = part.parameters.text("network");
   const NetworkFile network = in_place ? network_in_place(path, where, directory)
@@ -158,11 +174,24 @@ void read_network(Part& part, const std::string& directory, Experiment& experime
   part.node_class = experiment.own_classes.back().get();
 }
 
-void absolute_files(Part& part, const std::string& directory) {
-  if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
-    const Location where = part.parameters.where("file");
-    part.parameters.set("file", in_directory(directory, part.parameters.text("file")), true, where);
+/// A recording knows its width.
+void read_recording(Part& part, const std::string& directory, Experiment& experiment) {
+  const Location where = part.parameters.where("file");
+  const std::string path = in_directory(directory, part.parameters.text("file"));
+  part.parameters.set("file", path, true, where);
+  if (!std::filesystem::exists(path)) {
+    refuse_file("file", where, "recording", path);
   }
+  const std::string& stream = part.parameters.text("stream");
+  const Location& named = part.parameters.given("stream") ? part.parameters.where("stream") : where;
+  const std::uint32_t width = located_at(named, [&] {
+    return part.kind == kSpikePlayback ? record::read_spikes(path, stream).width
+                                       : record::read_signal(path, stream).width;
+  });
+  auto own = std::make_shared<NodeClass>(*part.node_class);
+  own->description.ports.front().width = WidthRule::fixed(width);
+  part.node_class = own.get();
+  experiment.own_classes.push_back(std::move(own));
 }
 
 /// The node's class: `node: NAME`, or `simulator: builtin` for the built-in network.
@@ -198,8 +227,14 @@ std::string kind_of(const ExperimentNode& node, Part& part) {
 
 }  // namespace
 
-bool resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
-                  Experiment& experiment, Faults& faults) {
+std::string reason_of(const Error& error) {
+  const std::string text = error.what();
+  const std::size_t place = error.located() ? error.where().text().size() + 2 : 0;
+  return text.substr(std::min(place, text.size()));
+}
+
+Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
+                     Experiment& experiment, Faults& faults) {
   Part part;
   part.name = node.name;
   part.where = node.where;
@@ -213,20 +248,27 @@ bool resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::str
     part.plugin = kinds.plugin_of(part.kind);
   });
   if (!found) {
-    return false;
+    return {};
   }
-  const bool good = faults.attempt(node.where, [&] {
-    part.parameters = resolve_keys(part.node_class->description.parameters, part.written,
-                                   table_loader(directory, *part.node_class),
-                                   fmt::format("node '{}'", node.name), node.where);
-    absolute_files(part, directory);
+  const std::size_t before = faults.count();
+  part.parameters = resolve_keys(
+      part.node_class->description.parameters,
+      {part.written, fmt::format("node '{}'", node.name), node.where, node.unread, node.places},
+      table_loader(directory, *part.node_class), faults);
+  bool good = faults.count() == before && node.unread.empty();
+  good = good && faults.attempt(node.where, [&] {
     check_endpoint(part);
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
+    } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
+      read_recording(part, directory, experiment);
     }
   });
+  const bool own_widths =
+      part.kind == kNetwork || part.kind == kSpikePlayback || part.kind == kSignalPlayback;
+  const bool ports = good || !own_widths;
   experiment.parts.push_back(std::move(part));
-  return good;
+  return {ports, good};
 }
 
 }  // namespace spikeloop::experiment

@@ -74,14 +74,14 @@ std::unique_ptr<Node> make_network(NetworkFile network) {
 NodeClass network_class() {
   NodeDescription description;
   description.name = "network";
-  description.text = "a small network of repeaters and integrate-and-fire neurons from a file";
+  description.text = "A small network of repeaters and integrate-and-fire neurons from a file";
   description.source = "Rotter & Diesmann 1999, Biol. Cybern. 81:381-402";
-  description.ports = {{"in", PortKind::spikes, Direction::input, {}, "the input populations"},
-                       {"out", PortKind::spikes, Direction::output, {}, "the file's output list"}};
+  description.ports = {{"in", PortKind::spikes, Direction::input, {}, "The input populations"},
+                       {"out", PortKind::spikes, Direction::output, {}, "The file's output list"}};
   ParameterDescription path;
   path.name = "network";
   path.type = ParameterType::text;
-  path.text = "network file (YAML), relative to the working directory";
+  path.text = "Network file (YAML)";
   description.parameters = {path};
   return {std::move(description), create};
 }

@@ -61,7 +61,11 @@ INSTANTIATE_TEST_SUITE_P(
     File, NetworkError,
     testing::Values(
         Case{"not_yaml", "populations: [\n",
-             "net.yaml:2:1: this is not YAML: end of sequence flow not found"},
+             "net.yaml:2:1: this is not YAML: end of sequence flow not found; look for a bracket, "
+             "a quote "
+             "or an indentation that does not match"},
+        Case{"comma_first", " , a\n",
+             "net.yaml:1:2: this is not YAML: nothing can begin like this; write  key: value"},
         Case{"two_documents", "output: [a]\n---\noutput: [b]\n",
              "net.yaml:3:1: a second document begins; write one network a file, without '---' "
              "inside it"},

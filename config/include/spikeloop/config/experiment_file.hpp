@@ -18,11 +18,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/core/complain.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
 
@@ -33,15 +35,18 @@ struct ExperimentNode {
   std::string name;
   WrittenValues keys;
   Location where;
+  std::vector<std::string> unread{};         ///< keys whose values cannot be read
+  std::map<std::string, Location> places{};  ///< of the keys, not of their values
 };
 
 /// One arrow.
 struct ExperimentConnection {
-  std::string from;         ///< "scan" or "scan.out"
+  std::string from;  ///< "scan" or "scan.out"
   std::string to;
   std::uint32_t width = 0;  ///< 0: not written
   WrittenValue delay{};     ///< "5 ms" or "2 ticks"; an empty text: none
   Location where;           ///< of the arrow's target
+  Location where_from{};    ///< of its source
 };
 
 struct ExperimentFile {
@@ -53,17 +58,27 @@ struct ExperimentFile {
   std::vector<ExperimentConnection> connections;
   Location where_nodes{};        ///< of the key `nodes`
   Location where_connections{};  ///< of the key `connections`
+  bool joined = true;            ///< false: a node or a connection could not be read
 };
 
 /// The keys of the whole experiment but those that hold others: robot, plugins, nodes, connections.
 std::vector<ParameterDescription> experiment_parameters();
+/// Those of `robot`, and of a connection that is written as a map. An empty default: none.
+std::vector<ParameterDescription> robot_parameters();
+std::vector<ParameterDescription> connection_parameters();
 
-/// Parses the text of a file; `path` only names it in locations.
-/// @throws ConfigurationError "file:line:column: what is wrong; what to write": not YAML, unknown
-/// keys (did you mean), a key written twice, a connection that cannot be read.
+/// Parses the text of a file; `path` only names it in locations. Tells everything that is wrong,
+/// and returns what could be read.
+/// @throws ConfigurationError "file:line:column: what is wrong; what to write" when nothing can:
+/// not YAML, not a map.
+ExperimentFile parse_experiment(std::string_view text, const std::string& path,
+                                const Complain& complain);
+/// The same for a file. @throws FileError when it cannot be read.
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const Complain& complain);
+
+/// The same, but the first thing that is wrong is thrown: unknown keys (did you mean), a key
+/// written twice, a connection that cannot be read.
 ExperimentFile parse_experiment(std::string_view text, const std::string& path);
-
-/// @throws FileError when it cannot be read, else as `parse_experiment`.
 ExperimentFile read_experiment_file(const std::filesystem::path& path);
 
 }  // namespace spikeloop

@@ -75,8 +75,14 @@ auto located_at(const Location& where, Work&& work) {
     }
     throw ConfigurationError(where, error.what());
   } catch (const FileError& error) {
+    if (error.located()) {
+      throw;
+    }
     throw FileError(where, error.what());
   } catch (const TransportError& error) {
+    if (error.located()) {
+      throw;
+    }
     throw TransportError(where, error.what());
   }
 }

@@ -21,7 +21,8 @@ struct ConnectionDescription {
   /// Whole ticks. A delay of d moves spikes and breakpoints by d ticks: a spike stamped s arrives
   /// stamped s + d * tick.
   std::uint32_t delay_ticks = 0;
-  Location where{};
+  Location where{};       ///< of `to`
+  Location where_from{};  ///< empty: as `where`
 };
 
 /// What a graph is made from. Pointers must outlive the graph.

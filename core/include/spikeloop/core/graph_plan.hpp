@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/core/complain.hpp"
 #include "spikeloop/core/graph.hpp"
 
 namespace spikeloop {
@@ -51,5 +52,9 @@ struct GraphPlan {
 /// Makes no node: classes of nodes may have no factory.
 /// @throws ConfigurationError as Graph's constructor says.
 GraphPlan plan(const GraphDescription& description);
+
+/// The same, but tells everything that is wrong: names, kinds, inputs and cycles, and when these
+/// are right, widths. The plan is not to be used when something was told.
+GraphPlan plan(const GraphDescription& description, const Complain& complain);
 
 }  // namespace spikeloop

@@ -1,0 +1,68 @@
+#include "experiment_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "node_text.hpp"
+#include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/config/parameter_text.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+std::string section(const std::string& title, const std::string& line, const std::string& table,
+                    bool markdown) {
+  return markdown ? fmt::format("\n### {}\n\n{}\n\n```text\n{}```\n", title, line, table)
+                  : fmt::format("{}: {}\n\n{}\n", title, line, table);
+}
+
+std::string how_to_write(const NodeDescription& description) {
+  return description.name == experiment::kNetwork
+             ? "Write  simulator: builtin  in an experiment file; network: takes a file, or the "
+               "map "
+               "that would stand in one. Its populations say how wide the ports are."
+             : fmt::format("Write  node: {}  in an experiment file.", description.name);
+}
+
+}  // namespace
+
+std::vector<std::string> experiment_classes(const experiment::Kinds& kinds) {
+  auto names = kinds.endpoints();
+  names.emplace_back(experiment::kNetwork);
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string experiment_class_list(const experiment::Kinds& kinds) {
+  std::string text = "In experiment files alone: topics, recordings, the network\n";
+  for (const std::string& name : experiment_classes(kinds)) {
+    text += fmt::format("  {:<27}  {}\n", name, kinds.find(name).description.text);
+  }
+  return text;
+}
+
+std::string experiment_class_text(const NodeDescription& description) {
+  std::string text = fmt::format("{}: {}\n", description.name, description.text);
+  text += description.source.empty() ? "" : fmt::format("Source: {}\n", description.source);
+  return fmt::format("{}\n{}\n{}\n", text, tables(description), how_to_write(description));
+}
+
+std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) {
+  std::string text = section("The file",
+                             "What stands at the left margin, beside robot, plugins, nodes "
+                             "and connections.",
+                             parameter_text(experiment_parameters()), markdown);
+  text += section("robot", "The robot that is simulated in this process.",
+                  parameter_text(robot_parameters()), markdown);
+  text += section("connections", "The keys of a connection that is written as a map.",
+                  parameter_text(connection_parameters()), markdown);
+  for (const std::string& name : experiment_classes(kinds)) {
+    const NodeDescription& description = kinds.find(name).description;
+    text += section(name, fmt::format("{}. {}", description.text, how_to_write(description)),
+                    tables(description), markdown);
+  }
+  return text;
+}
+
+}  // namespace spikeloop::app

@@ -1,0 +1,40 @@
+#include "schema_command.hpp"
+
+#include <cstdlib>
+
+#include "output.hpp"
+#include "spikeloop/experiment/schema.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop schema > spikeloop.schema.json
+
+and, as the first line of an experiment beside it,
+
+  # yaml-language-server: $schema=spikeloop.schema.json
+
+Then editors with YAML's language server complete and check keys, units and values while they are
+written. Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included. `spikeloop check` sees
+more: files, widths, cycles, topics.)";
+
+int print_schema() {
+  experiment::Kinds kinds;
+  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
+    kinds.load_plugin_path(directories);
+  }
+  put_result(experiment::json_schema(kinds));
+  return 0;
+}
+
+}  // namespace
+
+void add_schema_command(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command =
+      app.add_subcommand("schema", "Print the JSON Schema of experiment files, for editors");
+  command->footer(kFooter);
+  command->callback([&action] { action = print_schema; });
+}
+
+}  // namespace spikeloop::app

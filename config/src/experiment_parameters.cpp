@@ -1,0 +1,83 @@
+// The keys of experiment files, as data.
+#include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/config/weight_file.hpp"
+
+namespace spikeloop {
+
+std::vector<ParameterDescription> experiment_parameters() {
+  return {
+      {.name = "experiment",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "Its name; that of the file when it is left out"},
+      {.name = "duration",
+       .unit = "s",
+       .default_value = "",
+       .minimum = 0,
+       .maximum = 9e9,
+       .text = "Simulated time; without it, the experiment runs until it is stopped"},
+      {.name = "tick",
+       .unit = "s",
+       .default_value = "1 ms",
+       .minimum = 1e-9,
+       .maximum = 1000,
+       .text = "How often sensors, network and commands exchange their data"},
+      {.name = "seed",
+       .type = ParameterType::integer,
+       .default_value = "1",
+       .minimum = 0,
+       .text = "Seed of all random numbers, with the node's name"},
+      {.name = "sync",
+       .type = ParameterType::choice,
+       .default_value = "realtime",
+       .choices = {"realtime", "unpaced", "lockstep", "sim_time"},
+       .text =
+           "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
+           "tick, the topic /clock"},
+      {.name = "real_time_factor",
+       .unit = "1",
+       .default_value = "1",
+       .minimum = 0.001,
+       .maximum = 1000,
+       .text = "Simulated time over wall time, with sync: realtime"},
+      {.name = "ros",
+       .type = ParameterType::choice,
+       .default_value = "none",
+       .choices = {"none", "1", "2"},
+       .text = "What carries messages; none: memory, between this process and its own robot"},
+  };
+}
+
+std::vector<ParameterDescription> robot_parameters() {
+  return {{.name = "simulator",
+           .type = ParameterType::choice,
+           .choices = {"mujoco"},
+           .text = "What simulates the robot"},
+          {.name = "world",
+           .type = ParameterType::text,
+           .default_value = "arena.xml",
+           .text = "An MJCF file, or the name of a shipped world"},
+          {.name = "seed",
+           .type = ParameterType::integer,
+           .default_value = "",
+           .minimum = 0,
+           .text = "Places the obstacles; the experiment's when it is left out"}};
+}
+
+std::vector<ParameterDescription> connection_parameters() {
+  return {{.name = "from", .type = ParameterType::text, .text = "NODE or NODE.PORT that sends"},
+          {.name = "to", .type = ParameterType::text, .text = "NODE or NODE.PORT that receives"},
+          {.name = "width",
+           .type = ParameterType::integer,
+           .default_value = "",
+           .minimum = 1,
+           .maximum = kMaximumChannels,
+           .text = "Number of channels; what the nodes and other connections say when it is left "
+                   "out"},
+          {.name = "delay",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "A time, or ticks: 5 ms, 2 ticks; a cycle needs one"}};
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "faults.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+/// Whether the text is a number and nothing else.
+bool is_bare_number(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0';
+}
+
+bool has_unit(const ParameterDescription& parameter) {
+  return parameter.type == ParameterType::number && !parameter.unit.empty() &&
+         parameter.unit != "1";
+}
+
+class KeyReader {
+ public:
+  KeyReader(const Keyed& keyed, const WeightLoader& load_weights, Faults& faults)
+      : keyed_(keyed), load_weights_(load_weights), faults_(faults) {}
+
+  Parameters read(const std::vector<ParameterDescription>& declared) {
+    check_names(names_of(declared));
+    for (const ParameterDescription& parameter : declared) {
+      if (!faults_.attempt(keyed_.where, [&] { take(parameter); })) {
+        stand_in(parameter);
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void check_names(const std::vector<std::string>& names) {
+    for (const auto& [name, value] : keyed_.written) {
+      if (std::ranges::find(names, name) == names.end()) {
+        const auto place = keyed_.places.find(name);
+        faults_.add(
+            place == keyed_.places.end() ? value.where : place->second,
+            fmt::format("{}: unknown key '{}'{}", keyed_.what, name, did_you_mean(name, names)));
+        meant_.push_back(nearest(name, names));
+      }
+    }
+  }
+
+  void take(const ParameterDescription& parameter) {
+    const auto value = keyed_.written.find(parameter.name);
+    if (value == keyed_.written.end()) {
+      take_default(parameter);
+      return;
+    }
+    const auto& [text, where] = value->second;
+    if (has_unit(parameter) && is_bare_number(text) && std::strtod(text.c_str(), nullptr) != 0) {
+      throw ConfigurationError(
+          where, fmt::format("{0}: key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
+                             keyed_.what, parameter.name, text, parameter.unit));
+    }
+    keep(parameter, spikeloop::resolve({parameter}, {*value}, load_weights_));
+  }
+
+  void take_default(const ParameterDescription& parameter) {
+    if (parameter.default_value) {
+      keep(parameter, spikeloop::resolve({parameter}, {}, load_weights_));
+      return;
+    }
+    const auto told = [&](const std::vector<std::string>& names) {
+      return std::ranges::find(names, parameter.name) != names.end();
+    };
+    if (told(meant_) || told(keyed_.unread)) {
+      stand_in(parameter);
+      return;
+    }
+    throw ConfigurationError(
+        keyed_.where, fmt::format("{}: key '{}' is missing ({}); write  {}: {}", keyed_.what,
+                                  parameter.name, parameter.text, parameter.name,
+                                  parameter.choices.empty() ? "..." : parameter.choices.front()));
+  }
+
+  void keep(const ParameterDescription& parameter, const Parameters& read) {
+    result_.set(parameter.name, read.all().at(parameter.name), read.given(parameter.name),
+                read.where(parameter.name));
+  }
+
+  /// Something to go on with after a fault.
+  void stand_in(const ParameterDescription& parameter) {
+    if (parameter.default_value && !parameter.default_value->empty()) {
+      keep(parameter, spikeloop::resolve({parameter}, {}, load_weights_));
+    } else {
+      result_.set(parameter.name, empty_value(parameter.type), false);
+    }
+  }
+  static Parameters::Value empty_value(ParameterType type) {
+    switch (type) {
+      case ParameterType::number:
+        return 0.0;
+      case ParameterType::integer:
+        return std::int64_t{0};
+      case ParameterType::boolean:
+        return false;
+      case ParameterType::weights:
+        return WeightTable{};
+      case ParameterType::text:
+      case ParameterType::choice:
+        break;
+    }
+    return std::string();
+  }
+
+  const Keyed& keyed_;
+  const WeightLoader& load_weights_;
+  Faults& faults_;
+  std::vector<std::string> meant_;
+  Parameters result_;
+};
+
+}  // namespace
+
+Parameters resolve_keys(const std::vector<ParameterDescription>& declared, const Keyed& keyed,
+                        const WeightLoader& load_weights, Faults& faults) {
+  return KeyReader(keyed, load_weights, faults).read(declared);
+}
+
+}  // namespace spikeloop::experiment

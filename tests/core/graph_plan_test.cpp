@@ -1,0 +1,63 @@
+// Everything that is wrong with a graph is told at once, and nothing that only follows from it.
+#include "spikeloop/core/graph_plan.hpp"
+
+#include <gmock/gmock.h>
+
+namespace spikeloop {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+NodeClass signal_class() {
+  NodeDescription description;
+  description.name = "copy";
+  description.ports = {{"in", PortKind::signal, Direction::input, {}, ""},
+                       {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), ""}};
+  return {description, {}};
+}
+
+class GraphPlanFaults : public testing::Test {
+ protected:
+  std::vector<std::string> faults(const std::vector<ConnectionDescription>& connections) {
+    GraphDescription graph;
+    graph.tick = 1'000'000;
+    for (const char* name : {"a", "b", "c"}) {
+      graph.nodes.push_back({name, &class_, {}, {}});
+    }
+    graph.connections = connections;
+    std::vector<std::string> told;
+    plan(graph, [&](const ConfigurationError& error) { told.emplace_back(error.what()); });
+    return told;
+  }
+
+  const NodeClass class_ = signal_class();
+};
+
+TEST_F(GraphPlanFaults, NoneInARing) {
+  EXPECT_THAT(faults({{"a", "b", 2, 1}, {"b", "c"}, {"c", "a"}}), IsEmpty());
+}
+
+TEST_F(GraphPlanFaults, AreToldTogether) {
+  EXPECT_THAT(faults({{"a", "b", 2}, {"b", "a"}, {"b", "a"}}),
+              ElementsAre("two connections lead into 'a.in'; an input takes one",
+                          "nothing is connected to the input 'c.in'",
+                          "the cycle a -> b -> a has no delay; give one of its connections a delay "
+                          "of at least 1 tick"));
+}
+
+TEST_F(GraphPlanFaults, AnInputWithAMisspeltConnectionIsNotSaidToHaveNone) {
+  EXPECT_THAT(faults({{"a", "b", 2, 1}, {"b", "a"}, {"b", "cc"}}),
+              ElementsAre("unknown node 'cc' in 'cc'; did you mean 'c'?"));
+}
+
+TEST_F(GraphPlanFaults, StandAtTheirEndsOfTheConnection) {
+  const Location to{"x.yaml", 3, 20};
+  const Location from{"x.yaml", 3, 5};
+  EXPECT_THAT(faults({{"a.oot", "b", 2, 1, to, from}, {"b", "a"}, {"b", "c.inn", 0, 0, to, from}}),
+              ElementsAre("x.yaml:3:5: 'a' has no output port 'oot'; did you mean 'out'?",
+                          "x.yaml:3:20: 'c' has no input port 'inn'; did you mean 'in'?"));
+}
+
+}  // namespace
+}  // namespace spikeloop

@@ -1,0 +1,168 @@
+// `spikeloop graph`: a picture that is XML, with all that the file names.
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "tests/experiment/program.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// What Python says of it.
+Outcome parse_xml(const std::string& file, const TemporaryDirectory& directory) {
+  return run({.arguments = {"/usr/bin/python3", "-c",
+                            "import sys, xml.etree.ElementTree as e; e.parse(sys.argv[1])", file},
+              .directory = directory.path().string()});
+}
+
+std::string draw(const std::string& name, const std::string& text,
+                 const TemporaryDirectory& directory) {
+  directory.write(name, text);
+  const Outcome outcome = spikeloop({"graph", name, "--out", "x.svg"}, directory);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.text(), "");
+  const Outcome parsed = parse_xml("x.svg", directory);
+  EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
+  return directory.read("x.svg");
+}
+
+/// Upper left corners, widths and heights of the boxes.
+struct Area {
+  double x, y, width, height;
+  bool overlaps(const Area& other) const {
+    return x < other.x + other.width && other.x < x + width && y < other.y + other.height &&
+           other.y < y + height;
+  }
+};
+
+std::vector<Area> boxes(const std::string& svg) {
+  static const std::regex kBox(
+      R"re(<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)" rx="8")re");
+  std::vector<Area> found;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), kBox), end; at != end; ++at) {
+    found.push_back(
+        {std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3]), std::stod((*at)[4])});
+  }
+  return found;
+}
+
+void expect_apart(const std::string& svg, std::size_t count) {
+  const auto areas = boxes(svg);
+  EXPECT_EQ(areas.size(), count);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_FALSE(areas[i].overlaps(areas[j])) << i << " and " << j;
+    }
+  }
+}
+
+TEST(GraphPicture, OfTheExampleHasAllNames) {
+  const TemporaryDirectory directory;
+  const std::string svg = draw("x.yaml", spikeloop({"new", "maze"}, directory).out, directory);
+  for (const char* name : {"maze",
+                           "scan",
+                           "ros_sensor",
+                           "sectors",
+                           "connect",
+                           "encoder",
+                           "rate_encoder",
+                           "brain",
+                           "network",
+                           "decoder",
+                           "linear_readout",
+                           "wheels",
+                           "ros_command",
+                           "/scan",
+                           "/cmd_vel",
+                           "robot in MuJoCo",
+                           "[100]",
+                           "[10]",
+                           "[2]",
+                           "one process, tick 1 ms, realtime"}) {
+    EXPECT_THAT(svg, HasSubstr(std::string(">") + name + "</text>"));
+  }
+  EXPECT_THAT(svg, HasSubstr("url(#signal)"));
+  EXPECT_THAT(svg, HasSubstr("url(#spikes)"));
+  EXPECT_THAT(svg, Not(HasSubstr("with delay")));
+  expect_apart(svg, 7);
+}
+
+TEST(GraphPicture, OfACycle) {
+  const TemporaryDirectory directory;
+  const std::string svg =
+      draw("x.yaml",
+           "nodes:\n  a: {node: sigmoid}\n  b: {node: sigmoid}\n  c: {node: sigmoid}\n"
+           "connections:\n  - a -> b [2] -> a [2, delay 5 ms]\n  - c -> c [3, delay 2 ticks]\n",
+           directory);
+  EXPECT_THAT(svg, HasSubstr(">[2, delay 5 ms]</text>"));
+  EXPECT_THAT(svg, HasSubstr(">[3, delay 2 ms]</text>"));
+  EXPECT_THAT(svg, HasSubstr("stroke-dasharray=\"7 4\""));
+  EXPECT_THAT(svg, HasSubstr(">with delay</text>"));
+  expect_apart(svg, 3);
+}
+
+TEST(GraphPicture, OfThirtyNodes) {
+  const TemporaryDirectory directory;
+  std::string nodes = "nodes:\n";
+  std::string connections = "connections:\n";
+  for (int i = 0; i < 30; ++i) {
+    const std::string name = "n" + std::to_string(i);
+    nodes += "  " + name + ": {node: low_pass, tau: 30 ms}\n";
+    const int from = i == 0 ? 29 : i * 7 / 9;
+    connections += "  - n" + std::to_string(i > 0 && from == i ? i - 1 : from) + " -> " + name +
+                   (i == 0 ? " [2, delay 1 tick]\n" : " [2]\n");
+  }
+  const std::string svg = draw("x.yaml", nodes + connections, directory);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_THAT(svg, HasSubstr(">n" + std::to_string(i) + "</text>"));
+  }
+  expect_apart(svg, 30);
+}
+
+TEST(GraphPicture, OfAMusicFile) {
+  const TemporaryDirectory directory;
+  const std::string svg = draw("x.music",
+                               "stoptime=1\n[laser]\nnp=1\nbinary=ros_sensor_adapter\n"
+                               "ros_topic=/front\n[a&b]\nnp=1\nbinary=./my<own>\n"
+                               "laser.out -> a&b.in [3]\n",
+                               directory);
+  for (const char* name : {"x.music", "laser", "ros_sensor_adapter", "a&amp;b", "my&lt;own&gt;",
+                           "/front", "ROS 1: any robot", "one MUSIC job: a process a box"}) {
+    EXPECT_THAT(svg, HasSubstr(std::string(">") + name + "</text>"));
+  }
+}
+
+TEST(GraphPicture, GoesToStandardOutput) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml", spikeloop({"new"}, directory).out);
+  const Outcome outcome = spikeloop({"graph", "x.yaml"}, directory);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, testing::StartsWith("<svg "));
+  EXPECT_THAT(outcome.out, testing::EndsWith("</svg>\n"));
+}
+
+TEST(GraphPicture, OfWrongFiles) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml", "nodes: {a: {node: sigmod}}\nconnections: [a -> a]\n");
+  const Outcome outcome = spikeloop({"graph", "x.yaml"}, directory);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, HasSubstr("unknown node class 'sigmod'; did you mean 'sigmoid'?"));
+  directory.write("x.music", "[a]\nnp=1\nbinary=a\n[b]\nnp=1\nbinary=b\na.out -> c.in [1]\n");
+  EXPECT_EQ(spikeloop({"graph", "x.music"}, directory).exit_code, 2);
+  const Outcome png = spikeloop({"graph", "x.yaml", "--out", "x.png"}, directory);
+  EXPECT_EQ(png.exit_code, 2);
+  EXPECT_EQ(png.err,
+            "spikeloop: --out: 'x.png' is no name of an SVG file; write for example x.svg "
+            "(rsvg-convert makes a PNG of it)\n");
+  directory.write("y.yaml", spikeloop({"new"}, directory).out);
+  const Outcome nowhere = spikeloop({"graph", "y.yaml", "--out", "no/x.svg"}, directory);
+  EXPECT_EQ(nowhere.exit_code, 4);
+  EXPECT_EQ(nowhere.err, "spikeloop: cannot write 'no/x.svg': No such file or directory\n");
+}
+
+}  // namespace
+}  // namespace spikeloop::test

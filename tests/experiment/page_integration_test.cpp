@@ -1,0 +1,129 @@
+// docs/experiment-file.md says what the program says, and `spikeloop describe` knows what
+// experiment files know.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "tests/experiment/program.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string document(const std::string& name) {
+  std::ifstream file(std::string(SPIKELOOP_DOCS) + "/" + name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const auto from = text.find(begin);
+  const auto to = text.find(end, from == std::string::npos ? 0 : from + begin.size());
+  if (from == std::string::npos || to == std::string::npos) {
+    ADD_FAILURE() << "nothing between " << begin << " and " << end;
+    return "";
+  }
+  return text.substr(from + begin.size(), to - from - begin.size());
+}
+
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const auto at = text.find(part);
+  EXPECT_NE(at, std::string::npos) << part;
+  return at == std::string::npos ? text : text.replace(at, part.size(), by);
+}
+
+TEST(ExperimentPage, HasTheKeysOfToday) {
+  const TemporaryDirectory directory;
+  const std::string page = document("experiment-file.md");
+  const std::string keys = spikeloop({"describe", "--experiment", "--markdown"}, directory).out;
+  EXPECT_EQ(between(page, "a test compares -->\n", "\n<!-- end -->"), keys)
+      << "docs/experiment-file.md is old; put what  spikeloop describe --experiment --markdown\n"
+         "prints between its comments";
+}
+
+class Example : public testing::Test {
+ protected:
+  Example() {
+    std::string row = "[0";
+    for (int i = 0; i < 99; ++i) {
+      row += ",0";
+    }
+    directory_.write("readout.json", "[" + row + "], " + row + "]]");
+    directory_.write(
+        "brain.yaml",
+        "populations:\n  i: {model: input, size: 100}\n  r: {model: repeater, size: 100}\n"
+        "connections:\n  - {from: i, to: r, rule: one_to_one, delay: 1 ms}\n"
+        "output: [r]\n");
+  }
+
+  TemporaryDirectory directory_;
+  std::string page_ = document("experiment-file.md");
+  std::string example_ = between(page_, "```yaml\n", "```\n");
+};
+
+TEST_F(Example, IsRight) {
+  directory_.write("small.yaml", example_);
+  EXPECT_EQ(spikeloop({"check", "small.yaml"}, directory_).text(),
+            "small.yaml: nothing to complain about: 5 nodes, 4 connections, tick 1 ms, 60 s\n");
+}
+
+TEST_F(Example, IsCheckedAsThePageSays) {
+  std::string wrong = replaced(example_, "200 Hz", "200");
+  wrong = replaced(wrong, "tau: 30 ms", "tua: 30 ms");
+  directory_.write("small.yaml", replaced(wrong, "brain [100] -> d", "brian [100] -> d"));
+  std::string said;
+  std::string line;
+  for (const char c : between(page_, "$ spikeloop check small.yaml\n", "\n\n") + "\n") {
+    line += c;
+    if (c == '\n') {
+      said += line.substr(std::min<std::size_t>(4, line.size()));
+      line.clear();
+    }
+  }
+  EXPECT_EQ(spikeloop({"check", "small.yaml"}, directory_).err, said);
+}
+
+TEST(ExperimentPage, HasThePictureOfToday) {
+  const TemporaryDirectory directory;
+  directory.write("explorer.yaml", spikeloop({"new"}, directory).out);
+  EXPECT_TRUE(spikeloop({"graph", "explorer.yaml"}, directory).out ==
+              document("images/explorer.svg"))
+      << "docs/images/explorer.svg is old; renew it with  spikeloop new > explorer.yaml &&\n"
+         "spikeloop graph explorer.yaml --out docs/images/explorer.svg";
+}
+
+TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
+  const TemporaryDirectory directory;
+  const Outcome sensor = spikeloop({"describe", "ros_sensor"}, directory);
+  EXPECT_EQ(sensor.exit_code, 0) << sensor.err;
+  EXPECT_THAT(sensor.out,
+              StartsWith("ros_sensor: The newest message of a topic as a continuous signal\n"
+                         "Source: Weidel et al. 2016, section 2.2\n\nPorts:\n  out  output  "
+                         "continuous  any width  The message's numbers\n\nParameters:\n  topic "));
+  EXPECT_THAT(sensor.out, testing::EndsWith("\nWrite  node: ros_sensor  in an experiment file.\n"));
+  for (const char* name : {"ros_command", "spike_playback", "signal_playback", "network"}) {
+    EXPECT_THAT(spikeloop({"describe", name}, directory).out, StartsWith(name + std::string(": ")));
+  }
+  EXPECT_THAT(spikeloop({"describe", "network"}, directory).out,
+              HasSubstr("Write  simulator: builtin  in an experiment file; "));
+  EXPECT_THAT(spikeloop({"describe"}, directory).out,
+              HasSubstr("In experiment files alone: topics, recordings, the network\n"
+                        "  network  "));
+  EXPECT_EQ(spikeloop({"describe", "ros_senser"}, directory).err,
+            "spikeloop: unknown node class 'ros_senser'; did you mean 'ros_sensor'?\n");
+}
+
+TEST(DescribeExperiment, ShowsTheFilesKeys) {
+  const TemporaryDirectory directory;
+  const Outcome outcome = spikeloop({"describe", "--experiment"}, directory);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\n  tick "));
+  EXPECT_THAT(outcome.out, HasSubstr("\nrobot: The robot that is simulated in this process.\n"));
+  EXPECT_EQ(spikeloop({"describe", "connect", "--experiment"}, directory).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace spikeloop::test

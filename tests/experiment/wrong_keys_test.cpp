@@ -1,0 +1,222 @@
+// Experiment files that are wrong, and every word that is said about them. Keys and their values.
+#include "tests/experiment/wrong_file.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+class WrongKeys : public testing::TestWithParam<WrongFile> {};
+
+TEST_P(WrongKeys, AreExplained) {
+  expect_faults(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, WrongKeys,
+    testing::Values(
+        WrongFile{"unknown top key",
+                  {{"duration", "durations"}},
+                  {"x.yaml:2:1: experiment: unknown key 'durations'; did you mean 'duration'?"}},
+        WrongFile{"two unknown keys",
+                  {{"duration", "durations"}, {"tick", "tack"}},
+                  {"x.yaml:2:1: experiment: unknown key 'durations'; did you mean 'duration'?",
+                   "x.yaml:3:1: experiment: unknown key 'tack'; did you mean 'tick'?"}},
+        WrongFile{"top key twice",
+                  {{"tick: 1 ms", "tick: 1 ms\ntick: 2 ms"}},
+                  {"x.yaml:4:1: experiment: key 'tick' stands here for the second time; the first "
+                   "is at x.yaml:3:1"}},
+        WrongFile{"key without value",
+                  {{"tick: 1 ms", "tick:"}},
+                  {"x.yaml:3:1: experiment: key 'tick' has no value; write one value behind it, or "
+                   "leave the key out"}},
+        WrongFile{"key that is a list",
+                  {{"tick: 1 ms", "tick: [1 ms]"}},
+                  {"x.yaml:3:7: experiment: key 'tick' has a list; write one value behind it, or "
+                   "leave the key out"}},
+        WrongFile{"no nodes",
+                  {{"", "connections: [a -> b]\n"}},
+                  {"x.yaml:1:1: experiment: key 'nodes' is missing; write  nodes: {encoder: {node: "
+                   "rate_encoder}}"}},
+        WrongFile{"empty nodes",
+                  {{"", "nodes:\nconnections: [a -> b]\n"}},
+                  {"x.yaml:1:1: key 'nodes': there are no nodes; write  nodes: {encoder: {node: "
+                   "rate_encoder}}"}},
+        WrongFile{"nodes as a list",
+                  {{"", "nodes: [scan, encoder]\nconnections: [scan -> encoder]\n"}},
+                  {"x.yaml:1:1: key 'nodes': expected a map of nodes; write  nodes: {encoder: "
+                   "{node: rate_encoder}}"}},
+        WrongFile{
+            "no connections",
+            {{"connections:\n  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              ""}},
+            {"x.yaml:1:1: experiment: key 'connections' is missing; write  connections: [\"scan -> "
+             "encoder [100] -> brain [100]\"]"}},
+        WrongFile{"empty connections",
+                  {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n", ""}},
+                  {"x.yaml:11:1: key 'connections': there are no connections; write lines of  - "
+                   "scan -> encoder [100] -> brain"}},
+        WrongFile{
+            "connections as a text",
+            {{"connections:\n  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              "connections: scan -> encoder\n"}},
+            {"x.yaml:11:1: key 'connections': expected a list; write lines of  - scan -> encoder "
+             "[100] -> brain"}},
+        WrongFile{"node twice",
+                  {{"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
+                    "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  encoder: {node: "
+                    "poisson_encoder}\n"}},
+                  {"x.yaml:8:3: key 'nodes': key 'encoder' stands here for the second time; the "
+                   "first is at x.yaml:7:3"}},
+        WrongFile{"node without keys",
+                  {{"{node: rate_encoder, rate_max: 200 Hz}", "rate_encoder"}},
+                  {"x.yaml:7:3: node 'encoder' has no keys; write  encoder: {node: rate_encoder}"}},
+        WrongFile{"node without class",
+                  {{"node: rate_encoder, ", ""}},
+                  {"x.yaml:7:3: node 'encoder' says neither 'node' nor 'simulator'; write  node: "
+                   "rate_encoder, or  simulator: builtin"}},
+        WrongFile{"both node and simulator",
+                  {{"simulator: builtin", "simulator: builtin, node: network"}},
+                  {"x.yaml:8:3: node 'brain' says both 'node' and 'simulator'; write  node: "
+                   "rate_encoder, or  simulator: builtin"}},
+        WrongFile{"unknown class",
+                  {{"rate_encoder", "rate_encodr"}},
+                  {"x.yaml:7:19: unknown node class 'rate_encodr'; did you mean 'rate_encoder'?"}},
+        WrongFile{"simulator to come",
+                  {{"simulator: builtin", "simulator: nest"}},
+                  {"x.yaml:8:22: node 'brain': simulator 'nest' is not in this version of "
+                   "experiment files; write  simulator: builtin, or couple it by a .music file"}},
+        WrongFile{"unknown simulator",
+                  {{"simulator: builtin", "simulator: nist"}},
+                  {"x.yaml:8:22: node 'brain': simulator 'nist' is unknown; write  simulator: "
+                   "builtin, or couple it by a .music file"}},
+        WrongFile{"bad node name",
+                  {{"  encoder:", "  my-encoder:"}},
+                  {"x.yaml:7:3: 'my-encoder' is no name of a node; write letters, digits and '_'"}},
+        WrongFile{"key twice in a node",
+                  {{"rate_max: 200 Hz", "rate_max: 200 Hz, rate_max: 100 Hz"}},
+                  {"x.yaml:7:51: node 'encoder': key 'rate_max' stands here for the second time; "
+                   "the first is at x.yaml:7:33"}},
+        WrongFile{
+            "unknown key",
+            {{"rate_max", "rate_mix"}},
+            {"x.yaml:7:33: node 'encoder': unknown key 'rate_mix'; did you mean 'rate_min'?"}},
+        WrongFile{"missing required key",
+                  {{"topic: /scan, ", ""}},
+                  {"x.yaml:6:3: node 'scan': key 'topic' is missing (Its name, as /scan); write  "
+                   "topic: ..."}},
+        WrongFile{"misspelt required key",
+                  {{"topic: /scan", "tpoic: /scan"}},
+                  {"x.yaml:6:28: node 'scan': unknown key 'tpoic'; did you mean 'topic'?"}},
+        WrongFile{"required key without value",
+                  {{"topic: /scan", "topic: "}},
+                  {"x.yaml:6:28: node 'scan': key 'topic' has no value; write one value behind it, "
+                   "or leave the key out"}},
+        WrongFile{"wrong unit",
+                  {{"200 Hz", "200 mV"}},
+                  {"x.yaml:7:43: key 'rate_max': '200 mV': 'mV' is not a unit of frequency here; "
+                   "write one of: Hz, kHz, MHz"}},
+        WrongFile{"missing unit",
+                  {{"200 Hz", "200"}},
+                  {"x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
+                   "example  rate_max: 200 Hz"}},
+        WrongFile{"missing unit of the tick",
+                  {{"tick: 1 ms", "tick: 0.001"}},
+                  {"x.yaml:3:7: experiment: key 'tick': 0.001 has no unit; write for example  "
+                   "tick: 0.001 s"}},
+        WrongFile{
+            "a word as a number",
+            {{"200 Hz", "fast"}},
+            {"x.yaml:7:43: key 'rate_max': 'fast' is not a number; write for example 0.5 Hz"}},
+        WrongFile{"out of bounds",
+                  {{"200 Hz", "-3 Hz"}},
+                  {"x.yaml:7:43: key 'rate_max': -3 is out of bounds; write a value from 0 to "
+                   "1000000 Hz"}},
+        WrongFile{
+            "not finite",
+            {{"200 Hz", ".inf Hz"}},
+            {"x.yaml:7:43: key 'rate_max': '.inf Hz' is not a number; write for example 0.5 Hz"}},
+        WrongFile{"not finite, in words",
+                  {{"200 Hz", "nan Hz"}},
+                  {"x.yaml:7:43: key 'rate_max': 'nan Hz' is not a finite number; write for "
+                   "example 0.5 Hz"}},
+        WrongFile{"a list as a number",
+                  {{"200 Hz", "[200 Hz]"}},
+                  {"x.yaml:7:43: key 'rate_max': '[\"200 Hz\"]' is not a number; write for example "
+                   "0.5 Hz"}},
+        WrongFile{
+            "tick of zero",
+            {{"tick: 1 ms", "tick: 0 ms"}},
+            {"x.yaml:3:7: key 'tick': 0 is out of bounds; write a value from 1e-09 to 1000 s"}},
+        WrongFile{"tick below a nanosecond",
+                  {{"tick: 1 ms", "tick: 1.5 ns"}},
+                  {"x.yaml:3:7: a tick of 1.5e-09 s is not a whole number of nanoseconds above 0; "
+                   "write for example 2e-09 s"}},
+        WrongFile{"negative duration",
+                  {{"1 s", "-1 s"}},
+                  {"x.yaml:2:11: key 'duration': -1 is out of bounds; write a value from 0 to "
+                   "9000000000 s"}},
+        WrongFile{"seed that is no number",
+                  {{"tick: 1 ms", "seed: one"}},
+                  {"x.yaml:3:7: key 'seed': 'one' is not a whole number; write for example 10"}},
+        WrongFile{"negative seed",
+                  {{"tick: 1 ms", "seed: -1"}},
+                  {"x.yaml:3:7: key 'seed': -1 is out of bounds; write a value of at least 0"}},
+        WrongFile{"wrong choice of sync",
+                  {{"tick: 1 ms", "sync: lockstp"}},
+                  {"x.yaml:3:7: key 'sync': 'lockstp' is not a choice; did you mean 'lockstep'?; "
+                   "write one of: realtime, unpaced, lockstep, sim_time"}},
+        WrongFile{"sync without meaning",
+                  {{"tick: 1 ms", "sync: fast"}},
+                  {"x.yaml:3:7: key 'sync': 'fast' is not a choice; write one of: realtime, "
+                   "unpaced, lockstep, sim_time"}},
+        WrongFile{"sim_time",
+                  {{"tick: 1 ms", "sync: sim_time"}},
+                  {"x.yaml:3:7: key 'sync': sim_time is not in this version; write realtime, "
+                   "unpaced or lockstep"}},
+        WrongFile{"ROS 2",
+                  {{"tick: 1 ms", "ros: 2"}},
+                  {"x.yaml:3:6: key 'ros': ROS 2 is not in this version; write 1 or none"}},
+        WrongFile{"lockstep with ROS",
+                  {{"tick: 1 ms", "sync: lockstep\nros: 1"}},
+                  {"x.yaml:3:7: key 'sync': lockstep needs the robot in this process, in this "
+                   "version; write  ros: none  and  robot: {simulator: mujoco}"}},
+        WrongFile{"lockstep without robot",
+                  {{"tick: 1 ms", "sync: lockstep"}, {"robot: {simulator: mujoco}", "ros: 1"}},
+                  {"x.yaml:3:7: key 'sync': lockstep needs the robot in this process, in this "
+                   "version; write  ros: none  and  robot: {simulator: mujoco}"}},
+        WrongFile{"robot that is no map",
+                  {{"{simulator: mujoco}", "mujoco"}},
+                  {"x.yaml:4:8: key 'robot': expected a map; write  robot: {simulator: mujoco, "
+                   "world: arena.xml}, or leave it out when the robot is somewhere else"}},
+        WrongFile{"unknown robot key",
+                  {{"mujoco}", "mujoco, wrld: a.xml}"}},
+                  {"x.yaml:4:28: robot: unknown key 'wrld'; did you mean 'world'?"}},
+        WrongFile{"unknown robot simulator",
+                  {{"mujoco}", "gazebo}"}},
+                  {"x.yaml:4:20: key 'simulator': 'gazebo' is not a choice; write one of: mujoco"}},
+        WrongFile{"robot without simulator",
+                  {{"{simulator: mujoco}", "{world: arena.xml}"}},
+                  {"x.yaml:4:1: robot: key 'simulator' is missing (What simulates the robot); "
+                   "write  simulator: mujoco"}},
+        WrongFile{"plugins that are no list",
+                  {{"tick: 1 ms", "plugins: x.so"}},
+                  {"x.yaml:3:10: key 'plugins': expected a list of files; write  plugins: "
+                   "[my_encoder.so]"}},
+        WrongFile{"several faults of a node",
+                  {{"rate_max: 200 Hz", "rate_max: 200, rate_min: 1 mV, sede: 3"}},
+                  {"x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
+                   "example  rate_max: 200 Hz",
+                   "x.yaml:7:58: key 'rate_min': '1 mV': 'mV' is not a unit of frequency here; "
+                   "write one of: Hz, kHz, MHz",
+                   "x.yaml:7:64: node 'encoder': unknown key 'sede'; known: rate_min, rate_max, "
+                   "initial, out_of_range, not_finite, initial_phase"}},
+        WrongFile{"faults of several nodes",
+                  {{"200 Hz", "200"}, {"30 ms", "30"}, {"tick: 1 ms", "tick: fast"}},
+                  {"x.yaml:3:7: key 'tick': 'fast' is not a number; write for example 0.5 s",
+                   "x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
+                   "example  rate_max: 200 Hz",
+                   "x.yaml:9:40: node 'decoder': key 'tau': 30 has no unit; write for example  "
+                   "tau: 30 s"}}),
+    [](const auto& row) { return "row" + std::to_string(row.index); });
+
+}  // namespace
+}  // namespace spikeloop::test

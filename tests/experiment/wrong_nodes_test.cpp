@@ -1,0 +1,194 @@
+// Experiment files that are wrong, and every word that is said about them. Topics, weights,
+// networks, recordings.
+#include "tests/experiment/wrong_file.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+class WrongFiles : public testing::TestWithParam<WrongFile> {};
+
+TEST_P(WrongFiles, AreExplained) {
+  expect_faults(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, WrongFiles,
+    testing::Values(
+        WrongFile{"no robot for a topic",
+                  {{"robot: {simulator: mujoco}\n", ""}},
+                  {"x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
+                   "ros: 1, or  robot: {simulator: mujoco}",
+                   "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
+                   " ros: 1, or  robot: {simulator: mujoco}"}},
+        WrongFile{"topic unknown to the robot",
+                  {{"/scan", "/scann"}},
+                  {"x.yaml:6:35: key 'topic': the robot has no topic /scann there; did you mean "
+                   "'/scan'?; with  ros: 1  any topic is possible"}},
+        WrongFile{"command topic unknown to the robot",
+                  {{"/cmd_vel", "/motor"}},
+                  {"x.yaml:10:38: key 'topic': the robot has no topic /motor there; known: "
+                   "/cmd_vel; with  ros: 1  any topic is possible"}},
+        WrongFile{"unknown message type",
+                  {{"LaserScan", "LaserScann"}},
+                  {"x.yaml:6:51: unknown message type 'LaserScann'; did you mean 'LaserScan'?"}},
+        WrongFile{
+            "wrong message type",
+            {{"message: LaserScan", "message: Odometry"}},
+            {"x.yaml:6:51: key 'message': the robot's topic /scan carries sensor_msgs/LaserScan, "
+             "not nav_msgs/Odometry; write  message: sensor_msgs/LaserScan"}},
+        WrongFile{"unknown field of a message",
+                  {{"linear.x: 0", "liner.x: 0"}},
+                  {"x.yaml:10:72: field path 'liner.x' of geometry_msgs/Twist: geometry_msgs/Twist "
+                   "has no field 'liner'; did you mean 'linear'?"}},
+        WrongFile{"unknown field of a sensor",
+                  {{"message: LaserScan", "message: LaserScan, fields: [rangs]"}},
+                  {"x.yaml:6:70: field path 'rangs' of sensor_msgs/LaserScan: "
+                   "sensor_msgs/LaserScan has no field 'rangs'; did you mean 'ranges'?"}},
+        WrongFile{"fields that are no paths",
+                  {{"message: LaserScan", "message: LaserScan, fields: [3]"}},
+                  {"x.yaml:6:70: key 'fields': 3 is no path of a field; write  fields: "
+                   "[pose.pose.position.x]"}},
+        WrongFile{"fields of a sensor that are a map",
+                  {{"message: LaserScan", "message: LaserScan, fields: {ranges: 0}"}},
+                  {"x.yaml:6:70: key 'fields': '{\"ranges\":0}' is no list; write  fields: "
+                   "[pose.pose.position.x]"}},
+        WrongFile{"fields that are no map",
+                  {{"{linear.x: 0, angular.z: 1}", "[linear.x]"}},
+                  {"x.yaml:10:72: key 'fields': '[\"linear.x\"]' is no map; write  fields: "
+                   "{linear.x: 0, angular.z: 1}"}},
+        WrongFile{"field with an unknown key",
+                  {{"linear.x: 0", "linear.x: {chanel: 0}"}},
+                  {"x.yaml:10:72: unknown key 'fields.linear.x.chanel'; did you mean 'channel'?"}},
+        WrongFile{"no fields",
+                  {{", fields: {linear.x: 0, angular.z: 1}", ""}},
+                  {"x.yaml:10:57: key 'fields' is missing: a geometry_msgs/Twist has to know which "
+                   "channel is which; write for example  fields: {linear.x: 0, angular.z: 1}"}},
+        WrongFile{"channel out of range",
+                  {{"angular.z: 1", "angular.z: 2"}},
+                  {"x.yaml:10:72: 'fields.angular.z' reads channel 2, but the port has 2 (0 to 1); "
+                   "write one of these or widen the connection"}},
+        WrongFile{"negative channel",
+                  {{"angular.z: 1", "angular.z: -1"}},
+                  {"x.yaml:10:72: 'fields.angular.z' is -1, no channel; remove the field"}},
+        WrongFile{"limits of an unknown field",
+                  {{"angular.z: 1}", "angular.z: 1}, limits: {linear.y: [0, 1]}"}},
+                  {"x.yaml:10:109: key 'limits': 'linear.y' is not one of the fields; write it "
+                   "into  fields, too"}},
+        WrongFile{"limits that are no pair",
+                  {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: 1}"}},
+                  {"x.yaml:10:109: key 'limits': 1 of 'linear.x' is no least and greatest value; "
+                   "write  linear.x: [-0.5, 0.5]"}},
+        WrongFile{"limits the wrong way round",
+                  {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
+                  {"x.yaml:10:109: key 'limits': [1,0] of 'linear.x' is no least and greatest "
+                   "value; write  linear.x: [-0.5, 0.5]"}},
+        WrongFile{"initial value that is none",
+                  {{"message: LaserScan", "message: LaserScan, initial: zero"}},
+                  {"x.yaml:6:71: key 'initial': 'zero' is neither a number nor 'none'; write for "
+                   "example 0"}},
+        WrongFile{"weights file missing",
+                  {{"w.json", "v.json"}},
+                  {"x.yaml:9:56: key 'weights': there is no weight file 'v.json' in 'CWD' or "
+                   "'DIR'; write its path, 'uniform', 'one_to_one' or 'blocks'"}},
+        WrongFile{
+            "weights of the wrong shape",
+            {},
+            {"x.yaml:9:56: key 'weights': the weights have 2 rows and 2 columns, but the ports "
+             "have 2 outputs and 3 inputs; write one row an output and one column an input"},
+            {{"w.json", "[[1, 0], [0, 1]]"}}},
+        WrongFile{"weights file that is no JSON",
+                  {},
+                  {"x.yaml:9:56: key 'weights': w.json: the table is the number 1; write an array "
+                   "of rows, [[0.1, 0.2], [0.3, 0.4]], one row an output"},
+                  {{"w.json", "1 0 0"}}},
+        WrongFile{
+            "inline weights of the wrong shape",
+            {{"w.json", "[[1, 0], [0, 1]]"}},
+            {"x.yaml:9:56: key 'weights': the weights have 2 rows and 2 columns, but the ports "
+             "have 2 outputs and 3 inputs; write one row an output and one column an input"}},
+        WrongFile{"inline weights ragged",
+                  {{"w.json", "[[1, 0, 0], [0, 1]]"}},
+                  {"x.yaml:9:56: key 'weights': row 1 has 2 weights, but row 0 has 3; write one "
+                   "weight an input in every row"}},
+        WrongFile{"inline weights with a word",
+                  {{"w.json", "[[1, 0, x], [0, 1, 0]]"}},
+                  {"x.yaml:9:56: key 'weights': row 0, column 2 is the text \"x\"; write a finite "
+                   "number"}},
+        WrongFile{"inline weights not finite",
+                  {{"w.json", "[[1, 0, .inf], [0, 1, 0]]"}},
+                  {"x.yaml:9:56: key 'weights': row 0, column 2 is the text \".inf\"; write a "
+                   "finite number"}},
+        WrongFile{"inline weights with an unknown key",
+                  {{"w.json", "{rows: 2, colums: 3, entries: []}"}},
+                  {"x.yaml:9:56: key 'weights': unknown key 'colums'; did you mean 'columns'?"}},
+        WrongFile{"empty inline weights",
+                  {{"w.json", "[]"}},
+                  {"x.yaml:9:56: key 'weights': the table has no weights; write [[0.1, 0.2], [0.3, "
+                   "0.4]], one row an output, or 'uniform' in place of the file"}},
+        WrongFile{"network file missing",
+                  {{"net.yaml", "nat.yaml"}},
+                  {"x.yaml:8:40: key 'network': there is no network file 'nat.yaml'; write its "
+                   "path, from where this file lies"}},
+        WrongFile{"network key missing",
+                  {{", network: net.yaml", ""}},
+                  {"x.yaml:8:3: node 'brain': key 'network' is missing (Network file (YAML)); "
+                   "write  network: ..."}},
+        WrongFile{
+            "network file wrong",
+            {},
+            {"net.yaml:1:30: population 'input': unknown model 'inptu'; did you mean 'input'?"},
+            {{"net.yaml", "populations: {input: {model: inptu, size: 3}}\noutput: [input]\n"}}},
+        WrongFile{"network in place wrong",
+                  {{"net.yaml", "{populations: {r: {model: reepeater, size: 3}}, output: [r]}"}},
+                  {"x.yaml:8:40: key 'network': population 'r': unknown model 'reepeater'; did you "
+                   "mean 'repeater'?"}},
+        WrongFile{"network in place with an unknown key",
+                  {{"net.yaml", "{population: {r: {model: repeater, size: 3}}, output: [r]}"}},
+                  {"x.yaml:8:40: key 'network': network file: unknown key 'population'; did you "
+                   "mean 'populations'?"}},
+        WrongFile{"network width against connection width",
+                  {{"encoder [3] -> brain [3]", "encoder [4] -> brain [4]"}},
+                  {"x.yaml:12:28: widths differ: 'encoder.out' has 4 channels, 'brain.in' has 3, "
+                   "the connection says [4]"}},
+        WrongFile{"network output width",
+                  {{"brain [3] -> decoder [3]", "brain [3] -> decoder [4]"}},
+                  {"x.yaml:12:41: widths differ: 'brain.out' has 3 channels, 'decoder.in' has 4, "
+                   "the connection says [4]"}},
+        WrongFile{"tick that is no multiple of the resolution",
+                  {{"tick: 1 ms", "tick: 0.25 ms"}},
+                  {"net.yaml: the tick 250 us is not a whole number of the network's resolution "
+                   "100 us; write a tick of 200 us or another resolution"}},
+        WrongFile{
+            "network without input",
+            {{"net.yaml",
+              "{populations: {n: {model: iaf_psc_exp, size: 3, parameters: {I_e: 500 pA}}}, "
+              "output: [n]}"}},
+            {"x.yaml:12:28: 'brain' has no input port; turn the connection round or leave it out"}},
+        WrongFile{
+            "recording without file",
+            {{"{node: ros_sensor, topic: /scan, message: LaserScan}", "{node: signal_playback}"}},
+            {"x.yaml:6:3: node 'scan': key 'file' is missing (A recording of a run folder, as "
+             "run1/encoder.h5); write  file: ..."}},
+        WrongFile{"recording that is none",
+                  {{"{node: ros_sensor, topic: /scan, message: LaserScan}",
+                    "{node: spike_playback, file: w.json}"}},
+                  {"x.yaml:6:38: cannot read 'w.json': not an HDF5 file, or damaged"}},
+        WrongFile{"unknown message type of a sensor with fields",
+                  {{"message: LaserScan", "message: nowhere/LaserScan, fields: [ranges]"},
+                   {"robot: {simulator: mujoco}", "ros: 1"}},
+                  {"x.yaml:6:78: unknown message type 'nowhere/LaserScan'; known: dvs_msgs/Event, "
+                   "dvs_msgs/EventArray, geometry_msgs/Point, geometry_msgs/Pose, "
+                   "geometry_msgs/PoseWithCovariance, geometry_msgs/Quaternion, "
+                   "geometry_msgs/Twist, geometry_msgs/TwistWithCovariance, geometry_msgs/Vector3, "
+                   "nav_msgs/Odometry, rosgraph_msgs/Clock, sensor_msgs/LaserScan, std_msgs/Empty, "
+                   "std_msgs/Float64, std_msgs/Float64MultiArray, std_msgs/Header, "
+                   "std_msgs/MultiArrayDimension, std_msgs/MultiArrayLayout, std_msgs/String"}},
+        WrongFile{"recording missing",
+                  {{"{node: ros_sensor, topic: /scan, message: LaserScan}",
+                    "{node: signal_playback, file: a.h5}"}},
+                  {"x.yaml:6:39: key 'file': there is no recording 'a.h5'; write its path, from "
+                   "where this file lies"}}),
+    [](const auto& row) { return "row" + std::to_string(row.index); });
+
+}  // namespace
+}  // namespace spikeloop::test

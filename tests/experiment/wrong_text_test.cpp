@@ -1,0 +1,99 @@
+// Experiment files that are wrong, and every word that is said about them. What is no experiment at
+// all.
+#include "tests/experiment/wrong_file.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+class WrongText : public testing::TestWithParam<WrongFile> {};
+
+TEST_P(WrongText, AreExplained) {
+  expect_faults(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, WrongText,
+    testing::Values(
+        WrongFile{"no YAML",
+                  {{"", "nodes: {a: [1, 2}\n"}},
+                  {"x.yaml:1:17: this is not YAML: illegal flow end; look for a bracket, a quote "
+                   "or an indentation that does not match"}},
+        WrongFile{"tab for blanks",
+                  {{"  scan:", "\tscan:"}},
+                  {"x.yaml:6:6: this is not YAML: illegal map value; this line begins with a tab, "
+                   "write blanks"}},
+        WrongFile{"empty file",
+                  {{"", ""}},
+                  {"x.yaml: there is no experiment in this file; 'spikeloop new' prints one to "
+                   "begin with"}},
+        WrongFile{"only comments",
+                  {{"", "# nothing\n"}},
+                  {"x.yaml: there is no experiment in this file; 'spikeloop new' prints one to "
+                   "begin with"}},
+        WrongFile{"a list",
+                  {{"", "- a\n- b\n"}},
+                  {"x.yaml:1:1: this is no experiment: expected lines of  key: value; 'spikeloop "
+                   "new' prints one to begin with"}},
+        WrongFile{"a word",
+                  {{"", "hello\n"}},
+                  {"x.yaml:1:1: this is no experiment: expected lines of  key: value; 'spikeloop "
+                   "new' prints one to begin with"}},
+        WrongFile{"second document",
+                  {{"tick: 1 ms", "---\ntick: 1 ms"}},
+                  {"x.yaml:4:1: a second document begins; write one experiment a file, without "
+                   "'---' inside it"}},
+        WrongFile{"binary bytes",
+                  {{"", std::string("\177ELF\002\001\000\000\000", 9)}},
+                  {"x.yaml:1:7: the byte 0x00 is no UTF-8 text; save the file as UTF-8 ('spikeloop "
+                   "new' prints an experiment to begin with)"}},
+        WrongFile{"not UTF-8",
+                  {{"", "\377\376\200\201: \220"}},
+                  {"x.yaml:1:1: the byte 0xFF is no UTF-8 text; save the file as UTF-8 ('spikeloop "
+                   "new' prints an experiment to begin with)"}},
+        WrongFile{"Latin-1",
+                  {{"experiment: table", "experiment: caf\351"}},
+                  {"x.yaml:1:16: the byte 0xE9 is no UTF-8 text; save the file as UTF-8 "
+                   "('spikeloop new' prints an experiment to begin with)"}},
+        WrongFile{"surrogate in a list",
+                  {{"weights: w.json", "weights: [[\"\\uD800\"]]"}},
+                  {"x.yaml:9:65: this is not YAML: invalid unicode: 55296; look for a bracket, a "
+                   "quote or an indentation that does not match"}},
+        WrongFile{"comma first",
+                  {{"", " , a: b\n"}},
+                  {"x.yaml:1:2: this is not YAML: nothing can begin like this; write  key: value"}},
+        WrongFile{"text behind a map",
+                  {{"", "{nodes: {}, connections: []} x\n"}},
+                  {"x.yaml:1:30: a second document begins; write one experiment a file, without "
+                   "'---' inside it"}},
+        WrongFile{"deep nesting",
+                  {{"weights: w.json", "weights: " + nested(40)}},
+                  {"x.yaml:9:89: there are more than 4000000 values or 32 levels here; write them "
+                   "into a file"}},
+        WrongFile{"deep nesting that is never closed",
+                  {{"", "nodes: " + repeated("[", 3000)}},
+                  {"x.yaml:1:1: this is not YAML: it is nested too deeply; close its brackets"}},
+        WrongFile{"deep nesting of blocks",
+                  {{"", "a: " + repeated("{a: ", 30000) + repeated("}", 30000)}},
+                  {"x.yaml:1:1995: this is not YAML: it is nested too deeply; close its brackets"}},
+        WrongFile{
+            "brackets in brackets",
+            {{"connections:\n  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              "connections: [scan -> encoder [3] -> brain [3]]\n"}},
+            {"x.yaml:11:31: this is not YAML: end of sequence flow not found; put quotes round a "
+             "connection that stands in brackets"}},
+        WrongFile{"alias bomb",
+                  {{"tick: 1 ms\n", "plugins: " + bomb() + "\n"}},
+                  {"x.yaml:3:11: key 'plugins': an entry is no path of a file; write  plugins: "
+                   "[my_encoder.so]"}},
+        WrongFile{"alias bomb in a node",
+                  {{"weights: w.json", "weights: " + bomb()}},
+                  {"x.yaml:9:67: there are more than 4000000 values or 32 levels here; write them "
+                   "into a file"}},
+        WrongFile{"alias of itself",
+                  {{"weights: w.json", "weights: &a [*a]"}},
+                  {"x.yaml:9:56: there are more than 4000000 values or 32 levels here; write them "
+                   "into a file"}}),
+    [](const auto& row) { return "row" + std::to_string(row.index); });
+
+}  // namespace
+}  // namespace spikeloop::test
