@@ -9,8 +9,8 @@
 
 namespace spikeloop::experiment_text {
 
-/// Appends the arrows of "a -> b.in [2] -> c [3, delay 5 ms]", of which the second begins at b's only
-/// output; `where` is where the text begins.
+/// Appends the arrows of "a -> b.in [2] -> c [3, delay 5 ms]", of which the second begins at b's
+/// only output; `where` is where the text begins.
 /// @throws ConfigurationError at the place of what cannot be read.
 void read_connections(const std::string& text, const Location& where,
                       std::vector<ExperimentConnection>& connections);

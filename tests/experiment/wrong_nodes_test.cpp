@@ -5,14 +5,14 @@
 namespace spikeloop::test {
 namespace {
 
-class WrongFiles : public testing::TestWithParam<WrongFile> {};
+class WrongNodes : public testing::TestWithParam<WrongFile> {};
 
-TEST_P(WrongFiles, AreExplained) {
+TEST_P(WrongNodes, AreExplained) {
   expect_faults(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Table, WrongFiles,
+    Table, WrongNodes,
     testing::Values(
         WrongFile{"no robot for a topic",
                   {{"robot: {simulator: mujoco}\n", ""}},

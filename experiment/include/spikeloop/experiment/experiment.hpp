@@ -99,8 +99,8 @@ struct Overrides {
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
 /// have; makes every node once. Relative paths start where the file lies. `kinds` must outlive the
-/// result, which is not to be used when there are faults. These are added to `faults`, which is then
-/// in the file's order.
+/// result, which is not to be used when there are faults. These are added to `faults`, which is
+/// then in the file's order.
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
                    std::vector<Fault>& faults);
 
