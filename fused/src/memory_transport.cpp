@@ -39,7 +39,6 @@ void MemoryTransport::begin(TimeNs time) {
   if (time >= next_scan_) {
     topics_.publish("/scan", scan_.write(vehicle_->scan()), time);
     next_scan_ = next_multiple(time, scan_period_);
-    ++scans_;
   }
   if (time >= next_odometry_) {
     topics_.publish("/odom", odometry_.write(vehicle_->odometry()), time);
@@ -86,8 +85,7 @@ nlohmann::json MemoryTransport::summary() const {
   return {{"collisions", result.collisions},
           {"distance_m", result.distance_m},
           {"coverage", result.coverage},
-          {"mean_speed_m_s", result.mean_speed_m_s},
-          {"scans", scans_}};
+          {"mean_speed_m_s", result.mean_speed_m_s}};
 }
 
 }  // namespace spikeloop::fused

@@ -46,7 +46,6 @@ class MemoryTransport : public Transport {
   TimeNs scan_period_ = 0;
   TimeNs next_scan_ = 0;
   TimeNs next_odometry_ = 0;
-  std::uint64_t scans_ = 0;
 };
 
 }  // namespace spikeloop::fused

@@ -115,6 +115,18 @@ void add_network_spikes(const Experiment& experiment, json& summary) {
   }
 }
 
+/// The laser's messages.
+void add_scans(const Experiment& experiment, json& summary) {
+  for (const auto& part : experiment.parts) {
+    const std::string counter = part.name + ".messages";
+    if (part.kind == experiment::kRosSensor && summary["counters"].contains(counter) &&
+        part.parameters.text("message") == "sensor_msgs/LaserScan") {
+      summary["scans"] = summary.value("scans", std::uint64_t{0}) +
+                         summary["counters"][counter].get<std::uint64_t>();
+    }
+  }
+}
+
 json summary_of(const Experiment& experiment, const Assembly& assembly, const Graph& graph,
                 const Transport& transport, const Progress& progress) {
   json summary{{"experiment", experiment.name},
@@ -132,6 +144,7 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
   summary.update(assembly.summary());
   summary.update(transport.summary());
   add_network_spikes(experiment, summary);
+  add_scans(experiment, summary);
   return summary;
 }
 

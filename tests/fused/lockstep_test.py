@@ -1,0 +1,55 @@
+#!/usr/bin/python3
+"""In lockstep a run can be repeated to the bit; another seed is another run; a replay of the
+recorded sensor gives the same spikes."""
+
+import pathlib
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+import runs
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="lockstep",
+                                   duration="60 s")
+        prints = []
+        for i in range(5):
+            summary, _ = runs.run(spikeloop, file, scratch / f"run{i}")
+            prints.append(runs.fingerprint(scratch / f"run{i}"))
+        assert len(set(prints)) == 1, prints
+        assert summary["collisions"] == 0 and summary["distance_m"] > 10, summary
+        assert summary["simulated_s"] == 60, summary
+        runs.run(spikeloop, file, scratch / "other", "--seed", "2")
+        assert runs.fingerprint(scratch / "other") != prints[0]
+        replay(spikeloop, scratch)
+    print("five runs of 60 s are the same to the bit; real-time factor",
+          round(summary["real_time_factor"]))
+
+
+def replay(spikeloop, scratch):
+    file = scratch / "replay.yaml"
+    file.write_text(f"""experiment: replay
+duration: 60 s
+sync: unpaced
+nodes:
+  scan: {{node: signal_playback, file: {scratch}/run0/scan.h5}}
+  sectors: {{node: connect, weights: blocks}}
+  encoder: {{node: rate_encoder, rate_min: 1 Hz, rate_max: 200 Hz}}
+connections:
+  - scan -> sectors [100] -> encoder [10]
+""")
+    runs.run(spikeloop, file, scratch / "replay")
+    with h5py.File(scratch / "run0/encoder.h5") as first, \
+            h5py.File(scratch / "replay/encoder.h5") as second:
+        for name in ("timestamps_ns", "node_ids"):
+            assert np.array_equal(first["spikes/out"][name], second["spikes/out"][name])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,48 @@
+"""Runs experiments and reads what they leave; for the tests beside this file."""
+
+import argparse
+import hashlib
+import json
+import pathlib
+import subprocess
+
+import h5py
+
+
+def programs():
+    """The directory of the programs, from the command line."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--programs", required=True, type=pathlib.Path)
+    return parser.parse_args().programs.resolve()
+
+
+def new_experiment(spikeloop, path, **keys):
+    """What `spikeloop new` prints, with some keys changed."""
+    text = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
+    lines = []
+    for line in text.splitlines():
+        key = line.split(":")[0]
+        lines.append(f"{key}: {keys.pop(key)}" if key in keys else line)
+    lines += [f"{key}: {value}" for key, value in keys.items()]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def run(spikeloop, experiment, folder, *more, code=0):
+    """The summary of a run, which must end with this exit code; and what was printed."""
+    done = subprocess.run([spikeloop, "run", str(experiment), "--out", str(folder), *more],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == code, f"exit code {done.returncode}:\n{done.stderr}"
+    return json.loads((folder / "summary.json").read_text()), done.stderr
+
+
+def fingerprint(folder):
+    """Of all recorded spikes, signals and the trajectory, to the bit."""
+    digest = hashlib.sha256((folder / "trajectory.csv").read_bytes())
+    for path in sorted(folder.glob("*.h5")):
+        with h5py.File(path) as file:
+            def add(name, item, label=path.name):
+                if isinstance(item, h5py.Dataset):
+                    digest.update(f"{label}/{name}".encode() + item[()].tobytes())
+            file.visititems(add)
+    return digest.hexdigest()
