@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "spikeloop/robot/messages.hpp"
 #include "options.hpp"
+#include "spikeloop/robot/messages.hpp"
 #include "spikeloop/ros1/arguments.hpp"
 
 namespace spikeloop::robot {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "spikeloop/robot/files.hpp"
 #include "ros_link.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/robot/files.hpp"
 
 namespace spikeloop::robot {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "yaml_section.hpp"
 #include "spikeloop/config/network_file.hpp"
+#include "yaml_section.hpp"
 
 namespace spikeloop::yaml_text {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "network_connections.hpp"
-#include "yaml_section.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "text_file.hpp"
+#include "yaml_section.hpp"
 
 namespace spikeloop {
 
@@ -280,8 +280,7 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
                                "to: b, rule: one_to_one, weight: 1, delay: 1 ms}");
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
-      network.projections.push_back(
-          yaml_text::read_connection(network, i, list[i], load_weights));
+      network.projections.push_back(yaml_text::read_connection(network, i, list[i], load_weights));
     }
   }
   read_output(file.at("output", "[name of a population]"), network);

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "memory_topics.hpp"
+#include "spikeloop/fused/transport.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
-#include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::fused {
 

@@ -136,8 +136,8 @@ TEST_F(WatchTest, beats_before_during_and_after_silence) {
 class NoDescriptors {
  public:
   NoDescriptors() {
-    // UBSan looks at the vtable of a type that it has not seen yet through a pipe, and says that the
-    // object is none when it cannot open one.
+    // UBSan looks at the vtable of a type that it has not seen yet through a pipe, and says that
+    // the object is none when it cannot open one.
     EXPECT_NE(spikeloop::TransportError("seen").exit_code(), 0);
     getrlimit(RLIMIT_NOFILE, &before_);
     rlimit none = before_;

@@ -211,7 +211,8 @@ TEST(WeightFile, IsLookedForBesideItsConfigurationAndHere) {
   const std::string here = std::filesystem::current_path().string();
   EXPECT_EQ(message_of([&] { read_weights("none.json", options); }),
             "there is no weight file 'none.json' in '" + here + "' or '" +
-                directory.path().string() + "'; write its path, 'uniform', 'one_to_one' or 'blocks'");
+                directory.path().string() +
+                "'; write its path, 'uniform', 'one_to_one' or 'blocks'");
   EXPECT_EQ(message_of([&] { read_weights("unifrom"); }),
             "there is no weight file 'unifrom' in '" + here +
                 "'; write its path, 'uniform', 'one_to_one' or 'blocks'; did you mean 'uniform'?");

@@ -211,14 +211,13 @@ TEST(NefEncoder, OneHotNeuronsEncodeOneChannelEach) {
 
 TEST(NefEncoder, GainsAndBiasesAreUniformlyDistributed) {
   constexpr std::uint32_t kNeurons = 2000;
-  NodeHarness node = population(
-      1, kNeurons,
-      {{"preset", "rma"},
-       {"spike_times", "interpolated"},
-       {"gain_min", "50"},
-       {"gain_max", "150"},
-       {"bias_min", "400"},
-       {"bias_max", "600"}});
+  NodeHarness node = population(1, kNeurons,
+                                {{"preset", "rma"},
+                                 {"spike_times", "interpolated"},
+                                 {"gain_min", "50"},
+                                 {"gain_max", "150"},
+                                 {"bias_min", "400"},
+                                 {"bias_max", "600"}});
   const auto biases = measured_currents(node, kNeurons, {0.0});
   const auto both = measured_currents(node, kNeurons, {1.0});
   std::vector<double> gains;

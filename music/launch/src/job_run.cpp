@@ -114,7 +114,8 @@ void JobRun::start_programs() {
   start.directory = directory_;
   mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);
-    const std::string other = options_.program.empty() ? "mpirun" : effective_.file.labels().front();
+    const std::string other =
+        options_.program.empty() ? "mpirun" : effective_.file.labels().front();
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : other, line);
   });
   started_ = prepared_ = Clock::now();

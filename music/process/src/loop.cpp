@@ -6,8 +6,8 @@
 
 #include "process_impl.hpp"
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/status/signals.hpp"
 #include "spikeloop/process/transfer.hpp"
+#include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::music {
 namespace {

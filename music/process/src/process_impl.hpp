@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/status/heartbeat.hpp"
 #include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
 #include "spikeloop/process/process.hpp"
+#include "spikeloop/status/heartbeat.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 

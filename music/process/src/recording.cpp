@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/status/signals.hpp"
 #include "spikeloop/record/recorder.hpp"
+#include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::music {
 namespace {

@@ -27,8 +27,9 @@ std::string_view name_of(Sync sync);
 /// A node of the experiment.
 struct Part {
   std::string name;
-  std::string kind;    ///< its class
-  std::string plugin;  ///< file that the class comes from; empty: built in, or SPIKELOOP_PLUGIN_PATH
+  std::string kind;  ///< its class
+  std::string
+      plugin;  ///< file that the class comes from; empty: built in, or SPIKELOOP_PLUGIN_PATH
   Role role = Role::node;
   const NodeClass* node_class = nullptr;
   Parameters parameters;

@@ -37,7 +37,7 @@ struct RunOptions {
 
 /// Called while it runs; may be left out.
 struct RunEvents {
-  std::function<void(TimeNs simulated)> ticked{};           ///< after every tick
+  std::function<void(TimeNs simulated)> ticked{};   ///< after every tick
   std::function<void(const Progress&)> progress{};  ///< ten times a second, and at the end
   std::function<bool()> stop{};                     ///< asked every tick
 };

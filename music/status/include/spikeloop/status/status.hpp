@@ -66,8 +66,8 @@ class Sender {
   /// A heartbeat, in every phase. Never waits.
   void alive(Phase phase, TimeNs simulated) const;
   /// Once at the end. Waits up to 1 s for room. A report that does not fit a datagram (at least
-  /// 200 kB do) is replaced by one whose member `too_large` holds its size. With `simulated`, how far
-  /// the process came: the last progress may have been dropped.
+  /// 200 kB do) is replaced by one whose member `too_large` holds its size. With `simulated`, how
+  /// far the process came: the last progress may have been dropped.
   void report(const nlohmann::json& counters, const nlohmann::json& summary,
               std::optional<TimeNs> simulated = std::nullopt) const;
   /// SIGTERM ends the process. Never waits.

@@ -12,9 +12,9 @@ struct LoopClock {
   double real_time_factor = 1;
 };
 
-/// Of the keys deadband, min_interval, watchdog, max_age; `command_rate` in Hz of simulated time, 0:
-/// never again. Not written, min_interval is a tick of wall time, at least 1 ms, less half a tick's
-/// jitter, and watchdog 3 ticks, at least 0.1 s.
+/// Of the keys deadband, min_interval, watchdog, max_age; `command_rate` in Hz of simulated time,
+/// 0: never again. Not written, min_interval is a tick of wall time, at least 1 ms, less half a
+/// tick's jitter, and watchdog 3 ticks, at least 0.1 s.
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock, bool with_pace);
 

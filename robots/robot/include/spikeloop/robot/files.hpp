@@ -28,7 +28,6 @@ class TrajectoryFile {
 
 /// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres.
 /// @throws FileError.
-void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
-                 std::uint64_t seed);
+void write_world(const std::string& directory, const vehicle::Vehicle& vehicle, std::uint64_t seed);
 
 }  // namespace spikeloop::robot
