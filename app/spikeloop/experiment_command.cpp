@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "experiment_folder.hpp"
 #include "output.hpp"
@@ -79,20 +81,48 @@ std::string text_of(const char* kind, const Fault& fault) {
 }
 
 std::atomic<int> signal_number{0};
+constexpr unsigned kPatience_s = 3;
 
-/// The first one ends the loop, the second one the process.
+/// The first one ends the loop; the second one, or a node that hangs, the process.
 void take_signal(int number) {
   if (signal_number.exchange(number) != 0) {
     ::_exit(128 + number);
   }
+  ::alarm(kPatience_s);
+}
+
+void give_up(int /*alarm*/) {
+  constexpr std::string_view kText =
+      "spikeloop: a node has not come back within 3 s of the signal: the run is ended without a "
+      "summary\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
+  ::_exit(128 + signal_number.load());
+}
+
+bool is_ignored(int number) {
+  struct sigaction action {};
+  return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
 void take_signals() {
   struct sigaction action {};
   action.sa_handler = take_signal;
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1}) {
-    ::sigaction(number, &action, nullptr);
+    if (!is_ignored(number)) {  // nohup, background jobs
+      ::sigaction(number, &action, nullptr);
+    }
   }
+  action.sa_handler = give_up;
+  ::sigaction(SIGALRM, &action, nullptr);
+}
+
+/// Whether a signal has come; then the loop is alive.
+bool stop_asked() {
+  if (signal_number.load() == 0) {
+    return false;
+  }
+  ::alarm(0);
+  return true;
 }
 
 launch::Progress for_console(const fused::Progress& progress, const Experiment& experiment) {
@@ -106,6 +136,25 @@ launch::Progress for_console(const fused::Progress& progress, const Experiment& 
 
 std::string count(std::size_t number, const char* what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+/// A run begins by removing what the run before left in its folder.
+void refuse_own_recordings(const Experiment& experiment, const std::string& folder) {
+  namespace fs = std::filesystem;
+  for (const experiment::Part& part : experiment.parts) {
+    if (part.kind != experiment::kSpikePlayback && part.kind != experiment::kSignalPlayback) {
+      continue;
+    }
+    std::error_code error;
+    const std::string& file = part.parameters.text("file");
+    if (fs::equivalent(fs::path(file).parent_path(), folder, error)) {
+      throw ConfigurationError(
+          part.parameters.where("file"),
+          fmt::format("key 'file': the recording {} lies in the run folder, which a run empties; "
+                      "give another folder with --out",
+                      file));
+    }
+  }
 }
 
 void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& folder) {
@@ -127,7 +176,7 @@ int run_fused(const ExperimentArguments& arguments, const Experiment& experiment
                                       last = for_console(progress, experiment);
                                       console.progress(last);
                                     },
-                                .stop = [] { return signal_number.load() != 0; }};
+                                .stop = stop_asked};
   const fused::RunResult result =
       fused::run(experiment, {.folder = folder.path(), .record = arguments.record}, events);
   log::set_sink({});
@@ -222,7 +271,9 @@ int run_experiment(const ExperimentArguments& arguments) {
     return loaded.faults.front().exit_code;
   }
   const Experiment& experiment = *loaded.experiment;
+  refuse_own_recordings(experiment, arguments.folder);
   if (arguments.layout == Layout::separate) {
+    experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
   return experiment.ros == experiment::Ros::none ? run_fused(arguments, experiment)

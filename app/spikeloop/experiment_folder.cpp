@@ -38,11 +38,13 @@ void remove_earlier(const fs::path& folder) {
   if (!resolved.is_object() || !resolved.contains("nodes") || !resolved["nodes"].is_object()) {
     return;
   }
+  // The summary first: whoever finds one finds the recordings that it tells of.
   std::error_code ignored;
+  fs::remove(folder / "summary.json", ignored);
   for (const auto& [name, keys] : resolved["nodes"].items()) {
     fs::remove(folder / (fs::path(name).filename().string() + ".h5"), ignored);
   }
-  for (const char* name : {"summary.json", "trajectory.csv", "world.json", kResolved}) {
+  for (const char* name : {"trajectory.csv", "world.json", kResolved}) {
     fs::remove(folder / name, ignored);
   }
 }

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -20,11 +22,25 @@ void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) 
                  [&] { experiment.tick = tick_from_seconds(keys.number("tick")); });
 }
 
+/// It names the run folder and the node of ROS.
+void check_name(const Parameters& keys, const std::string& name, Faults& faults) {
+  constexpr std::size_t kLongest = 100;
+  const bool plain = std::ranges::all_of(
+      name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+  if (keys.given("experiment") && (!plain || name.size() > kLongest)) {
+    faults.add(keys.where("experiment"),
+               fmt::format("key 'experiment': '{}' is no name of an experiment; write up to {} "
+                           "letters, digits, '_' and '-'",
+                           name, kLongest));
+  }
+}
+
 void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& experiment,
                Faults& faults) {
   read_times(keys, experiment, faults);
   const std::string& name = keys.text("experiment");
   experiment.name = name.empty() ? std::filesystem::path(file.path).stem().string() : name;
+  check_name(keys, name, faults);
   experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
   experiment.sync = sync_named(keys.text("sync"));
   experiment.real_time_factor = keys.number("real_time_factor");
@@ -141,8 +157,28 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
                                        topic, did_you_mean(topic, known)));
 }
 
+/// The robot would obey both in turn.
+void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::string>& whole,
+                              Faults& faults) {
+  std::map<std::string, std::string> senders;
+  for (const Part& part : experiment.parts) {
+    if (part.kind != kRosCommand || !whole.contains(part.name)) {
+      continue;
+    }
+    const std::string& topic = part.parameters.text("topic");
+    const auto [sender, is_new] = senders.emplace(topic, part.name);
+    if (!is_new) {
+      faults.add(part.parameters.where("topic"),
+                 fmt::format("key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
+                             "both in turn; write one node with all fields, or another topic",
+                             sender->second, part.name, topic));
+    }
+  }
+}
+
 void check_topics(const Experiment& experiment, const std::set<std::string>& whole,
                   Faults& faults) {
+  check_one_sender_a_topic(experiment, whole, faults);
   for (const Part& part : experiment.parts) {
     const bool topic = part.kind == kRosSensor || part.kind == kRosCommand;
     if (topic && whole.contains(part.name) && experiment.ros == Ros::none) {

@@ -33,6 +33,9 @@ std::optional<double> whole_ticks(const std::string& text) {
 }
 
 std::uint32_t delay_ticks(const WrittenValue& written, TimeNs tick) {
+  if (written.text == "0") {
+    return 0;  // needs no unit
+  }
   std::optional<double> ticks = whole_ticks(written.text);
   if (!ticks) {
     try {

@@ -140,7 +140,8 @@ record::Recorder& Assembly::recorder_of(const Part& part, const std::string& fol
   if (!recorder) {
     recorder = std::make_unique<record::Recorder>(
         fmt::format("{}/{}.h5", folder, part.name), part.name,
-        record::RunAttributes{experiment_.seed, experiment_.tick});
+        record::RunAttributes{experiment_.seed, experiment_.tick},
+        record::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
   }
   return *recorder;
 }
@@ -188,7 +189,7 @@ void Assembly::stop_robot(command::StopReason reason) {
   }
 }
 
-nlohmann::json Assembly::close_recordings() {
+nlohmann::json Assembly::close_recordings(std::string& error) {
   std::uint64_t spikes = 0;
   std::uint64_t dropped = 0;
   for (const auto& [name, recorder] : recorders_) {
@@ -197,6 +198,7 @@ nlohmann::json Assembly::close_recordings() {
     dropped += report.spikes_dropped + report.signals_dropped;
     if (!report.error.empty()) {
       log::warning("{}", report.error);
+      error = report.error;
     }
   }
   recorders_.clear();

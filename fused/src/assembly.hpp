@@ -28,8 +28,9 @@ class Assembly {
 
   Graph& graph() { return *graph_; }
   void stop_robot(command::StopReason reason);
-  /// Closes the recordings; what they lost is warned of and returned.
-  nlohmann::json close_recordings();
+  /// Closes the recordings; what they lost is warned of and counted, and the last such sentence is
+  /// in `error`.
+  nlohmann::json close_recordings(std::string& error);
   /// What the commands measured.
   nlohmann::json summary() const;
 

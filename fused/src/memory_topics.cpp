@@ -1,10 +1,8 @@
 #include "memory_topics.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
-#include "spikeloop/command/age_meter.hpp"
+#include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
@@ -88,25 +86,19 @@ class MemoryCommand : public CommandEnd {
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
       : topics_(topics),
         topic_(spec.part.parameters.text("topic")),
-        width_(static_cast<std::uint32_t>(spec.map.size())),
-        with_pace_(spec.with_pace),
-        max_age_(from_seconds(spec.part.parameters.number("max_age"))),
         all_channels_(spec.part.mapping.all_channels),
         writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
                 command::field_paths(spec.part.mapping)),
-        channel_(gate_settings(spec), [this](auto values) { publish(values); }) {}
+        channel_(gate_settings(spec), [this](auto values) { publish(values); }),
+        feed_({static_cast<std::uint32_t>(spec.map.size()), spec.with_pace,
+               from_seconds(spec.part.parameters.number("max_age"))},
+              channel_) {}
 
-  std::vector<EndpointPort> ports() const override {
-    std::vector<EndpointPort> ports = {{"command", PortKind::signal, width_}};
-    if (with_pace_) {
-      ports.push_back({"pace", PortKind::signal, 1});
-    }
-    return ports;
-  }
+  std::vector<EndpointPort> ports() const override { return feed_.ports(); }
 
   void send(const Step& step) override {
     now_ = step.interval().end;
-    forward(step);
+    feed_.take(step, now_);
     channel_.poll(now_);
   }
 
@@ -114,35 +106,9 @@ class MemoryCommand : public CommandEnd {
 
   std::vector<Counter> counters() const override { return channel_.counters(); }
 
-  nlohmann::json summary() const override {
-    const auto measured = [](double value) {
-      return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-    };
-    const auto age = age_.report();
-    return {{"commands", channel_.counters().front().value},
-            {"latency_median_ms", measured(age.latency_median_ms)},
-            {"latency_p99_ms", measured(age.latency_p99_ms)},
-            {"age_max_ms", measured(age.age_max_ms)}};
-  }
+  nlohmann::json summary() const override { return feed_.summary(); }
 
  private:
-  void forward(const Step& step) {
-    std::optional<TimeNs> age;
-    if (with_pace_) {
-      const SignalInput pace = step.signal_input(1);
-      age = age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(),
-                        now_);
-    }
-    const SignalInput in = step.signal_input(0);
-    if (!in.valid() || (with_pace_ && !age)) {
-      channel_.stop(StopReason::no_value, now_);
-    } else if (max_age_ != 0 && age && *age > max_age_) {
-      channel_.stop(StopReason::stale, now_);
-    } else {
-      channel_.command(in.values, now_);
-    }
-  }
-
   void publish(std::span<const double> values) {
     fields_.clear();
     if (all_channels_) {
@@ -158,16 +124,13 @@ class MemoryCommand : public CommandEnd {
 
   MemoryTopics& topics_;
   std::string topic_;
-  std::uint32_t width_;
-  bool with_pace_;
-  TimeNs max_age_;
   bool all_channels_;
   messages::MessageWriter writer_;
   std::vector<messages::FieldValue> fields_;
   std::vector<std::byte> bytes_;
   TimeNs now_ = 0;
-  command::AgeMeter age_;
   command::CommandChannel channel_;
+  command::CommandFeed feed_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "assembly.hpp"
 #include "memory_transport.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::fused {
@@ -17,6 +18,7 @@ using experiment::Experiment;
 using experiment::Sync;
 using nlohmann::json;
 
+constexpr int kFileFault = 4;  // the exit code of a FileError
 constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
 
 void write_json(const std::string& path, const json& contents) {
@@ -148,6 +150,30 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
   return summary;
 }
 
+/// What goes wrong first is the run's result.
+template <typename Work>
+void attempt(RunResult& result, Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (result.exit_code == 0) {
+      result.exit_code = error.exit_code();
+      result.reason = error.what();
+    }
+  }
+}
+
+void warn_of_silence(const Experiment& experiment, const json& summary) {
+  for (const auto& part : experiment.parts) {
+    const std::string counter = part.name + ".messages";
+    if (part.kind == experiment::kRosSensor && summary.contains("counters") &&
+        summary["counters"].value(counter, std::uint64_t{1}) == 0) {
+      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
+                   part.parameters.text("topic"));
+    }
+  }
+}
+
 }  // namespace
 
 json resolved_json(const Experiment& experiment) {
@@ -201,22 +227,25 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   Assembly assembly(experiment, transport, options.record ? options.folder : "");
   Loop loop(experiment, transport, assembly, events);
   RunResult result;
-  auto reason = command::StopReason::ended;
-  try {
-    loop.run();
-  } catch (const Error& error) {
-    result.exit_code = error.exit_code();
-    result.reason = error.what();
-    reason = command::StopReason::terminated;
-  }
-  assembly.stop_robot(reason);
+  result.summary = json::object();
+  attempt(result, [&] { loop.run(); });
+  assembly.stop_robot(result.exit_code == 0 ? command::StopReason::ended
+                                            : command::StopReason::terminated);
   const Progress progress = loop.progress();
   if (events.progress) {
     events.progress(progress);
   }
-  transport.finish();
-  result.summary = summary_of(experiment, assembly, assembly.graph(), transport, progress);
-  result.summary.update(assembly.close_recordings());
+  attempt(result, [&] { transport.finish(); });
+  attempt(result, [&] {
+    result.summary = summary_of(experiment, assembly, assembly.graph(), transport, progress);
+  });
+  warn_of_silence(experiment, result.summary);
+  std::string lost;
+  result.summary.update(assembly.close_recordings(lost));
+  if (!lost.empty() && result.exit_code == 0) {
+    result.exit_code = kFileFault;
+    result.reason = lost;
+  }
   result.summary["exit_code"] = result.exit_code;
   result.summary["exit_reason"] = result.reason;
   if (!options.folder.empty()) {

@@ -185,6 +185,9 @@ std::shared_ptr<Stream> Recorder::Impl::add(const std::function<std::shared_ptr<
     write_safely(kSpareBytes, [&] { stream = make(); });
   }
   stream->wake = [this] { sem_post(&wake); };
+  if (options.patient) {
+    stream->be_patient();
+  }
   const std::lock_guard lock(streams_mutex);
   streams.push_back(stream);
   return stream;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
+#include <thread>
 
 namespace spikeloop::record {
 
@@ -19,6 +21,16 @@ void Stream::wake_when_half_full(std::size_t room, std::size_t capacity) {
   if (room < capacity / 2 && wake && !wake_asked_.exchange(true)) {
     wake();
   }
+}
+
+bool Stream::waited() {
+  if (!patient_ || shut_now() || !wake) {
+    return false;
+  }
+  constexpr std::chrono::microseconds kShort{200};
+  wake();
+  std::this_thread::sleep_for(kShort);
+  return !shut_now();
 }
 
 void Stream::collect() {
@@ -88,18 +100,23 @@ SpikeStream::SpikeStream(std::string name, std::uint32_t width, hid_t parent,
 }
 
 void SpikeStream::take(const Step& step) {
-  const auto spikes = step.spike_input().spikes;
-  const std::size_t room = shut_now() ? 0 : ring_.room();
-  const std::size_t count = std::min(room, spikes.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    ring_.put(i, spikes[i]);
-  }
-  ring_.publish(count);
-  if (count < spikes.size()) {
-    count_overflow(spikes.size() - count);
+  auto spikes = step.spike_input().spikes;
+  std::size_t room = 0;
+  do {
+    room = shut_now() ? 0 : ring_.room();
+    const std::size_t count = std::min(room, spikes.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      ring_.put(i, spikes[i]);
+    }
+    ring_.publish(count);
+    spikes = spikes.subspan(count);
+    room -= count;
+  } while (!spikes.empty() && waited());
+  if (!spikes.empty()) {
+    count_overflow(spikes.size());
   }
   reached(step.interval().end);
-  wake_when_half_full(room - count, ring_.capacity());
+  wake_when_half_full(room, ring_.capacity());
 }
 
 void SpikeStream::append() {
@@ -156,7 +173,10 @@ void SignalStream::take(const Step& step) {
 void SignalStream::put_row(TimeNs time, const SignalInput& input) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t row = width() + 1;
-  const std::size_t room = ring_.room();
+  std::size_t room = ring_.room();
+  while (room < row && waited()) {
+    room = ring_.room();
+  }
   if (shut_now() || room < row) {
     count_overflow(1);
     return;

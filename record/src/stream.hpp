@@ -22,11 +22,12 @@ class Stream {
   Stream& operator=(const Stream&) = delete;
   virtual ~Stream() = default;
 
+  void be_patient() { patient_ = true; }
   const std::string& name() const { return name_; }
   std::uint32_t width() const { return width_; }
   hid_t group() const { return group_.get(); }
 
-  /// Loop's thread: appends what the step brought. Never waits.
+  /// Loop's thread: appends what the step brought. Waits only when it is patient.
   virtual void take(const Step& step) = 0;
   /// Loop's thread or any: what did not get through so far.
   std::uint64_t dropped() const { return overflow_.load() + lost_.load(); }
@@ -66,6 +67,8 @@ class Stream {
   virtual std::vector<hdf5::GrowingDataset*> datasets() = 0;
 
   const std::string& file_path() const { return path_; }
+  /// Whether a patient loop has waited for the writer: then there may be room.
+  bool waited();
   bool shut_now() const { return shut_.load(std::memory_order_relaxed); }
   void count_overflow(std::uint64_t items) { overflow_.fetch_add(items); }
   void reached(TimeNs end) { reached_.store(end, std::memory_order_release); }
@@ -77,6 +80,7 @@ class Stream {
   hdf5::Handle group_;
   std::atomic<bool> shut_{false};
   std::atomic<bool> wake_asked_{false};
+  bool patient_ = false;
   std::atomic<std::uint64_t> overflow_{0};  // the ring was full, or the recorder closed
   std::atomic<std::uint64_t> lost_{0};      // the disk refused
   std::atomic<TimeNs> reached_{0};          // everything up to here is in the ring

@@ -168,6 +168,18 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"tick: 1 ms", "sync: fast"}},
                   {"x.yaml:3:7: key 'sync': 'fast' is not a choice; write one of: realtime, "
                    "unpaced, lockstep, sim_time"}},
+        WrongFile{
+            "a name that is a path",
+            {{"experiment: table", "experiment: ../table"}},
+            {"x.yaml:1:13: key 'experiment': '../table' is no name of an experiment; write up "
+             "to 100 letters, digits, '_' and '-'"}},
+        WrongFile{"two senders to one topic",
+                  {{"connections:",
+                    "  more: {node: ros_command, topic: /cmd_vel, message: Twist, "
+                    "fields: {linear.x: 0}}\nconnections:\n  - decoder -> more [2]"}},
+                  {"x.yaml:11:36: key 'topic': 'wheels' and 'more' both send to /cmd_vel, and the "
+                   "robot would obey both in turn; write one node with all fields, or another "
+                   "topic"}},
         WrongFile{"sim_time",
                   {{"tick: 1 ms", "sync: sim_time"}},
                   {"x.yaml:3:7: key 'sync': sim_time is not in this version; write realtime, "

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Ctrl-C, a node that fails, a folder in use, options of the other kind of file."""
+"""Ctrl-C, nodes that fail and hang, a folder in use, options of the other kind of file; and nothing
+recorded is lost."""
 
 import json
 import pathlib
@@ -17,6 +18,20 @@ FAILING = """import spikeloop
 def failing(step):
     if step.begin > 100_000_000:
         raise ValueError("the battery is empty")
+
+@spikeloop.node
+class Miscounting:
+    inputs, outputs = {"in": spikeloop.Signal()}, {"out": spikeloop.Signal(same_as="in")}
+    def step(self, step):
+        pass
+    def counters(self):
+        raise ValueError("lost count")
+
+@spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
+def hanging(step):
+    import time
+    if step.begin > 100_000_000:
+        time.sleep(60)
 """
 
 
@@ -39,13 +54,66 @@ def interrupted(spikeloop, scratch):
     assert summary["counters"]["wheels.stops_ended"] == 1, summary
 
 
-def failing_node(spikeloop, scratch):
+def with_node(spikeloop, scratch, name):
+    """An experiment with a node of failing.py between sensor and encoder."""
     (scratch / "failing.py").write_text(FAILING)
-    text = runs.new_experiment(spikeloop, scratch / "bad.yaml", sync="lockstep").read_text()
-    text = text.replace("nodes:\n", "plugins: [failing.py]\nnodes:\n  odd: {node: failing}\n")
-    text = text.replace("scan -> sectors", "scan -> odd [100] -> sectors")
-    (scratch / "bad.yaml").write_text(text)
-    summary, printed = runs.run(spikeloop, scratch / "bad.yaml", scratch / "bad", code=5)
+    file = runs.new_experiment(spikeloop, scratch / "bad.yaml", sync="lockstep")
+    text = file.read_text()
+    text = text.replace("nodes:\n", f"plugins: [failing.py]\nnodes:\n  odd: {{node: {name}}}\n")
+    file.write_text(text.replace("scan -> sectors", "scan -> odd [100] -> sectors"))
+    return file
+
+
+def hanging_node(spikeloop, scratch):
+    file = with_node(spikeloop, scratch, "hanging")
+    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(scratch / "hung")],
+                               stderr=subprocess.PIPE, text=True)
+    while not (scratch / "hung/encoder.h5").exists():
+        time.sleep(0.05)
+    time.sleep(1)
+    process.send_signal(signal.SIGINT)
+    _, printed = process.communicate(timeout=20)
+    assert process.returncode == 130 and "a node has not come back within 3 s" in printed, printed
+
+
+def own_recording(spikeloop, scratch):
+    file = scratch / "again.yaml"
+    file.write_text(f"""duration: 1 s
+sync: unpaced
+nodes:
+  old: {{node: spike_playback, file: {scratch}/long/encoder.h5}}
+  decoder: {{node: rate_window}}
+connections: [old -> decoder]
+""")
+    done = subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "long")],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "lies in the run folder, which a run empties" in done.stderr, done
+    assert (scratch / "long/encoder.h5").exists()
+
+
+def nothing_is_lost(spikeloop, scratch):
+    """Without a clock the loop waits for the disk: 2,500,000 spikes are ten times what may wait."""
+    file = scratch / "wide.yaml"
+    file.write_text(f"""duration: 0.5 s
+sync: unpaced
+nodes:
+  old: {{node: signal_playback, file: {scratch}/long/sectors.h5}}
+  wide: {{node: connect, weights: uniform}}
+  encoder: {{node: rate_encoder, rate_min: 1 kHz, rate_max: 1 kHz}}
+connections:
+  - old -> wide -> encoder [5000]
+""")
+    summary, _ = runs.run(spikeloop, file, scratch / "wide")
+    assert summary["records_dropped"] == 0, summary
+    assert summary["spikes_recorded"] == summary["counters"]["encoder.spikes"] > 2_000_000, summary
+
+
+def failing_node(spikeloop, scratch):
+    summary, printed = runs.run(spikeloop, with_node(spikeloop, scratch, "miscounting"),
+                                scratch / "bad", code=5)
+    assert "ValueError: lost count" in summary["exit_reason"], summary
+    summary, printed = runs.run(spikeloop, with_node(spikeloop, scratch, "failing"),
+                                scratch / "bad", code=5)
     assert "node 'odd'" in printed and "ValueError: the battery is empty" in printed, printed
     assert summary["exit_code"] == 5 and "battery" in summary["exit_reason"], summary
     assert summary["counters"]["wheels.stops_terminated"] <= 1, summary
@@ -73,7 +141,10 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         interrupted(spikeloop, scratch)
+        own_recording(spikeloop, scratch)
+        nothing_is_lost(spikeloop, scratch)
         failing_node(spikeloop, scratch)
+        hanging_node(spikeloop, scratch)
         wrong_options(spikeloop, scratch)
     print("stopped by Ctrl-C, by a failing node, and not begun with wrong options")
 

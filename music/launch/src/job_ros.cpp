@@ -76,10 +76,13 @@ bool JobRun::start_ros() {
                         "ROS_MASTER_URI",
                         master.uri(), unresolved));
       }
-      throw TransportError(
-          fmt::format("no ROS master answers at {}; start one (roscore), write its address into "
-                      "ROS_MASTER_URI, or let us start one of our own: --roscore",
-                      master.uri()));
+      throw TransportError(fmt::format(
+          "no ROS master answers at {}; start one (roscore), write its address into "
+          "ROS_MASTER_URI, or {}",
+          master.uri(),
+          options_.program.empty()
+              ? "let us start one of our own: --roscore"
+              : "write  robot: {simulator: mujoco}  for a robot and a master of our own"));
     }
     if (!start_roscore()) {
       return false;

@@ -178,6 +178,12 @@ void JobRun::supervise() {
   crew_.turn(Milliseconds{0});
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
+  if (!options_.program.empty() && code == 0 && !outcome_ && !state_.all_reported()) {
+    fail(3,
+         fmt::format("{} has ended before its time, and has not said why; look for an exit() in a "
+                     "plug-in",
+                     options_.program.front()));
+  }
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
     const Failure failure = state_.explain({code, WIFSIGNALED(status), missed});

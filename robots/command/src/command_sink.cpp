@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -39,6 +37,7 @@ CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
     : settings_(settings),
       carrier_(std::move(carrier)),
       channel_(settings.gate, carrier_.publish),
+      feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
       watch_(settings.watchdog, {[this](StopReason reason) {
                                    channel_.stop(reason, wall_now());
                                    announce(wall_now());
@@ -51,11 +50,7 @@ CommandSink::~CommandSink() {
 }
 
 std::vector<EndpointPort> CommandSink::ports() const {
-  std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width}};
-  if (settings_.with_pace) {
-    ports.push_back({"pace", PortKind::signal, 1});
-  }
-  return ports;
+  return feed_.ports();
 }
 
 void CommandSink::send(const Step& step) {
@@ -63,26 +58,8 @@ void CommandSink::send(const Step& step) {
     carrier_.require();
   }
   const TimeNs now = wall_now();
-  watch_.heartbeat(forward(step, now));
+  watch_.heartbeat(feed_.take(step, now));
   announce(now);
-}
-
-TimeNs CommandSink::forward(const Step& step, TimeNs now) {
-  std::optional<TimeNs> age;
-  if (settings_.with_pace) {
-    const SignalInput pace = step.signal_input(1);
-    age =
-        age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
-  }
-  const SignalInput in = step.signal_input(0);
-  // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.
-  if (!in.valid() || (settings_.with_pace && !age)) {
-    return channel_.stop(StopReason::no_value, now);
-  }
-  if (settings_.max_age != 0 && age && *age > settings_.max_age) {
-    return channel_.stop(StopReason::stale, now);
-  }
-  return channel_.command(in.values, now);
 }
 
 void CommandSink::announce(TimeNs now) {
@@ -117,14 +94,7 @@ std::vector<Counter> CommandSink::counters() const {
 }
 
 nlohmann::json CommandSink::summary() const {
-  const auto measured = [](double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-  };
-  const auto age = age_.report();
-  return {{"commands", channel_.counters().front().value},
-          {"latency_median_ms", measured(age.latency_median_ms)},
-          {"latency_p99_ms", measured(age.latency_p99_ms)},
-          {"age_max_ms", measured(age.age_max_ms)}};
+  return feed_.summary();
 }
 
 }  // namespace spikeloop::command

@@ -36,6 +36,8 @@ struct RecorderOptions {
   /// Values (rows x (width + 1)) that wait for the writer, per stream; at least 4096 rows.
   std::size_t value_capacity = std::size_t{1} << 17;
   std::size_t least_rows = 4096;
+  /// The loop waits for the writer in place of dropping: for runs that no clock hurries.
+  bool patient = false;
   /// What a killed process loses at most; wall time.
   TimeNs flush_every = kNsPerSecond;
 };
@@ -50,7 +52,7 @@ struct Report {
 };
 
 /// One file and its writer thread. Sinks only append to a bounded buffer that is free of locks: a
-/// full buffer or a full disk never holds up the loop; what is lost is counted.
+/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is counted.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name.

@@ -6,8 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "spikeloop/command/age_meter.hpp"
-#include "spikeloop/command/command_channel.hpp"
+#include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
@@ -47,7 +46,6 @@ class CommandSink : public Sink {
   nlohmann::json summary() const;
 
  private:
-  TimeNs forward(const Step& step, TimeNs now);
   /// Tells the user when the robot is stopped or driven again, at most once a second.
   void announce(TimeNs now);
 
@@ -58,8 +56,8 @@ class CommandSink : public Sink {
   std::mutex announcing_;
   std::optional<StopReason> announced_;
   TimeNs announced_at_ = 0;
-  AgeMeter age_;
   CommandChannel channel_;
+  CommandFeed feed_;
   Watch watch_;
 };
 
