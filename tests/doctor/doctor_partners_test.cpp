@@ -56,7 +56,7 @@ TEST(DoctorPlugins, SaysWhyOneIsRefused) {
             "missing | there is already a node class 'gain', of " + first +
                 " | give it another name, or take one of the two out of SPIKELOOP_PLUGIN_PATH");
   EXPECT_EQ(seen.line(old),
-            std::string("missing | was built for plug-in ABI 0, this Spikeloop has 1; rebuild it") +
+            std::string("missing | was built for plug-in ABI 0, this Spikeloop has 2; rebuild it") +
                 kRemove);
   EXPECT_THAT(seen.line(text), testing::AllOf(StartsWith("missing | cannot be loaded: "),
                                               HasSubstr("file too short"), EndsWith(kRemove)));
