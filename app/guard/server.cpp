@@ -12,6 +12,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/status/address.hpp"
+#include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::guard {
 namespace {
@@ -35,12 +36,6 @@ bool bind_to(int fd, const sockaddr_un& address) {
   return bound;
 }
 
-bool is_ignored(int number) {
-  struct sigaction action {};
-  sigaction(number, nullptr, &action);
-  return action.sa_handler == SIG_IGN;
-}
-
 /// What stops us, as something to poll. Blocks it in all threads that are started later.
 Descriptor watch_signals() {
   sigset_t set;
@@ -48,7 +43,7 @@ Descriptor watch_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   // A blocked signal waits for us even when nohup has it ignored.
-  if (!is_ignored(SIGHUP)) {
+  if (!status::is_ignored(SIGHUP)) {
     sigaddset(&set, SIGHUP);
   }
   pthread_sigmask(SIG_SETMASK, &set, nullptr);

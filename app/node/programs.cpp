@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/process/node_program.hpp"
 
@@ -190,9 +190,7 @@ const NodeProgram* find_node_program(std::string_view name) {
 
 void fill_registry(Registry& registry) {
   register_nodes(registry);
-  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
-    registry.load_plugin_path(directories);
-  }
+  registry.load_plugin_path(plugin_path());
 }
 
 music::ProgramText node_program_text(const std::string& name) {

@@ -1,21 +1,10 @@
 // spike_playback, signal_playback: a recording as a MUSIC program.
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/record/playback.hpp"
-#include "spikeloop/record/reader.hpp"
 
 namespace {
 
 using namespace spikeloop;
-
-std::vector<ParameterDescription> playback_parameters() {
-  return {{.name = "file",
-           .type = ParameterType::text,
-           .text = "A recording of a run folder, as run1/encoder.h5"},
-          {.name = "stream",
-           .type = ParameterType::text,
-           .default_value = "out",
-           .text = "Its name in the file: the port that was recorded"}};
-}
 
 music::ProgramText program_text(const std::string& name) {
   const bool spikes = name != "signal_playback";
@@ -24,7 +13,7 @@ music::ProgramText program_text(const std::string& name) {
   text.summary = spikes ? "Recorded spikes once more" : "A recorded continuous signal once more";
   text.ports = spikes ? "  out  output  spikes      what was recorded, at its own times\n"
                       : "  out  output  continuous  what was recorded, at its own times\n";
-  text.parameters = playback_parameters();
+  text.parameters = record::playback_parameters();
   text.example = "  [input]\n  binary=" + text.name +
                  "\n  np=1\n  file=run1/encoder.h5\n  input.out -> RECEIVER.in [100]\n";
   text.defaults.pace = true;
@@ -34,7 +23,7 @@ music::ProgramText program_text(const std::string& name) {
 int body(music::Process& process) {
   process.set_defaults({.pace = true});
   process.declare_ports({"out"});
-  const Parameters keys = process.read(playback_parameters());
+  const Parameters keys = process.read(record::playback_parameters());
   const bool spikes = process.program() != "signal_playback";
   const auto source = located_at(keys.where("file"), [&] {
     return spikes ? record::make_spike_playback(keys.text("file"), keys.text("stream"))

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
 
 #include "experiment_text.hpp"
@@ -13,6 +12,7 @@
 #include "output.hpp"
 #include "own_programs.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/nodes/register.hpp"
 
@@ -50,9 +50,7 @@ programs that are no node classes, like ros_sensor_adapter, answer --help.)";
 }
 
 void load_plugins(Registry& registry) {
-  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
-    registry.load_plugin_path(directories);
-  }
+  registry.load_plugin_path(plugin_path());
 }
 
 /// The nodes of experiment files that no MUSIC program runs; null for any other name.

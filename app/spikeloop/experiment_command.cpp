@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
+#include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -99,16 +99,11 @@ void give_up(int /*alarm*/) {
   ::_exit(128 + signal_number.load());
 }
 
-bool is_ignored(int number) {
-  struct sigaction action {};
-  return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
 void take_signals() {
   struct sigaction action {};
   action.sa_handler = take_signal;
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1}) {
-    if (!is_ignored(number)) {  // nohup, background jobs
+    if (!status::is_ignored(number)) {  // nohup, background jobs
       ::sigaction(number, &action, nullptr);
     }
   }

@@ -42,8 +42,8 @@ class Builder {
   void connect(const std::string& from, const std::string& to, ArrowStyle style,
                const std::string& label, bool delayed) {
     Arrow arrow;
-    arrow.from = boxes_.at(node_of(from));
-    arrow.to = boxes_.at(node_of(to));
+    arrow.from = boxes_.at(experiment::node_of(from));
+    arrow.to = boxes_.at(experiment::node_of(to));
     arrow.from_port = port(diagram_.boxes[arrow.from].outputs, from, style);
     arrow.to_port = port(diagram_.boxes[arrow.to].inputs, to, style);
     arrow.label = label;
@@ -52,7 +52,6 @@ class Builder {
   }
 
  private:
-  static std::string node_of(const std::string& end) { return end.substr(0, end.find('.')); }
   static std::size_t port(std::vector<DiagramPort>& ports, const std::string& end,
                           ArrowStyle style) {
     const std::string name = end.substr(end.find('.') + 1);

@@ -1,8 +1,7 @@
 #include "schema_command.hpp"
 
-#include <cstdlib>
-
 #include "output.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/schema.hpp"
 
 namespace spikeloop::app {
@@ -21,9 +20,7 @@ more: files, widths, cycles, topics.)";
 
 int print_schema() {
   experiment::Kinds kinds;
-  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
-    kinds.load_plugin_path(directories);
-  }
+  kinds.load_plugin_path(plugin_path());
   put_result(experiment::json_schema(kinds));
   return 0;
 }

@@ -7,17 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "plugin_text.hpp"
+
 namespace spikeloop {
 
 namespace {
-
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw ConfigurationError(fmt::format("plug-in '{}': {}", path, reason));
-}
-
-std::string text_or_empty(const char* text) {
-  return text == nullptr ? "" : text;
-}
 
 std::vector<std::string> split_choices(const char* choices) {
   std::vector<std::string> all;

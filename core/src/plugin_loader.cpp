@@ -11,6 +11,7 @@
 #include "shared_library.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 
 namespace spikeloop {
 
@@ -37,16 +38,8 @@ const Loader* loader_of(const std::string& path) {
 
 /// Beside the program, in the build tree as installed; SPIKELOOP_LIBRARY_PATH goes first.
 std::vector<std::string> directories() {
-  std::vector<std::string> all;
-  const char* written = std::getenv("SPIKELOOP_LIBRARY_PATH");
-  std::string rest = written == nullptr ? "" : written;
-  while (!rest.empty()) {
-    const auto colon = rest.find(':');
-    if (colon != 0) {
-      all.push_back(rest.substr(0, colon));
-    }
-    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
-  }
+  const char* const written = std::getenv("SPIKELOOP_LIBRARY_PATH");
+  std::vector<std::string> all = path_list(written == nullptr ? "" : written);
   std::error_code error;
   const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
   if (!error) {

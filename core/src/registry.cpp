@@ -10,6 +10,7 @@
 #include "plugin_loader.hpp"
 #include "shared_library.hpp"
 #include "spikeloop/core/plugin.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 
 namespace spikeloop {
 
@@ -93,13 +94,7 @@ std::vector<std::string> Registry::add_classes(const std::string& path,
 
 std::vector<std::string> Registry::load_plugin_path(std::string_view directories) {
   std::vector<std::string> added;
-  while (!directories.empty()) {
-    const auto colon = directories.find(':');
-    const std::string directory(directories.substr(0, colon));
-    directories = colon == std::string_view::npos ? "" : directories.substr(colon + 1);
-    if (directory.empty()) {
-      continue;
-    }
+  for (const std::string& directory : path_list(directories)) {
     std::error_code error;
     std::vector<std::string> paths;
     for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {

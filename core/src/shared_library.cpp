@@ -5,21 +5,9 @@
 
 #include <utility>
 
-#include "spikeloop/core/error.hpp"
+#include "plugin_text.hpp"
 
 namespace spikeloop {
-
-namespace {
-
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw ConfigurationError(fmt::format("plug-in '{}': {}", path, reason));
-}
-
-std::string text_or_empty(const char* text) {
-  return text == nullptr ? "" : text;
-}
-
-}  // namespace
 
 SharedLibrary::SharedLibrary(std::string path, bool stays) : path_(std::move(path)) {
   // Without a '/' the dynamic linker would look in its own places alone.

@@ -52,21 +52,13 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
   }
 }
 
-std::unique_ptr<Source> playback(const Part& part, std::uint32_t width) {
+std::unique_ptr<Source> playback(const Part& part) {
   const std::string& file = part.parameters.text("file");
   const std::string& stream = part.parameters.text("stream");
-  auto source = located_at(part.where, [&] {
+  return located_at(part.where, [&] {
     return part.kind == kSpikePlayback ? record::make_spike_playback(file, stream)
                                        : record::make_signal_playback(file, stream);
   });
-  const std::uint32_t recorded = source->ports().front().width;
-  if (recorded != width) {
-    throw ConfigurationError(
-        part.where, fmt::format("node '{}': the recording {} has {} channels, its connection has "
-                                "{}; write [{}]",
-                                part.name, file, recorded, width, recorded));
-  }
-  return source;
 }
 
 void check_command_fields(const CommandMapping& mapping) {

@@ -59,6 +59,11 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
 void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
                    Experiment& experiment, Faults& faults);
 
+/// Whether a value is a list or a map, which is JSON by now, and no name of a file.
+inline bool is_in_place(std::string_view text) {
+  return text.starts_with('[') || text.starts_with('{');
+}
+
 /// What a message says behind its place.
 std::string reason_of(const Error& error);
 

@@ -4,6 +4,7 @@
 
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/nodes/register.hpp"
+#include "spikeloop/record/playback.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -69,9 +70,7 @@ NodeDescription playback(const char* name, PortKind kind, const char* line) {
   result.name = name;
   result.text = line;
   result.ports = {out(kind, "What was recorded, at its own times")};
-  result.parameters = {
-      text("file", std::nullopt, "A recording of a run folder, as run1/encoder.h5"),
-      text("stream", "out", "Its name in the file: the port that was recorded")};
+  result.parameters = record::playback_parameters();
   return result;
 }
 

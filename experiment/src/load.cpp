@@ -1,6 +1,6 @@
-#include <cstdlib>
 #include <filesystem>
 
+#include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
@@ -11,9 +11,7 @@ void add(const Error& error, Loaded& loaded) {
 }
 
 void load_plugins(const ExperimentFile& file, Loaded& loaded) {
-  if (const char* directories = std::getenv("SPIKELOOP_PLUGIN_PATH"); directories != nullptr) {
-    loaded.kinds.load_plugin_path(directories);
-  }
+  loaded.kinds.load_plugin_path(plugin_path());
   const std::filesystem::path directory = directory_of(file.path);
   for (const WrittenValue& plugin : file.plugins) {
     try {

@@ -6,20 +6,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "faults.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 
 namespace spikeloop::experiment {
 namespace {
-
-std::string node_of(const std::string& end) {
-  return end.substr(0, end.find('.'));
-}
-std::string port_of(const std::string& end) {
-  return end.substr(end.find('.') + 1);
-}
-bool is_composed(const std::string& text) {
-  return text.starts_with('[') || text.starts_with('{');
-}
 
 /// The mapping that a ros_command wrote in place, as the file that its program reads.
 std::string mapping_text(const CommandMapping& mapping) {
@@ -95,7 +86,7 @@ class Writer {
   /// Makes it a file of its own when it stands in place.
   std::string as_file(const Part& part, const std::string& key, const std::string& text,
                       const char* extension) {
-    if (!is_composed(text)) {
+    if (!is_in_place(text)) {
       return text;
     }
     const std::string name = fmt::format("{}.{}.{}", part.name, key, extension);
@@ -118,7 +109,7 @@ class Writer {
       add(part, "binary", "spikeloop-network");
       const std::string& network = part.parameters.text("network");
       add(part, "network",
-          is_composed(network) ? as_file(part, "network", network, "yaml")
+          is_in_place(network) ? as_file(part, "network", network, "yaml")
                                : std::filesystem::absolute(network).string());
     } else {
       write_node(part);

@@ -241,7 +241,6 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
-  experiment.plugins = file.plugins;
   read_keys(file, overrides, experiment, all);
   read_robot(file, experiment, all);
   check_ways(file, experiment, all);

@@ -57,11 +57,6 @@ std::uint32_t delay_ticks(const WrittenValue& written, TimeNs tick) {
   return static_cast<std::uint32_t>(rounded);
 }
 
-/// Ends of connections, with nodes alone: what they are called is all that counts here.
-std::string node_of(const std::string& end) {
-  return end.substr(0, end.find('.'));
-}
-
 /// Nodes that no connection names; none as long as a connection has a slip in a name.
 std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment& experiment) {
   std::set<std::string> lonely;
@@ -140,8 +135,6 @@ void check_part(const Part& part, const Experiment& experiment) {
     });
   } else if (part.kind == kRosCommand) {
     in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
-  } else if (part.role == Role::source) {
-    playback(part, experiment.width(part.name, "out"));
   }
 }
 

@@ -35,8 +35,8 @@ WeightLoader table_loader(const std::string& directory, const NodeClass& node_cl
     options.short_forms = false;
   }
   return [options, from_file = weight_loader(options)](const WrittenValue& written) {
-    const bool in_place = written.text.starts_with('[') || written.text.starts_with('{');
-    return in_place ? parse_weights(written.text, "", options) : from_file(written);
+    return is_in_place(written.text) ? parse_weights(written.text, "", options)
+                                     : from_file(written);
   };
 }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
 #include <set>
 
 #include "spikeloop/command/command_map_node.hpp"
@@ -18,10 +18,6 @@ using experiment::Experiment;
 using experiment::Link;
 using experiment::Part;
 using experiment::Role;
-
-std::string node_of(const std::string& end) {
-  return end.substr(0, end.find('.'));
-}
 
 constexpr std::string_view kSender = " sender";
 constexpr std::string_view kRecord = "record ";
@@ -64,9 +60,9 @@ std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::
     }
     done.insert(nearest);
     for (const Link& link : experiment.links) {
-      if (node_of(link.to) == nearest) {
+      if (experiment::node_of(link.to) == nearest) {
         const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
-        const auto [known, is_new] = distance.emplace(node_of(link.from), delay);
+        const auto [known, is_new] = distance.emplace(experiment::node_of(link.from), delay);
         known->second = std::min(known->second, delay);
       }
     }
@@ -97,7 +93,7 @@ void Assembly::add_part(const Part& part) {
     case Role::source: {
       const std::uint32_t width = experiment_.width(part.name, "out");
       sources_.push_back(part.kind == experiment::kRosSensor ? transport_.sensor(part, width)
-                                                             : experiment::playback(part, width));
+                                                             : experiment::playback(part));
       description_.sources.push_back({part.name, sources_.back().get()});
       return;
     }
@@ -110,21 +106,17 @@ void Assembly::add_command(const Part& part) {
   const std::uint32_t width = experiment_.width(part.name, "in");
   command::ComponentMap map = command::component_map(part.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
-  commands_.push_back(
-      transport_.command({part, map, nearest_sensor(experiment_, part.name).has_value()}));
+  const auto upstream = nearest_sensor(experiment_, part.name);
+  commands_.push_back(transport_.command({part, map, upstream.has_value()}));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});
   description_.connections.push_back(
       {part.name + ".out", sender_of(part) + ".command", fields, 0, part.where});
-  connect_pace(part);
-}
-
-/// The time at which the data behind a command came takes as long as these data.
-void Assembly::connect_pace(const Part& command) {
-  if (const auto upstream = nearest_sensor(experiment_, command.name)) {
-    description_.connections.push_back({upstream->sensor + ".pace", sender_of(command) + ".pace", 1,
-                                        upstream->delay_ticks, command.where});
+  if (upstream) {
+    // The time at which the data behind a command came takes as long as these data.
+    description_.connections.push_back({upstream->sensor + ".pace", sender_of(part) + ".pace", 1,
+                                        upstream->delay_ticks, part.where});
   }
 }
 

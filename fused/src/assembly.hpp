@@ -38,7 +38,6 @@ class Assembly {
   void add_part(const experiment::Part& part);
   void add_command(const experiment::Part& part);
   void add_links();
-  void connect_pace(const experiment::Part& command);
   void record(const std::string& folder);
   record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);

@@ -106,25 +106,15 @@ json counters_of(const Graph& graph) {
   return counters;
 }
 
-/// Of the networks; none in an experiment without.
-void add_network_spikes(const Experiment& experiment, json& summary) {
+/// The sum of one counter over the nodes that `picks` picks; none when it picks none.
+template <typename Picks>
+void add_sum(const Experiment& experiment, const char* counter, const char* key, Picks&& picks,
+             json& summary) {
   for (const auto& part : experiment.parts) {
-    const std::string counter = part.name + ".spikes";
-    if (part.kind == experiment::kNetwork && summary["counters"].contains(counter)) {
-      summary["spikes"] = summary.value("spikes", std::uint64_t{0}) +
-                          summary["counters"][counter].get<std::uint64_t>();
-    }
-  }
-}
-
-/// The laser's messages.
-void add_scans(const Experiment& experiment, json& summary) {
-  for (const auto& part : experiment.parts) {
-    const std::string counter = part.name + ".messages";
-    if (part.kind == experiment::kRosSensor && summary["counters"].contains(counter) &&
-        part.parameters.text("message") == "sensor_msgs/LaserScan") {
-      summary["scans"] = summary.value("scans", std::uint64_t{0}) +
-                         summary["counters"][counter].get<std::uint64_t>();
+    const std::string name = fmt::format("{}.{}", part.name, counter);
+    if (picks(part) && summary["counters"].contains(name)) {
+      summary[key] = summary.value(key, std::uint64_t{0}) +
+                     summary["counters"][name].template get<std::uint64_t>();
     }
   }
 }
@@ -145,8 +135,13 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
       progress.wall > 0 ? to_seconds(progress.simulated) / to_seconds(progress.wall) : 0.0;
   summary.update(assembly.summary());
   summary.update(transport.summary());
-  add_network_spikes(experiment, summary);
-  add_scans(experiment, summary);
+  const auto is_network = [](const auto& part) { return part.kind == experiment::kNetwork; };
+  const auto is_laser = [](const auto& part) {
+    return part.kind == experiment::kRosSensor &&
+           part.parameters.text("message") == "sensor_msgs/LaserScan";
+  };
+  add_sum(experiment, "spikes", "spikes", is_network, summary);
+  add_sum(experiment, "messages", "scans", is_laser, summary);
   return summary;
 }
 

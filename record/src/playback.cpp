@@ -56,6 +56,16 @@ class SignalPlayback : public Source {
 
 }  // namespace
 
+std::vector<ParameterDescription> playback_parameters() {
+  return {{.name = "file",
+           .type = ParameterType::text,
+           .text = "A recording of a run folder, as run1/encoder.h5"},
+          {.name = "stream",
+           .type = ParameterType::text,
+           .default_value = "out",
+           .text = "Its name in the file: the port that was recorded"}};
+}
+
 std::unique_ptr<Source> make_spike_playback(const std::string& file, const std::string& stream) {
   return std::make_unique<SpikePlayback>(read_spikes(file, stream));
 }

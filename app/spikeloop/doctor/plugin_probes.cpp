@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "self.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/core/registry.hpp"
 #include "spikeloop/nodes/register.hpp"
 
@@ -22,18 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRemove =
     "rebuild it with this Spikeloop (docs/plugins.md), or take it out of SPIKELOOP_PLUGIN_PATH";
-
-std::vector<std::string> directories() {
-  const char* const list = std::getenv("SPIKELOOP_PLUGIN_PATH");
-  std::vector<std::string> found;
-  std::istringstream text(list == nullptr ? "" : list);
-  for (std::string directory; std::getline(text, directory, ':');) {
-    if (!directory.empty()) {
-      found.push_back(directory);
-    }
-  }
-  return found;
-}
 
 /// Which plug-in has given a class its name; filled while findings are judged, in order.
 using Owners = std::map<std::string, std::string>;
@@ -92,7 +80,7 @@ Finding look_at_plugin(const std::string& path) {
 std::vector<Probe> plugin_probes() {
   const auto owners = std::make_shared<Owners>();
   std::vector<Probe> probes;
-  for (const std::string& directory : directories()) {
+  for (const std::string& directory : path_list(plugin_path())) {
     std::error_code error;
     std::vector<std::string> paths;
     for (const auto& entry : fs::directory_iterator(directory, error)) {

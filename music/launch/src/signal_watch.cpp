@@ -3,18 +3,9 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include "spikeloop/status/signals.hpp"
+
 namespace spikeloop::launch {
-
-namespace {
-
-/// A blocked signal waits for us even when it is ignored.
-bool is_ignored(int number) {
-  struct sigaction action {};
-  sigaction(number, nullptr, &action);
-  return action.sa_handler == SIG_IGN;
-}
-
-}  // namespace
 
 SignalWatch::SignalWatch() {
   sigset_t watched;
@@ -22,7 +13,7 @@ SignalWatch::SignalWatch() {
   for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGUSR1}) {
     sigaddset(&watched, number);
   }
-  if (!is_ignored(SIGHUP)) {
+  if (!status::is_ignored(SIGHUP)) {
     sigaddset(&watched, SIGHUP);
   }
   pthread_sigmask(SIG_BLOCK, &watched, &before_);

@@ -62,6 +62,11 @@ void request_stop() {
   stop.store(true, std::memory_order_relaxed);
 }
 
+bool is_ignored(int number) {
+  struct sigaction action {};
+  return sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 TerminationHook::TerminationHook(std::function<void()> action) : action_(std::move(action)) {
   auto& all = hooks();
   const std::lock_guard lock(all.mutex);

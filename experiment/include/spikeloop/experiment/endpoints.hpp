@@ -19,8 +19,8 @@ std::optional<double> sensor_initial(const Parameters& parameters);
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping);
 
-/// The source of a playback. @throws FileError, ConfigurationError: no such file or stream, another
-/// width than the connection's.
-std::unique_ptr<Source> playback(const Part& part, std::uint32_t width);
+/// The source of a playback, as wide as its recording, which resolve() has held against the
+/// connections. @throws FileError, ConfigurationError: no such file or stream.
+std::unique_ptr<Source> playback(const Part& part);
 
 }  // namespace spikeloop::experiment

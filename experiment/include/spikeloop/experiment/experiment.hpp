@@ -47,6 +47,14 @@ struct Link {
   Location where;
 };
 
+/// "encoder" and "out" of "encoder.out"; "encoder" alone is a node's name, too.
+inline std::string node_of(std::string_view end) {
+  return std::string(end.substr(0, end.find('.')));
+}
+inline std::string port_of(std::string_view end) {
+  return std::string(end.substr(end.find('.') + 1));
+}
+
 /// An output of a node, connected or not.
 struct Output {
   std::string part;
@@ -74,7 +82,6 @@ struct Experiment {
   std::vector<Part> parts;  ///< in the file's order
   std::vector<Link> links;  ///< in the file's order
   std::vector<Output> outputs;
-  std::vector<WrittenValue> plugins;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
 
   const Part& part(std::string_view name) const;

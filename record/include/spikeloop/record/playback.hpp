@@ -4,10 +4,15 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop::record {
+
+/// `file` and `stream`, wherever a recording is named.
+std::vector<ParameterDescription> playback_parameters();
 
 /// Port: `out`, as wide as the recording. Reads the whole stream.
 /// @throws FileError, ConfigurationError as read_spikes() and read_signal().

@@ -12,6 +12,10 @@ namespace spikeloop::status {
 bool stop_requested();
 void request_stop();
 
+/// Whether whoever started us has this signal ignored, as nohup does with SIGHUP. A blocked one
+/// waits for us all the same.
+bool is_ignored(int number);
+
 /// Something to do before the process dies of SIGTERM, in a thread of its own while the main thread
 /// may be anywhere: flush a file, stop a robot. Hooks run newest first.
 class TerminationHook {
