@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app {
@@ -44,7 +45,7 @@ void remove_earlier(const fs::path& folder) {
   for (const auto& [name, keys] : resolved["nodes"].items()) {
     fs::remove(folder / (fs::path(name).filename().string() + ".h5"), ignored);
   }
-  for (const char* name : {"trajectory.csv", "world.json", kResolved}) {
+  for (const char* name : {"trajectory.csv", "world.json", fused::kMessagesFile, kResolved}) {
     fs::remove(folder / name, ignored);
   }
 }
