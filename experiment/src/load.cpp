@@ -29,7 +29,7 @@ void load_plugins(const ExperimentFile& file, const std::filesystem::path& direc
 
 /// Of what is not read here: plug-ins, recordings, a bag.
 void note_files(const ExperimentFile& file, const std::filesystem::path& directory,
-                const Experiment& experiment) {
+                const Experiment& experiment, bool replayed) {
   for (const WrittenValue& plugin : file.plugins) {
     FilesRead::note((directory / plugin.text).string());
   }
@@ -38,7 +38,7 @@ void note_files(const ExperimentFile& file, const std::filesystem::path& directo
       FilesRead::note(part.parameters.text("file"));
     }
   }
-  if (file.robot && experiment.robot && !experiment.robot->bag.empty()) {
+  if (experiment.robot && !experiment.robot->bag.empty() && !replayed) {
     FilesRead::note(experiment.robot->bag);
   }
 }
@@ -54,7 +54,7 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
     load_plugins(file, directory, *loaded);
     const FilesRead files;
     loaded->experiment = resolve(file, loaded->kinds, overrides, loaded->faults);
-    note_files(file, directory, *loaded->experiment);
+    note_files(file, directory, *loaded->experiment, overrides.replay.has_value());
     loaded->experiment->files = files.paths();
   } catch (const Error& error) {
     add(error, *loaded);

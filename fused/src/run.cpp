@@ -176,10 +176,9 @@ void warn_of_silence(const Experiment& experiment, const json& summary) {
     const std::string counter = part.name + ".messages";
     if (part.kind == experiment::kRosSensor && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning("not one message came on topic '{}'{}", part.parameters.text("topic"),
-                   experiment.ros == experiment::Ros::none
-                       ? ""
-                       : "; 'rostopic list' shows what there is");
+      log::warning(
+          "not one message came on topic '{}'{}", part.parameters.text("topic"),
+          experiment.ros == experiment::Ros::none ? "" : "; 'rostopic list' shows what there is");
     }
   }
 }

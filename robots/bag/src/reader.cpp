@@ -41,7 +41,8 @@ auto reading(const std::string& path, Work&& work) {
     return work();
   } catch (const rosbag::BagUnindexedException&) {
     throw FileError(fmt::format(
-        "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}", path));
+        "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}",
+        path));
   } catch (const std::exception& error) {
     throw FileError(fmt::format("'{}' is damaged: {}; 'rosbag check' and 'rosbag reindex' may help",
                                 path, error.what()));
@@ -129,8 +130,8 @@ Reader::Reader(const std::string& path) : impl_(std::make_unique<Impl>()) {
       impl_->connections.push_back({info->topic, info->datatype, info->md5sum, node_of(*info)});
       impl_->ids.push_back(info->id);
     }
-    opened.of_a_run = std::ranges::all_of(impl_->connections,
-                                          [](const auto& one) { return !one.node.empty(); });
+    opened.of_a_run =
+        std::ranges::all_of(impl_->connections, [](const auto& one) { return !one.node.empty(); });
     if (view.size() > 0) {
       opened.offset = static_cast<TimeNs>(view.getBeginTime().toNSec());
       impl_->end = time_in(opened, view.getEndTime());

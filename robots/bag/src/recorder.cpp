@@ -47,12 +47,12 @@ Connection connection_of(const Topic& topic) {
   const std::string name = catalog.full_name(topic.type);
   Connection connection{topic, {name, catalog.md5(name), catalog.full_text(name)}, {}};
   const auto& type = connection.type;
-  connection.header = boost::make_shared<ros::M_string>(
-      ros::M_string{{"type", type.name},
-                    {"md5sum", type.md5},
-                    {"message_definition", type.definition},
-                    {"callerid", "/spikeloop/" + topic.node},
-                    {kNodeField, topic.node}});
+  connection.header =
+      boost::make_shared<ros::M_string>(ros::M_string{{"type", type.name},
+                                                      {"md5sum", type.md5},
+                                                      {"message_definition", type.definition},
+                                                      {"callerid", "/spikeloop/" + topic.node},
+                                                      {kNodeField, topic.node}});
   return connection;
 }
 
@@ -125,8 +125,7 @@ void Recorder::take(std::uint32_t connection, TimeNs simulated,
            impl_->waiting_bytes + message.size() <= impl_->options.capacity_bytes;
   };
   if (impl_->options.patient) {
-    impl_->emptied.wait(lock,
-                        [&] { return has_room() || impl_->stop || !impl_->failure.empty(); });
+    impl_->emptied.wait(lock, [&] { return has_room() || impl_->stop || !impl_->failure.empty(); });
   }
   if (impl_->stop || !impl_->failure.empty() || !has_room()) {
     ++impl_->dropped;
@@ -215,9 +214,10 @@ std::string Recorder::Impl::loss() const {
     return fmt::format("{}; {} messages are lost", failure, dropped);
   }
   return dropped == 0 ? ""
-                      : fmt::format("'{}' is incomplete: {} messages are lost, because the disk is "
-                                    "slower than the data; write to a faster disk",
-                                    path, dropped);
+                      : fmt::format(
+                            "'{}' is incomplete: {} messages are lost, because the disk is "
+                            "slower than the data; write to a faster disk",
+                            path, dropped);
 }
 
 Report Recorder::close() {

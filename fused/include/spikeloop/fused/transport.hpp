@@ -25,8 +25,8 @@ class CommandEnd : public Sink {
 };
 
 /// Keeps a message that a node took or sent, with the time at which it did: of a sensor the one at
-/// which its tick begins, of a command the one at which it ends. Called in the loop's thread; may be
-/// empty.
+/// which its tick begins, of a command the one at which it ends. Called in the loop's thread; may
+/// be empty.
 using Keep = std::function<void(TimeNs time, std::span<const std::byte> message)>;
 
 struct SensorSpec {

@@ -1,8 +1,8 @@
 // Writes the messages of a run to a ROS 1 bag (format 2.0), off the loop's thread.
 //
-// A message has the simulated time of the tick at which a node took or sent it. ROS knows no time 0,
-// so that 0 is written as 1 ns. Every node has a connection of its own, whose header has the field
-// spikeloop_node: by it a reader knows that times are simulated, and whose message it was.
+// A message has the simulated time of the tick at which a node took or sent it. ROS knows no time
+// 0, so that 0 is written as 1 ns. Every node has a connection of its own, whose header has the
+// field spikeloop_node: by it a reader knows that times are simulated, and whose message it was.
 #pragma once
 
 #include <cstddef>
@@ -46,9 +46,9 @@ struct Report {
   std::string error;  ///< one sentence; empty when the bag could be written
 };
 
-/// One bag and its writer thread. A full buffer or a full disk never holds up the loop, unless it is
-/// patient; what is lost is counted. A process that is killed leaves a bag that
-/// `rosbag reindex` makes readable.
+/// One bag and its writer thread. A full buffer or a full disk never holds up the loop, unless it
+/// is patient; what is lost is counted. A process that is killed leaves a bag that `rosbag reindex`
+/// makes readable.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name. @throws FileError when it cannot be made.

@@ -21,8 +21,8 @@ struct SensorSettings {
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value
-  /// Told in receive() of every message that has arrived since the call before, in order: those that
-  /// made the values of this tick, whose begin is `time`. May be empty.
+  /// Told in receive() of every message that has arrived since the call before, in order: those
+  /// that made the values of this tick, whose begin is `time`. May be empty.
   std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
 };
 
