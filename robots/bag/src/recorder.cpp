@@ -211,9 +211,12 @@ void Recorder::Impl::finish() {
 }
 
 /// A bag that could not be written tries it once more in its destructor, and ends the process by
-/// what it throws there.
+/// what it throws there: it is never destroyed.
 void Recorder::Impl::forsake_bag() {
-  static_cast<void>(bag.release());
+  static std::mutex guard;
+  static auto& forsaken = *new std::vector<std::unique_ptr<rosbag::Bag>>;
+  const std::lock_guard lock(guard);
+  forsaken.push_back(std::move(bag));
 }
 
 std::string Recorder::Impl::loss() const {
