@@ -140,8 +140,10 @@ Reader::Reader(const std::string& path) : impl_(std::make_unique<Impl>()) {
   Opened& opened = *impl_->opened;
   opened.path = path;
   reading(path, [&] {
+    if (!check_structure(path)) {
+      throw rosbag::BagUnindexedException();
+    }
     opened.bag.open(path, rosbag::bagmode::Read);
-    check_structure(path);
     rosbag::View view(opened.bag);
     for (const rosbag::ConnectionInfo* info : view.getConnections()) {
       impl_->connections.push_back({info->topic, info->datatype, info->md5sum, node_of(*info)});

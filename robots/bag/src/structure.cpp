@@ -10,6 +10,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -20,8 +21,11 @@ constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 
 // http://wiki.ros.org/Bags/Format/2.0
 constexpr char kMessage = 2;
+constexpr char kFileHeader = 3;
 constexpr char kIndex = 4;
 constexpr char kChunk = 5;
+constexpr char kChunkInfo = 6;
+constexpr char kConnection = 7;
 constexpr std::size_t kIndexEntry = 12;  // a time, and an offset in the chunk
 
 /// A file's bytes while it lives.
@@ -64,18 +68,22 @@ class Cursor {
     rest_.remove_prefix(count);
     return taken;
   }
-  std::uint32_t number() {
-    std::uint32_t value = 0;
+  template <typename Number = std::uint32_t>
+  Number number() {
+    Number value = 0;
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
   }
+  std::size_t left() const { return rest_.size(); }
 
  private:
   std::string_view rest_;
 };
 
+using Fields = std::map<std::string_view, std::string_view>;
+
 struct Record {
-  std::map<std::string_view, std::string_view> fields;
+  Fields fields;
   std::string_view data;
 
   std::string_view field(std::string_view name, std::size_t size) const {
@@ -86,19 +94,28 @@ struct Record {
     return found->second;
   }
   char kind() const { return field("op", 1).front(); }
+  std::uint64_t position(std::string_view name) const {
+    return Cursor(field(name, 8)).number<std::uint64_t>();
+  }
 };
 
-Record next_record(Cursor& cursor) {
-  Record record;
-  Cursor header(cursor.take(cursor.number()));
+Fields fields_of(std::string_view text) {
+  Fields fields;
+  Cursor header(text);
   while (!header.at_end()) {
     const std::string_view field = header.take(header.number());
     const auto equals = field.find('=');
     if (equals == std::string_view::npos) {
       throw std::runtime_error("a record's header cannot be read");
     }
-    record.fields[field.substr(0, equals)] = field.substr(equals + 1);
+    fields[field.substr(0, equals)] = field.substr(equals + 1);
   }
+  return fields;
+}
+
+Record next_record(Cursor& cursor) {
+  Record record;
+  record.fields = fields_of(cursor.take(cursor.number()));
   record.data = cursor.take(cursor.number());
   return record;
 }
@@ -124,21 +141,40 @@ void check_index(const Record& index, const Record& chunk) {
 
 }  // namespace
 
-void check_structure(const std::string& path) {
+bool check_structure(const std::string& path) {
   const Mapping file(path);
   if (!file.bytes().starts_with(kVersion)) {
-    return;  // an older format, which rosbag knows
+    return true;  // an older format, which rosbag knows
   }
-  Cursor cursor(file.bytes().substr(kVersion.size()));
+  Cursor cursor(file.bytes());
+  cursor.take(kVersion.size());
+  const Record header = next_record(cursor);
+  const std::uint64_t index = header.kind() == kFileHeader ? header.position("index_pos") : 0;
+  if (index == 0) {
+    return false;
+  }
+  std::set<std::uint64_t> chunks;
   std::optional<Record> chunk;
+  bool found = false;
   while (!cursor.at_end()) {
+    const std::uint64_t at = file.bytes().size() - cursor.left();
+    found = found || at == index;
     Record record = next_record(cursor);
     if (record.kind() == kChunk) {
+      chunks.insert(at);
       chunk = std::move(record);
     } else if (record.kind() == kIndex && chunk) {
       check_index(record, *chunk);
+    } else if (record.kind() == kConnection) {
+      fields_of(record.data);
+    } else if (record.kind() == kChunkInfo && !chunks.contains(record.position("chunk_pos"))) {
+      throw std::runtime_error("its index knows a chunk that is not there");
     }
   }
+  if (!found && index != file.bytes().size()) {
+    throw std::runtime_error("its index is not where it should be");
+  }
+  return true;
 }
 
 }  // namespace spikeloop::bag

@@ -6,7 +6,8 @@
 namespace spikeloop::bag {
 
 /// Follows all records of a bag of format 2.0, and all offsets of its index; of a compressed chunk
-/// as far as one can without unpacking it. @throws std::runtime_error when one leads outside.
-void check_structure(const std::string& path);
+/// as far as one can without unpacking it. False: there is no index, as the recording was not
+/// ended. @throws std::runtime_error when something leads outside.
+bool check_structure(const std::string& path);
 
 }  // namespace spikeloop::bag
