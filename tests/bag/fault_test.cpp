@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <random>
 
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/bag/recorder.hpp"
@@ -12,9 +13,11 @@ namespace spikeloop {
 namespace {
 
 using testing::AllOf;
+using testing::AnyOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
+using testing::StrEq;
 
 template <typename Work>
 std::string file_error(Work&& work) {
@@ -36,14 +39,14 @@ class BagFaults : public testing::Test {
       }
     });
   }
-  /// 2000 messages in several chunks.
-  void write_good() const {
+  /// 2000 of them are several chunks.
+  void write_good(TimeNs messages = 2000) const {
     bag::Recorder recorder(path(), {.patient = true});
     const auto connection = recorder.add({"/x", "std_msgs/String", "a"});
     std::vector<std::byte> text(1004);
     text[0] = std::byte{0xE8};
     text[1] = std::byte{0x03};  // 1000 bytes follow
-    for (TimeNs i = 0; i < 2000; ++i) {
+    for (TimeNs i = 0; i < messages; ++i) {
       recorder.take(connection, i, text);
     }
     EXPECT_EQ(recorder.close().error, "");
@@ -108,6 +111,42 @@ TEST_F(BagFaults, CutOffAnywhere) {
                                  EndsWith("'rosbag check' and 'rosbag reindex' may help")))
         << part;
   }
+}
+
+TEST_F(BagFaults, IndexThatLeadsElsewhere) {
+  write_good(3);
+  std::string bag = directory_.read("x.bag");
+  const auto count = bag.find(std::string("\x0a\0\0\0count=", 10));
+  // Behind it the fields op and ver may follow; then come the entries: time and offset.
+  const auto index = bag.find(std::string("\x24\0\0\0", 4), count) + 4;
+  for (const auto& [offset, reason] :
+       {std::pair{'\x7f', "its index leads outside of a chunk"},
+        std::pair{'\0', "its index leads to something that is no message"}}) {
+    for (std::size_t i = 8; i < 12; ++i) {
+      bag[index + i] = offset;
+    }
+    directory_.write("x.bag", bag);
+    EXPECT_THAT(reading(), HasSubstr(std::string("is damaged: ") + reason));
+  }
+}
+
+/// rosbag's own reader would end the process.
+TEST_F(BagFaults, WrongBytesAnywhere) {
+  write_good(20);
+  const std::string whole = directory_.read("x.bag");
+  std::mt19937 random(1);
+  int damaged = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    std::string bag = whole;
+    const std::size_t at = 13 + random() % (whole.size() - 13);
+    // Text of the messages fills most of the bag, and any byte is good there.
+    bag[trial % 2 == 0 ? at : whole.size() - 1 - at % 1500] = static_cast<char>(random());
+    directory_.write("x.bag", bag);
+    const std::string error = reading();
+    damaged += error == "no error" ? 0 : 1;
+    EXPECT_THAT(error, AnyOf(StrEq("no error"), HasSubstr("x.bag"))) << trial;
+  }
+  EXPECT_GT(damaged, 20);
 }
 
 }  // namespace

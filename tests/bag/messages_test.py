@@ -6,6 +6,7 @@ import pathlib
 import resource
 import sys
 import tempfile
+import time
 
 import h5py
 import numpy as np
@@ -136,6 +137,28 @@ def full_disk(spikeloop, scratch):
     assert "messages are lost" in done.stderr, done.stderr
 
 
+def killed(spikeloop, scratch):
+    """What the run had kept is there, after the bag has got its index."""
+    file = scratch / "killed.yaml"
+    file.write_text(KEPT.format(sync="realtime"))
+    folder = scratch / "killed"
+    process = bags.subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
+                                    stderr=bags.subprocess.DEVNULL)
+    while not (folder / "messages.bag").exists() or (folder / "messages.bag").stat().st_size < 1e5:
+        time.sleep(0.05)
+    process.kill()
+    process.wait(timeout=20)
+    again = bags.experiment(scratch / "again.yaml", folder / "messages.bag", width=100)
+    printed = bags.spikeloop(spikeloop, "check", again, code=4)
+    assert (f"'{folder}/messages.bag' has no index, because its recording was not ended; write  "
+            f"rosbag reindex {folder}/messages.bag") in printed, printed
+    bags.subprocess.run(["rosbag", "reindex", str(folder / "messages.bag")], check=True,
+                        capture_output=True)
+    with rosbag.Bag(str(folder / "messages.bag")) as bag:
+        assert bag.get_message_count("/scan") > 10
+    bags.spikeloop(spikeloop, "run", again, "--out", scratch / "after")
+
+
 def nothing_is_kept(spikeloop, scratch):
     file = scratch / "none.yaml"
     file.write_text(KEPT.format(sync="lockstep"))
@@ -153,6 +176,7 @@ def main():
         foreign_bag(spikeloop, scratch, compression="bz2")
         foreign_bag(spikeloop, scratch, compression="lz4")
         full_disk(spikeloop, scratch)
+        killed(spikeloop, scratch)
         nothing_is_kept(spikeloop, scratch)
     print("rosbag reads the messages of a run, and a run those of a bag of rosbag's")
 

@@ -11,6 +11,7 @@
 
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/error.hpp"
+#include "structure.hpp"
 
 namespace spikeloop::bag {
 namespace {
@@ -34,9 +35,24 @@ void check_magic(const std::string& path) {
   }
 }
 
+/// While it lives, rosbag prints nothing of what it throws as well.
+class Quiet {
+ public:
+  Quiet() : before_(console_bridge::getLogLevel()) {
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  }
+  ~Quiet() { console_bridge::setLogLevel(before_); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  console_bridge::LogLevel before_;
+};
+
 /// What rosbag throws as an error of ours. A damaged file gives any exception.
 template <typename Work>
 auto reading(const std::string& path, Work&& work) {
+  const Quiet quiet;
   try {
     return work();
   } catch (const rosbag::BagUnindexedException&) {
@@ -124,6 +140,9 @@ Reader::Reader(const std::string& path) : impl_(std::make_unique<Impl>()) {
   Opened& opened = *impl_->opened;
   opened.path = path;
   reading(path, [&] {
+    if (!check_structure(path)) {
+      throw rosbag::BagUnindexedException();
+    }
     opened.bag.open(path, rosbag::bagmode::Read);
     rosbag::View view(opened.bag);
     for (const rosbag::ConnectionInfo* info : view.getConnections()) {

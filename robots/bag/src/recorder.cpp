@@ -21,6 +21,10 @@
 namespace spikeloop::bag {
 namespace {
 
+/// What a killed process loses at most, beside what waits: `rosbag reindex` leaves a chunk out that
+/// was not ended.
+constexpr std::uint32_t kChunkBytes = 1 << 16;
+
 struct Connection {
   Topic topic;
   MessageType type;
@@ -94,6 +98,7 @@ Recorder::Recorder(const std::string& path, const RecorderOptions& options)
   impl_->bag = std::make_unique<rosbag::Bag>();
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
+    impl_->bag->setChunkThreshold(kChunkBytes);
   } catch (const rosbag::BagException& error) {
     impl_->forsake_bag();
     throw FileError(fmt::format("cannot write '{}': {}", path, error.what()));
