@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "faults.hpp"
@@ -73,6 +74,40 @@ std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment&
     }
   }
   return lonely;
+}
+
+/// The rows of a node's weights; 0: it has none, or they take their size from the ports.
+std::uint32_t rows_of_weights(const Part& part) {
+  for (const ParameterDescription& parameter : part.node_class->description.parameters) {
+    if (parameter.type == ParameterType::weights) {
+      return part.parameters.weights(parameter.name).rows;
+    }
+  }
+  return 0;
+}
+
+/// A readout at the end of a chain is recorded: where no connection says how wide an output is, the
+/// weights do.
+void size_ends(const ExperimentFile& file, const std::set<std::string>& whole,
+               Experiment& experiment) {
+  for (Part& part : experiment.parts) {
+    const auto leaves = [&](const ExperimentConnection& connection) {
+      return node_of(connection.from) == part.name;
+    };
+    if (!whole.contains(part.name) || std::ranges::any_of(file.connections, leaves)) {
+      continue;
+    }
+    const auto& ports = part.node_class->description.ports;
+    const auto output = std::ranges::find(ports, Direction::output, &PortDescription::direction);
+    const std::uint32_t rows = rows_of_weights(part);
+    if (rows > 0 && output != ports.end() && output->width.kind == WidthRule::Kind::free) {
+      auto own = std::make_shared<NodeClass>(*part.node_class);
+      own->description.ports[static_cast<std::size_t>(output - ports.begin())].width =
+          WidthRule::fixed(rows);
+      part.node_class = own.get();
+      experiment.own_classes.push_back(std::move(own));
+    }
+  }
 }
 
 GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment,
@@ -162,6 +197,7 @@ void try_node(const Part& part, const PlannedElement& element, std::uint64_t see
 void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
                    Experiment& experiment, Faults& faults) {
   const std::size_t before = faults.count();
+  size_ends(file, whole, experiment);
   const GraphDescription graph = as_nodes(file, experiment, faults);
   GraphPlan planned;
   faults.attempt(file.where_connections, [&] {
