@@ -10,7 +10,7 @@ from ideal import TAU_S, low_pass, rms
 from spikeloop.run_folder import RunFolder
 
 TICK_S, TAU_M_S, T_REF_S = 0.001, 0.02, 0.002
-POPULATIONS = 4
+POPULATIONS = 6
 EVERY = 5  # ticks between two samples
 
 
@@ -48,7 +48,7 @@ def filtered_spikes(rng, x, neurons):
 
 signal, neurons = RunFolder(sys.argv[1]).signal("signal").values, int(sys.argv[2])
 rng = np.random.default_rng(1)
-training = noise(rng, 30_000)
+training = noise(rng, 40_000)
 x = np.concatenate([training, signal])
 target = low_pass(np.arange(len(x)) * TICK_S, x)[::EVERY]
 fit = slice(200 // EVERY, len(training) // EVERY)  # before, the kernel fills
