@@ -1,6 +1,11 @@
 #!/usr/bin/python3
-"""What console.py takes for the same, and what it does not."""
+"""What console.py takes for the same, and what it does not; which pages page_test.py refuses."""
 
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
 import unittest
 
 from console import PageError, as_seen, commands_of, difference
@@ -42,7 +47,6 @@ class Pages(unittest.TestCase):
         self.assertEqual([c.line for c in commands], [5, 10, 15, 20])
 
     def test_blocks_that_begin_without_a_command_are_not_run(self):
-        self.assertEqual(commands_of("Text\n\n    x = 1\n    $ y\n")[0].text, "y")
         self.assertEqual(commands_of("Text\n\n    x = 1\n"), [])
 
     def test_unknown_comments_are_no_silent_permission(self):
@@ -93,6 +97,48 @@ class Comparison(unittest.TestCase):
     def test_a_terminal_shows_what_was_printed_last(self):
         self.assertEqual(as_seen("1 of 5\r\x1b[K2 of 5\r\x1b[Kdone\r\nnext\r\n"), ["done", "next"])
         self.assertEqual(as_seen("abc\rx\n\x1b[32mgreen\x1b[0m\n"), ["xbc", "green"])
+
+
+class WholePages(unittest.TestCase):
+    def follow(self, page):
+        """Exit code and error text of page_test.py for an example of this page."""
+        with tempfile.TemporaryDirectory() as directory:
+            source = pathlib.Path(directory)
+            example = source / "examples/01_example"
+            for folder in (example, source / "python"):
+                folder.mkdir(parents=True)
+            (example / "README.md").write_text(page)
+            (example / "old.svg").write_text("<svg></svg>\n")
+            (source / "examples/README.md").write_text("Text\n\n    export GREETING=hello\n")
+            test = pathlib.Path(__file__).with_name("page_test.py")
+            done = subprocess.run([sys.executable, str(test), "--example", str(example), "--source",
+                                   directory, "--build", directory],
+                                  capture_output=True, text=True, check=False)
+            return done.returncode, done.stderr
+
+    def refused(self, page, text):
+        code, error = self.follow(page)
+        self.assertEqual(code, 1)
+        self.assertIn(text, error)
+
+    def test_pages_that_are_true(self):
+        self.assertEqual(self.follow("    $ echo $GREETING\n    hello\n    $ echo x >&2\n    x\n"), (0, ""))
+        self.assertEqual(self.follow("![x](old.svg)\n\n    $ echo '<svg></svg>' > old.svg\n"), (0, ""))
+        self.assertEqual(self.follow("<!-- exit code 1 -->\n\n    $ false\n"), (0, ""))
+
+    def test_pages_that_are_not(self):
+        self.refused("    $ echo 41\n    42\n", "README.md:1: $ echo 41\n  line 1 of its output is '42'")
+        self.refused("    $ echo 41\n", "'41' was printed, too")
+        self.refused("    $ false\n", "ends with 1, not 0")
+        self.refused("    $ kill -9 $$\n", "ends with -9, not 0")
+        self.refused("![x](old.svg)\n\n    $ true\n", "shows old.svg, and none of its commands draws")
+        self.refused("![x](old.svg)\n\n    $ echo > old.svg\n", "old.svg: None was drawn")
+        self.refused("Text\n", "shows no command")
+
+    def test_a_process_that_is_left_behind_is_told_and_ended(self):
+        began = time.monotonic()
+        self.refused("    $ sleep 1000 > /dev/null 2>&1 < /dev/null & disown\n", "leaves processes behind")
+        self.assertLess(time.monotonic() - began, 900)
 
 
 if __name__ == "__main__":

@@ -39,9 +39,13 @@ def clone_of(source, build, folder):
 
 def environment(clone, home, mark):
     """What examples/README.md tells a user to set, and nothing else."""
-    return {"PATH": f"{clone}/build/release/bin:/usr/sbin:/usr/bin:/sbin:/bin",
-            "PYTHONPATH": f"{clone}/python", "HOME": str(home), "LANG": "C.UTF-8",
+    page = (clone / "examples/README.md").read_text(encoding="utf-8")
+    line = re.search(r"^ {4}(export .*)$", page, re.MULTILINE)[1]
+    bare = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": str(home), "LANG": "C.UTF-8",
             "TERM": "xterm", MARK: mark}
+    told = subprocess.run(["/bin/bash", "-c", f"{line} && env --null"], cwd=clone, env=bare,
+                          capture_output=True, text=True, check=True).stdout
+    return dict(entry.split("=", 1) for entry in told.rstrip("\0").split("\0"))
 
 
 def processes_of(mark):
