@@ -96,7 +96,7 @@ class Writer {
 
   void write_section(const Part& part) {
     add(part, "np", "1");
-    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.path)).string());
+    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.origin)).string());
     if (part.kind == kRosSensor) {
       write_sensor(part);
     } else if (part.kind == kRosCommand) {
@@ -233,6 +233,11 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
     throw ConfigurationError(where,
                              "lockstep steps robot and network in one process; use the fused "
                              "layout, or  sync: realtime");
+  }
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    throw ConfigurationError(experiment.robot->where,
+                             "a bag in the robot's place needs the fused layout; in the separate "
+                             "one write  ros: 1, and play it by  rosbag play");
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(experiment.robot->where,

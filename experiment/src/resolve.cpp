@@ -74,12 +74,25 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.sync = overrides.sync.value_or(experiment.sync);
 }
 
-void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
+void read_robot(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
+                Faults& faults) {
+  if (overrides.replay) {
+    if (!overrides.replay->bag.empty()) {
+      experiment.robot = {.where = {file.path, 0, 0}, .bag = overrides.replay->bag};
+    }
+    experiment.ros = Ros::none;
+    return;
+  }
   if (!file.robot) {
     return;
   }
   const ExperimentNode& robot = *file.robot;
-  const auto declared = without(robot_parameters(), "seed", robot.keys);
+  if (robot.keys.contains("bag")) {
+    read_bag_keys(robot, directory_of(file.path), experiment, faults);
+    return;
+  }
+  auto declared = without(robot_parameters(), "seed", robot.keys);
+  declared.front().default_value.reset();  // one of simulator and bag must be there
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   const std::string& world = keys.text("world");
@@ -87,7 +100,8 @@ void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faul
   const bool own_seed = keys.given("seed");
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
-                      robot.where};
+                      robot.where,
+                      {}};
 }
 
 Location where_of(const ExperimentFile& file, const char* key) {
@@ -131,6 +145,9 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
         part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 1, "
                                 "or  robot: {{simulator: mujoco}}",
                                 part.name, part.parameters.text("topic")));
+  }
+  if (!experiment.robot->bag.empty()) {
+    return;  // check_bag()
   }
   const std::string& topic = part.parameters.text("topic");
   std::vector<std::string> known;
@@ -241,13 +258,15 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
+  experiment.origin = origin_of(file, overrides);
   read_keys(file, overrides, experiment, all);
-  read_robot(file, experiment, all);
+  read_robot(file, overrides, experiment, all);
   check_ways(file, experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
+  const std::string directory = directory_of(experiment.origin);
   for (const ExperimentNode& node : file.nodes) {
-    const Checked checked = resolve_part(node, kinds, directory_of(file.path), experiment, all);
+    const Checked checked = resolve_part(node, kinds, directory, experiment, all);
     joined = joined && checked.ports;
     if (checked.parameters) {
       whole.insert(node.name);
@@ -256,6 +275,9 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   check_topics(experiment, whole, all);
   if (joined) {
     resolve_links(file, whole, experiment, all);
+  }
+  if (!overrides.replay) {
+    check_bag(whole, joined && all.count() == 0, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

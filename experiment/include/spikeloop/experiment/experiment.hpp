@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,10 +68,12 @@ struct Robot {
   std::string world = "arena.xml";
   std::uint64_t seed = 1;
   Location where;
+  std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
 };
 
 struct Experiment {
   std::string path;
+  std::string origin;  ///< relative paths start where this file lies; `path`, unless it is a copy
   std::string name;
   std::optional<TimeNs> duration;
   TimeNs tick = 1'000'000;
@@ -83,6 +86,7 @@ struct Experiment {
   std::vector<Link> links;  ///< in the file's order
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
+  std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
 
   const Part& part(std::string_view name) const;
   /// Of a port that a link reaches; 0 for one that none does.
@@ -96,12 +100,19 @@ struct Fault {
   int exit_code = 2;
 };
 
+/// The messages of a run in place of its robot.
+struct Replay {
+  std::string origin;  ///< the file that was run, of which this one is a copy
+  std::string bag;     ///< empty: no node takes messages
+};
+
 /// What the command line says in place of the file.
 struct Overrides {
   std::optional<double> duration_s;
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  std::optional<Replay> replay;
 };
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
