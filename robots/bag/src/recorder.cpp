@@ -65,6 +65,7 @@ struct Recorder::Impl {
   void run();
   void write(const std::vector<Item>& batch);
   void finish();
+  void forsake_bag();
   template <typename Work>
   void attempt(Work&& work);
   void fail(const std::string& text);
@@ -90,10 +91,11 @@ struct Recorder::Impl {
 Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     : impl_(std::make_unique<Impl>(path, options)) {
   make_empty_file(path);
+  impl_->bag = std::make_unique<rosbag::Bag>();
   try {
-    impl_->bag = std::make_unique<rosbag::Bag>();
     impl_->bag->open(path, rosbag::bagmode::Write);
   } catch (const rosbag::BagException& error) {
+    impl_->forsake_bag();
     throw FileError(fmt::format("cannot write '{}': {}", path, error.what()));
   }
   // Signals go to the threads that expect them.
@@ -204,9 +206,14 @@ void Recorder::Impl::write(const std::vector<Item>& batch) {
 void Recorder::Impl::finish() {
   attempt([&] { bag->close(); });
   if (!failure.empty()) {
-    // Its destructor would try once more, and end the process by what it throws.
-    static_cast<void>(bag.release());
+    forsake_bag();
   }
+}
+
+/// A bag that could not be written tries it once more in its destructor, and ends the process by
+/// what it throws there.
+void Recorder::Impl::forsake_bag() {
+  static_cast<void>(bag.release());
 }
 
 std::string Recorder::Impl::loss() const {
