@@ -209,6 +209,24 @@ class Writer {
   MusicJob job_;
 };
 
+/// Programs know a port's width from its connection alone.
+void check_ends(const Experiment& experiment) {
+  for (const Part& part : experiment.parts) {
+    const bool sends = std::ranges::any_of(
+        experiment.links, [&](const Link& link) { return node_of(link.from) == part.name; });
+    const bool by_weights = std::ranges::any_of(
+        part.node_class->description.parameters,
+        [](const auto& parameter) { return parameter.type == ParameterType::weights; });
+    if (by_weights && !sends) {
+      throw ConfigurationError(
+          part.where, fmt::format("nothing is connected to an output of '{}', and the separate "
+                                  "layout knows its width from a connection alone; connect it, or "
+                                  "use the fused layout",
+                                  part.name));
+    }
+  }
+}
+
 }  // namespace
 
 MusicJob music_job(const Experiment& experiment, const std::string& folder) {
@@ -228,6 +246,7 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
                              "in the separate layout the robot is reached over ROS; write  ros: 1, "
                              "or use the fused layout");
   }
+  check_ends(experiment);
   return Writer(experiment, folder).write();
 }
 
