@@ -11,9 +11,11 @@
 #include <fstream>
 #include <string_view>
 
+#include "experiment_places.hpp"
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -175,6 +177,16 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
                              fmt::format("--seed={}", experiment.robot->seed)};
 }
 
+launch::JobOptions job_options(const ExperimentArguments& arguments, const Experiment& experiment,
+                               const std::string& folder) {
+  launch::JobOptions options;
+  options.folder = folder;
+  options.start_timeout = arguments.start_timeout;
+  options.stall_timeout = arguments.stall_timeout;
+  add_robot(experiment, options);
+  return options;
+}
+
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
@@ -188,8 +200,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   set_key(keys, "seed", std::to_string(experiment.seed));
   set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
   set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.program = {"spikeloop-fused",
                      std::filesystem::absolute(arguments.file).string(),
                      "--out",
@@ -204,7 +215,6 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   if (!arguments.record) {
     options.program.emplace_back("--no-record");
   }
-  add_robot(experiment, options);
   launch::Job job(file, options);
   const int exit_code = run_job(job, arguments.volume);
   tell_folder(arguments.volume, folder);
@@ -213,15 +223,14 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
-  const std::string path = write_music_job(experiment, folder.path());
+  const WrittenJob music = write_music_job(experiment, folder.path());
   launch::write_text(folder.path() + "/resolved.json",
                      fused::resolved_json(experiment).dump(2) + "\n");
   folder.release();
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
-  add_robot(experiment, options);
-  launch::Job job(read_music_file(path), options);
+  options.translate = music.places;
+  launch::Job job(read_music_file(music.path), options);
   const int exit_code = run_job(job, arguments.volume);
   tell_folder(arguments.volume, folder);
   return exit_code;
@@ -262,7 +271,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
 
 std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
                                                     const experiment::Overrides& overrides) {
-  auto loaded = experiment::load(file, overrides);
+  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
   if (!loaded->faults.empty()) {
     put(stderr, text_of("spikeloop", loaded->faults.front()));
     if (loaded->faults.size() > 1) {
@@ -288,22 +297,28 @@ int run_experiment(const ExperimentArguments& arguments) {
   if (experiment.ros != experiment::Ros::none) {
     return run_fused_over_ros(arguments, experiment);
   }
+  if (!arguments.timeout_given.empty()) {
+    throw ConfigurationError(
+        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
+                    "one has a single process; leave it out",
+                    arguments.timeout_given));
+  }
   return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
                         arguments.volume);
 }
 
-std::string write_music_job(const Experiment& experiment, const std::string& folder) {
+WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
   const experiment::MusicJob job = experiment::music_job(experiment, folder);
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }
   const std::string path = folder + "/experiment.music";
   launch::write_text(path, to_text(job.file));
-  return path;
+  return {path, places_of(read_music_file(path), job.file)};
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {});
+  const auto all = experiment::load(file, {}, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));

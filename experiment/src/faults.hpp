@@ -3,13 +3,19 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::bag {
+class Reader;
+}
 
 namespace spikeloop::experiment {
 
@@ -55,17 +61,32 @@ struct Checked {
 Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
                      Experiment& experiment, Faults& faults);
 /// Ends, kinds, cycles, delays; widths along every connection; makes every node once that `whole`
-/// names.
-void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
-                   Experiment& experiment, Faults& faults);
+/// names, if `trial` wants it.
+struct Trial {
+  const std::set<std::string>& whole;  ///< nodes without a fault
+  bool try_nodes = true;
+  SensorWidth sensor_width{};  ///< empty: nobody knows
+};
+void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
+                   Faults& faults);
+
+/// Gives the ports whose width is open in `plan` the one that the node itself knows: by the rows
+/// and columns of its table, by the robot's message. Returns whether there was one; then `graph`
+/// has to be planned again.
+bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
+                     Experiment& experiment);
 
 /// `robot: {bag: FILE}`: its keys.
 void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);
-/// What the sensors ask of the bag: topics, types and versions; with `joined`, which means that the
-/// widths are known, the first messages. An experiment without duration ends with the bag.
-void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
-               Faults& faults);
+/// The bag in the robot's place; null: there is none, or it cannot be read.
+std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults);
+/// By the first message that a sensor would take.
+SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader);
+/// What the sensors ask of the bag: topics, types and versions. An experiment without duration ends
+/// with the bag.
+void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,
+               Experiment& experiment, Faults& faults);
 
 /// The file whose directory relative paths start in.
 inline const std::string& origin_of(const ExperimentFile& file, const Overrides& overrides) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 
 #include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/component_map.hpp"
@@ -40,6 +41,7 @@ struct CommandSpec {
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
   Keep keep{};
+  std::string from{};  ///< the output that drives it, "decoder.out"
 };
 
 class Transport {
