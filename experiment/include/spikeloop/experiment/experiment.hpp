@@ -113,7 +113,7 @@ struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
-  std::optional<Replay> replay;
+  std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;
 };
