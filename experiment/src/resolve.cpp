@@ -290,7 +290,11 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   experiment.path = file.path;
   experiment.origin = origin_of(file, overrides);
   read_keys(file, overrides, experiment, all);
-  const SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
+  SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
+  const auto bag = open_bag(experiment, all);
+  if (bag) {
+    sensor_width = bag_width(bag);
+  }
   check_ways(file, experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
@@ -303,11 +307,11 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     }
   }
   check_topics(experiment, whole, all);
+  if (bag && !overrides.replay) {
+    check_bag(*bag, whole, experiment, all);
+  }
   if (joined) {
     resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
-  }
-  if (!overrides.replay) {
-    check_bag(whole, joined && all.count() == 0, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

@@ -113,9 +113,9 @@ struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;
-  std::optional<Replay> replay{};
 };
 
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.

@@ -40,8 +40,8 @@ struct CommandSpec {
   const experiment::Part& part;
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
-  std::string from{};  ///< the output that drives it, "decoder.out"
   Keep keep{};
+  std::string from{};  ///< the output that drives it, "decoder.out"
 };
 
 class Transport {
