@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -152,6 +153,10 @@ void refuse_own_recordings(const Experiment& experiment, const std::string& fold
   }
 }
 
+std::chrono::milliseconds as_milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+}
+
 void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& folder) {
   if (arguments.volume != Console::Volume::quiet) {
     put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
@@ -194,6 +199,13 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   options.robot = true;
   options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
                              fmt::format("--seed={}", experiment.robot->seed)};
+  if (experiment.sync == experiment::Sync::lockstep) {
+    options.robot_arguments.emplace_back("--step");
+  } else if (experiment.sync == experiment::Sync::sim_time) {
+    // A clock that is slower than the ticks would bring them in bursts.
+    const double rate = std::clamp(1 / to_seconds(experiment.tick), 100.0, 1000.0);
+    options.robot_arguments.push_back(fmt::format("--clock-rate={}", rate));
+  }
 }
 
 /// One process and its partners: master, robot, guard.
@@ -217,7 +229,9 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      folder.path(),
                      fmt::format("--seed={}", experiment.seed),
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
-                     fmt::format("--sync={}", experiment::name_of(experiment.sync))};
+                     fmt::format("--sync={}", experiment::name_of(experiment.sync)),
+                     fmt::format("--stall-timeout={}", arguments.stall_timeout_s)};
+  options.stall_timeout = as_milliseconds(arguments.stall_timeout_s);
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
@@ -241,6 +255,7 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   launch::JobOptions options;
   options.folder = folder.path();
   options.run.record = arguments.record;
+  options.stall_timeout = as_milliseconds(arguments.stall_timeout_s);
   add_robot(experiment, options);
   launch::Job job(read_music_file(path), options);
   const int exit_code = run_job(job, arguments.volume);

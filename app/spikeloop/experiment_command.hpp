@@ -19,6 +19,7 @@ struct ExperimentArguments {
   std::string file;
   std::string folder;  ///< empty: runs/NAME-N
   bool record = true;
+  double stall_timeout_s = 60;  ///< 0: for ever; over ROS or MUSIC
   Layout layout = Layout::fused;
   experiment::Overrides overrides;
   Console::Volume volume = Console::Volume::normal;

@@ -76,7 +76,8 @@ void add_values(CLI::App& command, RunArguments& arguments) {
             "Longest time until every program of ours has ticked")
       ->default_str("60");
   add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
-            "Longest time in which a program of ours may not tick; 0: for ever")
+            "Longest time in which a program of ours, or a stepped robot, may not tick; 0: for ever; "
+            "an experiment in one process without ROS has no limit")
       ->default_str("60");
 }
 
@@ -117,7 +118,7 @@ void add_options(CLI::App& command, RunArguments& arguments) {
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
-      ->check(CLI::IsMember({"realtime", "unpaced", "lockstep"}));
+      ->check(CLI::IsMember({"realtime", "unpaced", "lockstep", "sim_time"}));
   command
       .add_option("--layout", arguments.layout,
                   "fused: all nodes in one process; separate: a process a node, joined by MUSIC")
@@ -133,7 +134,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   group(arguments.for_experiment, "Experiment files", {"--layout", "--sync", "--no-record"});
   group(arguments.for_music, ".music files",
         {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run",
-         "--start-timeout", "--stall-timeout"});
+         "--start-timeout"});
 }
 
 void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
@@ -156,6 +157,7 @@ int run_file(const RunArguments& arguments) {
   experiment.file = arguments.file;
   experiment.folder = arguments.job.folder;
   experiment.record = !arguments.no_record;
+  experiment.stall_timeout_s = arguments.stall_timeout_s;
   experiment.overrides.duration_s = arguments.job.run.duration_s;
   experiment.overrides.seed = arguments.job.run.seed;
   experiment.overrides.real_time_factor = arguments.job.run.real_time_factor;

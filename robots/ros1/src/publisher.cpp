@@ -58,6 +58,10 @@ void Publisher::publish(std::span<const double> values) {
   impl_->publisher.publish(impl_->bytes);
 }
 
+bool Publisher::has_subscribers() const {
+  return impl_->publisher.has_subscribers();
+}
+
 void Publisher::drain() const {
   impl_->publisher.drain();
 }

@@ -29,7 +29,11 @@ Ros1Command::Ros1Command(ros1::Session& session, const Address& address,
     : session_(session),
       publisher_(session, address.topic, address.message_type, address.fields),
       guard_(guard_hello(address, settings, publisher_)),
-      sink_(settings, {.publish = [this](auto values) { publisher_.publish(values); },
+      sink_(settings, {.publish =
+                           [this](auto values) {
+                             publisher_.publish(values);
+                             ++sent_;
+                           },
                        .finish =
                            [this] {
                              leave_to_guard_if_dead();

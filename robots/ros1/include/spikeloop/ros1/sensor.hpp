@@ -1,6 +1,8 @@
 // A topic as a source: the newest message's channels, taken the moment it arrives.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +20,10 @@ struct SensorSettings {
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value
+  /// `pace` is the simulated time of the tick that first uses a message.
+  bool simulated_pace = false;
+  std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
+  std::function<void()> arrived{};  ///< in the session's thread, after every message
 };
 
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
@@ -41,6 +47,12 @@ class Sensor : public Source {
   /// and a message does not fit the port.
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
+
+  bool has_publishers() const;
+  /// Messages that have come and are known to the next receive().
+  std::uint64_t received() const;
+  /// Throws what receive() would.
+  void require_sound() const;
 
  private:
   struct Impl;

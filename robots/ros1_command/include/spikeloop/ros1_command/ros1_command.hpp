@@ -2,6 +2,8 @@
 // end of the process.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -34,12 +36,18 @@ class Ros1Command : public Sink {
   /// As CommandSink.
   void stop(command::StopReason reason) { sink_.stop(reason); }
   nlohmann::json summary() const { return sink_.summary(); }
+  void alive() { sink_.alive(); }
+
+  bool has_subscribers() const { return publisher_.has_subscribers(); }
+  /// Messages that have left, zeros included.
+  std::uint64_t sent() const { return sent_; }
 
  private:
   void leave_to_guard_if_dead();
 
   ros1::Session& session_;
   ros1::Publisher publisher_;
+  std::atomic<std::uint64_t> sent_{0};
   guard::Link guard_;
   command::CommandSink sink_;
   status::TerminationHook on_termination_;
