@@ -18,7 +18,8 @@ TimeNs next_multiple(TimeNs time, TimeNs period) {
 
 SteppedRobot::SteppedRobot(const vehicle::Options& options, const std::string& folder)
     : vehicle_(options),
-      scan_period_(std::max<TimeNs>(kMs, std::llround(vehicle_.scan().scan_time_s * 1e9))) {
+      // A float: to the microsecond, or scans would be due a nanosecond after their tick.
+      scan_period_(std::max<TimeNs>(kMs, 1000 * std::llround(vehicle_.scan().scan_time_s * 1e6))) {
   if (!folder.empty()) {
     write_world(folder, vehicle_, options.seed);
     trajectory_.emplace(folder);
