@@ -29,7 +29,8 @@ class ClockPacer : public Pacer {
         alive_(std::move(alive)),
         seconds_(messages::Catalog::builtin(), kType, "clock.secs"),
         nanoseconds_(messages::Catalog::builtin(), kType, "clock.nsecs"),
-        subscriber_(session, kTopic, kType, [this](auto message) { take(message); }, 0) {}
+        subscriber_(
+            session, kTopic, kType, [this](auto message) { take(message); }, 0) {}
 
   void start() override { started_ = wall_now(); }
 
@@ -68,8 +69,8 @@ class ClockPacer : public Pacer {
       log::warning("topic '{}': {}", kTopic, error.what());
       return;
     }
-    const TimeNs now = static_cast<TimeNs>(values.at(0)) * kNsPerSecond +
-                       static_cast<TimeNs>(values.at(1));
+    const TimeNs now =
+        static_cast<TimeNs>(values.at(0)) * kNsPerSecond + static_cast<TimeNs>(values.at(1));
     if (newest_ == kNone) {
       first_ = now;
     } else if (now < newest_ && !went_back_) {
@@ -100,7 +101,8 @@ class ClockPacer : public Pacer {
     told_ = true;
     if (newest_ == kNone) {
       log::warning(
-          "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, and "
+          "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, "
+          "and "
           "does the simulator publish {}? 'rostopic hz {}' shows it",
           kTopic, format_time(kSilence), kTopic, kTopic);
     } else {

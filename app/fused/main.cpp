@@ -39,8 +39,7 @@ int run(const Arguments& arguments, const status::Sender& sender) {
   const auto enter = [&](bool waits) {
     heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  Ros1Transport transport(experiment,
-                          {stop, enter, from_seconds(arguments.stall_timeout_s)});
+  Ros1Transport transport(experiment, {stop, enter, from_seconds(arguments.stall_timeout_s)});
   sender.started();
   heartbeat.enter(status::Phase::computing);
   bool first = true;

@@ -70,10 +70,9 @@ std::unique_ptr<Source> Ros1Transport::sensor(const experiment::Part& part, std:
 command::CommandSettings Ros1Transport::command_settings(const fused::CommandSpec& spec) const {
   const Parameters& keys = spec.part.parameters;
   if (in_simulated_time(experiment_.sync)) {
-    return command::simulated_settings(keys, spec.map,
-                                       robot_ ? command::CommandClock::lockstep
-                                              : command::CommandClock::simulated,
-                                       spec.with_pace);
+    return command::simulated_settings(
+        keys, spec.map, robot_ ? command::CommandClock::lockstep : command::CommandClock::simulated,
+        spec.with_pace);
   }
   return command::command_settings(keys, spec.map, keys.number("command_rate"),
                                    {experiment_.tick, experiment_.real_time_factor},

@@ -30,7 +30,7 @@ class Ros1Transport : public fused::Transport {
   const experiment::Experiment& experiment_;
   ros1::Session session_;
   Waiting waiting_;
-  std::optional<SteppingLink> robot_;                ///< with sync: lockstep
+  std::optional<SteppingLink> robot_;                 ///< with sync: lockstep
   std::vector<ros1_command::Ros1Command*> commands_;  ///< the loop's, and alive as long as it runs
 };
 

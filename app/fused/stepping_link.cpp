@@ -135,8 +135,8 @@ std::string SteppingLink::missing_messages(const Answer& answer) const {
     const auto published = answer.published.find(topic.name);
     const std::uint64_t count = published == answer.published.end() ? 0 : published->second;
     if (topic.count() < count) {
-      missing.push_back(fmt::format("{} of {} messages on {}", count - topic.count(), count,
-                                    topic.name));
+      missing.push_back(
+          fmt::format("{} of {} messages on {}", count - topic.count(), count, topic.name));
     }
   }
   return fmt::format("{}", fmt::join(missing, ", "));
@@ -181,8 +181,7 @@ void SteppingLink::ask(const Request& request) {
   send(request);
   const auto done = [this] {
     const std::lock_guard lock(mutex_);
-    return !unreadable_.empty() ||
-           (answer_ && (!answer_->error.empty() || has_come(*answer_)));
+    return !unreadable_.empty() || (answer_ && (!answer_->error.empty() || has_come(*answer_)));
   };
   const auto meanwhile = [&](TimeNs waited) {
     require_sound();
@@ -191,11 +190,12 @@ void SteppingLink::ask(const Request& request) {
     }
     const auto come = answer();
     throw TransportError(
-        come ? fmt::format("{} of {} have not come within {}", missing_messages(*come),
-                           format_time(asked_for_), format_time(waiting_.patience()))
-             : fmt::format("the robot has not answered on {} within {} when it was to advance to {}",
-                           stepping::kSteppedTopic, format_time(waiting_.patience()),
-                           format_time(asked_for_)));
+        come
+            ? fmt::format("{} of {} have not come within {}", missing_messages(*come),
+                          format_time(asked_for_), format_time(waiting_.patience()))
+            : fmt::format("the robot has not answered on {} within {} when it was to advance to {}",
+                          stepping::kSteppedTopic, format_time(waiting_.patience()),
+                          format_time(asked_for_)));
   };
   if (waiting_.until(done, meanwhile)) {
     check(answer().value());

@@ -11,9 +11,9 @@ namespace spikeloop {
 
 /// What the process has around its loop.
 struct LoopSurroundings {
-  std::function<bool()> stop;              ///< whether the loop is to end
-  std::function<void(bool waits)> enter;   ///< tells the launcher what the loop does
-  TimeNs patience = 60 * kNsPerSecond;     ///< wall time; 0: for ever
+  std::function<bool()> stop;             ///< whether the loop is to end
+  std::function<void(bool waits)> enter;  ///< tells the launcher what the loop does
+  TimeNs patience = 60 * kNsPerSecond;    ///< wall time; 0: for ever
 };
 
 class Waiting {
@@ -23,8 +23,8 @@ class Waiting {
   /// Something may have come. From any thread.
   void notify();
   /// Waits until `done`, which is asked after every notify() and every 20 ms.
-  /// @param meanwhile called every 20 ms with the wall time that has passed; what it throws ends the
-  /// wait
+  /// @param meanwhile called every 20 ms with the wall time that has passed; what it throws ends
+  /// the wait
   /// @return false when the loop is to end
   bool until(const std::function<bool()>& done,
              const std::function<void(TimeNs waited)>& meanwhile);

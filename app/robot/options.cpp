@@ -15,7 +15,8 @@ constexpr const char* kExamples =
     "  spikeloop-robot                               the shipped arena, seed 1, until Ctrl-C\n"
     "  spikeloop-robot --seed 3 --duration 60 --out run    one minute, path and world in run/\n"
     "  spikeloop-robot --world lab.xml --real-time-factor 0.5    your world at half speed\n"
-    "  spikeloop-robot --step                        moves when an experiment with sync: lockstep says so\n"
+    "  spikeloop-robot --step                        moves when an experiment with sync: lockstep "
+    "says so\n"
     "  rostopic pub -r 10 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.3}, angular: {z: 0.5}}'\n"
     "\n"
     "Exit codes: 0 done or stopped, 2 wrong option or world, 3 no ROS master, 4 a file could not\n"
@@ -30,8 +31,8 @@ void declare(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   auto* duration =
       app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
+          ->check(CLI::Range(0.0, 1e9))
+          ->capture_default_str();
   app.add_option("--real-time-factor", options.real_time_factor,
                  "simulated seconds in a second of the wall clock")
       ->check(CLI::Range(1e-3, 1e3))

@@ -15,7 +15,7 @@ struct RunOptions {
   double real_time_factor = 1;
   double clock_rate_hz = 100;
   bool step = false;  ///< an experiment decides when it moves
-  std::string out;  ///< directory for trajectory.csv and world.json; empty: none
+  std::string out;    ///< directory for trajectory.csv and world.json; empty: none
   std::string scan_topic = "scan";
   std::string odometry_topic = "odom";
   std::string clock_topic = "/clock";

@@ -66,18 +66,23 @@ bool StepLink::wait(const std::atomic<bool>& stop, Done&& done) {
 }
 
 std::optional<stepping::Request> StepLink::next(const std::atomic<bool>& stop) {
-  while (!wait(stop, [this] { return !requests_.empty(); })) {
-    if (stop || !alive()) {
-      return std::nullopt;
+  while (!stop && alive()) {
+    if (!wait(stop, [this] { return !requests_.empty(); })) {
+      continue;
+    }
+    std::string text;
+    {
+      const std::lock_guard lock(mutex_);
+      text = std::move(requests_.front());
+      requests_.pop_front();
+    }
+    try {
+      return stepping::read_request(text);
+    } catch (const Error& error) {
+      refuse(error.what());
     }
   }
-  std::string text;
-  {
-    const std::lock_guard lock(mutex_);
-    text = std::move(requests_.front());
-    requests_.pop_front();
-  }
-  return stepping::read_request(text);
+  return std::nullopt;
 }
 
 std::string StepLink::begin(const stepping::Request& request, const std::atomic<bool>& stop) {
@@ -94,8 +99,7 @@ std::string StepLink::begin(const stepping::Request& request, const std::atomic<
   if (wait(stop, [&] { return !unheard(scan_) && !unheard(odometry_); })) {
     return "";
   }
-  return fmt::format("nobody has subscribed to {}",
-                     unheard(scan_) ? scan_.name : odometry_.name);
+  return fmt::format("nobody has subscribed to {}", unheard(scan_) ? scan_.name : odometry_.name);
 }
 
 std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& sent,
@@ -107,11 +111,10 @@ std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& se
   const std::lock_guard lock(mutex_);
   if (commands_ != wanted) {
     problem = fmt::format(
-        "{} commands were sent on {}, and {} have come{}", wanted, command_topic_,
-        commands_.load(),
-        commands_ > wanted ? fmt::format("; somebody else drives, too: 'rostopic info {}'",
-                                         command_topic_)
-                           : "");
+        "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
+        commands_ > wanted
+            ? fmt::format("; somebody else drives, too: 'rostopic info {}'", command_topic_)
+            : "");
   }
   return std::exchange(newest_, std::nullopt);
 }
@@ -124,8 +127,7 @@ void StepLink::publish_clock(TimeNs time) {
 
 void StepLink::answer(TimeNs time) {
   answers_.publish(stepping::string_message(to_text(stepping::Answer{
-      .time = time,
-      .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
+      .time = time, .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
 }
 
 void StepLink::refuse(const std::string& problem) {

@@ -25,8 +25,8 @@ class StepLink {
 
   StepLink(const RunOptions& options, const ros1::SessionSettings& settings);
 
-  /// The next request; nothing when `stop` is true or ROS has shut the node down.
-  /// @throws TransportError when it cannot be read.
+  /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
+  /// cannot read.
   std::optional<stepping::Request> next(const std::atomic<bool>& stop);
   /// Counts begin with 0. Waits until somebody hears what the experiment wants to.
   /// @return what is missing when nobody has come

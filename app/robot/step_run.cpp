@@ -60,9 +60,9 @@ class SteppedRun {
 
   void step(const Request& request) {
     if (!begun_ || request.to <= robot_->time()) {
-      link_.refuse(fmt::format("it was told to advance to {}, and {}", format_time(request.to),
-                               begun_ ? fmt::format("stands at {}", format_time(robot_->time()))
-                                      : "not to begin"));
+      link_.refuse(fmt::format(
+          "it was told to advance to {}, and {}", format_time(request.to),
+          begun_ ? fmt::format("stands at {}", format_time(robot_->time())) : "not to begin"));
       return;
     }
     std::string problem;

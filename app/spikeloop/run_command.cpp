@@ -75,9 +75,10 @@ void add_values(CLI::App& command, RunArguments& arguments) {
   add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
             "Longest time until every program of ours has ticked")
       ->default_str("60");
-  add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
-            "Longest time in which a program of ours, or a stepped robot, may not tick; 0: for ever; "
-            "an experiment in one process without ROS has no limit")
+  add_value(
+      command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
+      "Longest time in which a program of ours, or a stepped robot, may not tick; 0: for ever; "
+      "an experiment in one process without ROS has no limit")
       ->default_str("60");
 }
 

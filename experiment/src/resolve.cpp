@@ -77,7 +77,7 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.seed = overrides.seed.value_or(experiment.seed);
   experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
   experiment.sync = overrides.sync.value_or(experiment.sync);
-  experiment.sync_where = where_of(file, "sync");
+  experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
 }
 
 void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
@@ -102,13 +102,15 @@ void check_ways(const Experiment& experiment, Faults& faults) {
     return;
   }
   if (experiment.sync == Sync::sim_time) {
-    faults.add(experiment.sync_where,
-               "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 1,  "
-               "or  sync: lockstep  for the robot in this process");
+    faults.add(
+        experiment.sync_where,
+        "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 1,  "
+        "or  sync: lockstep  for the robot in this process");
   } else if (experiment.sync == Sync::lockstep && !experiment.robot) {
-    faults.add(experiment.sync_where,
-               "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco},  ros: "
-               "1  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
+    faults.add(
+        experiment.sync_where,
+        "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco},  ros: "
+        "1  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
   }
 }
 

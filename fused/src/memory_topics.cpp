@@ -77,10 +77,10 @@ class MemorySensor : public Source {
 class MemoryCommand : public CommandEnd {
  public:
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
-      : MemoryCommand(topics, spec,
-                      command::simulated_settings(spec.part.parameters, spec.map,
-                                                  command::CommandClock::lockstep,
-                                                  spec.with_pace)) {}
+      : MemoryCommand(
+            topics, spec,
+            command::simulated_settings(spec.part.parameters, spec.map,
+                                        command::CommandClock::lockstep, spec.with_pace)) {}
 
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec,
                 const command::CommandSettings& settings)

@@ -8,9 +8,8 @@ MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
     return;
   }
   robot_.emplace(vehicle::Options{robot->world, robot->seed}, folder);
-  topics_.subscribe("/cmd_vel", [this](std::span<const std::byte> message, TimeNs) {
-    robot_->command(message);
-  });
+  topics_.subscribe(
+      "/cmd_vel", [this](std::span<const std::byte> message, TimeNs) { robot_->command(message); });
 }
 
 void MemoryTransport::begin(TimeNs time) {

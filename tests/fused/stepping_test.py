@@ -3,6 +3,7 @@
 twice the same; and robots that do not keep to the protocol."""
 
 import json
+import os
 import pathlib
 import re
 import signal
@@ -116,7 +117,12 @@ def ctrl_c(spikeloop, file, scratch):
         _, printed = process.communicate(timeout=30)
     assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
     assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
-    assert float((scratch / "speeds").read_text().splitlines()[-1]) == 0
+    assert speeds(scratch)[-1] == 0
+
+
+def speeds(scratch):
+    """What the cart was told, in whole lines."""
+    return [float(line) for line in (scratch / "speeds").read_text().split("\n")[:-1]]
 
 
 def ticks(scratch):
@@ -136,6 +142,35 @@ def stopped_robot(spikeloop, file, scratch):
     assert "the robot has not answered on /spikeloop/stepped within 3 s" in printed, printed
 
 
+def killed_brain(spikeloop, file, scratch):
+    """Nobody is left to say so: the guard stops the robot."""
+    (scratch / "requests").unlink()
+    with talkative_cart(scratch):
+        process = started(spikeloop, file, scratch / "killed", "--duration", "1000")
+        ros.until(lambda: ticks(scratch) > 100, "a tick")
+        assert speeds(scratch)[-1] != 0
+        brain = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{scratch}/killed"],
+                               capture_output=True, text=True, check=True).stdout.split()
+        os.kill(int(brain[0]), signal.SIGKILL)
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == 137 and "killed by signal 9" in printed, printed
+        ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
+
+
+def killed_robot(spikeloop, scratch):
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="lockstep", ros="1",
+                               duration="1000 s")
+    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(scratch / "alone")],
+                               stderr=subprocess.PIPE, text=True)
+    trajectory = scratch / "alone/trajectory.csv"
+    ros.until(lambda: trajectory.exists() and trajectory.stat().st_size > 2000, "a path")
+    robot = subprocess.run(["pgrep", "-f", f"spikeloop-robot.*{scratch}/alone"],
+                           capture_output=True, text=True, check=True).stdout.split()
+    os.kill(int(robot[0]), signal.SIGKILL)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == 137 and "robot: ended before the job" in printed, printed
+
+
 def main():
     spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
@@ -148,6 +183,8 @@ def main():
             wrong_robots(spikeloop, file, scratch)
             ctrl_c(spikeloop, file, scratch)
             stopped_robot(spikeloop, file, scratch)
+            killed_brain(spikeloop, file, scratch)
+            killed_robot(spikeloop, scratch)
     print("the robot of the page keeps to its recurrence to the bit, at "
           f"{1000 * summary['real_time_factor']:.0f} ticks/s")
 

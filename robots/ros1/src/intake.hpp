@@ -39,8 +39,8 @@ class Intake {
   Intake(const Intake&) = delete;
   Intake& operator=(const Intake&) = delete;
 
-  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more, by
-  /// the wall clock, or by the simulated time that is given.
+  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more,
+  /// by the wall clock, or by the simulated time that is given.
   /// @throws TransportError when the topic has brought messages of another type or version and none
   /// of the right one, or the session's node has been shut down; what `take` threw.
   void check(std::optional<TimeNs> simulated = std::nullopt);
