@@ -7,6 +7,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/ros1/connections.hpp"
 
 namespace spikeloop {
 namespace {
@@ -52,8 +53,16 @@ void SteppingLink::require_sound() const {
   }
 }
 
+/// Once the publisher knows us, nothing is lost; until then our side alone may think so.
+bool SteppingLink::is_subscribed(bool connected, const std::string& topic) {
+  if (connected && unknown_.contains(topic) && ros1::publishers_know_us(session_, topic)) {
+    unknown_.erase(topic);
+  }
+  return connected && !unknown_.contains(topic);
+}
+
 /// What is not connected yet.
-std::string SteppingLink::missing_connections() const {
+std::string SteppingLink::missing_connections() {
   std::vector<std::string> missing;
   const auto look = [&](bool connected, const char* who, const std::string& topic) {
     if (!connected) {
@@ -61,9 +70,10 @@ std::string SteppingLink::missing_connections() const {
     }
   };
   look(steps_.has_subscribers(), "subscriber", stepping::kStepTopic);
-  look(answers_.has_publishers(), "publisher", stepping::kSteppedTopic);
+  look(is_subscribed(answers_.has_publishers(), stepping::kSteppedTopic), "publisher",
+       stepping::kSteppedTopic);
   for (const SteppedTopic& topic : sensors_) {
-    look(topic.connected(), "publisher", topic.name);
+    look(is_subscribed(topic.connected(), topic.name), "publisher", topic.name);
   }
   for (const SteppedTopic& topic : commands_) {
     look(topic.connected(), "subscriber", topic.name);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,8 @@ namespace spikeloop {
 
 /// A topic of the experiment's own.
 struct SteppedTopic {
-  std::string name;  ///< as ROS resolves it
-  std::function<bool()> connected;
+  std::string name;                      ///< as ROS resolves it
+  std::function<bool()> connected;       ///< whether there is somebody at the other end
   std::function<std::uint64_t()> count;  ///< messages that have come or left
   std::function<void()> require_sound;   ///< throws what is wrong with it
 };
@@ -27,7 +28,10 @@ class SteppingLink {
  public:
   SteppingLink(ros1::Session& session, TimeNs tick, Waiting& waiting);
 
-  void add_sensor(SteppedTopic topic) { sensors_.push_back(std::move(topic)); }
+  void add_sensor(SteppedTopic topic) {
+    unknown_.insert(topic.name);
+    sensors_.push_back(std::move(topic));
+  }
   void add_command(SteppedTopic topic) { commands_.push_back(std::move(topic)); }
 
   // All of these come back when the loop is to end, and throw a TransportError when the robot does
@@ -47,7 +51,8 @@ class SteppingLink {
   void take(std::span<const std::byte> message);
   std::optional<stepping::Answer> answer();
   bool has_come(const stepping::Answer& answer) const;
-  std::string missing_connections() const;
+  std::string missing_connections();
+  bool is_subscribed(bool connected, const std::string& topic);
   std::string missing_messages(const stepping::Answer& answer) const;
   void require_sound() const;
   void check(const stepping::Answer& answer) const;
@@ -57,6 +62,7 @@ class SteppingLink {
   Waiting& waiting_;
   std::vector<SteppedTopic> sensors_;
   std::vector<SteppedTopic> commands_;
+  std::set<std::string> unknown_{stepping::kSteppedTopic};  ///< may not arrive yet
   bool begun_ = false;
   TimeNs asked_for_ = 0;
   std::mutex mutex_;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -85,21 +84,11 @@ std::optional<stepping::Request> StepLink::next(const std::atomic<bool>& stop) {
   return std::nullopt;
 }
 
-std::string StepLink::begin(const stepping::Request& request, const std::atomic<bool>& stop) {
-  const auto unheard = [&](const Topic& topic) {
-    return std::ranges::find(request.sensors, topic.name) != request.sensors.end() &&
-           !topic.publisher.has_subscribers();
-  };
-  {
-    const std::lock_guard lock(mutex_);
-    commands_ = 0;
-    newest_.reset();
-    scan_.count = odometry_.count = 0;
-  }
-  if (wait(stop, [&] { return !unheard(scan_) && !unheard(odometry_); })) {
-    return "";
-  }
-  return fmt::format("nobody has subscribed to {}", unheard(scan_) ? scan_.name : odometry_.name);
+void StepLink::begin() {
+  const std::lock_guard lock(mutex_);
+  commands_ = 0;
+  newest_.reset();
+  scan_.count = odometry_.count = 0;
 }
 
 std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& sent,

@@ -28,9 +28,8 @@ class StepLink {
   /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
   /// cannot read.
   std::optional<stepping::Request> next(const std::atomic<bool>& stop);
-  /// Counts begin with 0. Waits until somebody hears what the experiment wants to.
-  /// @return what is missing when nobody has come
-  std::string begin(const stepping::Request& request, const std::atomic<bool>& stop);
+  /// Counts begin with 0.
+  void begin();
   /// Waits until so many commands have come, then gives the newest of those not given yet.
   /// @param problem what is wrong with their number
   std::optional<Bytes> take_command(const stepping::Counts& sent, const std::atomic<bool>& stop,

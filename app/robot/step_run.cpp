@@ -36,7 +36,7 @@ class SteppedRun {
   void take(const Request& request) {
     switch (request.kind) {
       case Request::Kind::begin:
-        begin(request);
+        begin();
         return;
       case Request::Kind::step:
         step(request);
@@ -46,15 +46,12 @@ class SteppedRun {
     }
   }
 
-  void begin(const Request& request) {
+  void begin() {
     if (begun_) {  // once more from the start
       robot_.emplace(options_.vehicle, options_.out);
     }
     begun_ = true;
-    if (const std::string missing = link_.begin(request, stop_); !missing.empty()) {
-      link_.refuse(missing);
-      return;
-    }
+    link_.begin();
     answer();
   }
 

@@ -178,7 +178,7 @@ TEST(FishCompletion, CompletesInAFish) {
                              "spikeloop completion fish | source; complete -C '" + typed + "'"}))
         .out;
   };
-  EXPECT_EQ(suggested("spikeloop ru"), "run\tRun a .music file\n");
+  EXPECT_EQ(suggested("spikeloop ru"), "run\tRun an experiment file or a .music file\n");
   EXPECT_EQ(suggested("spikeloop describe rate_"), "rate_encoder\nrate_window\n");
   EXPECT_THAT(suggested("spikeloop run --du"), HasSubstr("--duration\t"));
   EXPECT_EQ(suggested("spikeloop run "), "loop.music\nmy loop.music\nnetwork.yaml\nruns/\n");

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import threading
 import time
+import xmlrpc.client
 
 import ros
 import runs
@@ -22,12 +23,13 @@ ros: 1
 nodes:
   where: {node: ros_sensor, topic: /where, message: std_msgs/Float64MultiArray}
   same: {node: clip, min: -1, max: 1}
-  go: {node: ros_command, topic: /go, message: std_msgs/Float64MultiArray, command_rate: 100 Hz}
+  go: {node: ros_command, topic: /go, message: std_msgs/Float64MultiArray, command_rate: 100 Hz,
+       watchdog: 2 s}
 connections:
   - where -> same [1] -> go [1]
 """
 START_MS = 1_000_000  # the simulator has run for a while
-PAUSE_S = 4
+PAUSE_S = 4  # longer than watchdog and max_age
 
 
 class Simulator:
@@ -41,7 +43,7 @@ class Simulator:
         self.stamp = rospy.Time
         self.clock = rospy.Publisher("/clock", Clock, queue_size=1000)
         self.where = rospy.Publisher("/where", Float64MultiArray, queue_size=10)
-        self.heard = []
+        self.heard, self.known = [], set()
         self.go = rospy.Subscriber("/go", Float64MultiArray, self.heard.append)
 
     def show(self, milliseconds):
@@ -49,10 +51,18 @@ class Simulator:
 
     def join(self):
         """The experiment has subscribed to everything, and has a reading."""
-        ros.until(lambda: self.clock.get_num_connections() and self.where.get_num_connections(),
-                  "a subscription")
+        ros.until(lambda: len(self.new_subscriptions()) == 2, "a subscription")
+        self.known |= {name for name, _ in self.new_subscriptions()}
         self.where.publish(data=[0.5])
         time.sleep(0.5)  # on its way, on a connection of its own
+
+    def new_subscriptions(self):
+        """Of an experiment that has not been here before; those of the dead live on for a while."""
+        import rospy
+        connections = xmlrpc.client.ServerProxy(rospy.get_node_uri()).getBusInfo("/test")[2]
+        return {(other, topic) for _, other, direction, _, topic, *_ in connections
+                if direction == "o" and other.startswith("/spikeloop_echo") and
+                other not in self.known}
 
     def lets_go(self, value):
         """Whether commands with this value come."""
@@ -67,7 +77,7 @@ class Run:
         self.process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
                                         stderr=subprocess.PIPE, text=True)
         self.printed = ""
-        self.reader = threading.Thread(target=self.read)
+        self.reader = threading.Thread(target=self.read, daemon=True)
         self.reader.start()
 
     def read(self):
@@ -167,7 +177,7 @@ def shipped_robot(spikeloop, scratch):
         assert 0.1 < summary["real_time_factor"] < float(factor) * 1.05, summary
         assert summary["distance_m"] > 0.3, summary
         counters = summary["processes"]["experiment"]["counters"]
-        assert counters["wheels.stops_ended"] == 1 and counters["wheels.stops_no_tick"] == 0, counters
+        assert counters["wheels.stops_ended"] == 1, counters
 
 
 def main():

@@ -61,7 +61,7 @@ def wrong_robots(spikeloop, file, scratch):
             (('"/where": cart', '"/there": cart'),
              "the robot's answer does not count the messages on /where"),
             (('cart["published"] += 1', "sensor.publish(data=[2.0])\n    cart['published'] += 1; "
-              "time.sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
+              "__import__('time').sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
             (("{" + answer, '{"error": "the battery is empty", ' + answer),
              "the robot cannot step to 0 s: the battery is empty"),
             (("json.dumps({", "str({"), "which is no message of the stepping protocol"),
