@@ -61,7 +61,7 @@ def wrong_robots(spikeloop, file, scratch):
             (('"/where": cart', '"/there": cart'),
              "the robot's answer does not count the messages on /where"),
             (('cart["published"] += 1', "sensor.publish(data=[2.0])\n    cart['published'] += 1; "
-              "__import__('time').sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
+              "time.sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
             (("{" + answer, '{"error": "the battery is empty", ' + answer),
              "the robot cannot step to 0 s: the battery is empty"),
             (("json.dumps({", "str({"), "which is no message of the stepping protocol"),
@@ -96,11 +96,12 @@ def started(spikeloop, file, folder, *options):
 
 def talkative_cart(scratch):
     """One that writes down what it is told."""
-    parse, take = "request = json.loads(message.data)", "speeds.append"
+    parse, take = "request = json.loads(message.data)", "commands.append, "
     return cart(scratch, (parse, f"{parse}\n    print(message.data, file=requests, flush=True)"),
-                (take, f"print(message.data[0], file=taken, flush=True); {take}"),
-                ("come, ", f"requests, taken = open('{scratch}/requests', 'w'), "
-                 f"open('{scratch}/speeds', 'w')\ncome, "))
+                (take, "lambda message: (print(message.data[0], file=taken, flush=True), "
+                 "commands.append(message)), "),
+                ("commands, ", f"requests, taken = open('{scratch}/requests', 'w'), "
+                 f"open('{scratch}/speeds', 'w')\ncommands, "))
 
 
 def ctrl_c(spikeloop, file, scratch):
