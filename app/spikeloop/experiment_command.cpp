@@ -13,9 +13,11 @@
 #include <string_view>
 
 #include "experiment_folder.hpp"
+#include "experiment_places.hpp"
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -153,10 +155,6 @@ void refuse_own_recordings(const Experiment& experiment, const std::string& fold
   }
 }
 
-std::chrono::milliseconds as_milliseconds(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
-}
-
 void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& folder) {
   if (arguments.volume != Console::Volume::quiet) {
     put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
@@ -208,6 +206,16 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   }
 }
 
+launch::JobOptions job_options(const ExperimentArguments& arguments, const Experiment& experiment,
+                               const std::string& folder) {
+  launch::JobOptions options;
+  options.folder = folder;
+  options.start_timeout = arguments.start_timeout;
+  options.stall_timeout = arguments.stall_timeout;
+  add_robot(experiment, options);
+  return options;
+}
+
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
@@ -221,8 +229,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   set_key(keys, "seed", std::to_string(experiment.seed));
   set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
   set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.program = {"spikeloop-fused",
                      std::filesystem::absolute(arguments.file).string(),
                      "--out",
@@ -230,8 +237,8 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      fmt::format("--seed={}", experiment.seed),
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
                      fmt::format("--sync={}", experiment::name_of(experiment.sync)),
-                     fmt::format("--stall-timeout={}", arguments.stall_timeout_s)};
-  options.stall_timeout = as_milliseconds(arguments.stall_timeout_s);
+                     fmt::format("--stall-timeout={}",
+                                 std::chrono::duration<double>(arguments.stall_timeout).count())};
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
@@ -239,7 +246,6 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   if (!arguments.record) {
     options.program.emplace_back("--no-record");
   }
-  add_robot(experiment, options);
   launch::Job job(file, options);
   const int exit_code = run_job(job, arguments.volume);
   tell_folder(arguments, folder);
@@ -248,16 +254,14 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
-  const std::string path = write_music_job(experiment, folder.path());
+  const WrittenJob music = write_music_job(experiment, folder.path());
   launch::write_text(folder.path() + "/resolved.json",
                      fused::resolved_json(experiment).dump(2) + "\n");
   folder.release();
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
-  options.stall_timeout = as_milliseconds(arguments.stall_timeout_s);
-  add_robot(experiment, options);
-  launch::Job job(read_music_file(path), options);
+  options.translate = music.places;
+  launch::Job job(read_music_file(music.path), options);
   const int exit_code = run_job(job, arguments.volume);
   tell_folder(arguments, folder);
   return exit_code;
@@ -270,7 +274,7 @@ bool is_experiment(const std::string& file) {
 }
 
 int run_experiment(const ExperimentArguments& arguments) {
-  const auto all = experiment::load(arguments.file, arguments.overrides);
+  const auto all = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   if (!loaded.faults.empty()) {
     put(stderr, text_of("spikeloop", loaded.faults.front()));
@@ -286,22 +290,30 @@ int run_experiment(const ExperimentArguments& arguments) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
-  return experiment.ros == experiment::Ros::none ? run_fused(arguments, experiment)
-                                                 : run_fused_over_ros(arguments, experiment);
+  if (experiment.ros != experiment::Ros::none) {
+    return run_fused_over_ros(arguments, experiment);
+  }
+  if (!arguments.timeout_given.empty()) {
+    throw ConfigurationError(
+        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
+                    "one has a single process; leave it out",
+                    arguments.timeout_given));
+  }
+  return run_fused(arguments, experiment);
 }
 
-std::string write_music_job(const Experiment& experiment, const std::string& folder) {
+WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
   const experiment::MusicJob job = experiment::music_job(experiment, folder);
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }
   const std::string path = folder + "/experiment.music";
   launch::write_text(path, to_text(job.file));
-  return path;
+  return {path, places_of(read_music_file(path), job.file)};
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {});
+  const auto all = experiment::load(file, {}, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));
