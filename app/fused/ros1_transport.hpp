@@ -17,7 +17,7 @@ class Ros1Transport : public fused::Transport {
   /// @throws TransportError without a ROS master.
   Ros1Transport(const experiment::Experiment& experiment, const LoopSurroundings& surroundings);
 
-  std::unique_ptr<Source> sensor(const experiment::Part& part, std::uint32_t width) override;
+  std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
   std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;
   std::unique_ptr<Pacer> clock() override;
   void begin(TimeNs time) override;

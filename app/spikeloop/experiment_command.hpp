@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "console.hpp"
+#include "experiment_folder.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::app {
@@ -31,6 +33,14 @@ struct ExperimentArguments {
 
 /// Returns the exit code. @throws Error when it cannot begin.
 int run_experiment(const ExperimentArguments& arguments);
+
+/// Loads an experiment that is to be run, and says the first thing that is wrong with it.
+std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
+                                                    const experiment::Overrides& overrides);
+
+/// Runs an experiment without ROS to its end, or until a signal comes. Returns the exit code.
+int run_in_process(const experiment::Experiment& experiment, const ExperimentFolder& folder,
+                   bool record, Console::Volume volume);
 
 /// The separate layout in a folder.
 struct WrittenJob {

@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -101,7 +102,9 @@ Diagram diagram_of(const Experiment& experiment) {
   diagram.frame = fmt::format("one process, tick {}, {}", format_time(experiment.tick),
                               experiment::name_of(experiment.sync));
   if (experiment.robot) {
-    diagram.robot = "robot in MuJoCo";
+    diagram.robot = experiment.robot->bag.empty()
+                        ? "robot in MuJoCo"
+                        : std::filesystem::path(experiment.robot->bag).filename().string();
     diagram.robot_inside = true;
   } else if (experiment.ros == experiment::Ros::ros1) {
     diagram.robot = "ROS 1: any robot";

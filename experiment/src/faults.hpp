@@ -71,6 +71,22 @@ void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& e
 bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
                      Experiment& experiment);
 
+/// `robot: {bag: FILE}`: its keys.
+void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
+                   Experiment& experiment, Faults& faults);
+/// What the sensors ask of the bag: topics, types and versions; with `joined`, which means that the
+/// widths are known, the first messages. An experiment without duration ends with the bag.
+void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
+               Faults& faults);
+
+/// The file whose directory relative paths start in.
+inline const std::string& origin_of(const ExperimentFile& file, const Overrides& overrides) {
+  return overrides.replay ? overrides.replay->origin : file.path;
+}
+std::string in_directory(const std::string& directory, const std::string& path);
+[[noreturn]] void refuse_file(const char* key, const Location& where, const char* what,
+                              const std::string& path);
+
 /// Whether a value is a list or a map, which is JSON by now, and no name of a file.
 inline bool is_in_place(std::string_view text) {
   return text.starts_with('[') || text.starts_with('{');

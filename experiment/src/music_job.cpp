@@ -98,7 +98,7 @@ class Writer {
 
   void write_section(const Part& part) {
     add(part, "np", "1");
-    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.path)).string());
+    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.origin)).string());
     if (part.kind == kRosSensor) {
       write_sensor(part);
     } else if (part.kind == kRosCommand) {
@@ -218,6 +218,11 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
         fmt::format("key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
                     "the fused layout",
                     name_of(experiment.sync)));
+  }
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    throw ConfigurationError(experiment.robot->where,
+                             "a bag in the robot's place needs the fused layout; in the separate "
+                             "one write  ros: 1, and play it by  rosbag play");
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(experiment.robot->where,

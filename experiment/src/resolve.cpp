@@ -103,14 +103,26 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
 }
 
 /// What the robot's messages give its sensors; empty when that is not known.
-SensorWidth read_robot(const ExperimentFile& file, const LookAtRobot& look_at_robot,
-                       Experiment& experiment, Faults& faults) {
+SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
+                       const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults) {
+  if (overrides.replay) {
+    if (!overrides.replay->bag.empty()) {
+      experiment.robot = {.where = {file.path, 0, 0}, .bag = overrides.replay->bag};
+    }
+    experiment.ros = Ros::none;
+    return {};
+  }
   if (!file.robot) {
     return {};
   }
   const std::size_t before = faults.count();
   const ExperimentNode& robot = *file.robot;
-  const auto declared = without(robot_parameters(), "seed", robot.keys);
+  if (robot.keys.contains("bag")) {
+    read_bag_keys(robot, directory_of(file.path), experiment, faults);
+    return {};
+  }
+  auto declared = without(robot_parameters(), "seed", robot.keys);
+  declared.front().default_value.reset();  // one of simulator and bag must be there
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   const std::string& world = keys.text("world");
@@ -118,7 +130,8 @@ SensorWidth read_robot(const ExperimentFile& file, const LookAtRobot& look_at_ro
   const bool own_seed = keys.given("seed");
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
-                      robot.where};
+                      robot.where,
+                      {}};
   SensorWidth width;
   if (look_at_robot && faults.count() == before) {
     faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
@@ -161,6 +174,9 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
         part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 1, "
                                 "or  robot: {{simulator: mujoco}}",
                                 part.name, part.parameters.text("topic")));
+  }
+  if (!experiment.robot->bag.empty()) {
+    return;  // check_bag()
   }
   const std::string& topic = part.parameters.text("topic");
   std::vector<std::string> known;
@@ -271,13 +287,15 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
+  experiment.origin = origin_of(file, overrides);
   read_keys(file, overrides, experiment, all);
-  const SensorWidth sensor_width = read_robot(file, look_at_robot, experiment, all);
+  const SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
   check_ways(experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
+  const std::string directory = directory_of(experiment.origin);
   for (const ExperimentNode& node : file.nodes) {
-    const Checked checked = resolve_part(node, kinds, directory_of(file.path), experiment, all);
+    const Checked checked = resolve_part(node, kinds, directory, experiment, all);
     joined = joined && checked.ports;
     if (checked.parameters) {
       whole.insert(node.name);
@@ -286,6 +304,9 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   check_topics(experiment, whole, all);
   if (joined) {
     resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+  }
+  if (!overrides.replay) {
+    check_bag(whole, joined && all.count() == 0, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

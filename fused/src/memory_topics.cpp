@@ -16,15 +16,15 @@ namespace spikeloop::fused {
 namespace {
 
 using command::StopReason;
-using experiment::Part;
 
 class MemorySensor : public Source {
  public:
-  MemorySensor(MemoryTopics& topics, const Part& part, std::uint32_t width)
-      : topic_(part.parameters.text("topic")),
-        initial_(experiment::sensor_initial(part.parameters)),
-        conversion_(messages::Catalog::builtin(), part.parameters.text("message"),
-                    experiment::sensor_fields(part.parameters), width, true) {
+  MemorySensor(MemoryTopics& topics, const SensorSpec& spec)
+      : topic_(spec.part.parameters.text("topic")),
+        initial_(experiment::sensor_initial(spec.part.parameters)),
+        conversion_(messages::Catalog::builtin(), spec.part.parameters.text("message"),
+                    experiment::sensor_fields(spec.part.parameters), spec.width, true),
+        keep_(spec.keep) {
     topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
   }
 
@@ -60,6 +60,9 @@ class MemorySensor : public Source {
 
  private:
   void take(std::span<const std::byte> message, TimeNs now) {
+    if (keep_) {
+      keep_(now, message);
+    }
     if (conversion_.convert(message)) {
       arrived_ = now;
       fresh_ = true;
@@ -72,6 +75,7 @@ class MemorySensor : public Source {
   std::string topic_;
   std::optional<double> initial_;
   messages::SensorConversion conversion_;
+  Keep keep_;
   TimeNs arrived_ = 0;
   bool fresh_ = false;
 };
@@ -94,7 +98,8 @@ class MemoryCommand : public CommandEnd {
         writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
                 command::field_paths(spec.part.mapping)),
         channel_(settings.gate, [this](auto values) { publish(values); }),
-        feed_({settings.width, settings.with_pace, settings.max_age}, channel_) {}
+        feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
+        keep_(spec.keep) {}
 
   std::vector<EndpointPort> ports() const override { return feed_.ports(); }
 
@@ -135,6 +140,9 @@ class MemoryCommand : public CommandEnd {
       }
     }
     writer_.write(fields_, bytes_);
+    if (keep_) {
+      keep_(now_, bytes_);
+    }
     topics_.publish(topic_, bytes_, now_);
   }
 
@@ -151,13 +159,13 @@ class MemoryCommand : public CommandEnd {
   TimeNs now_ = 0;
   command::CommandChannel channel_;
   command::CommandFeed feed_;
+  Keep keep_;
 };
 
 }  // namespace
 
-std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const Part& part,
-                                           std::uint32_t width) {
-  return std::make_unique<MemorySensor>(topics, part, width);
+std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const SensorSpec& spec) {
+  return std::make_unique<MemorySensor>(topics, spec);
 }
 
 std::unique_ptr<CommandEnd> make_memory_command(MemoryTopics& topics, const CommandSpec& spec) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,10 +69,12 @@ struct Robot {
   std::string world = "arena.xml";
   std::uint64_t seed = 1;
   Location where;
+  std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
 };
 
 struct Experiment {
   std::string path;
+  std::string origin;  ///< relative paths start where this file lies; `path`, unless it is a copy
   std::string name;
   std::optional<TimeNs> duration;
   TimeNs tick = 1'000'000;
@@ -85,6 +88,7 @@ struct Experiment {
   std::vector<Link> links;  ///< in the file's order
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
+  std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
 
   const Part& part(std::string_view name) const;
   /// Of a port that a link reaches; 0 for one that none does.
@@ -98,6 +102,12 @@ struct Fault {
   int exit_code = 2;
 };
 
+/// The messages of a run in place of its robot.
+struct Replay {
+  std::string origin;  ///< the file that was run, of which this one is a copy
+  std::string bag;     ///< empty: no node takes messages
+};
+
 /// What the command line says in place of the file.
 struct Overrides {
   std::optional<double> duration_s;
@@ -106,6 +116,7 @@ struct Overrides {
   std::optional<Sync> sync;
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;
+  std::optional<Replay> replay{};
 };
 
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.

@@ -1,10 +1,12 @@
 // A topic as a source: the newest message's channels, taken the moment it arrives.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,9 @@ struct SensorSettings {
   bool simulated_pace = false;
   std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
   std::function<void()> arrived{};  ///< in the session's thread, after every message
+  /// Told in receive() of every message that has arrived since the call before, in order: those
+  /// that made the values of this tick, whose begin is `time`. May be empty.
+  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
 };
 
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that

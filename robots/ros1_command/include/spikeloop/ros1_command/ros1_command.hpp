@@ -3,7 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,10 +28,13 @@ struct Address {
 /// Ports as command::CommandSink.
 class Ros1Command : public Sink {
  public:
+  using Sent = std::function<void(std::span<const std::byte> message)>;
+
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
   /// both before the robot is driven. @throws ConfigurationError as ros1::Publisher.
+  /// @param sent told of every message that has left, in whatever thread it did; may be empty
   Ros1Command(ros1::Session& session, const Address& address,
-              const command::CommandSettings& settings);
+              const command::CommandSettings& settings, Sent sent = {});
 
   std::vector<EndpointPort> ports() const override { return sink_.ports(); }
   void send(const Step& step) override { sink_.send(step); }
@@ -40,14 +46,15 @@ class Ros1Command : public Sink {
 
   bool has_subscribers() const { return publisher_.has_subscribers(); }
   /// Messages that have left, zeros included.
-  std::uint64_t sent() const { return sent_; }
+  std::uint64_t sent() const { return count_; }
 
  private:
   void leave_to_guard_if_dead();
 
   ros1::Session& session_;
   ros1::Publisher publisher_;
-  std::atomic<std::uint64_t> sent_{0};
+  Sent sent_;
+  std::atomic<std::uint64_t> count_{0};
   guard::Link guard_;
   command::CommandSink sink_;
   status::TerminationHook on_termination_;
