@@ -230,11 +230,12 @@ void check_ends(const Experiment& experiment) {
 }  // namespace
 
 MusicJob music_job(const Experiment& experiment, const std::string& folder) {
-  const Location where{experiment.path, 0, 0};
-  if (experiment.sync == Sync::lockstep) {
-    throw ConfigurationError(where,
-                             "lockstep steps robot and network in one process; use the fused "
-                             "layout, or  sync: realtime");
+  if (experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time) {
+    throw ConfigurationError(
+        experiment.sync_where,
+        fmt::format("key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
+                    "the fused layout",
+                    name_of(experiment.sync)));
   }
   if (experiment.robot && !experiment.robot->bag.empty()) {
     throw ConfigurationError(experiment.robot->where,

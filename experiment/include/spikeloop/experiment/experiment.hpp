@@ -80,6 +80,7 @@ struct Experiment {
   TimeNs tick = 1'000'000;
   std::uint64_t seed = 1;
   Sync sync = Sync::realtime;
+  Location sync_where{};
   double real_time_factor = 1;
   Ros ros = Ros::none;
   std::optional<Robot> robot;
