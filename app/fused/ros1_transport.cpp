@@ -19,6 +19,7 @@ class RosCommandEnd : public fused::CommandEnd {
   std::vector<EndpointPort> ports() const override { return command_.ports(); }
   void send(const Step& step) override { command_.send(step); }
   std::vector<Counter> counters() const override { return command_.counters(); }
+  void on_latency(command::TakeLatency take) override { command_.on_latency(std::move(take)); }
   void stop(command::StopReason reason) override { command_.stop(reason); }
   nlohmann::json summary() const override { return command_.summary(); }
 

@@ -20,6 +20,7 @@
 #include "graph_command.hpp"
 #include "new_command.hpp"
 #include "output.hpp"
+#include "plot_command.hpp"
 #include "run_command.hpp"
 #include "schema_command.hpp"
 #include "spikeloop/core/error.hpp"
@@ -93,6 +94,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_run_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
+  spikeloop::app::add_plot_command(app, action);
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
   spikeloop::app::add_doctor_command(app, action);

@@ -39,6 +39,7 @@ class Assembly {
   void add_command(const experiment::Part& part);
   void add_links();
   void record(const std::string& folder);
+  void record_latency(const experiment::Part& part, CommandEnd& command, const std::string& folder);
   record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 

@@ -102,6 +102,8 @@ class MemoryCommand : public CommandEnd {
     channel_.poll(now_);
   }
 
+  void on_latency(command::TakeLatency take) override { feed_.on_latency(std::move(take)); }
+
   void stop(StopReason reason) override { channel_.stop(reason, now_); }
 
   std::vector<Counter> counters() const override { return channel_.counters(); }

@@ -201,6 +201,8 @@ json resolved_json(const Experiment& experiment) {
   json result{{"experiment", experiment.name}, {"tick_ns", experiment.tick},
               {"seed", experiment.seed},       {"sync", experiment::name_of(experiment.sync)},
               {"version", SPIKELOOP_VERSION},  {"nodes", nodes},
+              {"real_time_factor", experiment.real_time_factor},
+              {"ros", experiment.ros == experiment::Ros::ros1 ? "1" : "none"},
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {

@@ -12,7 +12,7 @@ struct Named {
   const char* name;
   Kind kind;
 };
-constexpr std::array kArguments{Named{"FILE", Kind::input}, Named{"NODE", Kind::node_class},
+constexpr std::array kArguments{Named{"FILE", Kind::input}, Named{"RUN", Kind::path}, Named{"NODE", Kind::node_class},
                                 Named{"ENCODER", Kind::node_class}, Named{"KEY=VALUE", Kind::none}};
 
 /// CLI11 writes a list of choices as "TEXT:{bash,zsh,fish}".

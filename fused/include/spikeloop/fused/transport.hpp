@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/command/command_channel.hpp"
+#include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/experiment/experiment.hpp"
@@ -15,6 +16,8 @@ namespace spikeloop::fused {
 /// Ports: `command` [a value a field] and, `with_pace`, `pace` [1].
 class CommandEnd : public Sink {
  public:
+  /// Before the loop begins; as command::CommandFeed.
+  virtual void on_latency(command::TakeLatency take) = 0;
   /// Zero, the last thing that leaves.
   virtual void stop(command::StopReason reason) = 0;
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/command/command_sink.hpp"
@@ -32,6 +33,7 @@ class Ros1Command : public Sink {
   void send(const Step& step) override { sink_.send(step); }
   std::vector<Counter> counters() const override { return sink_.counters(); }
   /// As CommandSink.
+  void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
   void stop(command::StopReason reason) { sink_.stop(reason); }
   nlohmann::json summary() const { return sink_.summary(); }
 
