@@ -18,6 +18,7 @@
 #include "export_command.hpp"
 #include "fit_command.hpp"
 #include "graph_command.hpp"
+#include "import/import_command.hpp"
 #include "new_command.hpp"
 #include "output.hpp"
 #include "plot_command.hpp"
@@ -94,6 +95,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_run_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
+  spikeloop::app::add_import_command(app, action);
   spikeloop::app::add_plot_command(app, action);
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);

@@ -77,8 +77,8 @@ std::vector<std::string> command_line(const PlotArguments& given, const std::str
 void refuse_empty_span(const PlotArguments& given) {
   if (!given.from.empty() && !given.to.empty() &&
       moment_s("--from", given.from) >= moment_s("--to", given.to)) {
-    throw ConfigurationError(fmt::format("--from {} is not before --to {}; exchange them",
-                                         given.from, given.to));
+    throw ConfigurationError(
+        fmt::format("--from {} is not before --to {}; exchange them", given.from, given.to));
   }
 }
 
