@@ -24,6 +24,7 @@ struct Arguments {
   fused::RunOptions run;
   experiment::Overrides overrides;
   std::string sync;
+  std::string about;
   bool no_record = false;
 };
 
@@ -97,9 +98,11 @@ int main(int argc, char** argv) {
   app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
                  "Simulated time over wall time");
   app.add_option("--sync", arguments.sync, "In place of the key sync");
+  app.add_option("--about", arguments.about, "What resolved.json says beside the experiment, JSON");
   app.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   CLI11_PARSE(app, argc, argv);
   arguments.run.record = !arguments.no_record;
+  arguments.run.about = nlohmann::json::parse(arguments.about, nullptr, false);
   if (!arguments.sync.empty()) {
     arguments.overrides.sync = experiment::sync_named(arguments.sync);
   }

@@ -18,6 +18,7 @@
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
+#include "versions.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -81,6 +82,7 @@ std::string text_of(const char* kind, const Fault& fault) {
 }
 
 std::atomic<int> signal_number{0};
+std::atomic<int> log_file{-1};
 constexpr unsigned kPatience_s = 3;
 
 /// The first one ends the loop; the second one, or a node that hangs, the process.
@@ -95,7 +97,9 @@ void give_up(int /*alarm*/) {
   constexpr std::string_view kText =
       "spikeloop: a node has not come back within 3 s of the signal: the run is ended without a "
       "summary\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
+  for (const int file : {STDERR_FILENO, log_file.load()}) {
+    [[maybe_unused]] const auto written = ::write(file, kText.data(), kText.size());
+  }
   ::_exit(128 + signal_number.load());
 }
 
@@ -158,10 +162,27 @@ void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& f
   }
 }
 
-int run_fused(const ExperimentArguments& arguments, const Experiment& experiment) {
-  const ExperimentFolder folder(arguments.folder, experiment.name);
+/// What ends a run before it has begun is in its log, too.
+template <typename Run>
+int logged(RunLog& log, Run&& run) {
+  try {
+    return run();
+  } catch (const Error& error) {
+    log.write(fmt::format("{}; exit code {}", error.what(), error.exit_code()));
+    throw;
+  }
+}
+
+void begin_log(RunLog& log, const Experiment& experiment, const char* layout) {
+  log.write(fmt::format("spikeloop {}: {}, layout {}, sync {}, seed {}", SPIKELOOP_VERSION,
+                        experiment.path, layout, experiment::name_of(experiment.sync),
+                        experiment.seed));
+}
+
+int run_in_process(const ExperimentArguments& arguments, const Experiment& experiment,
+                   const ExperimentFolder& folder, RunLog& log) {
   const BackgroundOutput output;
-  Console console(arguments.volume);
+  Console console(arguments.volume, &log);
   log::set_sink(
       [&console](log::Level level, std::string_view message) { console.log(level, message); });
   take_signals();
@@ -172,8 +193,11 @@ int run_fused(const ExperimentArguments& arguments, const Experiment& experiment
                                       console.progress(last);
                                     },
                                 .stop = stop_asked};
-  const fused::RunResult result =
-      fused::run(experiment, {.folder = folder.path(), .record = arguments.record}, events);
+  const fused::RunResult result = fused::run(experiment,
+                                             {.folder = folder.path(),
+                                              .record = arguments.record,
+                                              .about = about_run(partners_of(experiment, false))},
+                                             events);
   log::set_sink({});
   launch::JobResult end{result.exit_code, result.reason, {}};
   if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
@@ -183,6 +207,17 @@ int run_fused(const ExperimentArguments& arguments, const Experiment& experiment
   console.end(end, last);
   tell_folder(arguments, folder);
   return end.exit_code;
+}
+
+int run_fused(const ExperimentArguments& arguments, const Experiment& experiment) {
+  const ExperimentFolder folder(arguments.folder, experiment.name);
+  RunLog log(folder.path());
+  log_file.store(log.descriptor());
+  begin_log(log, experiment, "fused");
+  const int exit_code =
+      logged(log, [&] { return run_in_process(arguments, experiment, folder, log); });
+  log_file.store(-1);
+  return exit_code;
 }
 
 /// The robot that the experiment has, started when nobody publishes its topics.
@@ -199,6 +234,8 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
+  RunLog log(folder.path());
+  begin_log(log, experiment, "fused");
   folder.release();
   MusicFile file;
   file.path = experiment.path;
@@ -217,7 +254,8 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      folder.path(),
                      fmt::format("--seed={}", experiment.seed),
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
-                     fmt::format("--sync={}", experiment::name_of(experiment.sync))};
+                     fmt::format("--sync={}", experiment::name_of(experiment.sync)),
+                     "--about=" + about_run(partners_of(experiment, false)).dump()};
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
@@ -226,8 +264,10 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
     options.program.emplace_back("--no-record");
   }
   add_robot(experiment, options);
-  launch::Job job(file, options);
-  const int exit_code = run_job(job, arguments.volume);
+  const int exit_code = logged(log, [&] {
+    launch::Job job(file, options);
+    return run_job(job, arguments.volume, &log);
+  });
   tell_folder(arguments, folder);
   return exit_code;
 }
@@ -235,15 +275,20 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
   const std::string path = write_music_job(experiment, folder.path());
-  launch::write_text(folder.path() + "/resolved.json",
-                     fused::resolved_json(experiment).dump(2) + "\n");
+  nlohmann::json resolved = fused::resolved_json(experiment);
+  resolved.update(about_run(partners_of(experiment, true)));
+  launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
+  RunLog log(folder.path());
+  begin_log(log, experiment, "separate");
   folder.release();
   launch::JobOptions options;
   options.folder = folder.path();
   options.run.record = arguments.record;
   add_robot(experiment, options);
-  launch::Job job(read_music_file(path), options);
-  const int exit_code = run_job(job, arguments.volume);
+  const int exit_code = logged(log, [&] {
+    launch::Job job(read_music_file(path), options);
+    return run_job(job, arguments.volume, &log);
+  });
   tell_folder(arguments, folder);
   return exit_code;
 }

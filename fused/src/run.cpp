@@ -198,9 +198,12 @@ json resolved_json(const Experiment& experiment) {
                      {"width", link.width},
                      {"delay_ticks", link.delay_ticks.value_or(0)}});
   }
-  json result{{"experiment", experiment.name}, {"tick_ns", experiment.tick},
-              {"seed", experiment.seed},       {"sync", experiment::name_of(experiment.sync)},
-              {"version", SPIKELOOP_VERSION},  {"nodes", nodes},
+  json result{{"experiment", experiment.name},
+              {"tick_ns", experiment.tick},
+              {"seed", experiment.seed},
+              {"sync", experiment::name_of(experiment.sync)},
+              {"version", SPIKELOOP_VERSION},
+              {"nodes", nodes},
               {"real_time_factor", experiment.real_time_factor},
               {"ros", experiment.ros == experiment::Ros::ros1 ? "1" : "none"},
               {"connections", links}};
@@ -219,7 +222,11 @@ RunResult run(const Experiment& experiment, const RunOptions& options, const Run
 RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
               const RunEvents& events) {
   if (!options.folder.empty()) {
-    write_json(options.folder + "/resolved.json", resolved_json(experiment));
+    json resolved = resolved_json(experiment);
+    if (options.about.is_object()) {
+      resolved.update(options.about);
+    }
+    write_json(options.folder + "/resolved.json", resolved);
   }
   Assembly assembly(experiment, transport, options.record ? options.folder : "");
   Loop loop(experiment, transport, assembly, events);

@@ -33,6 +33,8 @@ struct RunOptions {
   /// resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
+  /// An object that resolved.json has beside the experiment: versions, machine.
+  nlohmann::json about{};
 };
 
 /// Called while it runs; may be left out.
