@@ -53,7 +53,8 @@ struct Report {
 };
 
 /// One file and its writer thread. Sinks only append to a bounded buffer that is free of locks: a
-/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is counted.
+/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is
+/// counted.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name.
