@@ -12,6 +12,9 @@ import subprocess
 import tempfile
 import time
 
+import h5py
+import numpy as np
+
 LINE = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3})Z +(\d+\.\d{3}) s  (.*)")
 SMALL = """experiment: small
 duration: {duration}
@@ -117,6 +120,17 @@ def installed(package):
     return re.match(r"(?:\d+:)?([0-9.]*\d)", version)[1]
 
 
+def latency_is_recorded(folder):
+    """A row a message; median and percentile are those that the command counted itself."""
+    summary = json.loads((folder / "summary.json").read_text())
+    with h5py.File(folder / "wheels.h5") as file:
+        values = np.sort(file["signals/latency/values"][:, 0])
+    assert 5 <= len(values) <= summary["scans"], (len(values), summary["scans"])
+    ranks = [values[int(np.ceil(part * len(values))) - 1] for part in (0.5, 0.99)]
+    counted = [summary["latency_median_ms"], summary["latency_p99_ms"]]
+    assert np.allclose(ranks, counted, rtol=1e-12, atol=0), (ranks, counted)
+
+
 def versions_are_those_of_the_packages(spikeloop, folder):
     drive = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
     # Nobody publishes what a second sensor listens to: that is said, also with -q.
@@ -135,6 +149,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
         assert layout == "separate" or "music" not in versions, versions
         assert resolved["ros"] == "1" and resolved["machine"]["kernel"] == \
             f"{os.uname().sysname} {os.uname().release}", resolved["machine"]
+        latency_is_recorded(out)
         lines = log_of(out)
         assert any(text.startswith("ROS master at ") for _, text in lines), lines
         assert any("warning: not one message came on topic '/nobody'" in text
