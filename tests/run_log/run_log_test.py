@@ -141,7 +141,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
     parallel = {"music": installed("music-bin"), "mpi": installed("openmpi-bin")}
     for layout, wanted in (("fused", expected), ("separate", {**expected, **parallel})):
         out = folder / layout
-        run(spikeloop, "-q", folder / "ros.yaml", "--layout", layout, "--duration", "1", "--out",
+        run(spikeloop, "-q", folder / "ros.yaml", "--layout", layout, "--duration", "3", "--out",
             out)
         resolved = json.loads((out / "resolved.json").read_text())
         versions = resolved["versions"]
@@ -154,7 +154,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
         assert any(text.startswith("ROS master at ") for _, text in lines), lines
         assert any("warning: not one message came on topic '/nobody'" in text
                    for _, text in lines), lines
-        assert lines[-1][1].startswith("finished: 1.0 of 1 s"), lines
+        assert lines[-1][1].startswith("finished: 3.0 of 3 s"), lines
     job = folder / "separate" / "effective.music"
     assert job.exists()
     (folder / "pair.music").write_text(
