@@ -12,9 +12,11 @@
 #include <string_view>
 
 #include "experiment_folder.hpp"
+#include "experiment_places.hpp"
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -231,6 +233,16 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
                              fmt::format("--seed={}", experiment.robot->seed)};
 }
 
+launch::JobOptions job_options(const ExperimentArguments& arguments, const Experiment& experiment,
+                               const std::string& folder) {
+  launch::JobOptions options;
+  options.folder = folder;
+  options.start_timeout = arguments.start_timeout;
+  options.stall_timeout = arguments.stall_timeout;
+  add_robot(experiment, options);
+  return options;
+}
+
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
@@ -246,8 +258,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   set_key(keys, "seed", std::to_string(experiment.seed));
   set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
   set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.program = {"spikeloop-fused",
                      std::filesystem::absolute(arguments.file).string(),
                      "--out",
@@ -263,7 +274,6 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   if (!arguments.record) {
     options.program.emplace_back("--no-record");
   }
-  add_robot(experiment, options);
   const int exit_code = logged(log, [&] {
     launch::Job job(file, options);
     return run_job(job, arguments.volume, &log);
@@ -274,19 +284,18 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder(arguments.folder, experiment.name);
-  const std::string path = write_music_job(experiment, folder.path());
+  const WrittenJob music = write_music_job(experiment, folder.path());
   nlohmann::json resolved = fused::resolved_json(experiment);
   resolved.update(about_run(partners_of(experiment, true)));
   launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
   RunLog log(folder.path());
   begin_log(log, experiment, "separate");
   folder.release();
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
-  add_robot(experiment, options);
+  options.translate = music.places;
   const int exit_code = logged(log, [&] {
-    launch::Job job(read_music_file(path), options);
+    launch::Job job(read_music_file(music.path), options);
     return run_job(job, arguments.volume, &log);
   });
   tell_folder(arguments, folder);
@@ -300,7 +309,7 @@ bool is_experiment(const std::string& file) {
 }
 
 int run_experiment(const ExperimentArguments& arguments) {
-  const auto all = experiment::load(arguments.file, arguments.overrides);
+  const auto all = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   if (!loaded.faults.empty()) {
     put(stderr, text_of("spikeloop", loaded.faults.front()));
@@ -316,22 +325,30 @@ int run_experiment(const ExperimentArguments& arguments) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
-  return experiment.ros == experiment::Ros::none ? run_fused(arguments, experiment)
-                                                 : run_fused_over_ros(arguments, experiment);
+  if (experiment.ros != experiment::Ros::none) {
+    return run_fused_over_ros(arguments, experiment);
+  }
+  if (!arguments.timeout_given.empty()) {
+    throw ConfigurationError(
+        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
+                    "one has a single process; leave it out",
+                    arguments.timeout_given));
+  }
+  return run_fused(arguments, experiment);
 }
 
-std::string write_music_job(const Experiment& experiment, const std::string& folder) {
+WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
   const experiment::MusicJob job = experiment::music_job(experiment, folder);
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }
   const std::string path = folder + "/experiment.music";
   launch::write_text(path, to_text(job.file));
-  return path;
+  return {path, places_of(read_music_file(path), job.file)};
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {});
+  const auto all = experiment::load(file, {}, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));

@@ -1,6 +1,7 @@
 // Experiment files: what `spikeloop run` and `spikeloop check` do with them.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -21,15 +22,24 @@ struct ExperimentArguments {
   bool record = true;
   Layout layout = Layout::fused;
   experiment::Overrides overrides;
+  /// Of a run in several processes.
+  std::chrono::milliseconds start_timeout{60'000};
+  std::chrono::milliseconds stall_timeout{60'000};
+  std::string timeout_given{};  ///< the option, when one of them was
   Console::Volume volume = Console::Volume::normal;
 };
 
 /// Returns the exit code. @throws Error when it cannot begin.
 int run_experiment(const ExperimentArguments& arguments);
 
-/// Writes the separate layout into a folder: experiment.music, and what stands in the experiment
-/// but has to be a file for a process. Returns the path of experiment.music.
-std::string write_music_job(const experiment::Experiment& experiment, const std::string& folder);
+/// The separate layout in a folder.
+struct WrittenJob {
+  std::string path;  ///< of experiment.music
+  /// Puts places of the experiment in place of those of experiment.music.
+  std::function<std::string(const std::string&)> places;
+};
+/// Writes experiment.music, and what stands in the experiment but has to be a file for a process.
+WrittenJob write_music_job(const experiment::Experiment& experiment, const std::string& folder);
 
 /// Gives an experiment that is right to `use`; else says everything that is wrong, each with its
 /// line. Returns the exit code.

@@ -15,7 +15,9 @@ std::vector<ParameterDescription> experiment_parameters() {
        .default_value = "",
        .minimum = 0,
        .maximum = 9e9,
-       .text = "Simulated time; without it, the experiment runs until it is stopped"},
+       .text =
+           "Simulated time, a whole number of ticks; without it, the experiment runs until it is "
+           "stopped"},
       {.name = "tick",
        .unit = "s",
        .default_value = "1 ms",

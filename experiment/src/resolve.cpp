@@ -13,6 +13,11 @@
 namespace spikeloop::experiment {
 namespace {
 
+Location where_of(const ExperimentFile& file, const char* key) {
+  const auto found = file.keys.find(key);
+  return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
+}
+
 void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) {
   if (keys.given("duration")) {
     faults.attempt(keys.where("duration"),
@@ -20,6 +25,24 @@ void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) 
   }
   faults.attempt(keys.where("tick"),
                  [&] { experiment.tick = tick_from_seconds(keys.number("tick")); });
+}
+
+/// As delays: a run has as many ticks as its duration says, no more and no less.
+void check_duration(const Location& where, const char* what, const Experiment& experiment,
+                    Faults& faults) {
+  const TimeNs duration = experiment.duration.value_or(experiment.tick);
+  const TimeNs rest = duration % experiment.tick;
+  if (duration <= 0) {
+    faults.add(where, fmt::format("{}: a run of {} does nothing; write for example {}, or leave "
+                                  "it out: then the run goes on until it is stopped",
+                                  what, format_time(duration), format_time(experiment.tick)));
+  } else if (rest != 0) {
+    const TimeNs below = duration - rest;
+    faults.add(where, fmt::format("{}: {} is no whole number of ticks of {}; write {}{}", what,
+                                  format_time(duration), format_time(experiment.tick),
+                                  below > 0 ? format_time(below) + " or " : "",
+                                  format_time(below + experiment.tick)));
+  }
 }
 
 /// It names the run folder and the node of ROS.
@@ -62,22 +85,29 @@ std::vector<ParameterDescription> without(std::vector<ParameterDescription> decl
 /// A fault in one key leaves the others' checks alone: its default stands in.
 void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
                Faults& faults) {
+  const std::size_t before = faults.count();
   const auto declared = without(experiment_parameters(), "duration", file.keys);
   Parameters keys =
       resolve_keys(declared, {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
   take_keys(file, keys, experiment, faults);
   if (overrides.duration_s) {
     experiment.duration = from_seconds(*overrides.duration_s);
+    check_duration({}, "--duration", experiment, faults);
+  } else if (faults.count() == before) {
+    check_duration(where_of(file, "duration"), "key 'duration'", experiment, faults);
   }
   experiment.seed = overrides.seed.value_or(experiment.seed);
   experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
   experiment.sync = overrides.sync.value_or(experiment.sync);
 }
 
-void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
+/// What the robot's messages give its sensors; empty when that is not known.
+SensorWidth read_robot(const ExperimentFile& file, const LookAtRobot& look_at_robot,
+                       Experiment& experiment, Faults& faults) {
   if (!file.robot) {
-    return;
+    return {};
   }
+  const std::size_t before = faults.count();
   const ExperimentNode& robot = *file.robot;
   const auto declared = without(robot_parameters(), "seed", robot.keys);
   const Parameters keys = resolve_keys(
@@ -88,11 +118,12 @@ void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faul
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
                       robot.where};
-}
-
-Location where_of(const ExperimentFile& file, const char* key) {
-  const auto found = file.keys.find(key);
-  return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
+  SensorWidth width;
+  if (look_at_robot && faults.count() == before) {
+    faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
+                   [&] { width = look_at_robot(*experiment.robot); });
+  }
+  return width;
 }
 
 /// Ways to run that exclude each other, or that this version does not have.
@@ -237,12 +268,12 @@ std::uint32_t Experiment::width(std::string_view part, std::string_view port) co
 }
 
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
-                   std::vector<Fault>& faults) {
+                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot) {
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
   read_keys(file, overrides, experiment, all);
-  read_robot(file, experiment, all);
+  const SensorWidth sensor_width = read_robot(file, look_at_robot, experiment, all);
   check_ways(file, experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
@@ -255,7 +286,7 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   }
   check_topics(experiment, whole, all);
   if (joined) {
-    resolve_links(file, whole, experiment, all);
+    resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

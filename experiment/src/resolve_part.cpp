@@ -243,11 +243,14 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
     part.kind = kind_of(node, part);
     const auto written = node.keys.find("node");
     const Location where = written == node.keys.end() ? node.where : written->second.where;
+    if (kinds.may_lack(part.kind)) {
+      return;
+    }
     part.node_class = located_at(where, [&] { return &kinds.find(part.kind); });
     part.role = kinds.role(part.kind);
     part.plugin = kinds.plugin_of(part.kind);
   });
-  if (!found) {
+  if (!found || part.node_class == nullptr) {
     return {};
   }
   const std::size_t before = faults.count();

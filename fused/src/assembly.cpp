@@ -22,6 +22,27 @@ using experiment::Role;
 constexpr std::string_view kSender = " sender";
 constexpr std::string_view kRecord = "record ";
 
+/// A sensor whose errors name its node and its place in the file.
+class NamedSource : public Source {
+ public:
+  NamedSource(std::unique_ptr<Source> source, const Part& part)
+      : source_(std::move(source)), part_(part) {}
+
+  std::vector<EndpointPort> ports() const override { return source_->ports(); }
+  void receive(const Step& step) override {
+    try {
+      source_->receive(step);
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(part_.where, fmt::format("node '{}': {}", part_.name, error.what()));
+    }
+  }
+  std::vector<Counter> counters() const override { return source_->counters(); }
+
+ private:
+  std::unique_ptr<Source> source_;
+  const Part& part_;
+};
+
 /// A command is a node that maps, and what sends behind it.
 std::string sender_of(const Part& part) {
   return part.name + std::string(kSender);
@@ -92,8 +113,9 @@ void Assembly::add_part(const Part& part) {
       return;
     case Role::source: {
       const std::uint32_t width = experiment_.width(part.name, "out");
-      sources_.push_back(part.kind == experiment::kRosSensor ? transport_.sensor(part, width)
-                                                             : experiment::playback(part));
+      sources_.push_back(part.kind == experiment::kRosSensor
+                             ? std::make_unique<NamedSource>(transport_.sensor(part, width), part)
+                             : experiment::playback(part));
       description_.sources.push_back({part.name, sources_.back().get()});
       return;
     }
@@ -107,7 +129,9 @@ void Assembly::add_command(const Part& part) {
   command::ComponentMap map = command::component_map(part.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
   const auto upstream = nearest_sensor(experiment_, part.name);
-  commands_.push_back(transport_.command({part, map, upstream.has_value()}));
+  const auto driver = std::ranges::find(experiment_.links, part.name + ".in", &Link::to);
+  commands_.push_back(transport_.command(
+      {part, map, upstream.has_value(), driver == experiment_.links.end() ? "" : driver->from}));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});

@@ -1,6 +1,8 @@
 #include "memory_topics.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/mapping.hpp"
@@ -85,6 +87,8 @@ class MemoryCommand : public CommandEnd {
  public:
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
       : topics_(topics),
+        name_(spec.part.name),
+        from_(spec.from),
         topic_(spec.part.parameters.text("topic")),
         all_channels_(spec.part.mapping.all_channels),
         writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
@@ -100,6 +104,7 @@ class MemoryCommand : public CommandEnd {
     now_ = step.interval().end;
     feed_.take(step, now_);
     channel_.poll(now_);
+    warn(step.signal_input(0));
   }
 
   void on_latency(command::TakeLatency take) override { feed_.on_latency(std::move(take)); }
@@ -111,6 +116,19 @@ class MemoryCommand : public CommandEnd {
   nlohmann::json summary() const override { return feed_.summary(); }
 
  private:
+  /// Of a value that stops the robot, once a simulated second at most.
+  void warn(const SignalInput& in) {
+    const bool bad = in.valid() && !std::ranges::all_of(in.values, [](double value) {
+                       return std::isfinite(value);
+                     });
+    if (bad && !bad_ && (!warned_at_ || now_ - *warned_at_ >= kNsPerSecond)) {
+      warned_at_ = now_;
+      log::warning("node '{}': the robot is stopped at {}: a value from '{}' is no finite number",
+                   name_, format_time(now_), from_);
+    }
+    bad_ = bad;
+  }
+
   void publish(std::span<const double> values) {
     fields_.clear();
     if (all_channels_) {
@@ -125,6 +143,10 @@ class MemoryCommand : public CommandEnd {
   }
 
   MemoryTopics& topics_;
+  std::string name_;
+  std::string from_;
+  bool bad_ = false;
+  std::optional<TimeNs> warned_at_;
   std::string topic_;
   bool all_channels_;
   messages::MessageWriter writer_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -102,15 +103,23 @@ struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  /// false: the nodes are not tried; somebody else has, or makes them at once.
+  bool try_nodes = true;
 };
+
+/// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.
+using SensorWidth = std::function<std::uint32_t(const Part& sensor)>;
+/// @throws Error when there is no such robot.
+using LookAtRobot = std::function<SensorWidth(const Robot&)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
 /// have; makes every node once. Relative paths start where the file lies. `kinds` must outlive the
 /// result, which is not to be used when there are faults. These are added to `faults`, which is
 /// then in the file's order.
+/// @param look_at_robot empty: sensors are not held against the robot
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
-                   std::vector<Fault>& faults);
+                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot = {});
 
 /// An experiment with all that it points to, or what is wrong with it.
 struct Loaded {
@@ -121,7 +130,8 @@ struct Loaded {
 
 /// Reads a file, loads its plug-ins and those in SPIKELOOP_PLUGIN_PATH, resolves it. Never throws
 /// for what is wrong with these.
-std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides);
+std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides,
+                             const LookAtRobot& look_at_robot = {});
 
 /// Where paths in the file start.
 std::string directory_of(const std::string& experiment_path);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/command_feed.hpp"
@@ -28,6 +29,7 @@ struct CommandSpec {
   const experiment::Part& part;
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
+  std::string from{};  ///< the output that drives it, "decoder.out"
 };
 
 class Transport {
