@@ -19,7 +19,7 @@ LINE = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3})Z +(\d+\.\d{3}) s  (.
 SMALL = """experiment: small
 duration: {duration}
 sync: {sync}
-robot: {{simulator: mujoco, world: {world}}}
+robot: {{simulator: mujoco}}
 {more}nodes:
   scan: {{node: ros_sensor, topic: /odom, message: nav_msgs/Odometry}}
   cells: {{node: rate_encoder, rate_max: 50 Hz}}
@@ -37,8 +37,8 @@ def failing(step):
 """
 
 
-def small(duration, sync="lockstep", world="arena.xml", more=""):
-    return SMALL.format(duration=duration, sync=sync, world=world, more=more)
+def small(duration, sync="lockstep", more=""):
+    return SMALL.format(duration=duration, sync=sync, more=more)
 
 
 def log_of(folder):
@@ -93,12 +93,12 @@ def a_node_that_fails(spikeloop, folder):
 
 
 def a_run_that_cannot_begin(spikeloop, folder):
-    file = folder / "nowhere.yaml"
-    file.write_text(small(duration="1 s", world="broken.xml"))
-    (folder / "broken.xml").write_text("<mujoco>")
-    run(spikeloop, file, "--out", folder / "nowhere", code=2)
-    last = log_of(folder / "nowhere")[-1][1]
-    assert "broken.xml" in last and last.endswith("exit code 2"), last
+    file = folder / "blocked.yaml"
+    file.write_text(small(duration="1 s"))
+    (folder / "blocked" / "scan.h5").mkdir(parents=True)  # where a recording is to be
+    run(spikeloop, file, "--out", folder / "blocked", code=4)
+    last = log_of(folder / "blocked")[-1][1]
+    assert "scan.h5" in last and last.endswith("exit code 4"), last
 
 
 def a_killed_run(spikeloop, folder):
