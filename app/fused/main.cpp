@@ -26,6 +26,7 @@ struct Arguments {
   experiment::Overrides overrides;
   std::string sync;
   double stall_timeout_s = 60;
+  std::string about;
   bool no_record = false;
 };
 
@@ -111,9 +112,11 @@ int main(int argc, char** argv) {
   app.add_option("--sync", arguments.sync, "In place of the key sync");
   app.add_option("--stall-timeout", arguments.stall_timeout_s,
                  "Longest wall time that a stepped robot may take to answer, s; 0: any");
+  app.add_option("--about", arguments.about, "What resolved.json says beside the experiment, JSON");
   app.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   CLI11_PARSE(app, argc, argv);
   arguments.run.record = !arguments.no_record;
+  arguments.run.about = nlohmann::json::parse(arguments.about, nullptr, false);
   if (!arguments.sync.empty()) {
     arguments.overrides.sync = experiment::sync_named(arguments.sync);
   }

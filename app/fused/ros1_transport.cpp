@@ -32,6 +32,7 @@ class RosCommandEnd : public fused::CommandEnd {
     keep_sent();
   }
   std::vector<Counter> counters() const override { return command_.counters(); }
+  void on_latency(command::TakeLatency take) override { command_.on_latency(std::move(take)); }
   void stop(command::StopReason reason) override {
     command_.stop(reason);
     keep_sent();

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "older_programs.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/plugin_path.hpp"
@@ -14,26 +14,6 @@
 
 namespace spikeloop {
 namespace {
-
-constexpr NodeProgram kPrograms[] = {
-    {"connect_adapter", "connect", "weights", "weights_filename", "connection_weights.dat", false,
-     "  weights=halves.json\n"},
-    {"cont_cont_adapter", "connect", "weights", "weights_filename", "weights.json", false,
-     "  weights=halves.json\n"},
-    {"threshold_adapter", "threshold", nullptr, nullptr, nullptr, false, "  threshold=0.5\n"},
-    {"sigmoid_adapter", "sigmoid", nullptr, nullptr, nullptr, false, "  slope=4\n"},
-    {"argmax_adapter", "argmax", nullptr, nullptr, nullptr, false, ""},
-    {"discretize_adapter", "discretize", "grid", "grid_positions_filename", "grid_positions.json",
-     false, "  grid=places.json\n"},
-    {"rate_encoder", "rate_encoder", nullptr, nullptr, nullptr, false,
-     "  rate_min=1\n  rate_max=200\n"},
-    {"poisson_encoder", "poisson_encoder", nullptr, nullptr, nullptr, false,
-     "  rate_min=1\n  rate_max=200\n"},
-    {"nef_encoder", "nef_encoder", nullptr, nullptr, nullptr, false, "  gain_max=200\n"},
-    {"linear_readout_decoder", "linear_readout", "weights", "weights_filename",
-     "readout_weights.dat", true, "  tau=0.03\n  weights=readout.json\n"},
-    {"linear_decoder", "linear_readout", "weights", nullptr, "one_to_one", false, "  tau=0.03\n"},
-};
 
 std::string port_lines(const NodeDescription& description) {
   std::string text;
@@ -178,15 +158,6 @@ std::string plugin_path(const music::Process& process, const std::string& writte
 }
 
 }  // namespace
-
-const NodeProgram* find_node_program(std::string_view name) {
-  for (const auto& program : kPrograms) {
-    if (name == program.name) {
-      return &program;
-    }
-  }
-  return nullptr;
-}
 
 void fill_registry(Registry& registry) {
   register_nodes(registry);

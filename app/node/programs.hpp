@@ -5,23 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/core/registry.hpp"
 #include "spikeloop/process/music_main.hpp"
 
 namespace spikeloop {
-
-struct NodeProgram {
-  const char* name;
-  const char* node_class;
-  const char* table;          ///< the parameter that is read from a file; null: none
-  const char* older_key;      ///< its spelling in the older program; null: none
-  const char* default_table;  ///< what the older program takes when it is not given
-  bool accept_one_tick;       ///< the older program's acceptable latency
-  const char* example;        ///< keys in the section
-};
-
-/// The program of this name; null for spikeloop-node itself and any other name.
-const NodeProgram* find_node_program(std::string_view name);
 
 /// The built-in node classes and those of SPIKELOOP_PLUGIN_PATH.
 void fill_registry(Registry& registry);

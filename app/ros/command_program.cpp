@@ -102,6 +102,15 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   return all_channels();
 }
 
+/// Of the first command of each message, in simulated time and ms.
+void record_latency(music::Process& process, bool with_pace, ros1_command::Ros1Command& command) {
+  if (auto write = with_pace ? process.value_recorder("latency", "ms") : nullptr) {
+    command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
+      write(simulated, static_cast<double>(latency) / 1e6);
+    });
+  }
+}
+
 }  // namespace
 
 music::ProgramText command_text(const RosProgram& program) {
@@ -177,6 +186,7 @@ int run_command(music::Process& process, const RosProgram& program) {
     description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
   }
   process.attach_recorders(description);
+  record_latency(process, pace != nullptr, sink);
   Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };

@@ -9,27 +9,6 @@
 namespace spikeloop {
 namespace {
 
-constexpr RosProgram kPrograms[] = {
-    {.name = "ros_sensor_adapter",
-     .way = RosWay::messages_to_signal,
-     .node_name = "ros_sensor_node"},
-    {.name = "ros_cont_adapter", .way = RosWay::messages_to_signal, .node_name = "ros_sensor_node"},
-    {.name = "ros_event_sensor_adapter",
-     .way = RosWay::messages_to_spikes,
-     .node_name = "ros_event_sensor_node"},
-    {.name = "ros_command_adapter",
-     .way = RosWay::signal_to_messages,
-     .node_name = "ros_command_node",
-     .command_rate = "10"},
-    {.name = "cont_ros_adapter",
-     .way = RosWay::signal_to_messages,
-     .node_name = "cmd_out",
-     .topic = "/cmd_vel",
-     .command_rate = "20",
-     .command_rate_key = "command_update_rate",
-     .mapping_file = "mapping.json"},
-};
-
 music::ProgramText general_text() {
   music::ProgramText text;
   text.name = "spikeloop-ros";
@@ -79,11 +58,6 @@ int run(music::Process& process) {
 }
 
 }  // namespace
-
-const RosProgram* find_ros_program(std::string_view name) {
-  const auto* const found = std::ranges::find(kPrograms, name, &RosProgram::name);
-  return found == std::end(kPrograms) ? nullptr : found;
-}
 
 }  // namespace spikeloop
 

@@ -3,30 +3,11 @@
 
 #include <string_view>
 
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/ros1/session.hpp"
 
 namespace spikeloop {
-
-enum class RosWay {
-  messages_to_signal,
-  messages_to_spikes,
-  signal_to_messages,
-};
-
-/// One name, and what the older program of this name took for keys that are not written.
-struct RosProgram {
-  const char* name;
-  RosWay way;
-  const char* node_name;
-  const char* topic = "";         ///< "": must be given
-  const char* command_rate = "";  ///< Hz
-  const char* command_rate_key = "command_rate";
-  const char* mapping_file = "";  ///< "": none
-};
-
-/// Null for another name.
-const RosProgram* find_ros_program(std::string_view name);
 
 music::ProgramText sensor_text(const RosProgram& program);
 int run_sensor(music::Process& process, const RosProgram& program);

@@ -36,7 +36,14 @@ std::string progress_text(const launch::Progress& progress) {
                      progress.overruns, progress.overruns == 1 ? "" : "s");
 }
 
-Console::Console(Volume volume) : volume_(volume), terminal_(isatty(STDERR_FILENO) != 0) {}
+Console::Console(Volume volume, RunLog* log)
+    : volume_(volume), log_(log), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void Console::keep(const std::string& text) {
+  if (log_ != nullptr) {
+    log_->write(text);
+  }
+}
 
 void Console::clear() {
   if (shown_) {
@@ -51,18 +58,22 @@ void Console::write(const std::string& text) {
 }
 
 void Console::line(const launch::ProgramLine& line) {
+  const bool labelled = line.text.starts_with(line.label + ": ");
+  const std::string text = labelled ? line.text : fmt::format("{}: {}", line.label, line.text);
+  keep(text);
   const bool own = line.label == "mpirun";
   const bool unwanted = volume_ == Volume::quiet && !is_warning(line.text);
   if (unwanted || (own && volume_ != Volume::verbose)) {
     return;
   }
   clear();
-  const bool labelled = line.text.starts_with(line.label + ": ");
-  put(line.error ? stderr : stdout,
-      fmt::format("{}{}\n", labelled ? "" : line.label + ": ", line.text));
+  put(line.error ? stderr : stdout, text + "\n");
 }
 
 void Console::progress(const launch::Progress& progress) {
+  if (log_ != nullptr) {
+    log_->at(progress.simulated_s);
+  }
   const auto now = std::chrono::steady_clock::now();
   const bool soon =
       last_ && (terminal_ ? now - *last_ < kTerminalEvery : now - *last_ < kFileEvery);
@@ -80,6 +91,7 @@ void Console::progress(const launch::Progress& progress) {
 }
 
 void Console::log(log::Level level, std::string_view message) {
+  keep(fmt::format("{}{}", level == log::Level::warning ? "warning: " : "", message));
   if (level == log::Level::warning) {
     write(fmt::format("spikeloop: warning: {}", message));
   } else if (volume_ != Volume::quiet) {
@@ -88,6 +100,8 @@ void Console::log(log::Level level, std::string_view message) {
 }
 
 void Console::end(const launch::JobResult& result, const launch::Progress& progress) {
+  keep(result.exit_code != 0 ? fmt::format("{}; exit code {}", result.reason, result.exit_code)
+                             : "finished: " + progress_text(progress));
   if (result.exit_code != 0) {
     write("spikeloop: " + result.reason);
   } else if (volume_ != Volume::quiet) {
@@ -96,9 +110,9 @@ void Console::end(const launch::JobResult& result, const launch::Progress& progr
   clear();
 }
 
-int run_job(launch::Job& job, Console::Volume volume) {
+int run_job(launch::Job& job, Console::Volume volume, RunLog* log) {
   const BackgroundOutput output;
-  Console console(volume);
+  Console console(volume, log);
   log::set_sink(
       [&console](log::Level level, std::string_view message) { console.log(level, message); });
   launch::Progress last;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "run_log.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/job.hpp"
 
@@ -18,7 +19,8 @@ std::string progress_text(const launch::Progress& progress);
 class Console {
  public:
   enum class Volume { quiet, normal, verbose };
-  explicit Console(Volume volume);
+  /// @param log gets all that is said, whatever the volume, but no progress; null: nobody does
+  explicit Console(Volume volume, RunLog* log = nullptr);
 
   void line(const launch::ProgramLine& line);
   void progress(const launch::Progress& progress);
@@ -31,13 +33,16 @@ class Console {
   void clear();
   void write(const std::string& text);
 
+  void keep(const std::string& text);
+
   Volume volume_;
+  RunLog* log_;
   bool terminal_;
   bool shown_ = false;
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
 /// Runs a job and shows it. Returns its exit code.
-int run_job(launch::Job& job, Console::Volume volume);
+int run_job(launch::Job& job, Console::Volume volume, RunLog* log = nullptr);
 
 }  // namespace spikeloop::app

@@ -20,6 +20,7 @@
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
+#include "versions.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -83,6 +84,7 @@ std::string text_of(const char* kind, const Fault& fault) {
 }
 
 std::atomic<int> signal_number{0};
+std::atomic<int> log_file{-1};
 constexpr unsigned kPatience_s = 3;
 
 /// The first one ends the loop; the second one, or a node that hangs, the process.
@@ -97,7 +99,9 @@ void give_up(int /*alarm*/) {
   constexpr std::string_view kText =
       "spikeloop: a node has not come back within 3 s of the signal: the run is ended without a "
       "summary\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
+  for (const int file : {STDERR_FILENO, log_file.load()}) {
+    [[maybe_unused]] const auto written = ::write(file, kText.data(), kText.size());
+  }
   ::_exit(128 + signal_number.load());
 }
 
@@ -167,6 +171,48 @@ ExperimentFolder folder_for(const ExperimentArguments& arguments, const Experime
   return {arguments.folder, "runs/" + experiment.name};
 }
 
+/// What ends a run before it has begun is in its log, too.
+template <typename Run>
+int logged(RunLog& log, Run&& run) {
+  try {
+    return run();
+  } catch (const Error& error) {
+    log.write(fmt::format("{}; exit code {}", error.what(), error.exit_code()));
+    throw;
+  }
+}
+
+void begin_log(RunLog& log, const Experiment& experiment, const char* layout) {
+  log.write(fmt::format("spikeloop {}: {}, layout {}, sync {}, seed {}", SPIKELOOP_VERSION,
+                        experiment.path, layout, experiment::name_of(experiment.sync),
+                        experiment.seed));
+}
+
+int run_here(const Experiment& experiment, const fused::RunOptions& options, Console::Volume volume,
+             RunLog& log) {
+  const BackgroundOutput output;
+  Console console(volume, &log);
+  log::set_sink(
+      [&console](log::Level level, std::string_view message) { console.log(level, message); });
+  take_signals();
+  launch::Progress last;
+  const fused::RunEvents events{.progress =
+                                    [&](const fused::Progress& progress) {
+                                      last = for_console(progress, experiment);
+                                      console.progress(last);
+                                    },
+                                .stop = stop_asked};
+  const fused::RunResult result = fused::run(experiment, options, events);
+  log::set_sink({});
+  launch::JobResult end{result.exit_code, result.reason, {}};
+  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
+    end.exit_code = 128 + number;
+    end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
+  }
+  console.end(end, last);
+  return end.exit_code;
+}
+
 /// The robot that the experiment has, started when nobody publishes its topics.
 void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   if (!experiment.robot) {
@@ -198,6 +244,8 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
+  RunLog log(folder.path());
+  begin_log(log, experiment, "fused");
   folder.release();
   MusicFile file;
   file.path = experiment.path;
@@ -217,7 +265,8 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
                      fmt::format("--sync={}", experiment::name_of(experiment.sync)),
                      fmt::format("--stall-timeout={}",
-                                 std::chrono::duration<double>(arguments.stall_timeout).count())};
+                                 std::chrono::duration<double>(arguments.stall_timeout).count()),
+                     "--about=" + about_run(partners_of(experiment, false)).dump()};
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
@@ -225,8 +274,10 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   if (!arguments.record) {
     options.program.emplace_back("--no-record");
   }
-  launch::Job job(file, options);
-  const int exit_code = run_job(job, arguments.volume);
+  const int exit_code = logged(log, [&] {
+    launch::Job job(file, options);
+    return run_job(job, arguments.volume, &log);
+  });
   tell_folder(arguments.volume, folder);
   return exit_code;
 }
@@ -234,14 +285,19 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
   const WrittenJob music = write_music_job(experiment, folder.path());
-  launch::write_text(folder.path() + "/resolved.json",
-                     fused::resolved_json(experiment).dump(2) + "\n");
+  nlohmann::json resolved = fused::resolved_json(experiment);
+  resolved.update(about_run(partners_of(experiment, true)));
+  launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
+  RunLog log(folder.path());
+  begin_log(log, experiment, "separate");
   folder.release();
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
   options.translate = music.places;
-  launch::Job job(read_music_file(music.path), options);
-  const int exit_code = run_job(job, arguments.volume);
+  const int exit_code = logged(log, [&] {
+    launch::Job job(read_music_file(music.path), options);
+    return run_job(job, arguments.volume, &log);
+  });
   tell_folder(arguments.volume, folder);
   return exit_code;
 }
@@ -254,29 +310,16 @@ bool is_experiment(const std::string& file) {
 
 int run_in_process(const Experiment& experiment, const ExperimentFolder& folder, bool record,
                    Console::Volume volume) {
-  const BackgroundOutput output;
-  Console console(volume);
-  log::set_sink(
-      [&console](log::Level level, std::string_view message) { console.log(level, message); });
-  take_signals();
-  launch::Progress last;
-  const fused::RunEvents events{.progress =
-                                    [&](const fused::Progress& progress) {
-                                      last = for_console(progress, experiment);
-                                      console.progress(last);
-                                    },
-                                .stop = stop_asked};
-  const fused::RunResult result =
-      fused::run(experiment, {.folder = folder.path(), .record = record}, events);
-  log::set_sink({});
-  launch::JobResult end{result.exit_code, result.reason, {}};
-  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
-    end.exit_code = 128 + number;
-    end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
-  }
-  console.end(end, last);
+  RunLog log(folder.path());
+  log_file.store(log.descriptor());
+  begin_log(log, experiment, "fused");
+  const fused::RunOptions options{.folder = folder.path(),
+                                  .record = record,
+                                  .about = about_run(partners_of(experiment, false))};
+  const int exit_code = logged(log, [&] { return run_here(experiment, options, volume, log); });
+  log_file.store(-1);
   tell_folder(volume, folder);
-  return end.exit_code;
+  return exit_code;
 }
 
 std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,

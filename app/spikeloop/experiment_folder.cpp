@@ -45,7 +45,8 @@ void remove_earlier(const fs::path& folder) {
   for (const auto& [name, keys] : resolved["nodes"].items()) {
     fs::remove(folder / (fs::path(name).filename().string() + ".h5"), ignored);
   }
-  for (const char* name : {"trajectory.csv", "world.json", fused::kMessagesFile, kResolved}) {
+  for (const char* name :
+       {"trajectory.csv", "world.json", "log.txt", fused::kMessagesFile, kResolved}) {
     fs::remove(folder / name, ignored);
   }
 }

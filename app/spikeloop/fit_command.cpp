@@ -12,6 +12,7 @@
 #include "fit_task.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "python_package.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -59,14 +60,6 @@ void write_weights(const std::string& path, const FitResult& result) {
                          : write_json(path, result);
 }
 
-/// Where our Python package is, from the program's own place: built or installed.
-std::string python_path() {
-  std::error_code ignored;
-  const fs::path programs = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  const fs::path installed = programs.parent_path() / "share/spikeloop/python";
-  return fs::exists(installed / "spikeloop") ? installed.string() : SPIKELOOP_PYTHON;
-}
-
 void draw(const FitTask& task, const FitResult& result) {
   const nlohmann::json data{{"title", task.encoder.empty() ? task.spikes : task.encoder},
                             {"time_s", result.trace.time_s},
@@ -76,7 +69,7 @@ void draw(const FitTask& task, const FitResult& result) {
                             {"training_error", result.training.total},
                             {"held_out_error", result.held_out.total}};
   const std::string command =
-      fmt::format("PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'", python_path(),
+      fmt::format("PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'", python_package(),
                   fs::absolute(task.picture).string());
   std::FILE* const python = ::popen(command.c_str(), "w");
   if (python == nullptr) {

@@ -18,8 +18,10 @@
 #include "export_command.hpp"
 #include "fit_command.hpp"
 #include "graph_command.hpp"
+#include "import/import_command.hpp"
 #include "new_command.hpp"
 #include "output.hpp"
+#include "plot_command.hpp"
 #include "replay_command.hpp"
 #include "run_command.hpp"
 #include "schema_command.hpp"
@@ -95,6 +97,8 @@ int run(int argc, char** argv) {
   spikeloop::app::add_replay_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
+  spikeloop::app::add_import_command(app, action);
+  spikeloop::app::add_plot_command(app, action);
   spikeloop::app::add_fit_command(app, action);
   spikeloop::app::add_describe_command(app, action);
   spikeloop::app::add_doctor_command(app, action);

@@ -15,6 +15,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/job.hpp"
+#include "versions.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -206,6 +207,9 @@ int run(RunArguments& arguments) {
   arguments.job.start_timeout = milliseconds(arguments.start_timeout_s);
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   const MusicFile file = read_music_file(arguments.file);
+  if (!arguments.job.folder.empty() && !arguments.dry_run) {
+    arguments.job.versions = about_run(partners_of(file, arguments.job.robot)).dump(2) + "\n";
+  }
   launch::Job job(file, arguments.job);
   if (arguments.dry_run) {
     return dry_run(job, launch::check_job(file, arguments.job.run), arguments.file);

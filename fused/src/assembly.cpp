@@ -213,10 +213,12 @@ void Assembly::record(const std::string& folder) {
                       ? recorder.spike_sink(output.port, output.width)
                       : recorder.signal_sink(output.port, output.width, "1"));
   }
+  auto command = commands_.begin();
   for (const Part& part : experiment_.parts) {
     if (part.role != Role::sink) {
       continue;
     }
+    record_latency(part, **command++, folder);
     const bool all = part.mapping.all_channels;
     const auto paths = command::field_paths(part.mapping);
     const auto width =
@@ -225,6 +227,16 @@ void Assembly::record(const std::string& folder) {
         part.name + ".out", name_of(part.name, "command"),
         recorder_of(part, folder)
             .signal_sink("command", width, "1", all ? std::vector<std::string>{} : paths));
+  }
+}
+
+/// How old the data behind the first command of each message are.
+void Assembly::record_latency(const Part& part, CommandEnd& command, const std::string& folder) {
+  if (nearest_sensor(experiment_, part.name)) {
+    command.on_latency([write = recorder_of(part, folder).value_writer("latency", "ms")](
+                           TimeNs simulated, TimeNs latency) {
+      write(simulated, static_cast<double>(latency) / 1e6);
+    });
   }
 }
 

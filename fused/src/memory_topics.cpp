@@ -110,6 +110,8 @@ class MemoryCommand : public CommandEnd {
     warn(step.signal_input(0));
   }
 
+  void on_latency(command::TakeLatency take) override { feed_.on_latency(std::move(take)); }
+
   void stop(StopReason reason) override { channel_.stop(reason, now_); }
 
   std::vector<Counter> counters() const override { return channel_.counters(); }

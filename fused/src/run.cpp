@@ -218,9 +218,14 @@ json resolved_json(const Experiment& experiment) {
                      {"width", link.width},
                      {"delay_ticks", link.delay_ticks.value_or(0)}});
   }
-  json result{{"experiment", experiment.name}, {"tick_ns", experiment.tick},
-              {"seed", experiment.seed},       {"sync", experiment::name_of(experiment.sync)},
-              {"version", SPIKELOOP_VERSION},  {"nodes", nodes},
+  json result{{"experiment", experiment.name},
+              {"tick_ns", experiment.tick},
+              {"seed", experiment.seed},
+              {"sync", experiment::name_of(experiment.sync)},
+              {"version", SPIKELOOP_VERSION},
+              {"nodes", nodes},
+              {"real_time_factor", experiment.real_time_factor},
+              {"ros", experiment.ros == experiment::Ros::ros1 ? "1" : "none"},
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {
@@ -250,6 +255,9 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   if (!options.folder.empty()) {
     json resolved = resolved_json(experiment);
     resolved["recorded"] = options.record;
+    if (options.about.is_object()) {
+      resolved.update(options.about);
+    }
     write_json(options.folder + "/resolved.json", resolved);
     copy_experiment(experiment, options.folder);
   }

@@ -1,16 +1,21 @@
-"""Draws what a run left in its folder.
+"""Draws what a run left in its folder; `spikeloop plot RUN` calls it.
 
     /usr/bin/python3 -m spikeloop.plots RUN_FOLDER
 
-writes trajectory.png (the robot's path through its arena) and spikes.png (sensor, spikes, rates
-and commands above one time axis) into the folder. What is not there is not drawn; a line on
-standard error says what is missing. In Python:
+writes into the folder, as far as the run has it:
+
+    trajectory.png  the robot's path through its arena
+    spikes.png      sensors, spikes and rates of every population, commands, above one time axis
+    signals.png     what the other nodes put out
+    latency.png     from a sensor's message to the first command that was computed from it
+
+What is not there is not drawn; a line on standard error says what is missing. In Python:
 
     from spikeloop.plots import plot_run
-    result = plot_run("runs/braitenberg")     # result.pictures, result.missing
+    result = plot_run("runs/braitenberg")     # result.pictures, result.missing, result.notes
 
-Exit code: 0 everything was drawn; 1 something was missing; 2 a mistake on the command line;
-4 nothing could be drawn.
+Exit code: 0 everything that the run has was drawn; 1 something could not be; 2 a mistake on the
+command line; 3 a package of Python's is missing; 4 nothing could be drawn.
 """
 
 import argparse
@@ -18,63 +23,129 @@ import dataclasses
 import pathlib
 import sys
 
-from . import spikes_plot, trajectory_plot
-from .run_folder import RunFolder, RunFolderError
+FORMATS = ("png", "svg", "pdf")
+RUN_FILES = ("resolved.json", "effective.music", "summary.json", "trajectory.csv", "world.json")
 
 
 @dataclasses.dataclass
 class Result:
     pictures: list  # paths of the written files
-    missing: list  # one sentence each
+    missing: list  # one sentence each: what could not be read
+    notes: list = dataclasses.field(default_factory=list)  # what this run does not have
 
 
-def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None):
-    """Draws both pictures into `out` (default: the run folder).
+class _Painter:
+    """Draws the pictures of one run one after the other."""
+
+    def __init__(self, run, out, suffix):
+        self.run, self.out, self.suffix = run, out, suffix
+        self.result = Result([], [])
+
+    def draw(self, name, paint, wanted=True):
+        """wanted: a picture that cannot be drawn is missing, else it is noted."""
+        from .run_folder import RunFolderError
+        path = self.out / f"{name}.{self.suffix}"
+        try:
+            self.result.missing += paint(path)
+            self.result.pictures.append(path)
+        except RunFolderError as error:
+            sentences = self.result.missing if wanted else self.result.notes
+            sentences.append(f"{path.name} is not drawn: {error}")
+        except OSError as error:
+            self.result.missing.append(f"cannot write '{path}': {error.strerror}")
+
+
+def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="png"):
+    """Draws all pictures into `out` (default: the run folder).
 
     labels: spikes_plot.Labels, the section labels of sensor, network and command.
-    begin_s, end_s: the part of spikes.png's time axis, in seconds of simulated time.
-    Raises RunFolderError when `folder` is no folder.
+    begin_s, end_s: the part of the time axis, in seconds of simulated time.
+    suffix: of the pictures, one of FORMATS.
+    Raises RunFolderError when `folder` is no run folder.
     """
+    from . import parts, spikes_plot, trajectory_plot
+    from .run_folder import RunFolder
     run = RunFolder(folder)
+    _refuse_other_folders(run)
+    found = parts.find(run)
     out = pathlib.Path(out) if out else run.path
     out.mkdir(parents=True, exist_ok=True)
-    result = Result([], [])
-    pictures = {
-        "trajectory.png": lambda path: trajectory_plot.draw(run, path),
-        "spikes.png": lambda path: spikes_plot.draw(run, path, labels, begin_s, end_s),
-    }
-    for name, draw in pictures.items():
-        try:
-            result.missing += draw(out / name)
-            result.pictures.append(out / name)
-        except RunFolderError as error:
-            result.missing.append(f"{name} is not drawn: {error}")
-    return result
+    painter = _Painter(run, out, suffix)
+    painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
+                 wanted=found is None or (run.path / "trajectory.csv").exists())
+    painter.draw("spikes", lambda path: spikes_plot.draw(run, path, labels, begin_s, end_s, found),
+                 wanted=found is None or bool(run.labels))
+    if found is not None:
+        painter.result.missing += found.missing
+        painter.result.notes += found.notes
+        _draw_rest(painter, found, begin_s, end_s)
+    return painter.result
 
 
-def main(arguments=None):
+def _draw_rest(painter, found, begin_s, end_s):
+    from . import latency_plot, parts, signals_plot, spikes_plot
+    everything = found.sensors + found.spikes + found.signals + found.commands
+    if not everything:
+        return
+
+    def window():
+        return spikes_plot.time_window(everything, begin_s, end_s)
+    painter.draw("signals", lambda path: signals_plot.draw(found, path, window()),
+                 wanted=bool(found.signals))
+    painter.draw("latency", lambda path: latency_plot.draw(found, path, window(),
+                                                           parts.clock(painter.run)),
+                 wanted=False)
+
+
+def _refuse_other_folders(run):
+    from .run_folder import RunFolderError
+    if not run.labels and not any((run.path / name).exists() for name in RUN_FILES):
+        raise RunFolderError(f"'{run.path}' is no run folder: it has neither a recording (*.h5) nor "
+                             f"{', '.join(RUN_FILES[:-1])} or {RUN_FILES[-1]}; name the folder that "
+                             "`spikeloop run` wrote")
+
+
+def _arguments(arguments):
     parser = argparse.ArgumentParser(
-        prog="spikeloop.plots", description="Draws trajectory.png and spikes.png from a run folder.")
-    parser.add_argument("folder", metavar="RUN_FOLDER", help="what `spikeloop run --out` wrote")
+        prog="spikeloop.plots", description="Draws the pictures of a run folder.")
+    parser.add_argument("folder", metavar="RUN_FOLDER", help="what `spikeloop run` wrote")
     parser.add_argument("--out", metavar="FOLDER", help="where to write (default: RUN_FOLDER)")
+    parser.add_argument("--format", choices=FORMATS, default="png", help="of the pictures")
     parser.add_argument("--sensor", metavar="LABEL", help="process that recorded the sensor")
     parser.add_argument("--network", metavar="LABEL", help="process that recorded the neurons")
     parser.add_argument("--command", metavar="LABEL", help="process that recorded the command")
     parser.add_argument("--from", dest="begin", type=float, metavar="S",
-                        help="begin of spikes.png (s, default 0)")
+                        help="begin of the time axis (s, default 0)")
     parser.add_argument("--to", dest="end", type=float, metavar="S",
-                        help="end of spikes.png (s, default: end of the run)")
-    given = parser.parse_args(arguments)
+                        help="end of the time axis (s, default: end of the run)")
+    return parser.parse_args(arguments)
+
+
+def _fail(message, code):
+    print(f"spikeloop: {message}", file=sys.stderr)
+    return code
+
+
+def main(arguments=None):
+    given = _arguments(arguments)
+    try:
+        from . import spikes_plot
+        from .run_folder import RunFolderError
+    except ImportError as error:
+        package = (error.name or "matplotlib").split(".")[0]
+        return _fail(f"Python's package {package} is missing, or of no use ({error}); "
+                     f"apt-get install python3-{package}", 3)
     labels = spikes_plot.Labels(given.sensor, given.network, given.command)
     try:
-        result = plot_run(given.folder, given.out, labels, given.begin, given.end)
+        result = plot_run(given.folder, given.out, labels, given.begin, given.end, given.format)
     except RunFolderError as error:
-        print(f"spikeloop.plots: {error}", file=sys.stderr)
-        return 4
+        return _fail(error, 4)
+    except OSError as error:  # the folder to write to
+        return _fail(f"cannot make '{error.filename}': {error.strerror}", 4)
     for picture in result.pictures:
         print(picture)
-    for sentence in result.missing:
-        print(f"spikeloop.plots: {sentence}", file=sys.stderr)
+    for sentence in result.missing + result.notes:
+        print(f"spikeloop: {sentence}", file=sys.stderr)
     if not result.pictures:
         return 4
     return 1 if result.missing else 0

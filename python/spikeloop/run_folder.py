@@ -10,6 +10,7 @@ Files (docs/run-folder.md):
     trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
     world.json      the robot's arena and obstacles
     summary.json    results of the run
+    resolved.json   an experiment with every default
 """
 
 import csv
@@ -87,18 +88,14 @@ class RunFolder:
 
     def spikes(self, label):
         """Every spike stream of a process, sorted by name."""
-        with self._open(label) as file:
-            return [self._read_spikes(label, name, group)
-                    for name, group in sorted(file["spikes"].items())]
+        return self._read(label, "spikes", self._read_spikes)
 
     def signals(self, label):
         """Every signal of a process, sorted by name."""
-        with self._open(label) as file:
-            return [self._read_signal(label, name, group)
-                    for name, group in sorted(file["signals"].items())]
+        return self._read(label, "signals", self._read_signal)
 
     def signal(self, label, stream=None):
-        """One signal of a process: the named one, or the widest that is not `pace`."""
+        """One signal of a process: the named one, or the widest but `pace` and `latency`."""
         signals = self.signals(label)
         names = [signal.stream for signal in signals]
         if stream is not None:
@@ -106,7 +103,7 @@ class RunFolder:
                 raise RunFolderError(f"'{self._file(label)}' has no signal '{stream}'"
                                      f"{did_you_mean(stream, names)}")
             return signals[names.index(stream)]
-        candidates = [signal for signal in signals if signal.stream != "pace"]
+        candidates = [signal for signal in signals if signal.stream not in ("pace", "latency")]
         if not candidates:
             raise RunFolderError(f"'{self._file(label)}' has no signal")
         return max(candidates, key=lambda signal: signal.width)
@@ -141,6 +138,18 @@ class RunFolder:
         """Results of the run: distance_m, coverage, collisions, ..."""
         return self._json("summary.json", "the run did not end by itself, or is under way")
 
+    def resolved(self):
+        """The experiment of the run with every default: nodes, connections, ..."""
+        return self._json("resolved.json", "the run was not that of an experiment file")
+
+    def _read(self, label, kind, read):
+        with self._open(label) as file:
+            try:
+                return [read(label, name, group) for name, group in sorted(file[kind].items())]
+            except (OSError, KeyError, RuntimeError, ValueError) as error:
+                raise RunFolderError(f"'{self._file(label)}' is damaged: {error}; was the run "
+                                     "killed while it wrote?") from None
+
     def _file(self, label):
         return self.path / f"{label}.h5"
 
@@ -150,6 +159,10 @@ class RunFolder:
             return json.loads(file.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise RunFolderError(f"'{file}' is missing: {consequence}") from None
+        except OSError as error:
+            raise RunFolderError(f"'{file}' cannot be read: {error.strerror}") from None
+        except UnicodeDecodeError as error:
+            raise RunFolderError(f"'{file}' is not JSON: byte {error.start}: no UTF-8") from None
         except json.JSONDecodeError as error:
             raise RunFolderError(f"'{file}' is not JSON: line {error.lineno}, column "
                                  f"{error.colno}: {error.msg}") from None

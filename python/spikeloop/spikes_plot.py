@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from . import style
+from . import panels, style
 from .run_folder import RunFolderError
 
-MOST_COLUMNS = 2000  # of the sensor's image: more than the picture has pixels
+MOST_ROWS = 1000  # of a raster: of more neurons, every second or third, ... is drawn
 MOST_TICKED_ROWS = 60  # of a raster drawn with ticks
 MOST_DOTS = 30_000  # a group's; more are drawn as density
 RATE_BIN_S = 0.01
@@ -32,26 +32,29 @@ class Group:
     size: int
 
 
-def draw(run, path, labels=None, begin_s=None, end_s=None):
+def draw(run, path, labels=None, begin_s=None, end_s=None, found=None):
     """Writes the picture; returns a list of sentences about what is missing.
 
+    found: parts.Parts, for what `labels` does not name; None: found by name and content.
     Raises RunFolderError when there is neither sensor, network nor command.
     """
     labels = labels or Labels()
     missing = []
-    sensor = _found(find_sensor, run, labels.sensor, missing)
-    spikes = _found(find_network, run, labels.network, missing)
-    command = _found(find_command, run, labels.command, missing)
-    if sensor is None and spikes is None and command is None:
-        raise RunFolderError("nothing to draw beside the trajectory: " + "; ".join(missing))
-    _place_beams(run, sensor)
-    window = _window(sensor, spikes, command, begin_s, end_s)
-    panels = _panels(sensor, spikes, command, window)
+    sensors = _chosen(find_sensor, run, labels.sensor, found and found.sensors, missing)
+    streams = _chosen(find_network, run, labels.network, found and found.spikes, missing)
+    commands = _chosen(find_command, run, labels.command, found and found.commands, missing)
+    if not (sensors or streams or commands):
+        raise RunFolderError("nothing to draw beside the trajectory: "
+                             + "; ".join(missing or ["neither sensor, spikes nor command"]))
+    for sensor in sensors:
+        _place_beams(run, sensor)
+    window = time_window(sensors + streams + commands, begin_s, end_s)
+    drawn = _panels(sensors, streams, commands, window)
     with style.styled():
-        figure = style.new_figure(10.0, 1.0 + sum(height for height, _ in panels))
-        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False,
-                               gridspec_kw={"height_ratios": [height for height, _ in panels]})
-        for panel, (_, draw_panel) in zip(axes[:, 0], panels):
+        figure = style.new_figure(10.0, 1.0 + sum(height for height, _ in drawn))
+        axes = figure.subplots(len(drawn), 1, sharex=True, squeeze=False,
+                               gridspec_kw={"height_ratios": [height for height, _ in drawn]})
+        for panel, (_, draw_panel) in zip(axes[:, 0], drawn):
             draw_panel(figure, panel)
         axes[0, 0].set_xlim(*window)
         axes[-1, 0].set_xlabel("time (s)")
@@ -98,54 +101,67 @@ def _pick(run, words, role, fits, any_other=False):
                          f"section, or name it with --{role} LABEL")
 
 
-def _found(find, run, label, missing):
+def _chosen(find, run, label, found, missing):
+    """What the run is known to have, unless a label says otherwise."""
+    if label is None and found is not None:
+        return found
     try:
-        return find(run, label)
+        chosen = find(run, label)
     except RunFolderError as error:
         missing.append(str(error))
-        return None
+        return []
+    return chosen if isinstance(chosen, list) else [chosen]
 
 
-def _window(sensor, spikes, command, begin_s, end_s):
-    streams = ([sensor] if sensor else []) + (spikes or []) + ([command] if command else [])
-    end = max(stream.until_s for stream in streams) if end_s is None else end_s
+def time_window(streams, begin_s, end_s):
+    """Begin and end in seconds; the run's own where they are None."""
+    until = max((stream.until_s for stream in streams), default=0.0)
     begin = 0.0 if begin_s is None else begin_s
-    if not begin < end:
+    end = until if end_s is None else end_s
+    if not begin < end or begin >= until:
         raise RunFolderError(f"there is nothing to draw from {begin:g} s to {end:g} s: the "
-                             f"recordings go to {max(s.until_s for s in streams):g} s")
+                             f"recordings go to {until:g} s")
     return begin, end
 
 
-def _panels(sensor, spikes, command, window):
+def _panels(sensors, streams, commands, window):
     """Pairs of height in inches and a function that draws into (figure, axes)."""
-    panels = []
-    if sensor is not None:
-        panels.append((2.2, lambda figure, axes: _draw_sensor(figure, axes, sensor, window)))
-    if spikes is not None:
-        groups = group_neurons(spikes)
-        panels.append((2.2, lambda figure, axes: _draw_raster(axes, spikes, groups, window)))
-        panels.append((1.5, lambda figure, axes: _draw_rates(axes, groups, window)))
-    if command is not None:
-        for channel in range(min(command.width, 4)):
-            panels.append((1.2, lambda figure, axes, channel=channel:
-                           _draw_channel(axes, command, channel, window)))
-    return panels
+    drawn = [(2.2, lambda figure, axes, sensor=sensor: _draw_sensor(figure, axes, sensor, window))
+             for sensor in sensors]
+    rates = []
+    for nodes in _by_label(streams):
+        groups = group_neurons(nodes, halves=len(streams) == 1)
+        colours = style.group_colours(len(rates) + len(groups))[len(rates):]
+        rates += [(group, len(_by_label(streams)) > 1 and nodes[0].label) for group in groups]
+        drawn.append((2.2 if len(streams) < 4 else 1.6,
+                      lambda figure, axes, nodes=nodes, groups=groups, colours=colours:
+                      _draw_raster(axes, nodes, groups, colours, window)))
+    if rates:
+        drawn.append((1.5, lambda figure, axes: _draw_rates(axes, rates, window)))
+    for command in commands:
+        drawn += [(1.2, lambda figure, axes, command=command, channel=channel:
+                   _draw_channel(axes, command, channel, window))
+                  for channel in range(min(command.width, 4))]
+    return drawn
+
+
+def _by_label(streams):
+    """Lists of the streams of one node or process each."""
+    labels = dict.fromkeys(stream.label for stream in streams)
+    return [[stream for stream in streams if stream.label == label] for label in labels]
 
 
 def _draw_sensor(figure, axes, sensor, window):
-    columns = np.linspace(*window, MOST_COLUMNS + 1)
-    image = sensor.at(0.5 * (columns[:-1] + columns[1:])).T
     low, high, label = _angles(sensor)
-    colours = style.value_map()
-    shown = axes.imshow(image, aspect="auto", origin="lower", interpolation="nearest",
-                        extent=(*window, low, high), cmap=colours)
-    axes.set_ylabel(label)
+    if sensor.width <= panels.MOST_LINES and "(°)" not in label:
+        panels.draw_lines(axes, sensor, window)
+        axes.set_ylabel(_reading(sensor).replace(" (", "\n("))
+    else:
+        panels.draw_image(figure, axes, sensor, window, (low, high), _reading(sensor))
+        axes.set_ylabel(label)
     axes.set_title(_title("Sensor", sensor.label), loc="left")
     if "(°)" in label:
         axes.set_yticks(_angle_ticks(low, high))
-    bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=14, fraction=0.03)
-    bar.set_label(_reading(sensor))
-    bar.outline.set_visible(False)
 
 
 def _reading(sensor):
@@ -187,7 +203,7 @@ def _angle_ticks(low, high):
     return np.arange(np.ceil(low / step - 0.02) * step, high + 0.02 * step, step)
 
 
-def group_neurons(streams):
+def group_neurons(streams, halves=True):
     """A group a stream when there are several populations, else the lower and the upper half."""
     groups = []
     if len(streams) > 1:
@@ -198,6 +214,8 @@ def group_neurons(streams):
             base += stream.width
         return groups
     stream = streams[0]
+    if not halves:
+        return [Group(stream.stream, stream.times_s, stream.channels, stream.width)]
     bounds = (0, stream.width // 2, stream.width) if stream.width > 1 else (0, stream.width)
     for first, last in zip(bounds[:-1], bounds[1:]):
         inside = (stream.channels >= first) & (stream.channels < last)
@@ -206,35 +224,47 @@ def group_neurons(streams):
     return groups
 
 
-def _draw_raster(axes, streams, groups, window):
+def every_nth(rows):
+    """Of so many neurons, which are drawn: 3 is every third."""
+    return max(1, -(-rows // MOST_ROWS))
+
+
+def _draw_raster(axes, streams, groups, colours, window):
     rows = sum(group.size for group in groups)
+    stride = every_nth(rows)
     count = 0
-    for group, colour in zip(groups, style.group_colours(len(groups))):
-        shown = (group.times_s >= window[0]) & (group.times_s <= window[1])
+    for group, colour in zip(groups, colours):
+        inside = (group.times_s >= window[0]) & (group.times_s <= window[1])
+        count += int(inside.sum())
+        shown = inside & (group.rows % stride == 0)
         times, places = group.times_s[shown], group.rows[shown]
-        count += len(times)
         if rows <= MOST_TICKED_ROWS:
             sparse = len(times) < 200 * group.size
             axes.vlines(times, places - 0.38, places + 0.38, color=colour,
-                        linewidth=1.1 if sparse else 0.7, alpha=_opacity(len(times), group.size))
+                        linewidth=1.1 if sparse else 0.7, alpha=_opacity(len(times), group.size),
+                        rasterized=True)
         elif len(times) <= MOST_DOTS:
             axes.plot(times, places, linestyle="none", marker="o", markersize=1.6,
-                      markeredgewidth=0, color=colour)
+                      markeredgewidth=0, color=colour, rasterized=True)
         else:
-            _draw_density(axes, times, places, rows, colour, window)
+            _draw_density(axes, times, places, (rows, stride), colour, window)
     axes.set_aspect("auto")
     axes.set_xlim(*window)
     axes.set_ylim(-0.7, rows - 0.3)
     axes.yaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel("neuron (index)")
     axes.set_title(_title("Spikes", streams[0].label, f"{_counted(rows, 'neuron')}, "
-                          f"{_counted(count, 'spike')}"), loc="left")
+                          f"{_counted(count, 'spike')}{_of_which(stride)}"), loc="left")
 
 
 def _title(part, label, more=""):
     """The process is named where its name is not the part it plays."""
     notes = [text for text in ("" if label.lower() == part.lower() else label, more) if text]
     return f"{part} ({': '.join(notes)})" if notes else part
+
+
+def _of_which(stride):
+    return "" if stride == 1 else f"; one neuron in {stride} is drawn"
 
 
 def _counted(number, noun):
@@ -247,9 +277,10 @@ def _opacity(spikes, neurons):
     return float(np.clip(marks_that_fit / max(1, spikes / max(1, neurons)), 0.1, 1.0)) ** 0.7
 
 
-def _draw_density(axes, times, places, rows, colour, window):
+def _draw_density(axes, times, places, size, colour, window):
     """Where dots would lie on top of each other: the more spikes in a cell, the darker."""
-    counts, _, _ = np.histogram2d(places, times, bins=(min(rows, 250), 700),
+    rows, stride = size
+    counts, _, _ = np.histogram2d(places, times, bins=(min(rows // stride, 250), 700),
                                   range=((-0.5, rows - 0.5), window))
     dark = max(1.0, np.quantile(counts[counts > 0], 0.98))
     image = np.empty((*counts.shape, 4))
@@ -280,30 +311,27 @@ def population_rate(group, window, kernel_s):
     return 0.5 * (edges[:-1] + edges[1:]), smooth / inside / width_s / max(1, group.size)
 
 
-def _draw_rates(axes, groups, window):
+def _draw_rates(axes, rates, window):
+    """rates: pairs of a group and the label to name it by, where there are several."""
     kernel_s = kernel_width_s(window)
-    for group, colour in zip(groups, style.group_colours(len(groups))):
+    several = len({label for _, label in rates}) < len(rates)
+    lines = ("-", (0, (4, 2)))  # equal rates lie on top of each other
+    for number, ((group, label), colour) in enumerate(zip(rates, style.group_colours(len(rates)))):
+        name = f"{label}.{group.name}" if label and several else label or group.name
         axes.plot(*population_rate(group, window, kernel_s), color=colour, linewidth=1.3,
-                  label=group.name)
+                  linestyle=lines[number > 0 and bool(label)], label=name)
     axes.set_ylim(bottom=0)
     axes.margins(y=0.08)
     axes.set_ylabel("rate\n(spikes/s)")
     axes.set_title(f"Mean rate of a neuron (Gaussian kernel, σ = {kernel_s * 1e3:.0f} ms)",
                    loc="left")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncol=len(groups), borderaxespad=0.2,
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncol=len(rates), borderaxespad=0.2,
                 handlelength=1.4)
 
 
 def _draw_channel(axes, command, channel, window):
-    first = max(0, np.searchsorted(command.times_s, window[0], side="right") - 1)
-    last = np.searchsorted(command.times_s, window[1], side="right")
-    values = command.values[first:last, channel]
-    if len(values):
-        times = np.append(command.times_s[first:last], min(command.until_s, window[1]))
-        axes.step(times, np.append(values, values[-1]), where="post", color=style.INK,
-                  linewidth=1.2)
-    axes.axhline(0.0, color=style.SOFT, linewidth=0.6, linestyle=(0, (4, 3)), zorder=0)
-    axes.margins(y=0.12)
+    axes.step(*panels.steps(command, channel, window), where="post", color=style.INK, linewidth=1.2)
+    panels.draw_zero(axes)
     name, unit = _name_and_unit(command, channel)
     axes.set_ylabel(f"{name}\n({unit})")
     if channel == 0:

@@ -11,7 +11,9 @@ BLUE = "#0072B2"
 VERMILLION = "#D55E00"
 GREEN = "#009E73"
 PURPLE = "#CC79A7"
-GROUPS = (BLUE, VERMILLION, GREEN, PURPLE)
+SKY = "#56B4E9"
+ORANGE = "#E69F00"
+GROUPS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE)
 INK = "#222222"
 SOFT = "#6b6b6b"
 FILL = "#d9d9d9"
@@ -62,7 +64,7 @@ def save(figure, path):
 
 
 def group_colours(count):
-    """As many colours; they repeat after four."""
+    """As many colours; they repeat after six."""
     return [GROUPS[i % len(GROUPS)] for i in range(count)]
 
 

@@ -220,6 +220,19 @@ std::unique_ptr<Sink> Recorder::signal_sink(const std::string& stream, std::uint
   return std::make_unique<RecordSink>(added, PortKind::signal);
 }
 
+std::function<void(TimeNs, double)> Recorder::value_writer(const std::string& stream,
+                                                           const std::string& unit) {
+  impl_->check_name(stream, 1);
+  const auto added = std::make_shared<std::shared_ptr<SignalStream>>();
+  impl_->add([&]() -> std::shared_ptr<Stream> {
+    *added = std::make_shared<SignalStream>(stream, 1, unit, std::vector<std::string>{},
+                                            impl_->signals.get(), impl_->path,
+                                            impl_->options.least_rows);
+    return *added;
+  });
+  return [signal = *added](TimeNs time, double value) { signal->take(time, value); };
+}
+
 void Recorder::annotate(const std::string& stream, const std::string& name, double value) {
   std::vector<std::string> names;
   for (const auto& known : impl_->snapshot()) {

@@ -165,12 +165,18 @@ void SignalStream::take(const Step& step) {
   const SignalInput input = step.signal_input();
   if (input.revision != revision_) {
     revision_ = input.revision;
-    put_row(step.interval().end, input);
+    put_row(step.interval().end, input.valid() ? input.values : std::span<const double>());
   }
   reached(step.interval().end);
 }
 
-void SignalStream::put_row(TimeNs time, const SignalInput& input) {
+void SignalStream::take(TimeNs time, double value) {
+  put_row(time, {&value, 1});
+  reached(time);
+}
+
+/// @param values none: the value was lost
+void SignalStream::put_row(TimeNs time, std::span<const double> values) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t row = width() + 1;
   std::size_t room = ring_.room();
@@ -183,7 +189,7 @@ void SignalStream::put_row(TimeNs time, const SignalInput& input) {
   }
   ring_.put(0, time);
   for (std::size_t i = 0; i < width(); ++i) {
-    ring_.put(i + 1, std::bit_cast<std::int64_t>(input.valid() ? input.values[i] : kNone));
+    ring_.put(i + 1, std::bit_cast<std::int64_t>(values.empty() ? kNone : values[i]));
   }
   ring_.publish(row);
   wake_when_half_full(room - row, ring_.capacity());

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -122,6 +123,8 @@ class SignalStream : public Stream {
                const std::vector<std::string>& channels, hid_t parent, const std::string& path,
                std::size_t rows);
   void take(const Step& step) override;
+  /// A row of a signal of one channel.
+  void take(TimeNs time, double value);
   std::size_t batch_items() const override { return batch_.size() / (width() + 1); }
   bool is_spikes() const override { return false; }
 
@@ -131,7 +134,7 @@ class SignalStream : public Stream {
   void clear() override { batch_.clear(); }
   std::vector<hdf5::GrowingDataset*> datasets() override { return {&times_, &values_}; }
 
-  void put_row(TimeNs time, const SignalInput& input);
+  void put_row(TimeNs time, std::span<const double> values);
 
   Ring<std::int64_t> ring_;     // rows: the time, then the values' bits
   std::uint64_t revision_ = 0;  // loop's thread only

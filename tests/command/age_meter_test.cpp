@@ -27,6 +27,7 @@ TEST(AgeMeter, latency_is_the_age_at_a_message_s_first_tick) {
   EXPECT_EQ(meter.update(1.040, 1041 * kMs), 1 * kMs);
   const auto report = meter.report();
   EXPECT_EQ(report.messages, 3u);
+  EXPECT_EQ(meter.messages(), 3u);
   EXPECT_DOUBLE_EQ(report.latency_median_ms, 2);
   EXPECT_DOUBLE_EQ(report.latency_p99_ms, 3);
   EXPECT_DOUBLE_EQ(report.age_max_ms, 10);

@@ -43,4 +43,12 @@ printf '%s\n' 'import spikeloop' 'raise ValueError(spikeloop.__file__)' '@spikel
 env -u PYTHONPATH -u SPIKELOOP_LIBRARY_PATH SPIKELOOP_PLUGIN_PATH="$work/nodes" \
   "$work/prefix/bin/spikeloop-node" --list 2>&1 |
   grep "$work/nodes/where.py:2: ValueError: $work/prefix/share/spikeloop/python/spikeloop/__init__.py"
+
+# Pictures of a run, drawn by the installed package.
+"$work/prefix/bin/spikeloop" new >"$work/explorer.yaml"
+"$work/prefix/bin/spikeloop" run -q "$work/explorer.yaml" --sync lockstep --duration 1 --out "$work/run"
+env -u PYTHONPATH PYTHONVERBOSE=1 "$work/prefix/bin/spikeloop" plot "$work/run" \
+  >"$work/plot.log" 2>"$work/imports.log"
+grep "^$work/run/latency.png" "$work/plot.log"
+grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.log"
 echo "find_package(Spikeloop): a program and a plug-in were built and ran"

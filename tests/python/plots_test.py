@@ -7,11 +7,12 @@ import pathlib
 import tempfile
 import unittest
 
+import h5py
 import matplotlib.image
 import numpy as np
 
 import fake_run
-from spikeloop import plots, spikes_plot
+from spikeloop import latency_plot, parts, plots, spikes_plot
 from spikeloop.run_folder import RunFolder, RunFolderError, Spikes
 
 
@@ -87,11 +88,11 @@ class IncompleteTest(Folder):
         self.assertEqual(code, 1)
         self.assertEqual(len(out.split()), 2)
         self.assertEqual(err.splitlines(), [
-            f"spikeloop.plots: '{self.folder}/world.json' is missing: arena and obstacles are not "
+            f"spikeloop: '{self.folder}/world.json' is missing: arena and obstacles are not "
             "drawn",
-            f"spikeloop.plots: '{self.folder}/summary.json' is missing: the run did not end by "
+            f"spikeloop: '{self.folder}/summary.json' is missing: the run did not end by "
             "itself, or is under way",
-            f"spikeloop.plots: no sensor in '{self.folder}': recorded: command, network; write "
+            f"spikeloop: no sensor in '{self.folder}': recorded: command, network; write "
             "record=true into its section, or name it with --sensor LABEL"])
 
     def test_recordings_without_a_robot(self):
@@ -99,7 +100,7 @@ class IncompleteTest(Folder):
         (self.folder / "trajectory.csv").unlink()
         code, out, err = run_main(self.folder)
         self.assertEqual((code, out), (1, f"{self.folder}/spikes.png\n"))
-        self.assertEqual(err, f"spikeloop.plots: trajectory.png is not drawn: '{self.folder}/"
+        self.assertEqual(err, f"spikeloop: trajectory.png is not drawn: '{self.folder}/"
                          "trajectory.csv' is missing: no robot of Spikeloop's took part, or it "
                          "was not told the run folder\n")
 
@@ -120,13 +121,31 @@ class IncompleteTest(Folder):
     def test_an_empty_folder(self):
         code, out, err = run_main(self.folder)
         self.assertEqual((code, out), (4, ""))
+        self.assertEqual(err, f"spikeloop: '{self.folder}' is no run folder: it has neither a "
+                         "recording (*.h5) nor resolved.json, effective.music, summary.json, "
+                         "trajectory.csv or world.json; name the folder that `spikeloop run` "
+                         "wrote\n")
+
+    def test_a_folder_without_recordings(self):
+        (self.folder / "summary.json").write_text("{}")
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out), (4, ""))
         self.assertIn("spikes.png is not drawn: nothing to draw beside the trajectory: no sensor "
                       f"in '{self.folder}': nothing is recorded;", err)
+
+    def test_a_damaged_recording(self):
+        fake_run.make(self.folder, duration_s=5.0)
+        with h5py.File(self.folder / "network.h5", "a") as file:
+            del file["spikes/out/node_ids"]
+        code, out, err = run_main(self.folder, "--network", "network")
+        self.assertEqual((code, len(out.split())), (1, 2))
+        self.assertIn("network.h5' is damaged:", err)
+        self.assertIn("was the run killed while it wrote?", err)
 
     def test_no_folder(self):
         code, out, err = run_main(self.folder / "none")
         self.assertEqual((code, out), (4, ""))
-        self.assertEqual(err, f"spikeloop.plots: '{self.folder}/none' is not a folder; name the "
+        self.assertEqual(err, f"spikeloop: '{self.folder}/none' is not a folder; name the "
                          "folder that `spikeloop run --out` wrote\n")
 
     def test_a_label_that_is_not_there(self):
@@ -160,6 +179,111 @@ class RolesTest(Folder):
         self.assertEqual(spikes_plot.find_sensor(run).label, "laser_sensor")
         self.assertEqual(spikes_plot.find_command(run).label, "decoder")
         self.assertEqual(spikes_plot.find_network(run)[0].label, "encoder")
+
+
+class ExperimentTest(Folder):
+    """Nodes have any names: resolved.json says what they are."""
+
+    def make(self, nodes, connections, ros="none"):
+        ends = [{"from": a, "to": b} for a, b in connections]
+        (self.folder / "resolved.json").write_text(json.dumps(
+            {"nodes": {name: {"node": kind} for name, kind in nodes.items()},
+             "connections": ends, "ros": ros}))
+
+    def signal(self, label, stream="out", width=2, **more):
+        with self.file(label) as file:
+            fake_run.add_signal(file, stream, np.arange(10) * 0.1, np.ones((10, width)), "1", 1.0,
+                                **more)
+
+    def file(self, label):
+        path = self.folder / f"{label}.h5"
+        return h5py.File(path, "a") if path.exists() else fake_run.recording(path, label)
+
+    def test_parts_follow_from_the_nodes_in_the_order_of_the_data(self):
+        self.make({"command": "rate_encoder", "a": "network", "network": "ros_sensor",
+                   "sensor": "ros_command", "z": "linear_readout"},
+                  [("network.out", "command.in"), ("command.out", "a.in"), ("a.out", "z.in"),
+                   ("z.out", "sensor.in")])
+        for label, stream in (("network", "out"), ("z", "out"), ("sensor", "command"),
+                              ("sensor", "latency")):
+            self.signal(label, stream, width=1 if stream == "latency" else 2)
+        for label in ("a", "command"):
+            with self.file(label) as file:
+                fake_run.add_spikes(file, "out", [0.5], [0], 1, 1.0)
+        found = parts.find(RunFolder(self.folder))
+        self.assertEqual([[part.label for part in row] for row in (
+            found.sensors, found.spikes, found.signals, found.commands, found.latencies)],
+            [["network"], ["command", "a"], ["z"], ["sensor"], ["sensor"]])
+        self.assertEqual((found.notes, found.missing), ([], []))
+        code, out, err = run_main(self.folder)
+        self.assertEqual(code, 0, err)
+        self.assertEqual([pathlib.Path(line).name for line in out.splitlines()],
+                         ["spikes.png", "signals.png", "latency.png"])
+        self.assertIn("trajectory.png is not drawn", err)
+
+    def test_sections_of_a_music_job_are_known_by_their_programs(self):
+        (self.folder / "effective.music").write_text(
+            "stoptime=1\n[b]\nbinary=/usr/bin/ros_command_adapter\n[a]\n"
+            "binary=ros_sensor_adapter\n\na.out -> b.in [2]\na.pace -> b.pace [1]\n")
+        self.signal("a")
+        self.signal("b", "command")
+        self.signal("b", "pace", width=1)
+        found = parts.find(RunFolder(self.folder))
+        self.assertEqual([signal.label for signal in found.sensors + found.commands], ["a", "b"])
+        self.assertEqual((found.signals, found.spikes), ([], []))
+        self.assertEqual(found.notes, ["no spikes among what is recorded: a, b"])
+
+    def test_a_damaged_resolved_file(self):
+        for text, expected in (("{", "is not JSON: line 1, column 2"),
+                               ("{}", "has no 'nodes': it is not what `spikeloop run` wrote")):
+            (self.folder / "resolved.json").write_text(text)
+            code, _, err = run_main(self.folder)
+            self.assertEqual(code, 4)
+            self.assertIn(expected, err)
+
+    def test_one_damaged_recording_leaves_the_others(self):
+        self.make({"a": "ros_sensor", "b": "clip"}, [("a.out", "b.in")])
+        self.signal("a")
+        (self.folder / "b.h5").write_text("nothing")
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out), (1, f"{self.folder}/spikes.png\n"))
+        self.assertIn("b.h5' cannot be read:", err)
+
+    def test_other_formats(self):
+        self.make({"a": "ros_sensor"}, [])
+        self.signal("a")
+        for suffix, magic in (("svg", b"<?xml"), ("pdf", b"%PDF")):
+            code, out, _ = run_main(self.folder, "--format", suffix)
+            self.assertEqual((code, out), (0, f"{self.folder}/spikes.{suffix}\n"))
+            self.assertEqual((self.folder / f"spikes.{suffix}").read_bytes()[:len(magic)], magic)
+
+    def test_many_signals_are_cut_and_wide_ones_are_images(self):
+        names = [f"n{i:02}" for i in range(14)]
+        self.make({"scan": "ros_sensor", **dict.fromkeys(names, "clip")}, [])
+        self.signal("scan")
+        for i, name in enumerate(names):
+            self.signal(name, width=1 + 3 * (i % 3))
+        result = plots.plot_run(self.folder)
+        self.assertEqual(result.missing, [f"signal '{name}.out' is left out of signals.png: it "
+                                          "shows 12" for name in names[12:]])
+
+
+class LatencyTest(unittest.TestCase):
+    def test_nearest_rank(self):
+        self.assertEqual(latency_plot.statistics(np.arange(1.0, 201.0)[::-1]), (100.0, 198.0))
+        self.assertEqual(latency_plot.statistics(np.array([3.0])), (3.0, 3.0))
+
+    def test_a_few_far_values_do_not_hide_the_others(self):
+        usual = np.full(200, 4.0)
+        self.assertAlmostEqual(latency_plot.upper_limit(usual, 4.0), 4.6)
+        self.assertAlmostEqual(latency_plot.upper_limit(np.append(usual, 90.0), 4.0), 5.98)
+        self.assertEqual(latency_plot.upper_limit(np.zeros(3), 0.0), 1.0)
+
+
+class ThinningTest(unittest.TestCase):
+    def test_at_most_so_many_neurons_are_drawn(self):
+        for rows, stride in ((1, 1), (1000, 1), (1001, 2), (3000, 3), (100_000, 100)):
+            self.assertEqual(spikes_plot.every_nth(rows), stride)
 
 
 class AxesTest(Folder):

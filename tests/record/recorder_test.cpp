@@ -183,6 +183,29 @@ TEST_F(RecorderTest, SignalThatTurnsInvalidIsNanFromThen) {
                                               {1.0, 2.0, kNan, kNan, 3.0, 4.0}));
 }
 
+TEST_F(RecorderTest, ValuesWithoutAPortComeBack) {
+  Recorder recorder(file(), "wheels", {1, 1'000'000});
+  const auto write = recorder.value_writer("latency", "ms");
+  write(1'000'000, 0.5);
+  write(51'000'000, 0.5);  // a row a call, also when nothing has changed
+  write(101'000'000, -0.0);
+  EXPECT_EQ(recorder.close().signals_written, 3u);
+  write(151'000'000, 1.0);
+  EXPECT_EQ(recorder.close().signals_dropped, 1u);
+  const auto read = record::read_signal(file(), "latency");
+  EXPECT_THAT(read.times, ElementsAre(1'000'000, 51'000'000, 101'000'000));
+  EXPECT_THAT(read.values, ElementsAre(0.5, 0.5, -0.0));
+  EXPECT_EQ(read.unit, "ms");
+  EXPECT_EQ(read.width, 1u);
+  EXPECT_EQ(read.until, 101'000'000);
+}
+
+TEST_F(RecorderTest, TwoWritersOfOneNameAreRefused) {
+  Recorder recorder(file(), "wheels", {1, 1'000'000});
+  recorder.value_writer("latency", "ms");
+  EXPECT_THROW(recorder.value_writer("latency", "ms"), ConfigurationError);
+}
+
 TEST_F(RecorderTest, EmptyStreamsCanBeRead) {
   Recorder recorder(file(), "encoder", {});
   const auto spikes = recorder.spike_sink("spikes", 4);

@@ -12,8 +12,9 @@ struct Named {
   const char* name;
   Kind kind;
 };
-constexpr std::array kArguments{Named{"FILE", Kind::input}, Named{"NODE", Kind::node_class},
-                                Named{"ENCODER", Kind::node_class}, Named{"KEY=VALUE", Kind::none}};
+constexpr std::array kArguments{Named{"FILE", Kind::input}, Named{"RUN", Kind::path},
+                                Named{"NODE", Kind::node_class}, Named{"ENCODER", Kind::node_class},
+                                Named{"KEY=VALUE", Kind::none}};
 
 /// CLI11 writes a list of choices as "TEXT:{bash,zsh,fish}".
 std::vector<std::string> choices_in(const std::string& type) {

@@ -138,6 +138,7 @@ std::vector<Probe> own_probes() {
           library_probe({"MUSIC library", true, "spikeloop-node", "libmusic", "libmusic1v5"}),
           fact("HDF5", true, [] { return ok(record::library_version()); }),
           library_probe({"MuJoCo", false, "spikeloop-robot", "libmujoco", "libmujoco2.2.2"}),
+          library_probe({"roscpp", false, "spikeloop-ros", "libroscpp.", "libroscpp4d"}),
           fact("worlds", false, worlds)};
 }
 

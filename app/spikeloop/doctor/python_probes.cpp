@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "../python_package.hpp"
 #include "probe.hpp"
-#include "spikeloop/launch/mpirun.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -49,17 +49,6 @@ constexpr std::array kSimulators{
     Package{"NEURON", "neuron", "apt-get install python3-neuron, or python3 -m pip install neuron"},
     Package{"Brian2", "brian2", "apt-get install python3-brian, or python3 -m pip install brian2"}};
 
-/// Empty: nowhere.
-std::string python() {
-  const char* const named = std::getenv("PYTHON");
-  if (named == nullptr || *named == '\0') {
-    return launch::find_executable("/usr/bin/python3", "", "");
-  }
-  const std::string name = named;
-  return name.find('/') == std::string::npos ? in_path(name)
-                                             : launch::find_executable(name, ".", "");
-}
-
 Finding judge_import(const Answer& answer, const std::string& remedy) {
   if (const std::string failure = answer.failure(); !failure.empty()) {
     const bool said_why = answer.in_time && answer.exit_code == 1 && !last_line(answer.err).empty();
@@ -78,7 +67,7 @@ Finding judge_import(const Answer& answer, const std::string& remedy) {
 }
 
 Probe import_probe(const Package& package, const char* script) {
-  const std::string interpreter = python();
+  const std::string interpreter = python_program();
   if (interpreter.empty()) {
     return fact(package.name, false,
                 [remedy = package.remedy] { return missing("there is no Python", remedy); });
@@ -91,7 +80,7 @@ Probe import_probe(const Package& package, const char* script) {
 }
 
 Probe interpreter_probe() {
-  const std::string interpreter = python();
+  const std::string interpreter = python_program();
   if (interpreter.empty()) {
     const char* const named = std::getenv("PYTHON");
     return fact("Python", false, [name = std::string(named == nullptr ? "" : named)] {

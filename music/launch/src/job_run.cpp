@@ -58,6 +58,9 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
                         [this](int number) { take_signal(number); }}) {
   write_text(file_, to_text(effective.file));
   write_text(folder_ + "/mpirun.log", "");
+  if (!options.versions.empty()) {
+    write_text(folder_ + "/versions.json", options.versions);
+  }
   log_.open(folder_ + "/mpirun.log");
 }
 

@@ -206,6 +206,11 @@ void Process::attach_recorders(GraphDescription& description) {
   }
 }
 
+std::function<void(TimeNs, double)> Process::value_recorder(const std::string& stream,
+                                                            const std::string& unit) {
+  return impl_->recording == nullptr ? nullptr : impl_->recording->value_writer(stream, unit);
+}
+
 void Process::check() const {
   impl_->check_ports();
   impl_->check_keys(common().strict);

@@ -69,6 +69,11 @@ class FileRecording : public Recording {
     }
   }
 
+  std::function<void(TimeNs, double)> value_writer(const std::string& stream,
+                                                   const std::string& unit) override {
+    return recorder_.value_writer(stream, unit);
+  }
+
  private:
   void add(GraphDescription& description, const Recorded& recorded) {
     const auto& [from, stream, port] = recorded;

@@ -1,6 +1,7 @@
 // Recorders for whatever a process puts out.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -14,6 +15,9 @@ class Recording {
  public:
   virtual ~Recording() = default;
   virtual void close() = 0;
+  /// As record::Recorder::value_writer().
+  virtual std::function<void(TimeNs, double)> value_writer(const std::string& stream,
+                                                           const std::string& unit) = 0;
 };
 
 /// For every connection into a sink of the graph: a recorder of the same output. The file is

@@ -19,8 +19,12 @@ TimeNs CommandFeed::take(const Step& step, TimeNs now) {
   std::optional<TimeNs> age;
   if (settings_.with_pace) {
     const SignalInput pace = step.signal_input(1);
+    const std::uint64_t known = age_.messages();
     age =
         age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
+    if (take_latency_ && age && age_.messages() != known) {
+      take_latency_(step.interval().end, *age);
+    }
   }
   const SignalInput in = step.signal_input(0);
   // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.

@@ -37,6 +37,8 @@ struct RunOptions {
   /// experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
+  /// An object that resolved.json has beside the experiment: versions, machine.
+  nlohmann::json about{};
 };
 
 /// Called while it runs; may be left out.

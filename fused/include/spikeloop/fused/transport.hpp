@@ -10,6 +10,7 @@
 #include <string>
 
 #include "spikeloop/command/command_channel.hpp"
+#include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -20,6 +21,8 @@ namespace spikeloop::fused {
 /// Ports: `command` [a value a field] and, `with_pace`, `pace` [1].
 class CommandEnd : public Sink {
  public:
+  /// Before the loop begins; as command::CommandFeed.
+  virtual void on_latency(command::TakeLatency take) = 0;
   /// Zero, the last thing that leaves.
   virtual void stop(command::StopReason reason) = 0;
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms.

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,7 +53,8 @@ struct Report {
 };
 
 /// One file and its writer thread. Sinks only append to a bounded buffer that is free of locks: a
-/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is counted.
+/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is
+/// counted.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name.
@@ -77,6 +79,12 @@ class Recorder {
   std::unique_ptr<Sink> signal_sink(const std::string& stream, std::uint32_t width,
                                     const std::string& unit,
                                     const std::vector<std::string>& channels = {});
+
+  /// For numbers that no port has: a signal of one channel, a row a call. To be called in one
+  /// thread, with times that do not go back; as free of locks as a sink.
+  /// @throws ConfigurationError as spike_sink().
+  std::function<void(TimeNs time, double value)> value_writer(const std::string& stream,
+                                                              const std::string& unit);
 
   /// A number beside a stream, e.g. the angle of a scan's first beam.
   /// @throws ConfigurationError when there is no such stream.

@@ -17,6 +17,8 @@ struct JobOptions {
   RunOptions run{};
   /// Run folder: effective.music, mpirun.log, summary.json, what programs record. Empty: none.
   std::string folder{};
+  /// The contents of versions.json in the run folder; empty: none.
+  std::string versions{};
   /// For every program of ours to tick for the first time; ten times as long while one of them says
   /// that it still reads files or compiles.
   std::chrono::milliseconds start_timeout{60'000};

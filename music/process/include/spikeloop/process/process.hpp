@@ -119,6 +119,11 @@ class Process {
   /// $SPIKELOOP_OUT/LABEL.h5. Call it when the description is complete.
   void attach_recorders(GraphDescription& description);
 
+  /// For numbers that no port has, behind attach_recorders(): a signal in the same file, a row a
+  /// call. Empty when nothing is recorded.
+  std::function<void(TimeNs time, double value)> value_recorder(const std::string& stream,
+                                                                const std::string& unit);
+
   /// What run() checks before it meets the others.
   /// @throws ConfigurationError when the file connects no port, or one that nothing here serves:
   /// MUSIC would hang; an unknown key when `strict`, which else is warned of.

@@ -26,6 +26,8 @@ class AgeMeter {
   /// The age of this tick's data; nothing before the first message's have come.
   std::optional<TimeNs> update(double arrived_s, TimeNs now);
   Report report() const;
+  /// Messages that have reached a command so far.
+  std::uint64_t messages() const { return messages_; }
 
  private:
   double newest_ = std::numeric_limits<double>::quiet_NaN();

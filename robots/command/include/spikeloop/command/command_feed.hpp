@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/command/age_meter.hpp"
@@ -10,6 +12,10 @@
 #include "spikeloop/core/endpoint.hpp"
 
 namespace spikeloop::command {
+
+/// Called in the loop when the first command leaves that a message has reached: simulated time, and
+/// how long ago the message came.
+using TakeLatency = std::function<void(TimeNs simulated, TimeNs latency)>;
 
 /// The end of a loop, whatever clock it goes by: the ports `command` [width] and, `with_pace`,
 /// `pace` [1].
@@ -25,6 +31,8 @@ class CommandFeed {
       : settings_(settings), channel_(channel) {}
 
   std::vector<EndpointPort> ports() const;
+  /// Before the loop begins. Nothing is called without `with_pace`.
+  void on_latency(TakeLatency take) { take_latency_ = std::move(take); }
   /// Returns when the channel's poll() should be called if nothing else comes.
   TimeNs take(const Step& step, TimeNs now);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
@@ -34,6 +42,7 @@ class CommandFeed {
   Settings settings_;
   CommandChannel& channel_;
   AgeMeter age_;
+  TakeLatency take_latency_;
 };
 
 }  // namespace spikeloop::command

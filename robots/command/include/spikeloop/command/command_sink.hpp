@@ -7,6 +7,7 @@
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <utility>
 
 #include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/watch.hpp"
@@ -53,6 +54,8 @@ class CommandSink : public Sink {
 
   /// The loop lives, but waits: its silence does not count. Before the first tick nothing does.
   void alive();
+  /// Before the loop begins; as CommandFeed.
+  void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.

@@ -8,6 +8,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/command/command_sink.hpp"
@@ -40,6 +41,7 @@ class Ros1Command : public Sink {
   void send(const Step& step) override { sink_.send(step); }
   std::vector<Counter> counters() const override { return sink_.counters(); }
   /// As CommandSink.
+  void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
   void stop(command::StopReason reason) { sink_.stop(reason); }
   nlohmann::json summary() const { return sink_.summary(); }
   void alive() { sink_.alive(); }

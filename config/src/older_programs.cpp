@@ -1,4 +1,4 @@
-#include "older_programs.hpp"
+#include "spikeloop/config/older_programs.hpp"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,47 @@
 
 namespace spikeloop {
 namespace {
+
+constexpr NodeProgram kNodePrograms[] = {
+    {"connect_adapter", "connect", "weights", "weights_filename", "connection_weights.dat", false,
+     "  weights=halves.json\n"},
+    {"cont_cont_adapter", "connect", "weights", "weights_filename", "weights.json", false,
+     "  weights=halves.json\n"},
+    {"threshold_adapter", "threshold", nullptr, nullptr, nullptr, false, "  threshold=0.5\n"},
+    {"sigmoid_adapter", "sigmoid", nullptr, nullptr, nullptr, false, "  slope=4\n"},
+    {"argmax_adapter", "argmax", nullptr, nullptr, nullptr, false, ""},
+    {"discretize_adapter", "discretize", "grid", "grid_positions_filename", "grid_positions.json",
+     false, "  grid=places.json\n"},
+    {"rate_encoder", "rate_encoder", nullptr, nullptr, nullptr, false,
+     "  rate_min=1\n  rate_max=200\n"},
+    {"poisson_encoder", "poisson_encoder", nullptr, nullptr, nullptr, false,
+     "  rate_min=1\n  rate_max=200\n"},
+    {"nef_encoder", "nef_encoder", nullptr, nullptr, nullptr, false, "  gain_max=200\n"},
+    {"linear_readout_decoder", "linear_readout", "weights", "weights_filename",
+     "readout_weights.dat", true, "  tau=0.03\n  weights=readout.json\n"},
+    {"linear_decoder", "linear_readout", "weights", nullptr, "one_to_one", false, "  tau=0.03\n"},
+};
+
+constexpr RosProgram kRosPrograms[] = {
+    {.name = "ros_sensor_adapter",
+     .way = RosWay::messages_to_signal,
+     .node_name = "ros_sensor_node"},
+    {.name = "ros_cont_adapter", .way = RosWay::messages_to_signal, .node_name = "ros_sensor_node"},
+    {.name = "ros_event_sensor_adapter",
+     .way = RosWay::messages_to_spikes,
+     .node_name = "ros_event_sensor_node"},
+    {.name = "ros_command_adapter",
+     .way = RosWay::signal_to_messages,
+     .node_name = "ros_command_node",
+     .command_rate = "10"},
+    {.name = "cont_ros_adapter",
+     .way = RosWay::signal_to_messages,
+     .node_name = "cmd_out",
+     .topic = "/cmd_vel",
+     .command_rate = "20",
+     .command_rate_key = "command_update_rate",
+     .mapping_file = "mapping.json"},
+};
 
 struct DialectDefault {
   std::string_view program;
@@ -21,6 +62,20 @@ constexpr DialectDefault kDefaults[] = {
 };
 
 }  // namespace
+
+const NodeProgram* find_node_program(std::string_view name) {
+  for (const auto& program : kNodePrograms) {
+    if (name == program.name) {
+      return &program;
+    }
+  }
+  return nullptr;
+}
+
+const RosProgram* find_ros_program(std::string_view name) {
+  const auto* const found = std::ranges::find(kRosPrograms, name, &RosProgram::name);
+  return found == std::end(kRosPrograms) ? nullptr : found;
+}
 
 void set_dialect_defaults(std::vector<ParameterDescription>& declared, std::string_view program,
                           Dialect dialect) {

@@ -1,0 +1,101 @@
+#include "import_command.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "../experiment_command.hpp"
+#include "../option_values.hpp"
+#include "../output.hpp"
+#include "music_import.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/folders.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop import loop.music --out loop.yaml && spikeloop run loop.yaml
+  spikeloop import braitenberg.music --robot > robot.yaml
+
+Sections become nodes, with the keys and defaults of their programs in the words of experiment files;
+connections become lines, with the delays of a MUSIC job, so that with the same recorded input the
+experiment gives the job's spikes. Paths start where the new file will lie: in the folder of --out,
+else in this one. What cannot be said in an experiment is told with its place, and stands in the file
+as a comment.
+
+Exit codes: 0 all is imported, 1 something had to be left out, 2 the file is wrong,
+4 a file cannot be read or written)";
+
+constexpr int kIncomplete = 1;
+
+struct ImportArguments {
+  std::string file;
+  std::string out;
+  bool robot = false;
+};
+
+void tell(const char* kind, const std::vector<MusicProblem>& problems) {
+  for (const MusicProblem& problem : problems) {
+    put(stderr, fmt::format("{}: {}\n", kind,
+                            problem.message.starts_with(problem.where.file + ":")
+                                ? problem.message
+                                : ConfigurationError(problem.where, problem.message).what()));
+  }
+}
+
+std::string count(std::size_t number, const char* what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+void check(const ImportArguments& given) {
+  if (is_experiment(given.file)) {
+    throw ConfigurationError(
+        fmt::format("'{0}' is an experiment already; write  spikeloop run {0}", given.file));
+  }
+  if (!given.out.empty() && !is_experiment(given.out)) {
+    throw ConfigurationError(fmt::format(
+        "--out: '{}' is no name of an experiment file; write one that ends in .yaml", given.out));
+  }
+}
+
+int import_file(const ImportArguments& given) {
+  check(given);
+  log::set_sink([](log::Level /*level*/, std::string_view message) {
+    put(stderr, fmt::format("warning: {}\n", message));
+  });
+  const fs::path folder = fs::absolute(given.out.empty() ? "x" : given.out).parent_path();
+  const Imported imported = import_music(read_music_file(given.file), {folder, given.robot});
+  log::set_sink({});
+  if (given.out.empty()) {
+    put_result(imported.text);
+  } else {
+    launch::write_text(given.out, imported.text);
+  }
+  tell("warning", imported.notes);
+  tell("error", imported.problems);
+  if (imported.problems.empty()) {
+    return 0;
+  }
+  put(stderr, fmt::format("spikeloop: {}: {}; the experiment is not complete\n", given.file,
+                          count(imported.problems.size(), "error")));
+  return kIncomplete;
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, std::function<int()>& action) {
+  const auto given = std::make_shared<ImportArguments>();
+  CLI::App* command = app.add_subcommand("import", "Make an experiment file of a .music file");
+  command->add_option("FILE", given->file, "MUSIC configuration file")->required();
+  command->add_option("--out", given->out, "The experiment file; else standard output")
+      ->check(named("file"));
+  command->add_flag("--robot", given->robot, "With Spikeloop's simulated robot in place of ROS");
+  command->footer(kFooter);
+  command->callback([given, &action] { action = [given] { return import_file(*given); }; });
+}
+
+}  // namespace spikeloop::app

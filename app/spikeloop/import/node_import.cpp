@@ -1,0 +1,391 @@
+#include "node_import.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "spikeloop/config/data_file.hpp"
+#include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/config/message_type.hpp"
+#include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/programs.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of more numbers a table does not stand in the experiment.
+constexpr std::uint64_t kMostInPlace = 20'000;
+
+/// What a process needs and an experiment does not, or says once for all.
+constexpr const char* kOfProcesses[] = {"np",
+                                        "binary",
+                                        "wd",
+                                        "args",
+                                        "barrier",
+                                        "strict",
+                                        "pace",
+                                        "rtf",
+                                        "stoptime",
+                                        "music_timestep",
+                                        "seed",
+                                        "dialect",
+                                        "sync",
+                                        "record",
+                                        "stamp_guard",
+                                        "accept_latency",
+                                        "signal_delay",
+                                        "spike_delay",
+                                        "threads",
+                                        "ports",
+                                        "verbose",
+                                        "pipeline_ticks",
+                                        "host",
+                                        "ros_node_name",
+                                        "sensor_update_rate",
+                                        "master_timeout"};
+
+bool is_short_form(const std::string& text) {
+  const std::string name = text.substr(0, text.find(':'));
+  return name == "uniform" || name == "one_to_one" || name == "blocks" || name == "even";
+}
+
+std::string field_text(const CommandField& field) {
+  std::string text = fmt::format("channel: {}", field.channel);
+  const auto add = [&text](const char* name, double value) {
+    text += fmt::format(", {}: {}", name, value);
+  };
+  if (field.scale != 1) {
+    add("scale", field.scale);
+  }
+  if (field.offset != 0) {
+    add("offset", field.offset);
+  }
+  if (field.minimum) {
+    add("min", *field.minimum);
+  }
+  if (field.maximum) {
+    add("max", *field.maximum);
+  }
+  return fmt::format("\n      {}: {{{}}}", field.field, text);
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(' ');
+  return first == std::string::npos ? ""
+                                    : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+}  // namespace
+
+ImportedNode NodeImporter::import(const MusicSection& section) {
+  node_ = {};
+  used_.clear();
+  node_.name = section.label;
+  const std::string program = program_of(section);
+  const RosProgram* ros = find_ros_program(program);
+  const NodeProgram* older = find_node_program(program);
+  if (ros != nullptr && ros->way == RosWay::messages_to_signal) {
+    import_sensor(section);
+  } else if (ros != nullptr && ros->way == RosWay::signal_to_messages) {
+    import_command(section, *ros);
+  } else if (older != nullptr || program == "spikeloop-node") {
+    import_class(section, older);
+  } else if (program == "spikeloop-network") {
+    import_network(section);
+  } else if (program == experiment::kSpikePlayback || program == experiment::kSignalPlayback) {
+    import_playback(section);
+  } else {
+    const bool ours = launch::find_program(file_, section) != nullptr;
+    throw ConfigurationError(
+        section.where,
+        fmt::format("[{}] runs {}, {}; keep  spikeloop run {}", section.label, program,
+                    ours ? "which no node of an experiment does"
+                         : "which is none of Spikeloop's programs: an experiment cannot start it",
+                    fs::path(file_.path).filename().string()));
+  }
+  note_unused_keys(section);
+  return std::move(node_);
+}
+
+void NodeImporter::add(const std::string& key, const std::string& yaml) {
+  node_.keys.emplace_back(key, yaml);
+}
+
+const MusicKey* NodeImporter::find(const MusicSection& section, std::string_view name) {
+  used_.emplace_back(name);
+  return file_.find_key(section, name);
+}
+
+std::string NodeImporter::required(const MusicSection& section, const char* key,
+                                   const char* example) {
+  const MusicKey* found = find(section, key);
+  if (found == nullptr || found->value.empty()) {
+    throw ConfigurationError(section.where, fmt::format("section '{}' has no {}; write {}={}",
+                                                        section.label, key, key, example));
+  }
+  return found->value;
+}
+
+bool NodeImporter::strict(const MusicSection& section) const {
+  const MusicKey* key = file_.find_key(section, "strict");
+  return key != nullptr && (key->value == "true" || key->value == "1");
+}
+
+Dialect NodeImporter::dialect(const MusicSection& section) const {
+  const MusicKey* key = file_.find_key(section, "dialect");
+  return located_at(key == nullptr ? section.where : key->where, [&] {
+    return dialect_named(key == nullptr ? "" : key->value, programs_of(file_));
+  });
+}
+
+std::uint32_t NodeImporter::width(const MusicSection& section, std::string_view port) const {
+  for (const MusicConnection& connection : file_.connections) {
+    const bool to = connection.to_app == section.label && connection.to_port == port;
+    const bool from = connection.from_app == section.label && connection.from_port == port;
+    if ((to || from) && connection.width) {
+      return *connection.width;
+    }
+  }
+  return 0;
+}
+
+/// Where a file lies, seen from the experiment.
+std::string NodeImporter::path(const MusicSection& section, const std::string& written,
+                               const Location& where, const char* what) {
+  const std::string base = launch::directory_of(file_.path);
+  auto found = find_data_file(written, base);
+  if (!found) {
+    found = find_data_file(written, launch::working_directory(file_, section, base));
+  }
+  if (!found) {
+    throw ConfigurationError(
+        where, fmt::format("there is no {} '{}' in '{}'; write its path", what, written,
+                           fs::absolute(base).lexically_normal().string()));
+  }
+  return yaml_text(fs::path(written).is_absolute()
+                       ? written
+                       : fs::proximate(fs::absolute(*found), options_.directory).string());
+}
+
+void NodeImporter::import_sensor(const MusicSection& section) {
+  node_.description = &kinds_.find(experiment::kRosSensor).description;
+  add("node", experiment::kRosSensor);
+  add("topic", yaml_text(required(section, "ros_topic", "/scan")));
+  const std::string type = required(section, "message_type", "Laserscan");
+  const MusicKey* fields = find(section, "fields");
+  add("message", fields != nullptr && type.find('/') != std::string::npos
+                     ? type
+                     : located_at(find(section, "message_type")->where,
+                                  [&] { return canonical_message_type(type); }));
+  if (fields != nullptr && !fields->value.empty()) {
+    std::vector<std::string> paths;
+    std::istringstream list(fields->value);
+    for (std::string part; std::getline(list, part, ',');) {
+      paths.push_back(yaml_quoted(trimmed(part)));
+    }
+    add("fields", fmt::format("[{}]", fmt::join(paths, ", ")));
+  }
+  if (const MusicKey* initial = find(section, "initial")) {
+    add("initial", yaml_text(initial->value));
+  }
+  if (!strict(section)) {
+    note(section.where,
+         fmt::format("'{}': a message of another length than the connection ends an experiment; "
+                     "the program leaves out values, or keeps old ones",
+                     section.label));
+  }
+}
+
+void NodeImporter::import_command(const MusicSection& section, const RosProgram& program) {
+  node_.description = &kinds_.find(experiment::kRosCommand).description;
+  add("node", experiment::kRosCommand);
+  const MusicKey* topic = find(section, "ros_topic");
+  add("topic", yaml_text(topic == nullptr && *program.topic != '\0'
+                             ? program.topic
+                             : required(section, "ros_topic", "/cmd_vel")));
+  add_fields(section, program);
+  const MusicKey* rate = find(section, program.command_rate_key);
+  for (const char* other : {"command_rate", "command_update_rate"}) {
+    const MusicKey* key = find(section, other);
+    rate = rate == nullptr ? key : rate;
+  }
+  add("command_rate", with_unit(rate == nullptr ? program.command_rate : rate->value, "Hz"));
+  for (const char* name : {"deadband", "min_interval", "watchdog", "max_age"}) {
+    const MusicKey* key = find(section, name);
+    if (key != nullptr) {
+      add(name, with_unit(key->value, std::string_view(name) == "deadband" ? "1" : "s"));
+    }
+  }
+}
+
+void NodeImporter::add_fields(const MusicSection& section, const RosProgram& program) {
+  const MusicKey* key = find(section, "message_mapping_filename");
+  find(section, "message_type");  // the mapping file decides
+  const std::string name = key == nullptr ? program.mapping_file : key->value;
+  const Location where = key == nullptr ? section.where : key->where;
+  if (name.empty()) {
+    add("message", "std_msgs/Float64MultiArray");
+    return;
+  }
+  const CommandMapping mapping = located_at(where, [&] {
+    return read_mapping(name, {.base_directory = launch::directory_of(file_.path),
+                               .strict = strict(section),
+                               .named_in = where});
+  });
+  add("message", mapping.message_type);
+  if (mapping.all_channels) {
+    return;
+  }
+  if (mapping.fields.empty()) {
+    throw ConfigurationError(
+        where, fmt::format("the mapping '{}' has no field: all that it sends is 0; map a field, as "
+                           "{{\"mapping\": {{\"linear.x\": 0}}}}",
+                           name));
+  }
+  std::string fields;
+  for (const CommandField& field : mapping.fields) {
+    fields += field_text(field);
+  }
+  add("fields", fields);
+}
+
+void NodeImporter::load_plugin(const MusicSection& section, const MusicKey& key) {
+  node_.plugin = path(section, key.value, key.where, "plug-in");
+  const fs::path absolute = (options_.directory / fs::path(node_.plugin)).lexically_normal();
+  located_at(key.where, [&] { kinds_.load_plugin(absolute.string()); });
+}
+
+void NodeImporter::import_class(const MusicSection& section, const NodeProgram* program) {
+  std::string name = program == nullptr ? required(section, "node", "rate_encoder")
+                                        : std::string(program->node_class);
+  if (const MusicKey* plugin = program == nullptr ? find(section, "plugin") : nullptr) {
+    load_plugin(section, *plugin);
+  }
+  const Location where = program != nullptr ? section.where : find(section, "node")->where;
+  const NodeClass& node_class = *located_at(where, [&] { return &kinds_.find(name); });
+  node_.description = &node_class.description;
+  add("node", name);
+  auto declared = node_class.description.parameters;
+  if (program != nullptr) {
+    set_dialect_defaults(declared, program->name, dialect(section));
+    for (const std::string& key : ignored_keys(program->name)) {
+      used_.push_back(key);
+    }
+  }
+  for (std::size_t i = 0; i < declared.size(); ++i) {
+    const auto& own = node_class.description.parameters[i].default_value;
+    const MusicKey* key = find(section, declared[i].name);
+    if (key == nullptr && declared[i].default_value != own && declared[i].default_value) {
+      add(declared[i].name, with_unit(*declared[i].default_value, declared[i].unit));
+    } else {
+      add_parameter(section, program, declared[i]);
+    }
+  }
+}
+
+void NodeImporter::add_parameter(const MusicSection& section, const NodeProgram* program,
+                                 const ParameterDescription& parameter) {
+  const MusicKey* key = find(section, parameter.name);
+  if (key == nullptr && program != nullptr) {
+    const char* older = older_spelling_of(program->name, parameter.name);
+    const bool is_table = program->table != nullptr && parameter.name == program->table;
+    older = older == nullptr && is_table ? program->older_key : older;
+    key = older == nullptr ? nullptr : find(section, older);
+    if (key == nullptr && is_table) {
+      add(parameter.name,
+          table(section, program->default_table, section.where, parameter.name == "grid"));
+      return;
+    }
+  }
+  if (key == nullptr) {
+    return;  // the class's own default
+  }
+  if (parameter.type == ParameterType::weights) {
+    add(parameter.name, table(section, key->value, key->where, parameter.name == "grid"));
+  } else if (parameter.type == ParameterType::number) {
+    add(parameter.name, with_unit(key->value, parameter.unit));
+  } else {
+    add(parameter.name, yaml_text(key->value));
+  }
+}
+
+/// A file that fits stays a file; what the older programs made of others stands in place.
+std::string NodeImporter::table(const MusicSection& section, const std::string& written,
+                                const Location& where, bool grid) {
+  const std::string base = launch::directory_of(file_.path);
+  const std::uint32_t inputs = width(section, "in");
+  const std::uint32_t outputs = width(section, "out");
+  if (!grid && is_short_form(written) && !find_data_file(written, base)) {
+    if (program_of(section) == "linear_decoder" && written == "one_to_one" && inputs != outputs) {
+      const auto uneven = uneven_one_to_one(inputs, outputs, strict(section));
+      return uneven ? yaml_table(*uneven) : written;
+    }
+    return yaml_text(written);
+  }
+  if (grid || strict(section)) {
+    return path(section, written, where, grid ? "grid file" : "weights file");
+  }
+  try {
+    const WeightTable exact = read_weights(written, {.base_directory = base, .short_forms = false});
+    if (exact.rows == outputs && exact.columns == inputs) {
+      return path(section, written, where, "weights file");
+    }
+  } catch (const Error&) {
+    // What the program makes of it stands in place.
+  }
+  return fitted_table(section, written, where);
+}
+
+std::string NodeImporter::fitted_table(const MusicSection& section, const std::string& written,
+                                       const Location& where) {
+  const WeightTable fitted =
+      read_weights(written, {.base_directory = launch::directory_of(file_.path),
+                             .strict = false,
+                             .rows = width(section, "out"),
+                             .columns = width(section, "in"),
+                             .short_forms = false,
+                             .named_in = where});
+  if (fitted.values.size() > kMostInPlace) {
+    throw ConfigurationError(
+        where, fmt::format("the weights '{}' do not fit the ports and have too many numbers to "
+                           "stand in an experiment; make them [{}, {}]",
+                           written, width(section, "out"), width(section, "in")));
+  }
+  return yaml_table(fitted);
+}
+
+void NodeImporter::import_network(const MusicSection& section) {
+  node_.description = &kinds_.find(experiment::kNetwork).description;
+  add("simulator", "builtin");
+  const std::string name = required(section, "network", "brain.yaml");
+  add("network", path(section, name, find(section, "network")->where, "network file"));
+}
+
+void NodeImporter::import_playback(const MusicSection& section) {
+  const std::string kind = program_of(section);
+  node_.description = &kinds_.find(kind).description;
+  add("node", kind);
+  const std::string name = required(section, "file", "run1/encoder.h5");
+  add("file", path(section, name, find(section, "file")->where, "recording"));
+  if (const MusicKey* stream = find(section, "stream")) {
+    add("stream", yaml_text(stream->value));
+  }
+}
+
+void NodeImporter::note_unused_keys(const MusicSection& section) {
+  for (const MusicKey& key : section.keys) {
+    const auto is_key = [&key](std::string_view name) { return name == key.name; };
+    if (std::ranges::none_of(used_, is_key) && std::ranges::none_of(kOfProcesses, is_key)) {
+      note(key.where,
+           fmt::format("key '{}' has no counterpart in an experiment and is left out", key.name));
+    }
+  }
+}
+
+}  // namespace spikeloop::app

@@ -1,0 +1,132 @@
+#include "plot_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "option_values.hpp"
+#include "python_package.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parameters.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop plot runs/explorer-1
+  spikeloop plot runs/explorer-1 --from 2 --to 2500ms --format pdf --out figures
+  spikeloop plot runs/braitenberg --network network
+
+Draws what the run left, of an experiment file or of a .music file, and says what it did not have:
+  trajectory  the robot's path through its arena
+  spikes      sensors, spikes and rates of every population, commands, above one time axis
+  signals     what the other nodes put out
+  latency     from a sensor's message to the first command that was computed from it
+PYTHON names another python3 than /usr/bin/python3; it needs matplotlib, h5py and numpy.
+
+Exit codes: 0 all that the run has was drawn, 1 something could not be, 2 an option cannot be met,
+3 Python or a package of it is missing, 4 nothing could be drawn)";
+
+constexpr int kPartnerMissing = 3;
+
+struct PlotArguments {
+  std::string folder;
+  std::string out;
+  std::string format = "png";
+  std::string from;
+  std::string to;
+  std::string sensor;
+  std::string network;
+  std::string command;
+};
+
+double moment_s(const char* option, const std::string& text) {
+  try {
+    const double seconds = parse_quantity(text, "s");
+    if (seconds >= 0 && seconds < 1e9) {
+      return seconds;
+    }
+  } catch (const ConfigurationError&) {
+    // Told below.
+  }
+  throw ConfigurationError(fmt::format(
+      "{}: '{}' is no moment of a run; write for example 2.5 or \"500 ms\"", option, text));
+}
+
+std::vector<std::string> command_line(const PlotArguments& given, const std::string& python) {
+  std::vector<std::string> words{python, "-B", "-m", "spikeloop.plots", "--format=" + given.format};
+  const auto add = [&words](const char* option, const std::string& value) {
+    if (!value.empty()) {
+      words.push_back(fmt::format("{}={}", option, value));
+    }
+  };
+  add("--out", given.out);
+  add("--sensor", given.sensor);
+  add("--network", given.network);
+  add("--command", given.command);
+  add("--from", given.from.empty() ? "" : fmt::format("{}", moment_s("--from", given.from)));
+  add("--to", given.to.empty() ? "" : fmt::format("{}", moment_s("--to", given.to)));
+  words.insert(words.end(), {"--", given.folder});
+  return words;
+}
+
+void refuse_empty_span(const PlotArguments& given) {
+  if (!given.from.empty() && !given.to.empty() &&
+      moment_s("--from", given.from) >= moment_s("--to", given.to)) {
+    throw ConfigurationError(
+        fmt::format("--from {} is not before --to {}; exchange them", given.from, given.to));
+  }
+}
+
+/// Python takes this process over: signals and the exit code are its own.
+int plot(const PlotArguments& given) {
+  refuse_empty_span(given);
+  const std::string python = python_program();
+  if (python.empty()) {
+    throw TransportError(
+        "there is no python3, which draws; apt-get install python3-matplotlib python3-h5py, or set "
+        "PYTHON to one that has them");
+  }
+  const char* const before = std::getenv("PYTHONPATH");
+  const std::string path =
+      python_package() + (before == nullptr || *before == '\0' ? "" : ":" + std::string(before));
+  ::setenv("PYTHONPATH", path.c_str(), 1);
+  ::setenv("MPLBACKEND", "Agg", 1);
+  std::vector<std::string> words = command_line(given, python);
+  std::vector<char*> pointers;
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  pointers.push_back(nullptr);
+  ::execv(python.c_str(), pointers.data());
+  throw FileError("start", python, errno);
+}
+
+}  // namespace
+
+void add_plot_command(CLI::App& app, std::function<int()>& action) {
+  const auto given = std::make_shared<PlotArguments>();
+  CLI::App* command = app.add_subcommand("plot", "Draw what a run has left in its folder");
+  command->add_option("RUN", given->folder, "Run folder")->required()->check(named("folder"));
+  command->add_option("--out", given->out, "Folder for the pictures [the run folder]")
+      ->check(named("folder"));
+  command->add_option("--format", given->format, "Of the pictures")
+      ->check(CLI::IsMember({"png", "svg", "pdf"}))
+      ->capture_default_str();
+  command->add_option("--from", given->from, "Begin of the time axis, s")->type_name("S");
+  command->add_option("--to", given->to, "End of the time axis, s")->type_name("S");
+  command->add_option("--sensor", given->sensor, "Node or process that recorded the sensor")
+      ->type_name("LABEL");
+  command->add_option("--network", given->network, "Node or process whose spikes to draw alone")
+      ->type_name("LABEL");
+  command->add_option("--command", given->command, "Node or process that recorded the command")
+      ->type_name("LABEL");
+  command->footer(kFooter);
+  command->callback([given, &action] { action = [given] { return plot(*given); }; });
+}
+
+}  // namespace spikeloop::app

@@ -1,0 +1,25 @@
+// What takes part in a run, and on which machine: so that it can be repeated.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/config/music_file.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::app {
+
+struct Partners {
+  bool music = false;  ///< MUSIC and MPI
+  bool ros = false;    ///< roscpp
+  bool mujoco = false;
+  bool python = false;  ///< for nodes
+};
+
+Partners partners_of(const experiment::Experiment& experiment, bool separate);
+Partners partners_of(const MusicFile& file, bool robot);
+
+/// {"versions": {"spikeloop": "0.1.0", "compiler": ..., "hdf5": ..., ...}, "machine": {"cpu": ...,
+/// "cores": ..., "kernel": ...}}; null where nobody answers. Asks what `spikeloop doctor` asks.
+nlohmann::json about_run(const Partners& partners);
+
+}  // namespace spikeloop::app
