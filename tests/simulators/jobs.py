@@ -16,6 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SINE = HERE.parents[1] / "examples/05_encoder_python/sine.py"
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 SPIKELOOP = PROGRAMS / "spikeloop"
+PACKAGE = PROGRAMS.parent / "share/spikeloop/python"
 
 JOB = """\
 stoptime={duration_s}
@@ -76,8 +77,10 @@ class Job:
 
     def run(self, *more, code=0, timeout=240):
         """Runs to the end, which must have this exit code; gives what was printed."""
+        # Brian2 leaves a log in TMPDIR when its script does not come to its end.
         done = subprocess.run(self.command(*more), cwd=self.folder, capture_output=True, text=True,
-                              check=False, timeout=timeout)
+                              env={**os.environ, "TMPDIR": str(self.folder)}, check=False,
+                              timeout=timeout)
         said = done.stdout + done.stderr
         assert done.returncode == code, f"exit code {done.returncode} instead of {code}:\n{said}"
         return said
