@@ -8,6 +8,7 @@
 #include "ros1_transport.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/status/heartbeat.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -28,7 +29,7 @@ struct Arguments {
 };
 
 int run(const Arguments& arguments, const status::Sender& sender) {
-  const auto loaded = experiment::load(arguments.file, arguments.overrides);
+  const auto loaded = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
   if (!loaded->faults.empty()) {
     throw ConfigurationError(loaded->faults.front().text);
   }
@@ -90,6 +91,7 @@ int main(int argc, char** argv) {
   CLI::App app("Runs an experiment over ROS in one process; started by  spikeloop run FILE.yaml",
                "spikeloop-fused");
   Arguments arguments;
+  arguments.overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
   app.add_option("FILE", arguments.file, "Experiment file")->required();
   app.add_option("--out", arguments.run.folder, "Run folder, which must be there");
   app.add_option("--duration", arguments.overrides.duration_s, "Simulated time, s");

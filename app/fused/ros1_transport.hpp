@@ -11,7 +11,7 @@ class Ros1Transport : public fused::Transport {
   /// @throws TransportError without a ROS master.
   explicit Ros1Transport(const experiment::Experiment& experiment);
 
-  std::unique_ptr<Source> sensor(const experiment::Part& part, std::uint32_t width) override;
+  std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
   std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;
 
  private:

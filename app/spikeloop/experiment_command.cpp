@@ -11,10 +11,11 @@
 #include <fstream>
 #include <string_view>
 
-#include "experiment_folder.hpp"
+#include "experiment_places.hpp"
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -135,54 +136,34 @@ std::string count(std::size_t number, const char* what) {
 
 /// A run begins by removing what the run before left in its folder.
 void refuse_own_recordings(const Experiment& experiment, const std::string& folder) {
-  namespace fs = std::filesystem;
-  for (const experiment::Part& part : experiment.parts) {
-    if (part.kind != experiment::kSpikePlayback && part.kind != experiment::kSignalPlayback) {
-      continue;
-    }
+  const auto refuse = [&](const Location& where, const char* key, const std::string& file) {
+    namespace fs = std::filesystem;
     std::error_code error;
-    const std::string& file = part.parameters.text("file");
-    if (fs::equivalent(fs::path(file).parent_path(), folder, error)) {
+    if (fs::equivalent(fs::absolute(file).parent_path(), folder, error)) {
       throw ConfigurationError(
-          part.parameters.where("file"),
-          fmt::format("key 'file': the recording {} lies in the run folder, which a run empties; "
-                      "give another folder with --out",
-                      file));
+          where, fmt::format("key '{}': the recording {} lies in the run folder, which a run "
+                             "empties; give another folder with --out",
+                             key, file));
     }
+  };
+  for (const experiment::Part& part : experiment.parts) {
+    if (part.kind == experiment::kSpikePlayback || part.kind == experiment::kSignalPlayback) {
+      refuse(part.parameters.where("file"), "file", part.parameters.text("file"));
+    }
+  }
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    refuse(experiment.robot->where, "bag", experiment.robot->bag);
   }
 }
 
-void tell_folder(const ExperimentArguments& arguments, const ExperimentFolder& folder) {
-  if (arguments.volume != Console::Volume::quiet) {
+void tell_folder(Console::Volume volume, const ExperimentFolder& folder) {
+  if (volume != Console::Volume::quiet) {
     put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
   }
 }
 
-int run_fused(const ExperimentArguments& arguments, const Experiment& experiment) {
-  const ExperimentFolder folder(arguments.folder, experiment.name);
-  const BackgroundOutput output;
-  Console console(arguments.volume);
-  log::set_sink(
-      [&console](log::Level level, std::string_view message) { console.log(level, message); });
-  take_signals();
-  launch::Progress last;
-  const fused::RunEvents events{.progress =
-                                    [&](const fused::Progress& progress) {
-                                      last = for_console(progress, experiment);
-                                      console.progress(last);
-                                    },
-                                .stop = stop_asked};
-  const fused::RunResult result =
-      fused::run(experiment, {.folder = folder.path(), .record = arguments.record}, events);
-  log::set_sink({});
-  launch::JobResult end{result.exit_code, result.reason, {}};
-  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
-    end.exit_code = 128 + number;
-    end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
-  }
-  console.end(end, last);
-  tell_folder(arguments, folder);
-  return end.exit_code;
+ExperimentFolder folder_for(const ExperimentArguments& arguments, const Experiment& experiment) {
+  return {arguments.folder, "runs/" + experiment.name};
 }
 
 /// The robot that the experiment has, started when nobody publishes its topics.
@@ -196,9 +177,19 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
                              fmt::format("--seed={}", experiment.robot->seed)};
 }
 
+launch::JobOptions job_options(const ExperimentArguments& arguments, const Experiment& experiment,
+                               const std::string& folder) {
+  launch::JobOptions options;
+  options.folder = folder;
+  options.start_timeout = arguments.start_timeout;
+  options.stall_timeout = arguments.stall_timeout;
+  add_robot(experiment, options);
+  return options;
+}
+
 /// One process and its partners: master, robot, guard.
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
-  ExperimentFolder folder(arguments.folder, experiment.name);
+  ExperimentFolder folder = folder_for(arguments, experiment);
   folder.release();
   MusicFile file;
   file.path = experiment.path;
@@ -209,8 +200,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   set_key(keys, "seed", std::to_string(experiment.seed));
   set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
   set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.program = {"spikeloop-fused",
                      std::filesystem::absolute(arguments.file).string(),
                      "--out",
@@ -225,26 +215,24 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   if (!arguments.record) {
     options.program.emplace_back("--no-record");
   }
-  add_robot(experiment, options);
   launch::Job job(file, options);
   const int exit_code = run_job(job, arguments.volume);
-  tell_folder(arguments, folder);
+  tell_folder(arguments.volume, folder);
   return exit_code;
 }
 
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
-  ExperimentFolder folder(arguments.folder, experiment.name);
-  const std::string path = write_music_job(experiment, folder.path());
+  ExperimentFolder folder = folder_for(arguments, experiment);
+  const WrittenJob music = write_music_job(experiment, folder.path());
   launch::write_text(folder.path() + "/resolved.json",
                      fused::resolved_json(experiment).dump(2) + "\n");
   folder.release();
-  launch::JobOptions options;
-  options.folder = folder.path();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
-  add_robot(experiment, options);
-  launch::Job job(read_music_file(path), options);
+  options.translate = music.places;
+  launch::Job job(read_music_file(music.path), options);
   const int exit_code = run_job(job, arguments.volume);
-  tell_folder(arguments, folder);
+  tell_folder(arguments.volume, folder);
   return exit_code;
 }
 
@@ -254,15 +242,50 @@ bool is_experiment(const std::string& file) {
   return file.ends_with(".yaml") || file.ends_with(".yml");
 }
 
+int run_in_process(const Experiment& experiment, const ExperimentFolder& folder, bool record,
+                   Console::Volume volume) {
+  const BackgroundOutput output;
+  Console console(volume);
+  log::set_sink(
+      [&console](log::Level level, std::string_view message) { console.log(level, message); });
+  take_signals();
+  launch::Progress last;
+  const fused::RunEvents events{.progress =
+                                    [&](const fused::Progress& progress) {
+                                      last = for_console(progress, experiment);
+                                      console.progress(last);
+                                    },
+                                .stop = stop_asked};
+  const fused::RunResult result =
+      fused::run(experiment, {.folder = folder.path(), .record = record}, events);
+  log::set_sink({});
+  launch::JobResult end{result.exit_code, result.reason, {}};
+  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
+    end.exit_code = 128 + number;
+    end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
+  }
+  console.end(end, last);
+  tell_folder(volume, folder);
+  return end.exit_code;
+}
+
+std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
+                                                    const experiment::Overrides& overrides) {
+  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
+  if (!loaded->faults.empty()) {
+    put(stderr, text_of("spikeloop", loaded->faults.front()));
+    if (loaded->faults.size() > 1) {
+      put(stderr, fmt::format("spikeloop: {} more; see  spikeloop check {}\n",
+                              count(loaded->faults.size() - 1, "error"), file));
+    }
+  }
+  return loaded;
+}
+
 int run_experiment(const ExperimentArguments& arguments) {
-  const auto all = experiment::load(arguments.file, arguments.overrides);
+  const auto all = load_experiment(arguments.file, arguments.overrides);
   const experiment::Loaded& loaded = *all;
   if (!loaded.faults.empty()) {
-    put(stderr, text_of("spikeloop", loaded.faults.front()));
-    if (loaded.faults.size() > 1) {
-      put(stderr, fmt::format("spikeloop: {} more; see  spikeloop check {}\n",
-                              count(loaded.faults.size() - 1, "error"), arguments.file));
-    }
     return loaded.faults.front().exit_code;
   }
   const Experiment& experiment = *loaded.experiment;
@@ -271,22 +294,31 @@ int run_experiment(const ExperimentArguments& arguments) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
-  return experiment.ros == experiment::Ros::none ? run_fused(arguments, experiment)
-                                                 : run_fused_over_ros(arguments, experiment);
+  if (experiment.ros != experiment::Ros::none) {
+    return run_fused_over_ros(arguments, experiment);
+  }
+  if (!arguments.timeout_given.empty()) {
+    throw ConfigurationError(
+        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
+                    "one has a single process; leave it out",
+                    arguments.timeout_given));
+  }
+  return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
+                        arguments.volume);
 }
 
-std::string write_music_job(const Experiment& experiment, const std::string& folder) {
+WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
   const experiment::MusicJob job = experiment::music_job(experiment, folder);
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }
   const std::string path = folder + "/experiment.music";
   launch::write_text(path, to_text(job.file));
-  return path;
+  return {path, places_of(read_music_file(path), job.file)};
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {});
+  const auto all = experiment::load(file, {}, fused::look_at_robot);
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));

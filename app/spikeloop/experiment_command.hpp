@@ -1,11 +1,14 @@
 // Experiment files: what `spikeloop run` and `spikeloop check` do with them.
 #pragma once
 
+#include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "console.hpp"
+#include "experiment_folder.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::app {
@@ -21,15 +24,32 @@ struct ExperimentArguments {
   bool record = true;
   Layout layout = Layout::fused;
   experiment::Overrides overrides;
+  /// Of a run in several processes.
+  std::chrono::milliseconds start_timeout{60'000};
+  std::chrono::milliseconds stall_timeout{60'000};
+  std::string timeout_given{};  ///< the option, when one of them was
   Console::Volume volume = Console::Volume::normal;
 };
 
 /// Returns the exit code. @throws Error when it cannot begin.
 int run_experiment(const ExperimentArguments& arguments);
 
-/// Writes the separate layout into a folder: experiment.music, and what stands in the experiment
-/// but has to be a file for a process. Returns the path of experiment.music.
-std::string write_music_job(const experiment::Experiment& experiment, const std::string& folder);
+/// Loads an experiment that is to be run, and says the first thing that is wrong with it.
+std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
+                                                    const experiment::Overrides& overrides);
+
+/// Runs an experiment without ROS to its end, or until a signal comes. Returns the exit code.
+int run_in_process(const experiment::Experiment& experiment, const ExperimentFolder& folder,
+                   bool record, Console::Volume volume);
+
+/// The separate layout in a folder.
+struct WrittenJob {
+  std::string path;  ///< of experiment.music
+  /// Puts places of the experiment in place of those of experiment.music.
+  std::function<std::string(const std::string&)> places;
+};
+/// Writes experiment.music, and what stands in the experiment but has to be a file for a process.
+WrittenJob write_music_job(const experiment::Experiment& experiment, const std::string& folder);
 
 /// Gives an experiment that is right to `use`; else says everything that is wrong, each with its
 /// line. Returns the exit code.

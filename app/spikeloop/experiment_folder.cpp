@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app {
@@ -17,10 +18,10 @@ namespace fs = std::filesystem;
 constexpr const char* kResolved = "resolved.json";
 
 /// Made by nobody else at the same time.
-std::string first_free(const std::string& experiment) {
-  launch::make_folder("runs");
+std::string first_free(const std::string& prefix) {
+  launch::make_folder(fs::absolute(prefix).parent_path().string());
   for (int number = 1;; ++number) {
-    const std::string path = fmt::format("runs/{}-{}", experiment, number);
+    const std::string path = fmt::format("{}-{}", prefix, number);
     std::error_code error;
     if (fs::create_directory(path, error)) {
       return path;
@@ -44,15 +45,15 @@ void remove_earlier(const fs::path& folder) {
   for (const auto& [name, keys] : resolved["nodes"].items()) {
     fs::remove(folder / (fs::path(name).filename().string() + ".h5"), ignored);
   }
-  for (const char* name : {"trajectory.csv", "world.json", kResolved}) {
+  for (const char* name : {"trajectory.csv", "world.json", fused::kMessagesFile, kResolved}) {
     fs::remove(folder / name, ignored);
   }
 }
 
 }  // namespace
 
-ExperimentFolder::ExperimentFolder(const std::string& wanted, const std::string& experiment)
-    : shown_(wanted.empty() ? first_free(experiment) : wanted) {
+ExperimentFolder::ExperimentFolder(const std::string& wanted, const std::string& prefix)
+    : shown_(wanted.empty() ? first_free(prefix) : wanted) {
   path_ = launch::make_folder(shown_);
   lock_ = launch::lock_folder(path_, shown_);
   remove_earlier(path_);

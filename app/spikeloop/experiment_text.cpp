@@ -53,7 +53,9 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
                              "What stands at the left margin, beside robot, plugins, nodes "
                              "and connections.",
                              parameter_text(experiment_parameters()), markdown);
-  text += section("robot", "The robot that is simulated in this process.",
+  text += section("robot",
+                  "The robot that is simulated in this process, or a bag in its place: write  "
+                  "simulator  or  bag.",
                   parameter_text(robot_parameters()), markdown);
   text += section("connections", "The keys of a connection that is written as a map.",
                   parameter_text(connection_parameters()), markdown);

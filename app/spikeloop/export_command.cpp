@@ -51,14 +51,23 @@ launch::Hosts hosts_of(const Arguments& arguments) {
   return hosts;
 }
 
-int export_job(const Arguments& arguments) {
+using Translate = std::function<std::string(const std::string&)>;
+
+/// `translate`: what is said of the file, for whoever did not write it.
+int export_job(const Arguments& arguments, const Translate& translate) {
   if (arguments.srun && arguments.folder.empty()) {
     throw ConfigurationError(
         "--srun needs a folder for the list of programs; give one with --out, as in --out job");
   }
   const launch::Hosts hosts = hosts_of(arguments);
   MusicFile file = read_music_file(arguments.file);
-  const launch::Findings findings = launch::check_job(file, {}, false);
+  launch::Findings findings = launch::check_job(file, {}, false);
+  for (std::string& warning : findings.warnings) {
+    warning = translate(warning);
+  }
+  for (launch::Finding& error : findings.errors) {
+    error.text = translate(error.text);
+  }
   for (const std::string& warning : findings.warnings) {
     put(stderr, fmt::format("spikeloop: warning: {}\n", warning));
   }
@@ -96,7 +105,7 @@ namespace {
 
 int export_file(const Arguments& arguments) {
   if (!is_experiment(arguments.file)) {
-    return export_job(arguments);
+    return export_job(arguments, [](const std::string& text) { return text; });
   }
   if (arguments.folder.empty()) {
     throw ConfigurationError(
@@ -104,8 +113,9 @@ int export_file(const Arguments& arguments) {
   }
   return use_experiment(arguments.file, [&](const experiment::Experiment& experiment) {
     Arguments job = arguments;
-    job.file = write_music_job(experiment, launch::make_folder(arguments.folder));
-    return export_job(job);
+    const WrittenJob written = write_music_job(experiment, launch::make_folder(arguments.folder));
+    job.file = written.path;
+    return export_job(job, written.places);
   });
 }
 

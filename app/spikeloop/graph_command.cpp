@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -13,6 +15,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
@@ -24,11 +27,14 @@ using experiment::Part;
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop graph explorer.yaml --out explorer.svg
+  spikeloop graph explorer.yaml --out explorer.png
   spikeloop graph loop.music > loop.svg
 
 Nodes with their classes, connections with their kinds, widths and delays, the robot. A .music file is
-drawn with a box a section. Browsers show the picture; rsvg-convert or Inkscape turn it into PNG or
-PDF.)";
+drawn with a box a section. The ending says what is drawn, SVG or PNG; Debian's librsvg2-bin makes
+the PNG.)";
+
+constexpr const char* kConverter = "rsvg-convert";
 
 /// Boxes by their names; ports appear when they are first named.
 class Builder {
@@ -96,7 +102,9 @@ Diagram diagram_of(const Experiment& experiment) {
   diagram.frame = fmt::format("one process, tick {}, {}", format_time(experiment.tick),
                               experiment::name_of(experiment.sync));
   if (experiment.robot) {
-    diagram.robot = "robot in MuJoCo";
+    diagram.robot = experiment.robot->bag.empty()
+                        ? "robot in MuJoCo"
+                        : std::filesystem::path(experiment.robot->bag).filename().string();
     diagram.robot_inside = true;
   } else if (experiment.ros == experiment::Ros::ros1) {
     diagram.robot = "ROS 1: any robot";
@@ -157,6 +165,39 @@ void refuse_structure(const MusicFile& file) {
   }
 }
 
+bool is_png(const std::string& path) {
+  return path.ends_with(".png");
+}
+
+std::string with_ending(const std::string& path, const char* ending) {
+  const auto name = path.rfind('/') + 1;
+  const auto dot = path.rfind('.');
+  return (dot == std::string::npos || dot <= name ? path : path.substr(0, dot)) + ending;
+}
+
+void need_converter(const std::string& path) {
+  if (launch::find_executable(kConverter, "", launch::program_environment().at("PATH")).empty()) {
+    throw TransportError(
+        fmt::format("--out: a PNG is drawn by {0}, which is not in PATH; install it (Debian: apt "
+                    "install librsvg2-bin), or write  --out {1}",
+                    kConverter, with_ending(path, ".svg")));
+  }
+}
+
+/// Twice as large as the SVG, for screens and slides.
+void write_png(const std::string& svg, const std::string& path) {
+  const std::string line =
+      launch::shell_text({kConverter, "--format=png", "--zoom=2", "--output", path});
+  std::FILE* converter = ::popen(line.c_str(), "w");
+  const bool written =
+      converter != nullptr && std::fwrite(svg.data(), 1, svg.size(), converter) == svg.size();
+  const int status = converter == nullptr ? -1 : ::pclose(converter);
+  if (!written || status != 0) {
+    throw FileError(fmt::format("cannot write '{}': {} has failed; write  --out {}", path,
+                                kConverter, with_ending(path, ".svg")));
+  }
+}
+
 void write_picture(const std::string& svg, const std::string& path) {
   if (path.empty()) {
     put_result(svg);
@@ -164,20 +205,25 @@ void write_picture(const std::string& svg, const std::string& path) {
   }
   errno = 0;
   std::ofstream file(path, std::ios::binary);
-  file << svg;
+  file << (is_png(path) ? "" : svg);
   file.close();
   if (!file) {
     throw FileError("write", path, errno == 0 ? EIO : errno);
   }
+  if (is_png(path)) {
+    write_png(svg, path);
+  }
 }
 
 int draw(const std::string& path, const std::string& out) {
-  if (!out.empty() && !out.ends_with(".svg")) {
+  if (!out.empty() && !out.ends_with(".svg") && !is_png(out)) {
     throw ConfigurationError(
-        fmt::format("--out: '{}' is no name of an SVG file; write for example {}.svg (rsvg-convert "
-                    "makes a PNG of "
-                    "it)",
-                    out, out.substr(0, out.rfind('.'))));
+        fmt::format("--out: '{}' ends neither in .svg nor in .png; write {} "
+                    "or {}",
+                    out, with_ending(out, ".svg"), with_ending(out, ".png")));
+  }
+  if (is_png(out)) {
+    need_converter(out);
   }
   const auto show = [&](Diagram diagram) {
     lay_out(diagram);
@@ -204,7 +250,8 @@ void add_graph_command(CLI::App& app, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("graph", "Draw an experiment or a .music file");
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
-  command->add_option("--out", arguments->out, "The picture, an SVG file; else standard output");
+  command->add_option("--out", arguments->out,
+                      "The picture, FILE.svg or FILE.png; else SVG to standard output");
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] { return draw(arguments->file, arguments->out); };

@@ -20,6 +20,7 @@
 #include "graph_command.hpp"
 #include "new_command.hpp"
 #include "output.hpp"
+#include "replay_command.hpp"
 #include "run_command.hpp"
 #include "schema_command.hpp"
 #include "spikeloop/core/error.hpp"
@@ -91,6 +92,7 @@ int run(int argc, char** argv) {
   std::function<int()> action;
   spikeloop::app::add_new_command(app, action);
   spikeloop::app::add_run_command(app, action);
+  spikeloop::app::add_replay_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
   spikeloop::app::add_fit_command(app, action);

@@ -31,6 +31,7 @@ struct RunArguments {
   bool quiet = false;
   bool verbose = false;
   bool dry_run = false;
+  std::vector<CLI::Option*> timeouts;        ///< of runs in several processes
   std::vector<CLI::Option*> for_music;       ///< options that only .music files have
   std::vector<CLI::Option*> for_experiment;  ///< options that only experiments have
 };
@@ -72,12 +73,13 @@ void add_values(CLI::App& command, RunArguments& arguments) {
             "Seed of the random numbers of every section");
   add_value(command, "--real-time-factor", run.real_time_factor, real_time_factor, "NUMBER",
             "Simulated time over wall time (rtf) of every section, and of the robot");
-  add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
-            "Longest time until every program of ours has ticked")
-      ->default_str("60");
-  add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
-            "Longest time in which a program of ours may not tick; 0: for ever")
-      ->default_str("60");
+  arguments.timeouts = {
+      add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
+                "Longest time until every program of ours has ticked")
+          ->default_str("60"),
+      add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
+                "Longest time in which a program of ours may not tick; 0: for ever")
+          ->default_str("60")};
 }
 
 void add_options(CLI::App& command, RunArguments& arguments) {
@@ -131,9 +133,9 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
     }
   };
   group(arguments.for_experiment, "Experiment files", {"--layout", "--sync", "--no-record"});
-  group(arguments.for_music, ".music files",
-        {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run",
-         "--start-timeout", "--stall-timeout"});
+  group(
+      arguments.for_music, ".music files",
+      {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run"});
 }
 
 void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
@@ -150,6 +152,10 @@ Console::Volume volume_of(const RunArguments& arguments) {
                              : Console::Volume::normal;
 }
 
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+}
+
 int run_file(const RunArguments& arguments) {
   refuse_options(arguments.for_music, ".music files, an experiment file says such things itself");
   ExperimentArguments experiment;
@@ -163,6 +169,13 @@ int run_file(const RunArguments& arguments) {
     experiment.overrides.sync = experiment::sync_named(arguments.sync);
   }
   experiment.volume = volume_of(arguments);
+  experiment.start_timeout = milliseconds(arguments.start_timeout_s);
+  experiment.stall_timeout = milliseconds(arguments.stall_timeout_s);
+  for (const CLI::Option* option : arguments.timeouts) {
+    if (option->count() > 0) {
+      experiment.timeout_given = option->get_name();
+    }
+  }
   experiment.layout = arguments.layout == "separate" ? Layout::separate : Layout::fused;
   return run_experiment(experiment);
 }
@@ -189,9 +202,6 @@ int run(RunArguments& arguments) {
         "--record: there is no folder to record to; give one with --out, as in --out run1");
   }
   arguments.job.run.pace = !arguments.no_pace;
-  const auto milliseconds = [](double seconds) {
-    return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
-  };
   arguments.job.start_timeout = milliseconds(arguments.start_timeout_s);
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   const MusicFile file = read_music_file(arguments.file);

@@ -133,7 +133,7 @@ class Line {
   }
 
   void read_item(const Piece& item, ExperimentConnection& connection) const {
-    constexpr std::string_view kDelay = "delay ";
+    constexpr std::string_view kDelay = "delay";
     const auto once = [&](bool before) {
       if (before) {
         fail(item.begin, fmt::format("'{}' is the second of its kind here; write one width and one "
@@ -144,6 +144,11 @@ class Line {
     if (item.text.starts_with(kDelay)) {
       once(!connection.delay.text.empty());
       const Piece time = trimmed({item.text.substr(kDelay.size()), item.begin + kDelay.size()});
+      if (time.text.empty() || time.begin == item.begin + kDelay.size()) {
+        fail(item.begin, fmt::format("'{}' is no delay; write for example  delay 5 ms  or  delay 2 "
+                                     "ticks",
+                                     item.text));
+      }
       connection.delay = {std::string(time.text), place(time.begin)};
       return;
     }

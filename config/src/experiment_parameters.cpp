@@ -15,7 +15,9 @@ std::vector<ParameterDescription> experiment_parameters() {
        .default_value = "",
        .minimum = 0,
        .maximum = 9e9,
-       .text = "Simulated time; without it, the experiment runs until it is stopped"},
+       .text =
+           "Simulated time, a whole number of ticks; without it, the experiment runs until it is "
+           "stopped"},
       {.name = "tick",
        .unit = "s",
        .default_value = "1 ms",
@@ -49,19 +51,26 @@ std::vector<ParameterDescription> experiment_parameters() {
 }
 
 std::vector<ParameterDescription> robot_parameters() {
-  return {{.name = "simulator",
-           .type = ParameterType::choice,
-           .choices = {"mujoco"},
-           .text = "What simulates the robot"},
-          {.name = "world",
-           .type = ParameterType::text,
-           .default_value = "arena.xml",
-           .text = "An MJCF file, or the name of a shipped world"},
-          {.name = "seed",
-           .type = ParameterType::integer,
-           .default_value = "",
-           .minimum = 0,
-           .text = "Places the obstacles; the experiment's when it is left out"}};
+  return {
+      {.name = "simulator",
+       .type = ParameterType::choice,
+       .default_value = "",
+       .choices = {"mujoco"},
+       .text = "What simulates the robot"},
+      {.name = "world",
+       .type = ParameterType::text,
+       .default_value = "arena.xml",
+       .text = "An MJCF file, or the name of a shipped world"},
+      {.name = "seed",
+       .type = ParameterType::integer,
+       .default_value = "",
+       .minimum = 0,
+       .text = "Places the obstacles; the experiment's when it is left out"},
+      {.name = "bag",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "A bag of ROS 1 in the robot's place, alone: sensors take their topics' messages "
+               "from it"}};
 }
 
 std::vector<ParameterDescription> connection_parameters() {

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <fstream>
 
+#include "spikeloop/config/files_read.hpp"
+
 namespace spikeloop {
 
 namespace {
@@ -44,6 +46,7 @@ std::string read_text_file(const std::filesystem::path& path, std::uint64_t limi
     throw FileError("read", path.string(), EIO);
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
+  FilesRead::note(path.string());
   return text;
 }
 

@@ -144,8 +144,20 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
                             what_, known.empty() ? "name" : known.front()));
   }
   for (const auto& entry : node) {
-    const std::string key = scalar(file_, what_, entry.first);
     const Location here = place(file_, entry.first);
+    if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
+      complain(ConfigurationError(
+          here, fmt::format("{}: {} stands where a name has to; write  name: value", what_,
+                            entry.first.IsMap()        ? "a map"
+                            : entry.first.IsSequence() ? "a list"
+                                                       : "nothing")));
+      continue;
+    }
+    const std::string& key = entry.first.Scalar();
+    if (key == "<<") {  // another YAML reader would merge a map here
+      throw ConfigurationError(
+          here, fmt::format("{}: '<<' is not read; write the other map's keys themselves", what_));
+    }
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
       complain(ConfigurationError(
           here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known))));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace spikeloop {
@@ -32,18 +33,36 @@ std::string bounds_text(const ParameterDescription& parameter) {
              : fmt::format("write a value of at most {}{}", parameter.maximum, unit);
 }
 
+/// A bound that is not declared is that of the type.
+std::string integer_bounds_text(const ParameterDescription& parameter) {
+  using Limits = std::numeric_limits<std::int64_t>;
+  const bool low = std::isfinite(parameter.minimum);
+  const bool high = std::isfinite(parameter.maximum);
+  return low || high ? fmt::format("write a whole number from {} to {}",
+                                   low ? std::llround(parameter.minimum) : Limits::min(),
+                                   high ? std::llround(parameter.maximum) : Limits::max())
+                     : "write for example 10";
+}
+
 void check_bounds(const ParameterDescription& parameter, double value) {
   if (value < parameter.minimum || value > parameter.maximum) {
     throw ConfigurationError(fmt::format("{} is out of bounds; {}", value, bounds_text(parameter)));
   }
 }
 
-std::int64_t parse_integer(std::string_view text) {
+std::int64_t parse_integer(const ParameterDescription& parameter, std::string_view text) {
   std::int64_t value = 0;
   const std::string_view digits = text.substr(text.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (digits.empty() || error != std::errc() || end != digits.data() + digits.size()) {
-    throw ConfigurationError(fmt::format("'{}' is not a whole number; write for example 10", text));
+  if (digits.empty() || error == std::errc::invalid_argument ||
+      end != digits.data() + digits.size()) {
+    throw ConfigurationError(
+        fmt::format("'{}' is not a whole number; {}", text, integer_bounds_text(parameter)));
+  }
+  const auto real = static_cast<double>(value);
+  if (error != std::errc() || real < parameter.minimum || real > parameter.maximum) {
+    throw ConfigurationError(
+        fmt::format("{} is out of bounds; {}", text, integer_bounds_text(parameter)));
   }
   return value;
 }
@@ -63,11 +82,8 @@ Parameters::Value parse(const ParameterDescription& parameter, const WrittenValu
       check_bounds(parameter, value);
       return value;
     }
-    case ParameterType::integer: {
-      const std::int64_t value = parse_integer(written.text);
-      check_bounds(parameter, static_cast<double>(value));
-      return value;
-    }
+    case ParameterType::integer:
+      return parse_integer(parameter, written.text);
     case ParameterType::boolean:
       return parse_boolean(written.text);
     case ParameterType::text:

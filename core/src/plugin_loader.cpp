@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
@@ -92,6 +93,18 @@ const spikeloop_plugin& load_by_loader(const std::string& path) {
     throw ConfigurationError(message.data());
   }
   return *plugin;
+}
+
+std::vector<std::string> plugin_files(const std::string& directory, std::error_code& error) {
+  std::vector<std::string> paths;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    const std::string path = entry.path().string();
+    if (entry.path().extension() == ".so" || (has_loader(path) && defines_nodes(path))) {
+      paths.push_back(path);
+    }
+  }
+  std::ranges::sort(paths);
+  return paths;
 }
 
 }  // namespace spikeloop

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 
 #include "foreign_node.hpp"
@@ -96,17 +95,10 @@ std::vector<std::string> Registry::load_plugin_path(std::string_view directories
   std::vector<std::string> added;
   for (const std::string& directory : path_list(directories)) {
     std::error_code error;
-    std::vector<std::string> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
-      const std::string path = entry.path().string();
-      if (entry.path().extension() == ".so" || (has_loader(path) && defines_nodes(path))) {
-        paths.push_back(path);
-      }
-    }
+    const std::vector<std::string> paths = plugin_files(directory, error);
     if (error) {
       throw FileError("read plug-in directory", directory, error.value());
     }
-    std::sort(paths.begin(), paths.end());
     for (const std::string& path : paths) {
       const auto names = load_plugin(path);
       added.insert(added.end(), names.begin(), names.end());

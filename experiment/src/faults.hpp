@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
@@ -55,9 +56,36 @@ struct Checked {
 Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
                      Experiment& experiment, Faults& faults);
 /// Ends, kinds, cycles, delays; widths along every connection; makes every node once that `whole`
-/// names.
-void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
+/// names, if `trial` wants it.
+struct Trial {
+  const std::set<std::string>& whole;  ///< nodes without a fault
+  bool try_nodes = true;
+  SensorWidth sensor_width{};  ///< empty: nobody knows
+};
+void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
+                   Faults& faults);
+
+/// Gives the ports whose width is open in `plan` the one that the node itself knows: by the rows
+/// and columns of its table, by the robot's message. Returns whether there was one; then `graph`
+/// has to be planned again.
+bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
+                     Experiment& experiment);
+
+/// `robot: {bag: FILE}`: its keys.
+void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);
+/// What the sensors ask of the bag: topics, types and versions; with `joined`, which means that the
+/// widths are known, the first messages. An experiment without duration ends with the bag.
+void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
+               Faults& faults);
+
+/// The file whose directory relative paths start in.
+inline const std::string& origin_of(const ExperimentFile& file, const Overrides& overrides) {
+  return overrides.replay ? overrides.replay->origin : file.path;
+}
+std::string in_directory(const std::string& directory, const std::string& path);
+[[noreturn]] void refuse_file(const char* key, const Location& where, const char* what,
+                              const std::string& path);
 
 /// Whether a value is a list or a map, which is JSON by now, and no name of a file.
 inline bool is_in_place(std::string_view text) {

@@ -100,6 +100,10 @@ std::string Kinds::plugin_of(std::string_view name) const {
   return found == plugins_.end() ? "" : found->second;
 }
 
+bool Kinds::may_lack(std::string_view name) const {
+  return incomplete_ && !endpoints_.contains(name) && !registry_.contains(name);
+}
+
 const NodeClass& Kinds::find(std::string_view name) const {
   if (const auto endpoint = endpoints_.find(name); endpoint != endpoints_.end()) {
     return endpoint->second.node_class;

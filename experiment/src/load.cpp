@@ -1,5 +1,7 @@
 #include <filesystem>
 
+#include "faults.hpp"
+#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
@@ -10,30 +12,56 @@ void add(const Error& error, Loaded& loaded) {
   loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
 }
 
-void load_plugins(const ExperimentFile& file, Loaded& loaded) {
-  loaded.kinds.load_plugin_path(plugin_path());
-  const std::filesystem::path directory = directory_of(file.path);
+/// What a plug-in that is refused would have brought is not said to be unknown.
+template <typename Work>
+void attempt(Loaded& loaded, const Location& where, Work&& work) {
+  try {
+    located_at(where, [&] { return work(), 0; });
+  } catch (const Error& error) {
+    add(error, loaded);
+    loaded.kinds.set_incomplete();
+  }
+}
+
+void load_plugins(const ExperimentFile& file, const std::filesystem::path& directory,
+                  Loaded& loaded) {
+  attempt(loaded, {}, [&] { loaded.kinds.load_plugin_path(plugin_path()); });
   for (const WrittenValue& plugin : file.plugins) {
-    try {
-      located_at(plugin.where, [&] {
-        loaded.kinds.load_plugin((directory / plugin.text).string());
-        return 0;
-      });
-    } catch (const Error& error) {
-      add(error, loaded);
+    attempt(loaded, plugin.where,
+            [&] { loaded.kinds.load_plugin((directory / plugin.text).string()); });
+  }
+}
+
+/// Of what is not read here: plug-ins, recordings, a bag.
+void note_files(const ExperimentFile& file, const std::filesystem::path& directory,
+                const Experiment& experiment, bool replayed) {
+  for (const WrittenValue& plugin : file.plugins) {
+    FilesRead::note((directory / plugin.text).string());
+  }
+  for (const Part& part : experiment.parts) {
+    if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
+      FilesRead::note(part.parameters.text("file"));
     }
+  }
+  if (experiment.robot && !experiment.robot->bag.empty() && !replayed) {
+    FilesRead::note(experiment.robot->bag);
   }
 }
 
 }  // namespace
 
-std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides) {
+std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides,
+                             const LookAtRobot& look_at_robot) {
   auto loaded = std::make_unique<Loaded>();
   try {
     const ExperimentFile file =
         read_experiment_file(path, [&](const ConfigurationError& error) { add(error, *loaded); });
-    load_plugins(file, *loaded);
-    loaded->experiment = resolve(file, loaded->kinds, overrides, loaded->faults);
+    const std::filesystem::path directory = directory_of(origin_of(file, overrides));
+    load_plugins(file, directory, *loaded);
+    const FilesRead files;
+    loaded->experiment = resolve(file, loaded->kinds, overrides, loaded->faults, look_at_robot);
+    note_files(file, directory, *loaded->experiment, overrides.replay.has_value());
+    loaded->experiment->files = files.paths();
   } catch (const Error& error) {
     add(error, *loaded);
   }

@@ -76,10 +76,12 @@ class Writer {
     return fmt::format("{}.{:09}", time / kNsPerSecond, time % kNsPerSecond);
   }
 
-  void add(const Part& part, const std::string& name, const std::string& value) {
+  /// `key`: the experiment's, when it has another name there.
+  void add(const Part& part, const std::string& name, const std::string& value,
+           const std::string& key = "") {
     auto& keys = job_.file.sections.back().keys;
     set_key(keys, name, value);
-    const auto written = part.written.find(name);
+    const auto written = part.written.find(key.empty() ? name : key);
     keys.back().where = written == part.written.end() ? part.where : written->second.where;
   }
 
@@ -96,7 +98,7 @@ class Writer {
 
   void write_section(const Part& part) {
     add(part, "np", "1");
-    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.path)).string());
+    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.origin)).string());
     if (part.kind == kRosSensor) {
       write_sensor(part);
     } else if (part.kind == kRosCommand) {
@@ -131,8 +133,8 @@ class Writer {
 
   void write_sensor(const Part& part) {
     add(part, "binary", "ros_sensor_adapter");
-    add(part, "ros_topic", part.parameters.text("topic"));
-    add(part, "message_type", part.parameters.text("message"));
+    add(part, "ros_topic", part.parameters.text("topic"), "topic");
+    add(part, "message_type", part.parameters.text("message"), "message");
     if (const auto fields = sensor_fields(part.parameters); !fields.empty()) {
       add(part, "fields", fmt::format("{}", fmt::join(fields, ",")));
     }
@@ -141,9 +143,9 @@ class Writer {
 
   void write_command(const Part& part) {
     add(part, "binary", "ros_command_adapter");
-    add(part, "ros_topic", part.parameters.text("topic"));
+    add(part, "ros_topic", part.parameters.text("topic"), "topic");
     const std::string mapping = mapping_text(part.mapping);
-    add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"));
+    add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"), "fields");
     for (const char* key : {"command_rate", "deadband", "min_interval", "watchdog", "max_age"}) {
       if (part.parameters.given(key)) {
         add(part, key, part.written.at(key).text);
@@ -215,6 +217,11 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
     throw ConfigurationError(where,
                              "lockstep steps robot and network in one process; use the fused "
                              "layout, or  sync: realtime");
+  }
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    throw ConfigurationError(experiment.robot->where,
+                             "a bag in the robot's place needs the fused layout; in the separate "
+                             "one write  ros: 1, and play it by  rosbag play");
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(experiment.robot->where,

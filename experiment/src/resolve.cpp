@@ -13,6 +13,11 @@
 namespace spikeloop::experiment {
 namespace {
 
+Location where_of(const ExperimentFile& file, const char* key) {
+  const auto found = file.keys.find(key);
+  return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
+}
+
 void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) {
   if (keys.given("duration")) {
     faults.attempt(keys.where("duration"),
@@ -20,6 +25,24 @@ void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) 
   }
   faults.attempt(keys.where("tick"),
                  [&] { experiment.tick = tick_from_seconds(keys.number("tick")); });
+}
+
+/// As delays: a run has as many ticks as its duration says, no more and no less.
+void check_duration(const Location& where, const char* what, const Experiment& experiment,
+                    Faults& faults) {
+  const TimeNs duration = experiment.duration.value_or(experiment.tick);
+  const TimeNs rest = duration % experiment.tick;
+  if (duration <= 0) {
+    faults.add(where, fmt::format("{}: a run of {} does nothing; write for example {}, or leave "
+                                  "it out: then the run goes on until it is stopped",
+                                  what, format_time(duration), format_time(experiment.tick)));
+  } else if (rest != 0) {
+    const TimeNs below = duration - rest;
+    faults.add(where, fmt::format("{}: {} is no whole number of ticks of {}; write {}{}", what,
+                                  format_time(duration), format_time(experiment.tick),
+                                  below > 0 ? format_time(below) + " or " : "",
+                                  format_time(below + experiment.tick)));
+  }
 }
 
 /// It names the run folder and the node of ROS.
@@ -62,24 +85,43 @@ std::vector<ParameterDescription> without(std::vector<ParameterDescription> decl
 /// A fault in one key leaves the others' checks alone: its default stands in.
 void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
                Faults& faults) {
+  const std::size_t before = faults.count();
   const auto declared = without(experiment_parameters(), "duration", file.keys);
   Parameters keys =
       resolve_keys(declared, {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
   take_keys(file, keys, experiment, faults);
   if (overrides.duration_s) {
     experiment.duration = from_seconds(*overrides.duration_s);
+    check_duration({}, "--duration", experiment, faults);
+  } else if (faults.count() == before) {
+    check_duration(where_of(file, "duration"), "key 'duration'", experiment, faults);
   }
   experiment.seed = overrides.seed.value_or(experiment.seed);
   experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
   experiment.sync = overrides.sync.value_or(experiment.sync);
 }
 
-void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
-  if (!file.robot) {
-    return;
+/// What the robot's messages give its sensors; empty when that is not known.
+SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
+                       const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults) {
+  if (overrides.replay) {
+    if (!overrides.replay->bag.empty()) {
+      experiment.robot = {.where = {file.path, 0, 0}, .bag = overrides.replay->bag};
+    }
+    experiment.ros = Ros::none;
+    return {};
   }
+  if (!file.robot) {
+    return {};
+  }
+  const std::size_t before = faults.count();
   const ExperimentNode& robot = *file.robot;
-  const auto declared = without(robot_parameters(), "seed", robot.keys);
+  if (robot.keys.contains("bag")) {
+    read_bag_keys(robot, directory_of(file.path), experiment, faults);
+    return {};
+  }
+  auto declared = without(robot_parameters(), "seed", robot.keys);
+  declared.front().default_value.reset();  // one of simulator and bag must be there
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   const std::string& world = keys.text("world");
@@ -87,12 +129,14 @@ void read_robot(const ExperimentFile& file, Experiment& experiment, Faults& faul
   const bool own_seed = keys.given("seed");
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
-                      robot.where};
-}
-
-Location where_of(const ExperimentFile& file, const char* key) {
-  const auto found = file.keys.find(key);
-  return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
+                      robot.where,
+                      {}};
+  SensorWidth width;
+  if (look_at_robot && faults.count() == before) {
+    faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
+                   [&] { width = look_at_robot(*experiment.robot); });
+  }
+  return width;
 }
 
 /// Ways to run that exclude each other, or that this version does not have.
@@ -131,6 +175,9 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
         part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 1, "
                                 "or  robot: {{simulator: mujoco}}",
                                 part.name, part.parameters.text("topic")));
+  }
+  if (!experiment.robot->bag.empty()) {
+    return;  // check_bag()
   }
   const std::string& topic = part.parameters.text("topic");
   std::vector<std::string> known;
@@ -237,17 +284,19 @@ std::uint32_t Experiment::width(std::string_view part, std::string_view port) co
 }
 
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
-                   std::vector<Fault>& faults) {
+                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot) {
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
+  experiment.origin = origin_of(file, overrides);
   read_keys(file, overrides, experiment, all);
-  read_robot(file, experiment, all);
+  const SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
   check_ways(file, experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
+  const std::string directory = directory_of(experiment.origin);
   for (const ExperimentNode& node : file.nodes) {
-    const Checked checked = resolve_part(node, kinds, directory_of(file.path), experiment, all);
+    const Checked checked = resolve_part(node, kinds, directory, experiment, all);
     joined = joined && checked.ports;
     if (checked.parameters) {
       whole.insert(node.name);
@@ -255,7 +304,10 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   }
   check_topics(experiment, whole, all);
   if (joined) {
-    resolve_links(file, whole, experiment, all);
+    resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+  }
+  if (!overrides.replay) {
+    check_bag(whole, joined && all.count() == 0, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

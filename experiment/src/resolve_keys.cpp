@@ -60,7 +60,12 @@ class KeyReader {
           where, fmt::format("{0}: key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
                              keyed_.what, parameter.name, text, parameter.unit));
     }
-    keep(parameter, spikeloop::resolve({parameter}, {*value}, load_weights_));
+    try {
+      keep(parameter, spikeloop::resolve({parameter}, {*value}, load_weights_));
+    } catch (const FileError& error) {
+      throw FileError(where, fmt::format("key '{}': {}; write the path of a file", parameter.name,
+                                         error.what()));
+    }
   }
 
   void take_default(const ParameterDescription& parameter) {

@@ -19,16 +19,18 @@ constexpr std::uint32_t kMostTicks = 1'000'000;
   throw ConfigurationError(written.where, fmt::format("delay '{}' {}", written.text, reason));
 }
 
-/// "2 ticks", "1 tick".
+/// "2 ticks", "1 tick", "2ticks"; not a number: something else than a count stands before the unit.
 std::optional<double> whole_ticks(const std::string& text) {
-  const auto blank = text.find(' ');
-  const std::string unit = blank == std::string::npos ? "" : text.substr(blank + 1);
-  if (unit != "tick" && unit != "ticks") {
+  constexpr std::string_view kBlank = " \t";
+  std::string_view number = text;
+  if (!number.ends_with("tick") && !number.ends_with("ticks")) {
     return std::nullopt;
   }
+  number.remove_suffix(number.ends_with("s") ? 5 : 4);
+  number = number.substr(0, number.find_last_not_of(kBlank) + 1);
   std::uint32_t count = 0;
-  const char* const end = text.data() + blank;
-  const auto parsed = std::from_chars(text.data(), end, count);
+  const char* const end = number.data() + number.size();
+  const auto parsed = std::from_chars(number.data(), end, count);
   return parsed.ec == std::errc() && parsed.ptr == end ? count : std::nan("");
 }
 
@@ -123,9 +125,27 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
   }
 }
 
+void check_against_robot(const Part& part, const Experiment& experiment,
+                         const SensorWidth& sensor_width) {
+  const std::uint32_t values = sensor_width ? sensor_width(part) : 0;
+  for (const Link& link : experiment.links) {
+    if (node_of(link.from) == part.name && values != 0 && values != link.width) {
+      throw ConfigurationError(
+          link.where,
+          fmt::format(
+              "node '{}': a message of the robot's topic {} gives {} values, but '{}' has "
+              "{} channels; write [{}] in its connection{}",
+              part.name, part.parameters.text("topic"), values, link.from, link.width, values,
+              experiment.ros == Ros::none ? ""
+                                          : ", or leave 'robot' out when another robot sends it"));
+    }
+  }
+}
+
 /// What only widths decide.
-void check_part(const Part& part, const Experiment& experiment) {
+void check_part(const Part& part, const Experiment& experiment, const SensorWidth& sensor_width) {
   if (part.kind == kRosSensor) {
+    check_against_robot(part, experiment, sensor_width);
     const bool fields = part.parameters.given("fields");
     located_at(part.parameters.where(fields ? "fields" : "message"), [&] {
       messages::SensorConversion(messages::Catalog::builtin(), part.parameters.text("message"),
@@ -159,15 +179,22 @@ void try_node(const Part& part, const PlannedElement& element, std::uint64_t see
 
 }  // namespace
 
-void resolve_links(const ExperimentFile& file, const std::set<std::string>& whole,
-                   Experiment& experiment, Faults& faults) {
+void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
+                   Faults& faults) {
   const std::size_t before = faults.count();
-  const GraphDescription graph = as_nodes(file, experiment, faults);
+  GraphDescription graph = as_nodes(file, experiment, faults);
   GraphPlan planned;
   faults.attempt(file.where_connections, [&] {
-    planned = plan(graph, [&](const ConfigurationError& error) {
+    std::vector<ConfigurationError> wrong;
+    const Complain keep = [&](const ConfigurationError& error) { wrong.push_back(error); };
+    planned = plan(graph, keep);
+    if (settle_by_nodes(planned, trial, graph, experiment)) {
+      wrong.clear();
+      planned = plan(graph, keep);
+    }
+    for (const ConfigurationError& error : wrong) {
       faults.attempt(file.where_connections, [&] { throw error; });
-    });
+    }
   });
   if (faults.count() != before) {
     return;
@@ -175,10 +202,12 @@ void resolve_links(const ExperimentFile& file, const std::set<std::string>& whol
   take_links(planned, file, graph, experiment);
   for (std::size_t i = 0; i < experiment.parts.size(); ++i) {
     const Part& part = experiment.parts[i];
-    if (whole.contains(part.name)) {
+    if (trial.whole.contains(part.name)) {
       faults.attempt(part.where, [&] {
-        check_part(part, experiment);
-        try_node(part, planned.elements[i], experiment.seed);
+        check_part(part, experiment, trial.sensor_width);
+        if (trial.try_nodes) {
+          try_node(part, planned.elements[i], experiment.seed);
+        }
       });
     }
   }

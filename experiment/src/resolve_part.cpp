@@ -20,11 +20,6 @@ using Json = nlohmann::ordered_json;
 /// Simulators that issues to come bring; their names are no slips.
 constexpr const char* kLater[] = {"nest", "neuron", "brian2", "music"};
 
-std::string in_directory(const std::string& directory, const std::string& path) {
-  const std::filesystem::path written(path);
-  return written.is_absolute() ? path : (std::filesystem::path(directory) / written).string();
-}
-
 /// Tables that are written in place, or stand in a file.
 WeightLoader table_loader(const std::string& directory, const NodeClass& node_class) {
   WeightOptions options;
@@ -132,13 +127,6 @@ void check_endpoint(Part& part) {
   }
 }
 
-[[noreturn]] void refuse_file(const char* key, const Location& where, const char* what,
-                              const std::string& path) {
-  throw ConfigurationError(
-      where, fmt::format("key '{}': there is no {} '{}'; write its path, from where this file lies",
-                         key, what, path));
-}
-
 /// A network that was written as a map, which is JSON by now: YAML as well. Its places are lost.
 NetworkFile network_in_place(const std::string& text, const Location& where,
                              const std::string& directory) {
@@ -227,6 +215,18 @@ std::string kind_of(const ExperimentNode& node, Part& part) {
 
 }  // namespace
 
+std::string in_directory(const std::string& directory, const std::string& path) {
+  const std::filesystem::path written(path);
+  return written.is_absolute() ? path : (std::filesystem::path(directory) / written).string();
+}
+
+void refuse_file(const char* key, const Location& where, const char* what,
+                 const std::string& path) {
+  throw ConfigurationError(
+      where, fmt::format("key '{}': there is no {} '{}'; write its path, from where this file lies",
+                         key, what, path));
+}
+
 std::string reason_of(const Error& error) {
   const std::string text = error.what();
   const std::size_t place = error.located() ? error.where().text().size() + 2 : 0;
@@ -243,11 +243,14 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
     part.kind = kind_of(node, part);
     const auto written = node.keys.find("node");
     const Location where = written == node.keys.end() ? node.where : written->second.where;
+    if (kinds.may_lack(part.kind)) {
+      return;
+    }
     part.node_class = located_at(where, [&] { return &kinds.find(part.kind); });
     part.role = kinds.role(part.kind);
     part.plugin = kinds.plugin_of(part.kind);
   });
-  if (!found) {
+  if (!found || part.node_class == nullptr) {
     return {};
   }
   const std::size_t before = faults.count();

@@ -244,7 +244,10 @@ std::string json_schema(const Kinds& kinds) {
   schema.update(object_of(experiment_parameters()));
   Json& properties = schema["properties"];
   properties["robot"] = object_of(robot_parameters());
-  properties["robot"]["description"] = "The robot that is simulated in this process";
+  properties["robot"]["description"] =
+      "The robot that is simulated in this process, or a bag in its place";
+  properties["robot"]["oneOf"] = {{{"required", {"simulator"}}},
+                                  {{"required", {"bag"}}, {"maxProperties", 1}}};
   properties["plugins"] = list_of({{"type", "string"}});
   properties["plugins"]["description"] =
       "Files with more classes of nodes, from where this one lies";

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <set>
 
+#include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/fused/run.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::fused {
@@ -21,6 +23,27 @@ using experiment::Role;
 
 constexpr std::string_view kSender = " sender";
 constexpr std::string_view kRecord = "record ";
+
+/// A sensor whose errors name its node and its place in the file.
+class NamedSource : public Source {
+ public:
+  NamedSource(std::unique_ptr<Source> source, const Part& part)
+      : source_(std::move(source)), part_(part) {}
+
+  std::vector<EndpointPort> ports() const override { return source_->ports(); }
+  void receive(const Step& step) override {
+    try {
+      source_->receive(step);
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(part_.where, fmt::format("node '{}': {}", part_.name, error.what()));
+    }
+  }
+  std::vector<Counter> counters() const override { return source_->counters(); }
+
+ private:
+  std::unique_ptr<Source> source_;
+  const Part& part_;
+};
 
 /// A command is a node that maps, and what sends behind it.
 std::string sender_of(const Part& part) {
@@ -73,6 +96,9 @@ Assembly::Assembly(const Experiment& experiment, Transport& transport, const std
     : experiment_(experiment), transport_(transport) {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
+  if (!folder.empty()) {
+    open_bag(folder);
+  }
   for (const Part& part : experiment.parts) {
     add_part(part);
   }
@@ -92,8 +118,10 @@ void Assembly::add_part(const Part& part) {
       return;
     case Role::source: {
       const std::uint32_t width = experiment_.width(part.name, "out");
-      sources_.push_back(part.kind == experiment::kRosSensor ? transport_.sensor(part, width)
-                                                             : experiment::playback(part));
+      sources_.push_back(part.kind == experiment::kRosSensor
+                             ? std::make_unique<NamedSource>(
+                                   transport_.sensor({part, width, keep_messages(part)}), part)
+                             : experiment::playback(part));
       description_.sources.push_back({part.name, sources_.back().get()});
       return;
     }
@@ -107,7 +135,10 @@ void Assembly::add_command(const Part& part) {
   command::ComponentMap map = command::component_map(part.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
   const auto upstream = nearest_sensor(experiment_, part.name);
-  commands_.push_back(transport_.command({part, map, upstream.has_value()}));
+  const auto driver = std::ranges::find(experiment_.links, part.name + ".in", &Link::to);
+  commands_.push_back(transport_.command({part, map, upstream.has_value(),
+                                          driver == experiment_.links.end() ? "" : driver->from,
+                                          keep_messages(part)}));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});
@@ -118,6 +149,29 @@ void Assembly::add_command(const Part& part) {
     description_.connections.push_back({upstream->sensor + ".pace", sender_of(part) + ".pace", 1,
                                         upstream->delay_ticks, part.where});
   }
+}
+
+/// In the run folder of an experiment that has topics.
+void Assembly::open_bag(const std::string& folder) {
+  const auto has_topic = [](const Part& part) {
+    return part.kind == experiment::kRosSensor || part.kind == experiment::kRosCommand;
+  };
+  if (std::ranges::any_of(experiment_.parts, has_topic)) {
+    messages_ = std::make_unique<bag::Recorder>(
+        folder + "/" + kMessagesFile,
+        bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
+  }
+}
+
+Keep Assembly::keep_messages(const Part& part) {
+  if (!messages_) {
+    return {};
+  }
+  const bag::Topic topic{part.parameters.text("topic"), part.parameters.text("message"), part.name};
+  return [recorder = messages_.get(), connection = messages_->add(topic)](
+             TimeNs time, std::span<const std::byte> message) {
+    recorder->take(connection, time, message);
+  };
 }
 
 void Assembly::add_links() {
@@ -194,7 +248,17 @@ nlohmann::json Assembly::close_recordings(std::string& error) {
     }
   }
   recorders_.clear();
-  return {{"spikes_recorded", spikes}, {"records_dropped", dropped}};
+  nlohmann::json result{{"spikes_recorded", spikes}, {"records_dropped", dropped}};
+  if (messages_) {
+    const bag::Report report = messages_->close();
+    result["messages_recorded"] = report.written;
+    result["messages_dropped"] = report.dropped;
+    if (!report.error.empty()) {
+      log::warning("{}", report.error);
+      error = report.error;
+    }
+  }
+  return result;
 }
 
 nlohmann::json Assembly::summary() const {

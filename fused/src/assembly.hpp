@@ -12,6 +12,9 @@
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/transport.hpp"
 
+namespace spikeloop::bag {
+class Recorder;
+}
 namespace spikeloop::record {
 class Recorder;
 }
@@ -20,7 +23,7 @@ namespace spikeloop::fused {
 
 class Assembly {
  public:
-  /// @param folder where what nodes put out is recorded; empty: nowhere
+  /// @param folder where what nodes put out is recorded, and messages; empty: nowhere
   /// @throws Error: an endpoint cannot be made, a recording cannot be written.
   Assembly(const experiment::Experiment& experiment, Transport& transport,
            const std::string& folder);
@@ -38,6 +41,8 @@ class Assembly {
   void add_part(const experiment::Part& part);
   void add_command(const experiment::Part& part);
   void add_links();
+  void open_bag(const std::string& folder);
+  Keep keep_messages(const experiment::Part& part);
   void record(const std::string& folder);
   record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
@@ -45,6 +50,7 @@ class Assembly {
   const experiment::Experiment& experiment_;
   Transport& transport_;
   GraphDescription description_;
+  std::unique_ptr<bag::Recorder> messages_;  ///< before those who keep messages in it
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<CommandEnd>> commands_;
   std::vector<std::unique_ptr<NodeClass>> classes_;

@@ -1,6 +1,8 @@
 #include "memory_topics.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/mapping.hpp"
@@ -13,15 +15,15 @@ namespace spikeloop::fused {
 namespace {
 
 using command::StopReason;
-using experiment::Part;
 
 class MemorySensor : public Source {
  public:
-  MemorySensor(MemoryTopics& topics, const Part& part, std::uint32_t width)
-      : topic_(part.parameters.text("topic")),
-        initial_(experiment::sensor_initial(part.parameters)),
-        conversion_(messages::Catalog::builtin(), part.parameters.text("message"),
-                    experiment::sensor_fields(part.parameters), width, true) {
+  MemorySensor(MemoryTopics& topics, const SensorSpec& spec)
+      : topic_(spec.part.parameters.text("topic")),
+        initial_(experiment::sensor_initial(spec.part.parameters)),
+        conversion_(messages::Catalog::builtin(), spec.part.parameters.text("message"),
+                    experiment::sensor_fields(spec.part.parameters), spec.width, true),
+        keep_(spec.keep) {
     topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
   }
 
@@ -57,6 +59,9 @@ class MemorySensor : public Source {
 
  private:
   void take(std::span<const std::byte> message, TimeNs now) {
+    if (keep_) {
+      keep_(now, message);
+    }
     if (conversion_.convert(message)) {
       arrived_ = now;
       fresh_ = true;
@@ -69,6 +74,7 @@ class MemorySensor : public Source {
   std::string topic_;
   std::optional<double> initial_;
   messages::SensorConversion conversion_;
+  Keep keep_;
   TimeNs arrived_ = 0;
   bool fresh_ = false;
 };
@@ -85,6 +91,8 @@ class MemoryCommand : public CommandEnd {
  public:
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
       : topics_(topics),
+        name_(spec.part.name),
+        from_(spec.from),
         topic_(spec.part.parameters.text("topic")),
         all_channels_(spec.part.mapping.all_channels),
         writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
@@ -92,7 +100,8 @@ class MemoryCommand : public CommandEnd {
         channel_(gate_settings(spec), [this](auto values) { publish(values); }),
         feed_({static_cast<std::uint32_t>(spec.map.size()), spec.with_pace,
                from_seconds(spec.part.parameters.number("max_age"))},
-              channel_) {}
+              channel_),
+        keep_(spec.keep) {}
 
   std::vector<EndpointPort> ports() const override { return feed_.ports(); }
 
@@ -100,6 +109,7 @@ class MemoryCommand : public CommandEnd {
     now_ = step.interval().end;
     feed_.take(step, now_);
     channel_.poll(now_);
+    warn(step.signal_input(0));
   }
 
   void stop(StopReason reason) override { channel_.stop(reason, now_); }
@@ -109,6 +119,19 @@ class MemoryCommand : public CommandEnd {
   nlohmann::json summary() const override { return feed_.summary(); }
 
  private:
+  /// Of a value that stops the robot, once a simulated second at most.
+  void warn(const SignalInput& in) {
+    const bool bad = in.valid() && !std::ranges::all_of(in.values, [](double value) {
+                       return std::isfinite(value);
+                     });
+    if (bad && !bad_ && (!warned_at_ || now_ - *warned_at_ >= kNsPerSecond)) {
+      warned_at_ = now_;
+      log::warning("node '{}': the robot is stopped at {}: a value from '{}' is no finite number",
+                   name_, format_time(now_), from_);
+    }
+    bad_ = bad;
+  }
+
   void publish(std::span<const double> values) {
     fields_.clear();
     if (all_channels_) {
@@ -119,10 +142,17 @@ class MemoryCommand : public CommandEnd {
       }
     }
     writer_.write(fields_, bytes_);
+    if (keep_) {
+      keep_(now_, bytes_);
+    }
     topics_.publish(topic_, bytes_, now_);
   }
 
   MemoryTopics& topics_;
+  std::string name_;
+  std::string from_;
+  bool bad_ = false;
+  std::optional<TimeNs> warned_at_;
   std::string topic_;
   bool all_channels_;
   messages::MessageWriter writer_;
@@ -131,13 +161,13 @@ class MemoryCommand : public CommandEnd {
   TimeNs now_ = 0;
   command::CommandChannel channel_;
   command::CommandFeed feed_;
+  Keep keep_;
 };
 
 }  // namespace
 
-std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const Part& part,
-                                           std::uint32_t width) {
-  return std::make_unique<MemorySensor>(topics, part, width);
+std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const SensorSpec& spec) {
+  return std::make_unique<MemorySensor>(topics, spec);
 }
 
 std::unique_ptr<CommandEnd> make_memory_command(MemoryTopics& topics, const CommandSpec& spec) {

@@ -32,8 +32,7 @@ class MemoryTopics {
 };
 
 /// The newest message of a topic. `pace` is the simulated time at which it came.
-std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const experiment::Part& part,
-                                           std::uint32_t width);
+std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const SensorSpec& spec);
 
 /// Commands leave by the rules of ros_command, all times simulated: nothing depends on the wall
 /// clock.

@@ -20,8 +20,8 @@ class MemoryTransport : public Transport {
   /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
   MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder);
 
-  std::unique_ptr<Source> sensor(const experiment::Part& part, std::uint32_t width) override {
-    return make_memory_sensor(topics_, part, width);
+  std::unique_ptr<Source> sensor(const SensorSpec& spec) override {
+    return make_memory_sensor(topics_, spec);
   }
   std::unique_ptr<CommandEnd> command(const CommandSpec& spec) override {
     return make_memory_command(topics_, spec);

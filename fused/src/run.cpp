@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "assembly.hpp"
+#include "bag_transport.hpp"
 #include "memory_transport.hpp"
+#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 
@@ -28,6 +31,16 @@ void write_json(const std::string& path, const json& contents) {
   file.close();
   if (!file) {
     throw FileError("write", path, errno);
+  }
+}
+
+void copy_experiment(const Experiment& experiment, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const fs::path copy = fs::path(folder) / kExperimentFile;
+  std::error_code error;
+  if (!fs::equivalent(experiment.path, copy, error) &&
+      !fs::copy_file(experiment.path, copy, fs::copy_options::overwrite_existing, error)) {
+    throw FileError("copy the experiment file to", copy.string(), error.value());
   }
 }
 
@@ -163,8 +176,9 @@ void warn_of_silence(const Experiment& experiment, const json& summary) {
     const std::string counter = part.name + ".messages";
     if (part.kind == experiment::kRosSensor && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
-                   part.parameters.text("topic"));
+      log::warning(
+          "not one message came on topic '{}'{}", part.parameters.text("topic"),
+          experiment.ros == experiment::Ros::none ? "" : "; 'rostopic list' shows what there is");
     }
   }
 }
@@ -204,12 +218,23 @@ json resolved_json(const Experiment& experiment) {
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {
-    result["robot"] = {{"world", experiment.robot->world}, {"seed", experiment.robot->seed}};
+    result["robot"] = experiment.robot->bag.empty() ? json{{"world", experiment.robot->world},
+                                                           {"seed", experiment.robot->seed}}
+                                                    : json{{"bag", experiment.robot->bag}};
+  }
+  result["experiment_file"] = std::filesystem::absolute(experiment.origin).string();
+  result["files"] = json::object();
+  for (const std::string& path : experiment.files) {
+    result["files"][path] = file_print(path);
   }
   return result;
 }
 
 RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events) {
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    BagTransport transport(experiment.robot->bag);
+    return run(experiment, transport, options, events);
+  }
   MemoryTransport transport(experiment.robot, options.folder);
   return run(experiment, transport, options, events);
 }
@@ -217,7 +242,10 @@ RunResult run(const Experiment& experiment, const RunOptions& options, const Run
 RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
               const RunEvents& events) {
   if (!options.folder.empty()) {
-    write_json(options.folder + "/resolved.json", resolved_json(experiment));
+    json resolved = resolved_json(experiment);
+    resolved["recorded"] = options.record;
+    write_json(options.folder + "/resolved.json", resolved);
+    copy_experiment(experiment, options.folder);
   }
   Assembly assembly(experiment, transport, options.record ? options.folder : "");
   Loop loop(experiment, transport, assembly, events);

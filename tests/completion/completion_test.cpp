@@ -143,9 +143,7 @@ TEST(BashCompletion, KnowsEveryOptionOfEveryCommand) {
 }
 
 TEST(ZshCompletion, CompletesInAZsh) {
-  if (!has_shell("zsh")) {
-    GTEST_SKIP() << "no zsh in PATH; apt-get install zsh";
-  }
+  ASSERT_TRUE(has_shell("zsh")) << "scripts/install-dependencies test  installs it";
   const Folder folder;
   // A zsh in a pseudo-terminal; each line waits for what the other one shows.
   const std::string script =
@@ -169,16 +167,14 @@ TEST(ZshCompletion, CompletesInAZsh) {
 }
 
 TEST(FishCompletion, CompletesInAFish) {
-  if (!has_shell("fish")) {
-    GTEST_SKIP() << "no fish in PATH; apt-get install fish";
-  }
+  ASSERT_TRUE(has_shell("fish")) << "scripts/install-dependencies test  installs it";
   const Folder folder;
   const auto suggested = [&](const std::string& typed) {
     return run(folder.shell({"fish", "--no-config", "-c",
                              "spikeloop completion fish | source; complete -C '" + typed + "'"}))
         .out;
   };
-  EXPECT_EQ(suggested("spikeloop ru"), "run\tRun a .music file\n");
+  EXPECT_EQ(suggested("spikeloop ru"), "run\tRun an experiment file or a .music file\n");
   EXPECT_EQ(suggested("spikeloop describe rate_"), "rate_encoder\nrate_window\n");
   EXPECT_THAT(suggested("spikeloop run --du"), HasSubstr("--duration\t"));
   EXPECT_EQ(suggested("spikeloop run "), "loop.music\nmy loop.music\nnetwork.yaml\nruns/\n");

@@ -99,9 +99,11 @@ TEST(Resolve, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(resolve_error("rate_max", "x"),
             "loop.music:4:2: key 'rate_max': 'x' is not a number; write for example 0.5 Hz");
   EXPECT_EQ(resolve_error("count", "9"),
-            "loop.music:4:2: key 'count': 9 is out of bounds; write a value from 1 to 5");
-  EXPECT_EQ(resolve_error("count", "1.5"),
-            "loop.music:4:2: key 'count': '1.5' is not a whole number; write for example 10");
+            "loop.music:4:2: key 'count': 9 is out of bounds; write a whole number from 1 to 5");
+  EXPECT_EQ(
+      resolve_error("count", "1.5"),
+      "loop.music:4:2: key 'count': '1.5' is not a whole number; write a whole number from 1 to "
+      "5");
   EXPECT_EQ(resolve_error("strict", "yes"),
             "loop.music:4:2: key 'strict': 'yes' is not a truth value; write true or false");
   EXPECT_EQ(resolve_error("policy", "clp"),

@@ -148,6 +148,23 @@ TEST(Doctor, SaysWhyMpirunStartsNothing) {
               HasSubstr("/music: it crashed (Illegal instruction) | "));
 }
 
+TEST(Doctor, LooksAtPluginsInPython) {
+  const TemporaryDirectory plugins;
+  plugins.write("good.py",
+                "import spikeloop\n@spikeloop.node(inputs={'in': 'signal'}, outputs={'out': "
+                "spikeloop.Signal(same_as='in')})\ndef gain(step):\n    pass\n");
+  plugins.write("broken.py", "import spikeloop\n@spikeloop.node\nclass Mine(:\n");
+  plugins.write("helper.py", "x = 1\n");
+  const std::string directory = plugins.path().string();
+  const Examination seen = examine({{"SPIKELOOP_PLUGIN_PATH", directory}});
+  EXPECT_EQ(seen.line(directory), "ok | 2 plug-ins | ");
+  EXPECT_EQ(seen.line(directory + "/good.py"), "ok | node=gain | ");
+  EXPECT_THAT(seen.line(directory + "/broken.py"),
+              testing::AllOf(StartsWith("missing | "), HasSubstr("broken.py:3"),
+                             testing::EndsWith(" | correct it (docs/python-nodes.md), or take it "
+                                               "out of SPIKELOOP_PLUGIN_PATH")));
+}
+
 /// A copy of the program in a directory of its own, beside what `link` names.
 class Copy {
  public:

@@ -105,6 +105,117 @@ TEST(Check, PluginsThatAreNotThere) {
   EXPECT_THAT(outcome.err, HasSubstr("mine.so"));
 }
 
+TEST(Check, AClassThatAPluginWouldHaveBroughtIsNotSaidToBeUnknown) {
+  const TemporaryDirectory directory;
+  directory.write("broken.py", "import spikeloop\n@spikeloop.node\nclass Mine(:\n");
+  directory.write("x.yaml",
+                  "plugins: [broken.py]\nnodes: {a: {node: mine}, b: {node: sigmoid, slop: 1}}\n"
+                  "connections: [\"a -> b [2] -> a [2, delay 1 tick]\"]\n");
+  const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("error: x.yaml:1:11: ./broken.py:3: "));
+  EXPECT_THAT(outcome.err, HasSubstr("unknown key 'slop'; did you mean 'slope'?"));
+  EXPECT_THAT(outcome.err, testing::EndsWith("spikeloop: x.yaml: 2 errors\n"));
+}
+
+TEST(Check, ADirectoryInPlaceOfAFile) {
+  const TemporaryDirectory directory;
+  mkdir((directory.path() / "out").c_str(), 0755);
+  directory.write("x.yaml",
+                  "nodes: {a: {node: connect, weights: out}}\n"
+                  "connections: [\"a -> a [2, delay 1 tick]\"]\n");
+  const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("error: x.yaml:1:37: key 'weights': cannot read './out': Is a "
+                                     "directory; write the path of a file\n"));
+}
+
+TEST(Check, PathsStartWhereALinkLies) {
+  const TemporaryDirectory directory;
+  for (const char* name : {"there", "here"}) {
+    std::filesystem::create_directory(directory.path() / name);
+  }
+  directory.write("there/x.yaml",
+                  "nodes: {a: {node: connect, weights: w.json}}\n"
+                  "connections: [a -> a]\n");
+  std::filesystem::create_symlink("../there/x.yaml", directory.path() / "here/x.yaml");
+  directory.write("there/w.json", "[[1]]");
+  EXPECT_THAT(spikeloop({"check", "here/x.yaml"}, directory).err,
+              HasSubstr("here/x.yaml:1:37: key 'weights': there is no weight file 'w.json' in "));
+  directory.write("here/w.json", "[[1, 0], [0, 1]]");
+  EXPECT_THAT(spikeloop({"check", "here/x.yaml"}, directory).err,
+              HasSubstr("the cycle a -> a has no delay"));
+}
+
+/// What `spikeloop new` prints, with a part of it replaced.
+std::string new_with(const TemporaryDirectory& directory, const std::string& part,
+                     const std::string& other) {
+  std::string text = spikeloop({"new"}, directory).out;
+  const auto place = text.find(part);
+  EXPECT_NE(place, std::string::npos) << part;
+  return text.replace(place, part.size(), other);
+}
+
+TEST(Check, SensorsHaveTheWidthOfTheRobot) {
+  const TemporaryDirectory directory;
+  const std::string chain =
+      "sectors [100] -> encoder [10] -> brain [10] -> decoder [10] -> wheels [2]";
+  directory.write("x.yaml", new_with(directory, chain,
+                                     "sectors [90] -> encoder -> brain -> decoder "
+                                     "-> wheels"));
+  const Outcome narrow = spikeloop({"check", "x.yaml"}, directory);
+  EXPECT_EQ(narrow.exit_code, 2);
+  EXPECT_THAT(narrow.err,
+              testing::ContainsRegex("error: x.yaml:[0-9]+:13: node 'scan': a message of the "
+                                     "robot's topic /scan gives 100 values, but 'scan.out' has 90 "
+                                     "channels; write \\[100\\] in its connection\n"));
+  directory.write("x.yaml", new_with(directory, chain,
+                                     "sectors -> encoder -> brain -> decoder -> "
+                                     "wheels"));
+  EXPECT_EQ(spikeloop({"check", "x.yaml"}, directory).err, "");
+  directory.write("x.yaml",
+                  new_with(directory, "message: sensor_msgs/LaserScan",
+                           "message: sensor_msgs/LaserScan, fields: [ranges, range_max]"));
+  EXPECT_THAT(spikeloop({"check", "x.yaml"}, directory).err, HasSubstr("gives 101 values, but"));
+  directory.write("x.yaml", new_with(directory, chain,
+                                     "sectors [90] -> encoder -> brain -> decoder "
+                                     "-> wheels\nros: 1"));
+  EXPECT_THAT(spikeloop({"check", "x.yaml"}, directory).err,
+              HasSubstr("in its connection, or leave 'robot' out when another robot sends it"));
+}
+
+TEST(Check, AWorldThatIsNotThere) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml", new_with(directory, "world: arena.xml", "world: maze.xml"));
+  const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err,
+              testing::ContainsRegex("error: x.yaml:[0-9]+:35: cannot find world 'maze.xml'"));
+}
+
+/// In the separate layout a program says what it thinks of its section.
+TEST(Export, SpeaksOfTheExperimentsLines) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml",
+                  "ros: 1\nnodes:\n  a: {node: ros_sensor, topic: \"/a b\", message: Twist}\n"
+                  "  b: {node: ros_command, topic: /c, message: Float64MultiArray}\n"
+                  "connections:\n  - a -> b [2]\n");
+  const Outcome outcome = spikeloop({"export", "x.yaml", "--out", "job"}, directory);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err,
+              testing::StartsWith("spikeloop: a: x.yaml:3:32: '/a b' is no name of a ROS topic; "));
+}
+
+TEST(Run, TimeoutsAreForSeveralProcesses) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml", spikeloop({"new"}, directory).out);
+  const Outcome outcome = spikeloop({"run", "x.yaml", "--stall-timeout", "5"}, directory);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err,
+            "spikeloop: --stall-timeout is for runs in several processes (--layout separate, or  "
+            "ros: 1), and this one has a single process; leave it out\n");
+}
+
 TEST(Check, WhatNewPrintsIsRight) {
   const TemporaryDirectory directory;
   directory.write("x.yaml", spikeloop({"new", "maze"}, directory).out);

@@ -1,6 +1,8 @@
 // What is read from files that are right: units, defaults, widths, delays, ways to write.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "spikeloop/record/recorder.hpp"
 #include "tests/experiment/experiment_text.hpp"
 
@@ -115,6 +117,43 @@ TEST_F(GoodFiles, DelaysInTimeAndInTicks) {
   EXPECT_THAT(texts(experiment),
               ElementsAre("scan.out -> encoder.in [3, 5]", "encoder.out -> brain.in [3, 2]",
                           "brain.out -> decoder.in [3, 1]", "decoder.out -> wheels.in [2, 3]"));
+}
+
+TEST_F(GoodFiles, BlanksInDelays) {
+  EXPECT_THAT(texts(good(with({{"encoder [3] -> brain [3]",
+                                "encoder [3, delay  2  ticks] -> brain [3,delay\t4ticks]"},
+                               {"decoder [3]", "decoder [ delay 0.003s ]"}}))),
+              ElementsAre("scan.out -> encoder.in [3, 2]", "encoder.out -> brain.in [3, 4]",
+                          "brain.out -> decoder.in [3, 3]", "decoder.out -> wheels.in [2]"));
+}
+
+TEST_F(GoodFiles, TablesSayWidths) {
+  // Rows are outputs, columns are inputs; a grid has centres and widths of its cells.
+  const std::string chain = "encoder [3] -> brain [3] -> decoder [3] -> wheels [2]";
+  EXPECT_EQ(texts(good(with({{chain, "encoder -> brain -> decoder -> wheels"}}))), kLinks);
+  EXPECT_THAT(
+      texts(good(with({{"nodes:\n",
+                        "nodes:\n  mix: {node: connect, weights: [[1, 0, 1, 0, 1]]}\n"
+                        "  sparse: {node: connect, weights: {rows: 3, columns: 1, entries: [[0, "
+                        "0, 1]]}}\n"},
+                       {"scan -> " + chain,
+                        "scan -> mix -> sparse -> encoder -> brain -> decoder -> wheels"}}))),
+      ElementsAre("scan.out -> mix.in [5]", "mix.out -> sparse.in [1]",
+                  "sparse.out -> encoder.in [3]", kLinks[1], kLinks[2], kLinks[3]));
+  more_["cells.json"] = "[[0, 0, 1, 1], [1, 0, 1, 1], [1, 1, 1, 1]]";
+  EXPECT_THAT(
+      texts(good(with({{"nodes:\n", "nodes:\n  cells: {node: discretize, grid: cells.json}\n"},
+                       {"scan -> " + chain, "scan -> cells -> " + chain}}))),
+      testing::IsSupersetOf({"scan.out -> cells.in [2]", "cells.out -> encoder.in [3]"}));
+}
+
+TEST_F(GoodFiles, AnOutputWithATableMayLeadNowhere) {
+  const Experiment experiment =
+      good(with({{"nodes:\n", "nodes:\n  other: {node: connect, weights: w.json}\n"},
+                 {"connections:\n", "connections:\n  - scan -> other\n"}}));
+  const auto output = std::ranges::find(experiment.outputs, "other", &experiment::Output::part);
+  ASSERT_NE(output, experiment.outputs.end());
+  EXPECT_EQ(output->width, 2U);
 }
 
 TEST_F(GoodFiles, AnOutputOfKnownWidthMayLeadNowhere) {

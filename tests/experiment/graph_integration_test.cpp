@@ -1,7 +1,9 @@
 // `spikeloop graph`: a picture that is XML, with all that the file names.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <regex>
+#include <utility>
 
 #include "tests/experiment/program.hpp"
 
@@ -153,15 +155,57 @@ TEST(GraphPicture, OfWrongFiles) {
   EXPECT_THAT(outcome.err, HasSubstr("unknown node class 'sigmod'; did you mean 'sigmoid'?"));
   directory.write("x.music", "[a]\nnp=1\nbinary=a\n[b]\nnp=1\nbinary=b\na.out -> c.in [1]\n");
   EXPECT_EQ(spikeloop({"graph", "x.music"}, directory).exit_code, 2);
-  const Outcome png = spikeloop({"graph", "x.yaml", "--out", "x.png"}, directory);
-  EXPECT_EQ(png.exit_code, 2);
-  EXPECT_EQ(png.err,
-            "spikeloop: --out: 'x.png' is no name of an SVG file; write for example x.svg "
-            "(rsvg-convert makes a PNG of it)\n");
+  const Outcome pdf = spikeloop({"graph", "x.yaml", "--out", "x.pdf"}, directory);
+  EXPECT_EQ(pdf.exit_code, 2);
+  EXPECT_EQ(pdf.err,
+            "spikeloop: --out: 'x.pdf' ends neither in .svg nor in .png; write x.svg or x.png\n");
+  EXPECT_EQ(spikeloop({"graph", "x.yaml", "--out", "a.d/x"}, directory).err,
+            "spikeloop: --out: 'a.d/x' ends neither in .svg nor in .png; write a.d/x.svg or "
+            "a.d/x.png\n");
   directory.write("y.yaml", spikeloop({"new"}, directory).out);
   const Outcome nowhere = spikeloop({"graph", "y.yaml", "--out", "no/x.svg"}, directory);
   EXPECT_EQ(nowhere.exit_code, 4);
   EXPECT_EQ(nowhere.err, "spikeloop: cannot write 'no/x.svg': No such file or directory\n");
+}
+
+/// Width and height of a PNG, from its header.
+std::pair<std::uint32_t, std::uint32_t> png_size(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  unsigned char head[24] = {};
+  file.read(reinterpret_cast<char*>(head), sizeof head);
+  EXPECT_EQ(std::string(reinterpret_cast<char*>(head), 8), "\x89PNG\r\n\x1a\n");
+  const auto number = [&head](int at) {
+    return std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
+           std::uint32_t{head[at + 2]} << 8 | head[at + 3];
+  };
+  return {number(16), number(20)};
+}
+
+TEST(Graph, PngIsTwiceAsLargeAsTheSvg) {
+  const TemporaryDirectory directory;
+  directory.write("y.yaml", spikeloop({"new"}, directory).out);
+  const std::string svg = spikeloop({"graph", "y.yaml"}, directory).out;
+  std::smatch size;
+  ASSERT_TRUE(std::regex_search(svg, size, std::regex("width=\"(\\d+)\" height=\"(\\d+)\"")));
+  const Outcome png = spikeloop({"graph", "y.yaml", "--out", "it's y.png"}, directory);
+  EXPECT_EQ(png.exit_code, 0) << png.err;
+  EXPECT_EQ(
+      png_size(directory.path() / "it's y.png"),
+      std::pair(std::uint32_t(2 * std::stoul(size[1])), std::uint32_t(2 * std::stoul(size[2]))));
+  EXPECT_EQ(spikeloop({"graph", "y.yaml", "--out", "no/x.png"}, directory).err,
+            "spikeloop: cannot write 'no/x.png': No such file or directory\n");
+}
+
+TEST(Graph, PngNeedsAConverter) {
+  const TemporaryDirectory directory;
+  directory.write("y.yaml", spikeloop({"new"}, directory).out);
+  const Outcome png = run({.arguments = {SPIKELOOP_PROGRAM, "graph", "y.yaml", "--out", "y.png"},
+                           .environment = {{"PATH", directory.path().string()}},
+                           .directory = directory.path().string()});
+  EXPECT_EQ(png.exit_code, 3);
+  EXPECT_EQ(png.err,
+            "spikeloop: --out: a PNG is drawn by rsvg-convert, which is not in PATH; install it "
+            "(Debian: apt install librsvg2-bin), or write  --out y.svg\n");
 }
 
 }  // namespace

@@ -121,7 +121,11 @@ TEST(DescribeExperiment, ShowsTheFilesKeys) {
   const Outcome outcome = spikeloop({"describe", "--experiment"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\n  tick "));
-  EXPECT_THAT(outcome.out, HasSubstr("\nrobot: The robot that is simulated in this process.\n"));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr(
+          "\nrobot: The robot that is simulated in this process, or a bag in its place: write  "
+          "simulator  or  bag.\n"));
   EXPECT_EQ(spikeloop({"describe", "connect", "--experiment"}, directory).exit_code, 2);
 }
 

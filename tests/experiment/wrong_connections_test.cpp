@@ -77,6 +77,13 @@ INSTANTIATE_TEST_SUITE_P(
                    "leave it out",
                    "x.yaml:12:13: 'scan.out' is continuous, but 'brain.in' is spikes; put an "
                    "encoder or a decoder between them"}},
+        WrongFile{"tables that disagree",
+                  {{"encoder [3] -> brain [3] -> decoder [3] -> wheels [2]",
+                    "a -> b -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]"},
+                   {"nodes:\n",
+                    "nodes:\n  a: {node: connect, weights: [[1, 1], [1, 1]]}\n"
+                    "  b: {node: connect, weights: w.json}\n"}},
+                  {"x.yaml:14:18: widths differ: 'a.out' has 2 channels, 'b.in' has 3"}},
         WrongFile{"widths that differ",
                   {{"brain [3] -> decoder [3]", "brain [3] -> decoder [5]"}},
                   {"x.yaml:12:41: widths differ: 'brain.out' has 3 channels, 'decoder.in' has 5, "
@@ -123,6 +130,14 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"delay without unit",
                   {{"encoder [3]", "encoder [3, delay 5]"}},
                   {"x.yaml:12:31: delay '5' has no unit; write 5 ms or 5 ticks"}},
+        WrongFile{"delay without a time",
+                  {{"encoder [3]", "encoder [3, delay]"}},
+                  {"x.yaml:12:25: 'delay' is no delay; write for example  delay 5 ms  or  delay 2 "
+                   "ticks"}},
+        WrongFile{"another word than delay",
+                  {{"encoder [3]", "encoder [3, delays 2 ticks]"}},
+                  {"x.yaml:12:25: 'delays 2 ticks' is no delay; write for example  delay 5 ms  or  "
+                   "delay 2 ticks"}},
         WrongFile{"delay of another unit",
                   {{"encoder [3]", "encoder [3, delay 5 Hz]"}},
                   {"x.yaml:12:31: delay '5 Hz' is no delay: '5 Hz': 'Hz' is not a unit of time "

@@ -88,6 +88,16 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"simulator: builtin", "simulator: nist"}},
                   {"x.yaml:8:22: node 'brain': simulator 'nist' is unknown; write  simulator: "
                    "builtin, or couple it by a .music file"}},
+        WrongFile{
+            "node without a name",
+            {{"nodes:\n", "nodes:\n  : {node: sigmoid}\n  \"\": {node: sigmoid}\n"}},
+            {"x.yaml:6:3: key 'nodes': nothing stands where a name has to; write  name: value",
+             "x.yaml:7:3: key 'nodes': nothing stands where a name has to; write  name: "
+             "value"}},
+        WrongFile{"list in place of a name",
+                  {{"nodes:\n", "nodes:\n  [a]: {node: sigmoid}\n"}},
+                  {"x.yaml:6:3: key 'nodes': a list stands where a name has to; write  name: "
+                   "value"}},
         WrongFile{"bad node name",
                   {{"  encoder:", "  my-encoder:"}},
                   {"x.yaml:7:3: 'my-encoder' is no name of a node; write letters, digits and '_'"}},
@@ -154,12 +164,32 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"1 s", "-1 s"}},
                   {"x.yaml:2:11: key 'duration': -1 is out of bounds; write a value from 0 to "
                    "9000000000 s"}},
-        WrongFile{"seed that is no number",
-                  {{"tick: 1 ms", "seed: one"}},
-                  {"x.yaml:3:7: key 'seed': 'one' is not a whole number; write for example 10"}},
+        WrongFile{
+            "duration of nothing",
+            {{"1 s", "0 s"}},
+            {"x.yaml:2:11: key 'duration': a run of 0 s does nothing; write for example 1 ms, "
+             "or leave it out: then the run goes on until it is stopped"}},
+        WrongFile{"duration below a tick",
+                  {{"1 s", "0.3 ms"}},
+                  {"x.yaml:2:11: key 'duration': 300 us is no whole number of ticks of 1 ms; write "
+                   "1 ms"}},
+        WrongFile{"duration between two ticks",
+                  {{"1 s", "1 s"}, {"tick: 1 ms", "tick: 7 ms"}},
+                  {"x.yaml:2:11: key 'duration': 1 s is no whole number of ticks of 7 ms; write "
+                   "994 ms or 1.001 s"}},
+        WrongFile{
+            "seed that is no number",
+            {{"tick: 1 ms", "seed: one"}},
+            {"x.yaml:3:7: key 'seed': 'one' is not a whole number; write a whole number from 0 "
+             "to 9223372036854775807"}},
         WrongFile{"negative seed",
                   {{"tick: 1 ms", "seed: -1"}},
-                  {"x.yaml:3:7: key 'seed': -1 is out of bounds; write a value of at least 0"}},
+                  {"x.yaml:3:7: key 'seed': -1 is out of bounds; write a whole number from 0 to "
+                   "9223372036854775807"}},
+        WrongFile{"seed that no integer holds",
+                  {{"tick: 1 ms", "seed: 99999999999999999999"}},
+                  {"x.yaml:3:7: key 'seed': 99999999999999999999 is out of bounds; write a whole "
+                   "number from 0 to 9223372036854775807"}},
         WrongFile{"wrong choice of sync",
                   {{"tick: 1 ms", "sync: lockstp"}},
                   {"x.yaml:3:7: key 'sync': 'lockstp' is not a choice; did you mean 'lockstep'?; "

@@ -89,6 +89,10 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"weights: w.json", "weights: " + bomb()}},
                   {"x.yaml:9:67: there are more than 4000000 values or 32 levels here; write them "
                    "into a file"}},
+        WrongFile{"maps that are merged",
+                  {{"nodes:\n", "nodes:\n  a: &a {node: sigmoid}\n  b: {<<: *a, slope: 2}\n"}},
+                  {"x.yaml:7:7: node 'b': '<<' is not read; write the other map's keys "
+                   "themselves"}},
         WrongFile{"alias of itself",
                   {{"weights: w.json", "weights: &a [*a]"}},
                   {"x.yaml:9:56: there are more than 4000000 values or 32 levels here; write them "

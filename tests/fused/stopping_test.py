@@ -28,6 +28,11 @@ class Miscounting:
         raise ValueError("lost count")
 
 @spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
+def losing(step):
+    from_here = step.begin > 100_000_000
+    step.write("out", step.inputs["in"] * (float("nan") if from_here else 1.0))
+
+@spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
 def hanging(step):
     import time
     if step.begin > 100_000_000:
@@ -119,6 +124,18 @@ def failing_node(spikeloop, scratch):
     assert summary["counters"]["wheels.stops_terminated"] <= 1, summary
 
 
+def not_a_number(spikeloop, scratch):
+    """The robot is stopped, and it is said whose value stopped it."""
+    file = runs.new_experiment(spikeloop, scratch / "nan.yaml", sync="lockstep")
+    text = file.read_text().replace("nodes:\n",
+                                    "plugins: [failing.py]\nnodes:\n  odd: {node: losing}\n")
+    file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
+    summary, printed = runs.run(spikeloop, file, scratch / "nan", "--duration", "2")
+    assert printed.count("warning: node 'wheels': the robot is stopped at ") == 1, printed
+    assert "a value from 'odd.out' is no finite number" in printed, printed
+    assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
+
+
 def wrong_options(spikeloop, scratch):
     file = runs.new_experiment(spikeloop, scratch / "options.yaml")
     for arguments, text in (
@@ -145,6 +162,7 @@ def main():
         nothing_is_lost(spikeloop, scratch)
         failing_node(spikeloop, scratch)
         hanging_node(spikeloop, scratch)
+        not_a_number(spikeloop, scratch)
         wrong_options(spikeloop, scratch)
     print("stopped by Ctrl-C, by a failing node, and not begun with wrong options")
 

@@ -234,6 +234,13 @@ TEST_F(State, TheFirstFailureIsTheReason) {
   EXPECT_EQ(failure.message, "c: tau is 0");
 }
 
+TEST_F(State, WhatRunsInMpirunsPlaceIsNamed) {
+  EXPECT_EQ(state_.explain({137, true, {}, "spikeloop-fused"}).message,
+            "spikeloop-fused was killed by signal 9 (Killed)");
+  EXPECT_EQ(state_.explain({1, false, {}, "spikeloop-fused"}).message,
+            "spikeloop-fused ended with exit code 1");
+}
+
 TEST_F(State, AFailureWithoutWordsOrCodeIsOne) {
   tell("c", "failure", {{"exit_code", "five"}});
   EXPECT_EQ(state_.explain({0}).exit_code, 1);

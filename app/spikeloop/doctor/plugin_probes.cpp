@@ -1,10 +1,8 @@
-// Plug-ins in SPIKELOOP_PLUGIN_PATH. Every node program loads all of them, and one that is refused
-// ends it: so they are needed.
+// Plug-ins in SPIKELOOP_PLUGIN_PATH, libraries and Python files alike. Every node program loads all
+// of them, and one that is refused ends it: so they are needed.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -18,10 +16,13 @@
 namespace spikeloop::app::doctor {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr const char* kRemove =
-    "rebuild it with this Spikeloop (docs/plugins.md), or take it out of SPIKELOOP_PLUGIN_PATH";
+/// A library is built, a file of another kind is written.
+const char* remedy_for(const std::string& path) {
+  return path.ends_with(".so")
+             ? "rebuild it with this Spikeloop (docs/plugins.md), or take it out of "
+               "SPIKELOOP_PLUGIN_PATH"
+             : "correct it (docs/python-nodes.md), or take it out of SPIKELOOP_PLUGIN_PATH";
+}
 
 /// Which plug-in has given a class its name; filled while findings are judged, in order.
 using Owners = std::map<std::string, std::string>;
@@ -42,8 +43,8 @@ Finding without_clash(Finding finding, const std::string& path, Owners& owners) 
 }
 
 Probe plugin_probe(const std::string& path, const std::shared_ptr<Owners>& owners) {
-  Probe probe = child_probe(path, true, {"plugin", path}, [](const std::string& failure) {
-    return missing(fmt::format("cannot be loaded: {}", failure), kRemove);
+  Probe probe = child_probe(path, true, {"plugin", path}, [path](const std::string& failure) {
+    return missing(fmt::format("cannot be loaded: {}", failure), remedy_for(path));
   });
   probe.judge = [judge = std::move(probe.judge), path, owners](const auto& answers) {
     return without_clash(judge(answers), path, *owners);
@@ -60,6 +61,24 @@ Probe directory_probe(const std::string& directory, std::size_t plugins, std::er
   });
 }
 
+std::vector<Probe> directory_probes(const std::string& directory,
+                                    const std::shared_ptr<Owners>& owners) {
+  std::error_code error;
+  std::vector<std::string> paths;
+  try {
+    paths = plugin_files(directory, error);
+  } catch (const Error& fault) {  // nobody can say whether a *.py file is a plug-in
+    return {fact(directory, true, [text = std::string(fault.what())] {
+      return missing(text, "install Spikeloop with Python's node library");
+    })};
+  }
+  std::vector<Probe> probes{directory_probe(directory, paths.size(), error)};
+  for (const std::string& path : paths) {
+    probes.push_back(plugin_probe(path, owners));
+  }
+  return probes;
+}
+
 }  // namespace
 
 Finding look_at_plugin(const std::string& path) {
@@ -73,7 +92,7 @@ Finding look_at_plugin(const std::string& path) {
     if (reason.starts_with(prefix)) {  // the path is the item's name
       reason.remove_prefix(prefix.size());
     }
-    return missing(std::string(reason), kRemove);
+    return missing(std::string(reason), remedy_for(path));
   }
 }
 
@@ -81,17 +100,8 @@ std::vector<Probe> plugin_probes() {
   const auto owners = std::make_shared<Owners>();
   std::vector<Probe> probes;
   for (const std::string& directory : path_list(plugin_path())) {
-    std::error_code error;
-    std::vector<std::string> paths;
-    for (const auto& entry : fs::directory_iterator(directory, error)) {
-      if (entry.path().extension() == ".so") {
-        paths.push_back(entry.path());
-      }
-    }
-    std::ranges::sort(paths);
-    probes.push_back(directory_probe(directory, paths.size(), error));
-    for (const std::string& path : paths) {
-      probes.push_back(plugin_probe(path, owners));
+    for (Probe& probe : directory_probes(directory, owners)) {
+      probes.push_back(std::move(probe));
     }
   }
   if (probes.empty()) {

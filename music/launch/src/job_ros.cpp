@@ -56,6 +56,13 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
   }
 }
 
+/// A robot that was killed has not said goodbye to its master.
+std::vector<std::string> living(const RosMaster& master, const char* topic) {
+  std::vector<std::string> nodes = master.publishers(topic);
+  std::erase_if(nodes, [&master](const std::string& node) { return !master.is_alive(node); });
+  return nodes;
+}
+
 }  // namespace
 
 bool JobRun::start_ros() {
@@ -70,6 +77,7 @@ bool JobRun::start_ros() {
       return false;  // while it was asked
     }
     if (!options_.roscore) {
+      const bool is_experiment = !options_.program.empty() || options_.translate;
       if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
         throw TransportError(
             fmt::format("no ROS master answers at {}: {}, or write another address into "
@@ -80,9 +88,8 @@ bool JobRun::start_ros() {
           "no ROS master answers at {}; start one (roscore), write its address into "
           "ROS_MASTER_URI, or {}",
           master.uri(),
-          options_.program.empty()
-              ? "let us start one of our own: --roscore"
-              : "write  robot: {simulator: mujoco}  for a robot and a master of our own"));
+          is_experiment ? "write  robot: {simulator: mujoco}  for a robot and a master of our own"
+                        : "let us start one of our own: --roscore"));
     }
     if (!start_roscore()) {
       return false;
@@ -127,9 +134,16 @@ bool JobRun::start_roscore() {
 
 bool JobRun::start_robot() {
   const RosMaster master(ros_environment_["ROS_MASTER_URI"]);
-  if (master.publishes(kScanTopic)) {
+  const auto scans = [&master] { return !living(master, kScanTopic).empty(); };
+  if (scans()) {
     log::info("{} is published already: no robot is started", kScanTopic);
     return true;
+  }
+  for (const std::string& dead : master.publishers(kScanTopic)) {
+    log::warning(
+        "the ROS master has {} as a publisher of {}, but it does not answer: a robot of "
+        "our own is started; 'rosnode cleanup' makes the master forget the other one",
+        dead, kScanTopic);
   }
   ProgramStart start;
   start.arguments = {"spikeloop-robot", "--out", folder_};
@@ -140,15 +154,14 @@ bool JobRun::start_robot() {
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
-  crew_.turn_until([&] { return outcome_ || robot_->gone() || master.publishes(kScanTopic); },
-                   kRosStart);
+  crew_.turn_until([&] { return outcome_ || robot_->gone() || scans(); }, kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
-  } else if (!outcome_ && !master.publishes(kScanTopic)) {
+  } else if (!outcome_ && !scans()) {
     fail(kPartnerMissing, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
                                       kRosStart.count() / 1000, last_line(*robot_)));
   }

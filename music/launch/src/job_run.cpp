@@ -65,8 +65,16 @@ JobRun::~JobRun() = default;
 
 void JobRun::fail(int exit_code, const std::string& reason) {
   if (!outcome_) {
-    outcome_ = {exit_code, reason};
+    outcome_ = {exit_code, translated(reason)};
   }
+}
+
+std::string JobRun::translated(const std::string& text) const {
+  return options_.translate ? options_.translate(text) : text;
+}
+
+std::string JobRun::starter() const {
+  return options_.program.empty() ? "mpirun" : options_.program.front();
 }
 
 void JobRun::take_message(const nlohmann::json& message) {
@@ -86,9 +94,10 @@ void JobRun::take_signal(int number) {
 }
 
 void JobRun::take_line(const std::string& label, const OutputLine& line) {
-  log_ << label << ": " << line.text << std::endl;
+  const std::string text = translated(line.text);
+  log_ << label << ": " << text << std::endl;
   if (events_.line) {
-    events_.line({label, line.error, line.text});
+    events_.line({label, line.error, text});
   }
 }
 
@@ -142,7 +151,7 @@ bool JobRun::check() {
   }
   Findings findings = check_together(effective_);
   for (const std::string& warning : findings.warnings) {
-    log::warning("{}", warning);
+    log::warning("{}", translated(warning));
   }
   findings.append(check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
@@ -186,7 +195,7 @@ void JobRun::supervise() {
   }
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
-    const Failure failure = state_.explain({code, WIFSIGNALED(status), missed});
+    const Failure failure = state_.explain({code, WIFSIGNALED(status), missed, starter()});
     const bool far = !options_.hostfile.empty() && !state_.any_started();
     fail(failure.exit_code,
          failure.message + (far ? fmt::format("; see {}/mpirun.log", folder_) : ""));
@@ -213,15 +222,17 @@ void JobRun::watch_start() {
     return;
   }
   const double limit_s = std::chrono::duration<double>(options_.start_timeout).count();
-  fail(3, fmt::format("the job has not begun{}; {}{}",
-                      too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
-                      before_setup ? "" : fmt::format(". {}", kBarrierAdvice)));
+  fail(3,
+       fmt::format(
+           "the job has not begun{}; {}{}", too_late ? fmt::format(" within {:g} s", limit_s) : "",
+           reason,
+           before_setup || !options_.program.empty() ? "" : fmt::format(". {}", kBarrierAdvice)));
   mpirun_->tree().end();
 }
 
 std::string JobRun::why_nobody_starts() const {
   if (is_stopped(mpirun_->tree().pid())) {
-    return fmt::format("mpirun has been stopped (SIGSTOP). {}", kContinueAdvice);
+    return fmt::format("{} has been stopped (SIGSTOP). {}", starter(), kContinueAdvice);
   }
   const auto living = starting_->living();
   const bool stopped = std::ranges::any_of(living, [](const auto& entry) { return entry.second; });
@@ -301,7 +312,8 @@ void JobRun::watch_end() {
   const bool quick = all_ours(effective_.file) && !any_script(effective_.file);
   const auto grace = quick ? kEndGrace : kForeignEndGrace;
   if (reported_since_ && Clock::now() - *reported_since_ > grace) {
-    log::warning("mpirun has not ended {} s after the last report: it is ended now", grace.count());
+    log::warning("{} has not ended {} s after the last report: it is ended now", starter(),
+                 grace.count());
     reported_since_ = Clock::now();
     ended_after_reports_ = true;
     mpirun_->tree().end();

@@ -31,6 +31,9 @@ class JobRun {
   void fail(int exit_code, const std::string& reason);
 
  private:
+  std::string translated(const std::string& text) const;
+  /// What is started: mpirun, or the program in its place.
+  std::string starter() const;
   void take_message(const nlohmann::json& message);
   void take_signal(int number);
   /// Shows a line and writes it to mpirun.log.

@@ -181,7 +181,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
                                        SIGTERM, strsignal(SIGTERM))};
   }
   if (!rank && end.killed) {
-    return {otherwise, killed_text("mpirun", end.exit_code - 128)};
+    return {otherwise, killed_text(end.program, end.exit_code - 128)};
   }
   if (!rank && !end.missed.empty()) {
     std::vector<std::string> names;
@@ -199,7 +199,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
   if (!rank) {
     return {otherwise,
             fmt::format(
-                "mpirun ended with exit code {}{}", end.exit_code,
+                "{} ended with exit code {}{}", end.program, end.exit_code,
                 last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
   }
   const auto words = last_words_.find(*rank);

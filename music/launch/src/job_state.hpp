@@ -26,6 +26,7 @@ struct MpirunEnd {
   int exit_code = 0;
   bool killed = false;                ///< by a signal: the code is 128 + its number
   std::vector<std::string> missed{};  ///< sections whose programs ended before MPI knew them
+  std::string program = "mpirun";     ///< or what runs in its place
 };
 
 class JobState {

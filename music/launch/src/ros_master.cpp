@@ -206,6 +206,45 @@ bool RosMaster::publishes(const std::string& topic) const {
   return answer->find(fmt::format(">{}<", topic)) != std::string::npos;
 }
 
+std::vector<std::string> RosMaster::publishers(const std::string& topic) const {
+  constexpr std::string_view kBegin = "<string>";
+  constexpr std::string_view kEnd = "</string>";
+  if (!publishes(topic)) {
+    return {};  // the name may still stand there, as a subscriber's topic
+  }
+  auto answer = call("getSystemState", "").value_or("");
+  std::erase_if(answer, [](unsigned char c) { return std::isspace(c) != 0; });
+  // Lists of [topic, [node, ...]], the publishers' first.
+  const std::string entry = fmt::format("<string>{}</string></value><value><array>", topic);
+  const auto begin = answer.find(entry);
+  if (begin == std::string::npos) {
+    return {};
+  }
+  std::string_view list = std::string_view(answer).substr(begin + entry.size());
+  list = list.substr(0, list.find("</array>"));
+  std::vector<std::string> nodes;
+  for (auto at = list.find(kBegin); at != std::string_view::npos; at = list.find(kBegin)) {
+    list.remove_prefix(at + kBegin.size());
+    nodes.emplace_back(list.substr(0, list.find(kEnd)));
+  }
+  return nodes;
+}
+
+bool RosMaster::is_alive(const std::string& node) const {
+  const std::string answer = call("lookupNode", text_value(node)).value_or("");
+  const auto begin = answer.find("http://");
+  if (begin == std::string::npos) {
+    return false;
+  }
+  try {
+    return RosMaster(answer.substr(begin, answer.find('<', begin) - begin))
+        .call("getPid", "")
+        .has_value();
+  } catch (const ConfigurationError&) {
+    return false;  // an address that nobody can have
+  }
+}
+
 std::uint16_t free_port() {
   const Descriptor fd{socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
   sockaddr_in address{};

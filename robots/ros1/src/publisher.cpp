@@ -53,9 +53,10 @@ std::vector<std::byte> Publisher::message(std::span<const double> values) const 
   return bytes;
 }
 
-void Publisher::publish(std::span<const double> values) {
+std::span<const std::byte> Publisher::publish(std::span<const double> values) {
   impl_->write(values, impl_->bytes);
   impl_->publisher.publish(impl_->bytes);
+  return impl_->bytes;
 }
 
 void Publisher::drain() const {

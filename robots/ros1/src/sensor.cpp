@@ -29,14 +29,18 @@ struct Sensor::Impl {
   void take(std::span<const std::byte> bytes, TimeNs now) {
     const bool good = conversion.convert(bytes);
     const std::string warning = conversion.take_warning();
-    publish(good, now);
+    publish(bytes, good, now);
     if (!warning.empty()) {
       log::warning("topic '{}': {}", settings.topic, warning);
     }
   }
 
-  void publish(bool good, TimeNs now) {
+  /// Values and message at once: a tick uses what is kept for it, and nothing else.
+  void publish(std::span<const std::byte> bytes, bool good, TimeNs now) {
     const std::lock_guard lock(mutex);
+    if (settings.keep) {
+      arrivals.emplace_back(bytes.begin(), bytes.end());
+    }
     counts = conversion.counts();
     if (good) {
       std::ranges::copy(conversion.channels(), newest.begin());
@@ -52,9 +56,11 @@ struct Sensor::Impl {
   std::vector<double> newest;
   TimeNs arrived = 0;
   std::uint64_t revision = 0;
+  std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
   messages::SensorConversion::Counts counts;
 
   std::uint64_t seen = 0;  // used by the loop only
+  std::vector<std::vector<std::byte>> taken;
   bool initial_sent = false;
   Intake intake;  // last: no callback comes before there is all the rest, or after
 };
@@ -92,7 +98,12 @@ void Sensor::receive(const Step& step) {
       impl_->seen = impl_->revision;
       std::ranges::copy(impl_->newest, out.values().begin());
     }
+    impl_->taken.swap(impl_->arrivals);
   }
+  for (const auto& message : impl_->taken) {
+    impl_->settings.keep(step.interval().begin, message);
+  }
+  impl_->taken.clear();
   if (!fresh) {
     return;
   }

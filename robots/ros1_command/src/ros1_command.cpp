@@ -25,11 +25,18 @@ guard::Hello guard_hello(const Address& address, const command::CommandSettings&
 }  // namespace
 
 Ros1Command::Ros1Command(ros1::Session& session, const Address& address,
-                         const command::CommandSettings& settings)
+                         const command::CommandSettings& settings, Sent sent)
     : session_(session),
       publisher_(session, address.topic, address.message_type, address.fields),
+      sent_(std::move(sent)),
       guard_(guard_hello(address, settings, publisher_)),
-      sink_(settings, {.publish = [this](auto values) { publisher_.publish(values); },
+      sink_(settings, {.publish =
+                           [this](auto values) {
+                             const auto message = publisher_.publish(values);
+                             if (sent_) {
+                               sent_(message);
+                             }
+                           },
                        .finish =
                            [this] {
                              leave_to_guard_if_dead();

@@ -122,7 +122,8 @@ TEST(CommonKeys, SayWhatIsWrongAndWhatToWrite) {
             "loop.music:7:3: key 'sync': 'sim_time' is not in this version; write realtime or "
             "unpaced");
   EXPECT_EQ(error_of({{"seed", "-1"}}),
-            "loop.music:7:3: key 'seed': -1 is out of bounds; write a value of at least 0");
+            "loop.music:7:3: key 'seed': -1 is out of bounds; write a whole number from 0 to "
+            "9223372036854775807");
   EXPECT_EQ(error_of({{"stoptime", "-1"}}),
             "loop.music:7:3: key 'stoptime': -1 is out of bounds; write a value of at least 0 s");
   EXPECT_NE(

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace spikeloop {
@@ -12,5 +13,8 @@ std::string_view plugin_path();
 
 /// The parts of a ':'-separated list that are not empty.
 std::vector<std::string> path_list(std::string_view text);
+
+/// The plug-ins in a directory, sorted: libraries, and *.py files that define nodes.
+std::vector<std::string> plugin_files(const std::string& directory, std::error_code& error);
 
 }  // namespace spikeloop

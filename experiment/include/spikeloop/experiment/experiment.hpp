@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,10 +69,12 @@ struct Robot {
   std::string world = "arena.xml";
   std::uint64_t seed = 1;
   Location where;
+  std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
 };
 
 struct Experiment {
   std::string path;
+  std::string origin;  ///< relative paths start where this file lies; `path`, unless it is a copy
   std::string name;
   std::optional<TimeNs> duration;
   TimeNs tick = 1'000'000;
@@ -83,6 +87,7 @@ struct Experiment {
   std::vector<Link> links;  ///< in the file's order
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
+  std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
 
   const Part& part(std::string_view name) const;
   /// Of a port that a link reaches; 0 for one that none does.
@@ -96,21 +101,36 @@ struct Fault {
   int exit_code = 2;
 };
 
+/// The messages of a run in place of its robot.
+struct Replay {
+  std::string origin;  ///< the file that was run, of which this one is a copy
+  std::string bag;     ///< empty: no node takes messages
+};
+
 /// What the command line says in place of the file.
 struct Overrides {
   std::optional<double> duration_s;
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  /// false: the nodes are not tried; somebody else has, or makes them at once.
+  bool try_nodes = true;
+  std::optional<Replay> replay{};
 };
+
+/// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.
+using SensorWidth = std::function<std::uint32_t(const Part& sensor)>;
+/// @throws Error when there is no such robot.
+using LookAtRobot = std::function<SensorWidth(const Robot&)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
 /// have; makes every node once. Relative paths start where the file lies. `kinds` must outlive the
 /// result, which is not to be used when there are faults. These are added to `faults`, which is
 /// then in the file's order.
+/// @param look_at_robot empty: sensors are not held against the robot
 Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
-                   std::vector<Fault>& faults);
+                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot = {});
 
 /// An experiment with all that it points to, or what is wrong with it.
 struct Loaded {
@@ -121,7 +141,8 @@ struct Loaded {
 
 /// Reads a file, loads its plug-ins and those in SPIKELOOP_PLUGIN_PATH, resolves it. Never throws
 /// for what is wrong with these.
-std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides);
+std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides,
+                             const LookAtRobot& look_at_robot = {});
 
 /// Where paths in the file start.
 std::string directory_of(const std::string& experiment_path);

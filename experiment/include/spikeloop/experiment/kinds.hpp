@@ -29,6 +29,10 @@ class Kinds {
   /// Those of every plug-in in these directories (SPIKELOOP_PLUGIN_PATH).
   void load_plugin_path(std::string_view directories) { registry_.load_plugin_path(directories); }
 
+  /// A plug-in could not be loaded: a class that is unknown may be one of its.
+  void set_incomplete() { incomplete_ = true; }
+  bool may_lack(std::string_view name) const;
+
   /// An endpoint's class has no factory. @throws ConfigurationError with "did you mean".
   const NodeClass& find(std::string_view name) const;
   Role role(std::string_view name) const;
@@ -45,6 +49,7 @@ class Kinds {
   Registry registry_;
   std::map<std::string, Endpoint, std::less<>> endpoints_;
   std::map<std::string, std::string, std::less<>> plugins_;  ///< class to file
+  bool incomplete_ = false;
 };
 
 }  // namespace spikeloop::experiment

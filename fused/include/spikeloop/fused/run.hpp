@@ -28,9 +28,13 @@ struct Progress {
   std::uint64_t overruns = 0;
 };
 
+// Files of a run folder.
+inline constexpr const char* kMessagesFile = "messages.bag";
+inline constexpr const char* kExperimentFile = "experiment.yaml";  ///< the file that was run
+
 struct RunOptions {
-  /// Run folder, which must be there: what nodes put out, trajectory.csv, world.json,
-  /// resolved.json, summary.json. Empty: none.
+  /// Run folder, which must be there: what nodes put out, messages.bag, trajectory.csv, world.json,
+  /// experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
 };
@@ -58,7 +62,7 @@ RunResult run(const experiment::Experiment& experiment, const RunOptions& option
 RunResult run(const experiment::Experiment& experiment, Transport& transport,
               const RunOptions& options, const RunEvents& events = {});
 
-/// Every key with its value, every connection with its width and delay.
+/// Every key with its value, every connection with its width and delay, what files it was made of.
 nlohmann::json resolved_json(const experiment::Experiment& experiment);
 
 }  // namespace spikeloop::fused

@@ -1,9 +1,13 @@
 // What carries messages between the graph and the robot.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
 
 #include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/component_map.hpp"
@@ -21,10 +25,23 @@ class CommandEnd : public Sink {
   virtual nlohmann::json summary() const = 0;
 };
 
+/// Keeps a message that a node took or sent, with the time at which it did: of a sensor the one at
+/// which its tick begins, of a command the one at which it ends. Called in the loop's thread; may
+/// be empty.
+using Keep = std::function<void(TimeNs time, std::span<const std::byte> message)>;
+
+struct SensorSpec {
+  const experiment::Part& part;
+  std::uint32_t width = 0;
+  Keep keep{};  ///< every message, in order; what the last one makes of them is what the tick uses
+};
+
 struct CommandSpec {
   const experiment::Part& part;
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
+  std::string from{};  ///< the output that drives it, "decoder.out"
+  Keep keep{};
 };
 
 class Transport {
@@ -35,7 +52,7 @@ class Transport {
   virtual ~Transport() = default;
 
   /// Ports: `out` [width] and `pace` [1].
-  virtual std::unique_ptr<Source> sensor(const experiment::Part& part, std::uint32_t width) = 0;
+  virtual std::unique_ptr<Source> sensor(const SensorSpec& spec) = 0;
   virtual std::unique_ptr<CommandEnd> command(const CommandSpec& spec) = 0;
 
   /// The clock shows `time`: before the graph steps.

@@ -29,6 +29,9 @@ struct JobOptions {
   /// A program in mpirun's place, already checked, for the only section of the file: it reports as
   /// that section and stops at SIGUSR1. Empty: mpirun and MUSIC.
   std::vector<std::string> program{};
+  /// What is said of the file, for whoever wrote another one that it was made from. Empty: as it
+  /// is.
+  std::function<std::string(const std::string&)> translate{};
   bool roscore = false;  ///< start a ROS master when none answers
   bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
   std::vector<std::string> robot_arguments{};

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace spikeloop::launch {
 
@@ -35,6 +36,10 @@ class RosMaster {
   std::string unresolved() const;
   /// Whether any node publishes this topic; false, too, when the master does not answer.
   bool publishes(const std::string& topic) const;
+  /// The nodes that the master has as the topic's publishers: their names.
+  std::vector<std::string> publishers(const std::string& topic) const;
+  /// Whether a node is there: a master keeps those that were killed.
+  bool is_alive(const std::string& node) const;
 
  private:
   /// The answer's text; nothing when there was none within three seconds.

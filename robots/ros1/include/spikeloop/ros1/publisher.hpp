@@ -27,8 +27,8 @@ class Publisher {
 
   /// The bytes of a message with these values, all other fields zero.
   std::vector<std::byte> message(std::span<const double> values) const;
-  /// Sends that; as RawPublisher::publish.
-  void publish(std::span<const double> values);
+  /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
+  std::span<const std::byte> publish(std::span<const double> values);
   /// As RawPublisher::drain.
   void drain() const;
 

@@ -1,8 +1,11 @@
 // A topic as a source: the newest message's channels, taken the moment it arrives.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +21,9 @@ struct SensorSettings {
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value
+  /// Told in receive() of every message that has arrived since the call before, in order: those
+  /// that made the values of this tick, whose begin is `time`. May be empty.
+  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
 };
 
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that

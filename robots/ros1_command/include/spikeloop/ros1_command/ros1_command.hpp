@@ -2,6 +2,9 @@
 // end of the process.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,10 +26,13 @@ struct Address {
 /// Ports as command::CommandSink.
 class Ros1Command : public Sink {
  public:
+  using Sent = std::function<void(std::span<const std::byte> message)>;
+
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
   /// both before the robot is driven. @throws ConfigurationError as ros1::Publisher.
+  /// @param sent told of every message that has left, in whatever thread it did; may be empty
   Ros1Command(ros1::Session& session, const Address& address,
-              const command::CommandSettings& settings);
+              const command::CommandSettings& settings, Sent sent = {});
 
   std::vector<EndpointPort> ports() const override { return sink_.ports(); }
   void send(const Step& step) override { sink_.send(step); }
@@ -40,6 +46,7 @@ class Ros1Command : public Sink {
 
   ros1::Session& session_;
   ros1::Publisher publisher_;
+  Sent sent_;
   guard::Link guard_;
   command::CommandSink sink_;
   status::TerminationHook on_termination_;

@@ -1,0 +1,33 @@
+// What a run of an experiment left in its folder, as far as a replay needs it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::app {
+
+struct RecordedRun {
+  std::string folder;  ///< as it was written
+  nlohmann::json resolved;
+  nlohmann::json summary;
+  std::string experiment_file;  ///< the copy
+  experiment::Replay replay;
+  double simulated_s = 0;
+  std::uint64_t seed = 1;
+};
+
+/// @throws FileError: no such folder; ConfigurationError: no run that can be replayed, and why.
+RecordedRun read_recorded_run(const std::string& folder);
+
+/// Why the replay may differ, as far as the folder knows: messages that were dropped, files that
+/// have changed, another version.
+std::vector<std::string> doubts(const RecordedRun& run);
+/// The same of the experiment as it is now: keys or connections with other values.
+std::vector<std::string> doubts(const RecordedRun& run, const nlohmann::json& resolved_now);
+
+}  // namespace spikeloop::app

@@ -1,0 +1,126 @@
+#include "replay_command.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "experiment_command.hpp"
+#include "experiment_folder.hpp"
+#include "option_values.hpp"
+#include "output.hpp"
+#include "recorded_run.hpp"
+#include "spike_comparison.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/fused/run.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDifferent = 6;
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop replay runs/explorer-1                 leaves runs/explorer-1-replay-1
+  spikeloop replay runs/explorer-1 --out again
+
+Runs the experiment of a run folder once more, as fast as the machine allows, with its messages.bag in
+place of robot and ROS, as far as the run came; then compares all recorded spikes. The experiment is
+the copy in the folder; weights, networks and plug-ins are read where they were, and a replay tells
+which of them have changed since.
+
+Exit codes:
+  0  the same spikes       6  other spikes
+  2  the folder cannot be replayed           4  a file could not be read or written
+  5  a node failed         129, 130, 131, 138, 143  stopped, as with 'spikeloop run')";
+
+struct Arguments {
+  std::string run;
+  std::string folder;
+  bool quiet = false;
+};
+
+/// "12,345"
+std::string with_commas(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3) {
+    text.insert(static_cast<std::size_t>(at), ",");
+  }
+  return text;
+}
+
+void warn(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    put(stderr, fmt::format("spikeloop: warning: {}\n", text));
+  }
+}
+
+std::vector<std::string> names_of(const nlohmann::json& nodes) {
+  std::vector<std::string> names;
+  for (const auto& [name, keys] : nodes.items()) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+int compare(const RecordedRun& run, const ExperimentFolder& folder) {
+  const SpikeComparison result = compare_spikes(
+      run.folder, folder.path(), names_of(run.resolved["nodes"]), from_seconds(run.simulated_s));
+  for (const std::string& node : result.not_compared) {
+    warn({fmt::format("the run has no {}.h5: the spikes of '{}' are not compared", node, node)});
+  }
+  if (!result.difference.empty()) {
+    put_result(fmt::format("spikeloop: {}\n", result.difference));
+    return kDifferent;
+  }
+  put_result(
+      fmt::format("spikeloop: {} spikes: the same in both runs\n", with_commas(result.spikes)));
+  return 0;
+}
+
+int replay(const Arguments& arguments) {
+  const std::string folder =
+      fs::path(arguments.run + "/").lexically_normal().parent_path().string();
+  const RecordedRun run = read_recorded_run(folder);
+  std::error_code error;
+  if (!arguments.folder.empty() && fs::equivalent(arguments.folder, folder, error)) {
+    throw ConfigurationError(
+        fmt::format("--out: '{}' is the run itself, which a new run would empty; write another "
+                    "folder, or leave it out",
+                    arguments.folder));
+  }
+  warn(doubts(run));
+  const auto loaded = load_experiment(run.experiment_file, {.duration_s = run.simulated_s,
+                                                            .seed = run.seed,
+                                                            .real_time_factor = {},
+                                                            .sync = experiment::Sync::unpaced,
+                                                            .replay = run.replay});
+  if (!loaded->faults.empty()) {
+    return loaded->faults.front().exit_code;
+  }
+  warn(doubts(run, fused::resolved_json(*loaded->experiment)));
+  const ExperimentFolder made(arguments.folder, folder + "-replay");
+  const int exit_code =
+      run_in_process(*loaded->experiment, made, true,
+                     arguments.quiet ? Console::Volume::quiet : Console::Volume::normal);
+  return exit_code == 0 ? compare(run, made) : exit_code;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, std::function<int()>& action) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Run a run's experiment once more with its recorded messages; compare the spikes");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("RUN", arguments->run, "Run folder of an experiment")
+      ->required()
+      ->check(named("run folder"));
+  command->add_option("--out", arguments->folder, "Run folder of the replay; else RUN-replay-N")
+      ->check(named("folder"));
+  command->add_flag("-q,--quiet", arguments->quiet, "Show only the result, warnings and failures");
+  command->footer(kFooter);
+  command->callback([arguments, &action] { action = [arguments] { return replay(*arguments); }; });
+}
+
+}  // namespace spikeloop::app

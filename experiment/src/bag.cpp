@@ -1,0 +1,166 @@
+// A bag in the robot's place.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "faults.hpp"
+#include "spikeloop/bag/reader.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+bool is_sensor(const Part& part, const std::set<std::string>& whole) {
+  return part.kind == kRosSensor && whole.contains(part.name);
+}
+
+/// The first tick at which something of this time is there.
+TimeNs tick_of(TimeNs time, TimeNs tick) {
+  return (time + tick - 1) / tick * tick;
+}
+
+std::string list_of(const bag::Reader& reader) {
+  std::set<std::string> topics;
+  for (const bag::Connection& connection : reader.connections()) {
+    topics.insert(fmt::format("{} ({})", connection.topic, connection.type));
+  }
+  std::string list;
+  for (const std::string& topic : topics) {
+    list += (list.empty() ? "" : ", ") + topic;
+  }
+  return list.empty() ? "nothing" : list;
+}
+
+void check_type(const Part& part, const bag::Connection& connection) {
+  const std::string& message = part.parameters.text("message");
+  const Location where = part.parameters.where("message");
+  const auto& catalog = messages::Catalog::builtin();
+  const std::string type = located_at(where, [&] { return catalog.full_name(message); });
+  if (connection.type != type) {
+    throw ConfigurationError(
+        where,
+        fmt::format("key 'message': the bag's topic {0} carries {1}, not {2}; write  message: {1}",
+                    connection.topic, connection.type, type));
+  }
+  if (const std::string md5 = catalog.md5(type); connection.md5 != md5) {
+    throw ConfigurationError(
+        where, fmt::format("key 'message': the bag's topic {} carries another version of {} (md5 "
+                           "sum {}, ours is {}); 'rosbag fix' makes it the version of ROS Noetic",
+                           connection.topic, type, connection.md5, md5));
+  }
+}
+
+void check_topic(const Part& part, const bag::Reader& reader) {
+  const std::string& topic = part.parameters.text("topic");
+  std::vector<std::string> topics;
+  bool found = false;
+  for (const bag::Connection& connection : reader.connections()) {
+    if (connection.topic == topic) {
+      check_type(part, connection);
+      found = true;
+    }
+    topics.push_back(connection.topic);
+  }
+  if (!found) {
+    const std::string meant = nearest(topic, topics);
+    throw ConfigurationError(
+        part.parameters.where("topic"),
+        fmt::format("key 'topic': the bag has no topic {}{}; it has {}", topic,
+                    meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
+                    list_of(reader)));
+  }
+}
+
+const Location& where_connected(const Part& part, const Experiment& experiment) {
+  for (const Link& link : experiment.links) {
+    if (node_of(link.from) == part.name) {
+      return link.where;
+    }
+  }
+  return part.where;
+}
+
+/// A message that does not fit would end the run.
+void check_width(const Part& part, const Experiment& experiment, const bag::Reader& reader) {
+  bag::Stream stream = reader.stream(part.parameters.text("topic"), part.name);
+  const auto first = stream.next();
+  const std::uint32_t width = experiment.width(part.name, "out");
+  if (!first || width == 0) {
+    return;
+  }
+  located_at(where_connected(part, experiment), [&] {
+    messages::SensorConversion conversion(messages::Catalog::builtin(),
+                                          part.parameters.text("message"),
+                                          sensor_fields(part.parameters), width, true);
+    return conversion.convert(first->bytes);
+  });
+}
+
+/// The tick that uses the last message is run as well.
+void end_with(const bag::Reader& reader, const std::set<std::string>& whole,
+              Experiment& experiment) {
+  TimeNs end = tick_of(reader.end(), experiment.tick);
+  for (const Part& part : experiment.parts) {
+    if (is_sensor(part, whole)) {
+      const auto last = reader.end_of(part.parameters.text("topic"));
+      end = std::max(end, last ? tick_of(*last, experiment.tick) + experiment.tick : 0);
+    }
+  }
+  experiment.duration = end;
+}
+
+}  // namespace
+
+void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
+                   Experiment& experiment, Faults& faults) {
+  Robot result;
+  result.where = robot.keys.at("bag").where;
+  result.bag = in_directory(directory, robot.keys.at("bag").text);
+  std::vector<ParameterDescription> declared;
+  WrittenValues written = robot.keys;
+  for (const ParameterDescription& parameter : robot_parameters()) {
+    if (parameter.name == "bag") {
+      declared.push_back(parameter);
+    } else if (written.erase(parameter.name) > 0) {
+      faults.add(robot.places.at(parameter.name),
+                 fmt::format("robot: key '{}' is for a robot that is simulated, and the bag stands "
+                             "in its place; leave one of the two out",
+                             parameter.name));
+    }
+  }
+  resolve_keys(declared, {written, "robot", robot.where, robot.unread, robot.places}, {}, faults);
+  if (experiment.ros != Ros::none) {
+    faults.add(result.where,
+               "key 'bag': a bag stands in the place of robot and ROS; leave  ros: 1  out");
+  }
+  experiment.robot = result;
+}
+
+void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
+               Faults& faults) {
+  if (!experiment.robot || experiment.robot->bag.empty()) {
+    return;
+  }
+  const Robot& robot = *experiment.robot;
+  faults.attempt(robot.where, [&] {
+    if (!std::filesystem::exists(robot.bag)) {
+      refuse_file("bag", robot.where, "bag", robot.bag);
+    }
+    const bag::Reader reader(robot.bag);
+    const std::size_t before = faults.count();
+    for (const Part& part : experiment.parts) {
+      if (is_sensor(part, whole)) {
+        faults.attempt(part.where, [&] { check_topic(part, reader); });
+        if (joined && faults.count() == before) {
+          faults.attempt(part.where, [&] { check_width(part, experiment, reader); });
+        }
+      }
+    }
+    if (!experiment.duration) {
+      end_with(reader, whole, experiment);
+    }
+  });
+}
+
+}  // namespace spikeloop::experiment

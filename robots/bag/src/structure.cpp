@@ -1,0 +1,180 @@
+#include "structure.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+
+namespace spikeloop::bag {
+namespace {
+
+constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
+
+// http://wiki.ros.org/Bags/Format/2.0
+constexpr char kMessage = 2;
+constexpr char kFileHeader = 3;
+constexpr char kIndex = 4;
+constexpr char kChunk = 5;
+constexpr char kChunkInfo = 6;
+constexpr char kConnection = 7;
+constexpr std::size_t kIndexEntry = 12;  // a time, and an offset in the chunk
+
+/// A file's bytes while it lives.
+class Mapping {
+ public:
+  explicit Mapping(const std::string& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (file >= 0 && ::fstat(file, &status) == 0 && status.st_size > 0) {
+      size_ = static_cast<std::size_t>(status.st_size);
+      bytes_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    }
+    ::close(file);
+    if (bytes_ == MAP_FAILED) {
+      throw std::runtime_error("it cannot be read");
+    }
+  }
+  ~Mapping() { ::munmap(bytes_, size_); }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+
+  std::string_view bytes() const { return {static_cast<const char*>(bytes_), size_}; }
+
+ private:
+  void* bytes_ = MAP_FAILED;
+  std::size_t size_ = 0;
+};
+
+/// Moves along bytes, never beyond their end.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view bytes) : rest_(bytes) {}
+
+  bool at_end() const { return rest_.empty(); }
+  std::string_view take(std::size_t count) {
+    if (count > rest_.size()) {
+      throw std::runtime_error("a record leads beyond its end");
+    }
+    const std::string_view taken = rest_.substr(0, count);
+    rest_.remove_prefix(count);
+    return taken;
+  }
+  template <typename Number = std::uint32_t>
+  Number number() {
+    Number value = 0;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::size_t left() const { return rest_.size(); }
+
+ private:
+  std::string_view rest_;
+};
+
+using Fields = std::map<std::string_view, std::string_view>;
+
+struct Record {
+  Fields fields;
+  std::string_view data;
+
+  std::string_view field(std::string_view name, std::size_t size) const {
+    const auto found = fields.find(name);
+    if (found == fields.end() || found->second.size() != size) {
+      throw std::runtime_error(fmt::format("a record has no right field '{}'", name));
+    }
+    return found->second;
+  }
+  char kind() const { return field("op", 1).front(); }
+  std::uint64_t position(std::string_view name) const {
+    return Cursor(field(name, 8)).number<std::uint64_t>();
+  }
+};
+
+Fields fields_of(std::string_view text) {
+  Fields fields;
+  Cursor header(text);
+  while (!header.at_end()) {
+    const std::string_view field = header.take(header.number());
+    const auto equals = field.find('=');
+    if (equals == std::string_view::npos) {
+      throw std::runtime_error("a record's header cannot be read");
+    }
+    fields[field.substr(0, equals)] = field.substr(equals + 1);
+  }
+  return fields;
+}
+
+Record next_record(Cursor& cursor) {
+  Record record;
+  record.fields = fields_of(cursor.take(cursor.number()));
+  record.data = cursor.take(cursor.number());
+  return record;
+}
+
+void check_index(const Record& index, const Record& chunk) {
+  const auto size = Cursor(chunk.field("size", 4)).number();
+  const bool plain = chunk.fields.contains("compression") &&
+                     chunk.fields.at("compression") == std::string_view("none");
+  Cursor entries(index.data);
+  for (auto count = Cursor(index.field("count", 4)).number(); count > 0; --count) {
+    const std::uint32_t offset = Cursor(entries.take(kIndexEntry).substr(8)).number();
+    if (offset >= size || (plain && offset >= chunk.data.size())) {
+      throw std::runtime_error("its index leads outside of a chunk");
+    }
+    if (plain) {
+      Cursor cursor(chunk.data.substr(offset));
+      if (next_record(cursor).kind() != kMessage) {
+        throw std::runtime_error("its index leads to something that is no message");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool check_structure(const std::string& path) {
+  const Mapping file(path);
+  if (!file.bytes().starts_with(kVersion)) {
+    return true;  // an older format, which rosbag knows
+  }
+  Cursor cursor(file.bytes());
+  cursor.take(kVersion.size());
+  const Record header = next_record(cursor);
+  const std::uint64_t index = header.kind() == kFileHeader ? header.position("index_pos") : 0;
+  if (index == 0) {
+    return false;
+  }
+  std::set<std::uint64_t> chunks;
+  std::optional<Record> chunk;
+  bool found = false;
+  while (!cursor.at_end()) {
+    const std::uint64_t at = file.bytes().size() - cursor.left();
+    found = found || at == index;
+    Record record = next_record(cursor);
+    if (record.kind() == kChunk) {
+      chunks.insert(at);
+      chunk = std::move(record);
+    } else if (record.kind() == kIndex && chunk) {
+      check_index(record, *chunk);
+    } else if (record.kind() == kConnection) {
+      fields_of(record.data);
+    } else if (record.kind() == kChunkInfo && !chunks.contains(record.position("chunk_pos"))) {
+      throw std::runtime_error("its index knows a chunk that is not there");
+    }
+  }
+  if (!found && index != file.bytes().size()) {
+    throw std::runtime_error("its index is not where it should be");
+  }
+  return true;
+}
+
+}  // namespace spikeloop::bag

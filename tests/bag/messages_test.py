@@ -1,0 +1,185 @@
+#!/usr/bin/python3
+"""The real rosbag module reads what a run keeps: topics, types, versions, counts, and numbers that
+are those of the recorded signals; and a bag that it wrote drives an experiment."""
+
+import pathlib
+import resource
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+import rosbag
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+
+import bags
+import runs
+
+KEPT = """experiment: kept
+duration: 20 s
+sync: {sync}
+robot: {{simulator: mujoco}}
+nodes:
+  scan: {{node: ros_sensor, topic: /scan, message: LaserScan}}
+  odom: {{node: ros_sensor, topic: /odom, message: Odometry, fields: [pose.pose.position.x, twist.twist.linear.x]}}
+  encoder: {{node: rate_encoder, rate_max: 200 Hz}}
+  shape: {{node: function, function: "0.3 + 0.2 * sin(5*x0); x1 - 0.1"}}
+  wheels: {{node: ros_command, topic: /cmd_vel, message: Twist, fields: {{linear.x: 0, angular.z: 1}}}}
+connections:
+  - scan -> encoder [100]
+  - odom -> shape [2] -> wheels [2]
+"""
+
+
+TICK = 1_000_000
+
+
+def rows(file, stream):
+    with h5py.File(file) as recording:
+        group = recording["signals"][stream]
+        return group["times_ns"][:], group["values"][:]
+
+
+def sensor_rows(file):
+    """A row has the end of the tick that used a message, the message its begin."""
+    times, values = rows(file, "out")
+    return (times - TICK).tolist(), values
+
+
+def nanoseconds(stamp):
+    """1 ns stands for 0, which ROS does not know."""
+    return 0 if stamp.to_nsec() == 1 else stamp.to_nsec()
+
+
+def kept_messages(spikeloop, scratch):
+    file = scratch / "kept.yaml"
+    file.write_text(KEPT.format(sync="lockstep"))
+    summary, _ = runs.run(spikeloop, file, scratch / "kept")
+    with rosbag.Bag(str(scratch / "kept/messages.bag")) as bag:
+        topics = bag.get_type_and_topic_info()
+        for topic, kind in (("/scan", LaserScan), ("/odom", Odometry), ("/cmd_vel", Twist)):
+            assert topics.topics[topic].msg_type == kind._type, topics
+            assert topics.msg_types[kind._type] == kind._md5sum, topics
+        messages = {topic: [(nanoseconds(stamp), message)
+                            for _, message, stamp in bag.read_messages(topic)]
+                    for topic in ("/scan", "/odom", "/cmd_vel")}
+    counters = summary["counters"]
+    assert len(messages["/scan"]) == counters["scan.messages"] == 400, counters
+    assert len(messages["/odom"]) == counters["odom.messages"] == 1000, counters
+    assert len(messages["/cmd_vel"]) == counters["wheels.commands"] + counters["wheels.stops_ended"]
+    assert sum(map(len, messages.values())) == summary["messages_recorded"]
+    assert summary["messages_dropped"] == 0
+    compare(messages, scratch / "kept")
+
+
+def compare(messages, folder):
+    times, values = sensor_rows(folder / "scan.h5")
+    assert [time for time, _ in messages["/scan"]] == times
+    for (_, message), row in zip(messages["/scan"], values):
+        near = np.isfinite(message.ranges)
+        assert np.allclose(bags.signal_of(message)[near], row[near], rtol=0, atol=1e-12)
+    times, values = sensor_rows(folder / "odom.h5")
+    assert [time for time, _ in messages["/odom"]] == times
+    for (_, message), row in zip(messages["/odom"], values):
+        assert row.tolist() == [message.pose.pose.position.x, message.twist.twist.linear.x]
+    times, values = rows(folder / "wheels.h5", "command")
+    assert len(set(values[:, 0])) > 100
+    for time, message in messages["/cmd_vel"][:-1]:  # the last one is the stop
+        row = values[np.searchsorted(times, time, side="right") - 1]
+        assert row.tolist() == [message.linear.x, message.angular.z], (time, row, message)
+    time, last = messages["/cmd_vel"][-1]
+    assert time == 20 * 10**9 and last.linear.x == 0 and last.angular.z == 0, last
+
+
+def foreign_bag(spikeloop, scratch, **options):
+    """Arrival times of the wall clock; the bag begins 0.1 s before the first scan."""
+    begin = 1_700_000_000_123_456_789
+    scans = bags.arena(60)
+    times = [begin + 100_000_000 + 50_000_000 * i + (i % 3) * 1_234_567 for i in range(len(scans))]
+    path = bags.write(scratch / "foreign.bag",
+                      [(begin, scans[0])], topic="/camera", **options)
+    with rosbag.Bag(str(path), "a") as bag:
+        for time, message in zip(times, scans):
+            bag.write("/scan", message, bags.genpy.Time(time // 10**9, time % 10**9))
+    for sync in ("lockstep", "unpaced", "realtime"):
+        folder = scratch / f"foreign-{sync}"
+        summary, _ = runs.run(spikeloop, bags.experiment(scratch / "foreign.yaml", path, sync),
+                              folder)
+        # The first tick that is not before.
+        expected = [-(-(time - begin) // TICK) * TICK for time in times]
+        used, values = sensor_rows(folder / "scan.h5")
+        assert used == expected, (sync, used, expected)
+        for message, row in zip(scans, values):
+            assert np.allclose(bags.signal_of(message), row, rtol=0, atol=1e-12)
+        # Its last message is used for a tick.
+        assert round(summary["simulated_s"] * 1e9) == expected[-1] + TICK, summary
+    printed = bags.spikeloop(spikeloop, "replay", scratch / "foreign-realtime")
+    assert "the same in both runs" in printed, printed
+
+
+def full_disk(spikeloop, scratch):
+    """Files may not grow beyond 1 MB; the recordings of these nodes do not."""
+    file = scratch / "full.yaml"
+    file.write_text(KEPT.format(sync="lockstep").replace("scan -> encoder [100]",
+                                                         "scan -> few [100] -> encoder [2]")
+                    .replace("nodes:\n", "nodes:\n  few: {node: connect, weights: blocks}\n")
+                    .replace("20 s", "25 s"))
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))
+    done = bags.subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "full")],
+                               capture_output=True, text=True, check=False, preexec_fn=limit,
+                               restore_signals=False)  # so that SIGXFSZ stays ignored
+    assert done.returncode == 4, done
+    assert f"cannot write '{scratch}/full/messages.bag': File too large" in done.stderr, done.stderr
+    assert "messages are lost" in done.stderr, done.stderr
+
+
+def killed(spikeloop, scratch):
+    """What the run had kept is there, after the bag has got its index."""
+    file = scratch / "killed.yaml"
+    file.write_text(KEPT.format(sync="realtime"))
+    folder = scratch / "killed"
+    process = bags.subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
+                                    stderr=bags.subprocess.DEVNULL)
+    while not (folder / "messages.bag").exists() or (folder / "messages.bag").stat().st_size < 1e5:
+        time.sleep(0.05)
+    process.kill()
+    process.wait(timeout=20)
+    again = bags.experiment(scratch / "again.yaml", folder / "messages.bag", width=100)
+    printed = bags.spikeloop(spikeloop, "check", again, code=4)
+    assert (f"'{folder}/messages.bag' has no index, because its recording was not ended; write  "
+            f"rosbag reindex {folder}/messages.bag") in printed, printed
+    bags.subprocess.run(["rosbag", "reindex", str(folder / "messages.bag")], check=True,
+                        capture_output=True)
+    with rosbag.Bag(str(folder / "messages.bag")) as bag:
+        assert bag.get_message_count("/scan") > 10
+    bags.spikeloop(spikeloop, "run", again, "--out", scratch / "after")
+
+
+def nothing_is_kept(spikeloop, scratch):
+    file = scratch / "none.yaml"
+    file.write_text(KEPT.format(sync="lockstep"))
+    summary, _ = runs.run(spikeloop, file, scratch / "kept", "--no-record", "--duration", "1")
+    assert "messages_recorded" not in summary, summary
+    assert not (scratch / "kept/messages.bag").exists()  # nor that of the run before
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        kept_messages(spikeloop, scratch)
+        foreign_bag(spikeloop, scratch)
+        foreign_bag(spikeloop, scratch, compression="bz2")
+        foreign_bag(spikeloop, scratch, compression="lz4")
+        full_disk(spikeloop, scratch)
+        killed(spikeloop, scratch)
+        nothing_is_kept(spikeloop, scratch)
+    print("rosbag reads the messages of a run, and a run those of a bag of rosbag's")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

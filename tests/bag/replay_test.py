@@ -1,0 +1,191 @@
+#!/usr/bin/python3
+"""The recorded sensor messages drive the brain again and give the same spikes: of a run in lockstep,
+of one in real time over ROS 1, of one that was stopped. Changed weights are told of, and other
+spikes."""
+
+import json
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+import rosbag
+
+import bags
+import runs
+
+BOTH = """experiment: both
+duration: 5 s
+sync: {sync}
+robot: {{simulator: mujoco}}
+ros: {ros}
+nodes:
+  scan: {{node: ros_sensor, topic: /scan, message: LaserScan}}
+  place: {{node: ros_sensor, topic: /odom, message: Odometry, fields: [pose.pose.position.x, pose.pose.position.y]}}
+  speed: {{node: ros_sensor, topic: /odom, message: Odometry, fields: [twist.twist.linear.x]}}
+  sectors: {{node: connect, weights: blocks}}
+  eye: {{node: rate_encoder, rate_max: 200 Hz}}
+  grid: {{node: poisson_encoder, rate_max: 300 Hz}}
+  pace: {{node: rate_encoder, rate_max: 500 Hz}}
+  decoder: {{node: linear_readout, tau: 30 ms, weights: weights.json}}
+  wheels: {{node: ros_command, topic: /cmd_vel, message: Twist, fields: {{linear.x: 0, angular.z: 1}}}}
+connections:
+  - scan -> sectors [100] -> eye [10] -> decoder [10] -> wheels [2]
+  - place -> grid [2, delay 3 ms]
+  - speed -> pace [1]
+"""
+
+
+def both(scratch, sync="lockstep", ros="none"):
+    (scratch / "weights.json").write_text(json.dumps([[0.002] * 10, [0.001, -0.001] * 5]))
+    file = scratch / "both.yaml"
+    file.write_text(BOTH.format(sync=sync, ros=ros))
+    return file
+
+
+def spikes(folder):
+    """All spikes of a run, by node."""
+    result = {}
+    for path in sorted(folder.glob("*.h5")):
+        with h5py.File(path) as file:
+            for name, group in file["spikes"].items():
+                result[path.stem, name] = (group["timestamps_ns"][:], group["node_ids"][:])
+    return result
+
+
+def same(first, second):
+    first, second = spikes(first), spikes(second)
+    assert first.keys() == second.keys() and first, (first.keys(), second.keys())
+    for key, trains in first.items():
+        assert len(trains[0]) > 0, key
+        for mine, theirs in zip(trains, second[key]):
+            assert np.array_equal(mine, theirs), key
+    return sum(len(trains[0]) for trains in first.values())
+
+
+def replayed(spikeloop, folder, *more, **options):
+    """How many spikes the program says are the same; and a comparison of our own."""
+    number = 1
+    while (folder.parent / f"{folder.name}-replay-{number}").exists():
+        number += 1
+    printed = bags.spikeloop(spikeloop, "replay", folder, *more, **options)
+    again = folder.parent / f"{folder.name}-replay-{number}"
+    count = same(folder, again)
+    assert f"spikeloop: {count:,} spikes: the same in both runs" in printed, printed
+    assert "warning" not in printed, printed
+    return count, again
+
+
+def in_lockstep(spikeloop, scratch):
+    file = both(scratch)
+    runs.run(spikeloop, file, scratch / "step", "--seed", "7", "--duration", "4")
+    count, again = replayed(spikeloop, scratch / "step")
+    summary = json.loads((again / "summary.json").read_text())
+    assert summary["simulated_s"] == 4 and summary["seed"] == 7, summary
+    # From elsewhere, and of a replay itself.
+    (scratch / "elsewhere").mkdir()
+    replayed(spikeloop, again, cwd=scratch / "elsewhere")
+    replayed(spikeloop, scratch / "step", "-q")
+    print(count, "spikes in lockstep")
+
+
+def over_ros(spikeloop, scratch):
+    """The robot is a process of its own, and wall time decides when a scan comes."""
+    folder = scratch / "ros"
+    summary, _ = runs.run(spikeloop, both(scratch, "realtime", "1"), folder)
+    assert summary["layout"] == "fused" and summary["scans"] > 60, summary
+    assert summary["messages_dropped"] == 0, summary
+    with rosbag.Bag(str(folder / "messages.bag")) as bag:
+        stamps = [stamp.to_nsec() for _, _, stamp in bag.read_messages("/scan")]
+        headers = {header.header["spikeloop_node"]
+                   for header in bag._get_connections("/odom")}
+        assert bag.get_message_count("/cmd_vel") > 50
+    assert headers == {b"place", b"speed"}, headers
+    with h5py.File(folder / "scan.h5") as file:
+        # The ticks at which values changed, which have their ends there: a row for several messages.
+        assert sorted(set(stamps)) == (file["signals/out/times_ns"][:] - 1_000_000).tolist()
+    assert len({stamp % 50_000_000 for stamp in stamps}) > 1, "wall time decided nothing"
+    count, _ = replayed(spikeloop, folder)
+    print(count, "spikes in real time over ROS 1")
+
+
+def stopped(spikeloop, scratch):
+    folder = scratch / "stopped"
+    file = both(scratch, "realtime")
+    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
+                               stderr=subprocess.PIPE, text=True)
+    while not (folder / "grid.h5").exists():
+        time.sleep(0.05)
+    time.sleep(1)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=20)
+    assert process.returncode == 130
+    simulated = json.loads((folder / "summary.json").read_text())["simulated_s"]
+    assert 0.2 < simulated < 4.9, simulated
+    _, again = replayed(spikeloop, folder)
+    assert json.loads((again / "summary.json").read_text())["simulated_s"] == simulated
+
+
+def changed_files(spikeloop, scratch):
+    """The network that answers is not the one of the run."""
+    (scratch / "net.yaml").write_text(
+        "populations:\n  i: {model: input, size: 10}\n  r: {model: repeater, size: 10}\n"
+        "connections:\n  - {from: i, to: r, rule: one_to_one, delay: 1 ms}\noutput: [r]\n")
+    file = both(scratch)
+    text = file.read_text().replace("nodes:\n", "nodes:\n  brain: {simulator: builtin, network: net.yaml}\n")
+    file.write_text(text.replace("eye [10] -> decoder", "eye [10] -> brain [10] -> decoder"))
+    runs.run(spikeloop, file, scratch / "changed")
+    replayed(spikeloop, scratch / "changed")
+    network = scratch / "net.yaml"
+    network.write_text(network.read_text().replace("1 ms", "2 ms"))
+    file.unlink()  # the run's own copy is used
+    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", "--out", scratch / "other",
+                             code=6)
+    assert f"warning: '{network}' has changed since the run: spikes may differ" in printed, printed
+    first = [train["brain", "out"] for train in map(spikes, (scratch / "changed", scratch / "other"))]
+    (mine, channel), (theirs, other) = [(times[0], ids[0]) for times, ids in first]
+    assert theirs == mine + 1_000_000
+    def at(time):
+        return f"{time // 10**9}.{time % 10**9:09} s"
+    expected = (f"spikeloop: the spikes of node 'brain' differ first: the run has one in channel "
+                f"{channel} at {at(mine)}, the replay one in channel {other} at {at(theirs)}\n")
+    assert expected in printed, (printed, expected)
+    network.unlink()
+    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", code=2)
+    assert f"'{network}' is gone since the run" in printed, printed
+    assert re.search(r"key 'network': there is no network file", printed), printed
+
+
+def interrupted(spikeloop, scratch):
+    """A replay that is stopped compares nothing."""
+    file = both(scratch)
+    runs.run(spikeloop, file, scratch / "long", "--duration", "120")
+    process = subprocess.Popen([spikeloop, "replay", str(scratch / "long")],
+                               stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    while not (scratch / "long-replay-1/grid.h5").exists():
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    printed, errors = process.communicate(timeout=20)
+    assert process.returncode == 130 and "stopped by SIGINT" in errors, errors
+    assert "same" not in printed, printed
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        in_lockstep(spikeloop, scratch)
+        over_ros(spikeloop, scratch)
+        stopped(spikeloop, scratch)
+        changed_files(spikeloop, scratch)
+        interrupted(spikeloop, scratch)
+    print("replays give the same spikes")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Over ROS 1: a robot that was killed and that the master still knows, a process that is killed, a
+sensor that another robot fills, a process that hangs."""
+
+import contextlib
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import xmlrpc.client
+
+import runs
+
+HANGING = """import spikeloop, time
+
+@spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
+def hanging(step):
+    if step.begin > 500_000_000:
+        time.sleep(60)
+    if step.changed("in"):
+        step.write("out", step.inputs["in"])
+"""
+
+
+def wait_until(condition, what):
+    for _ in range(300):
+        with contextlib.suppress(OSError, xmlrpc.client.Error):
+            if condition():
+                return
+        time.sleep(0.1)
+    raise AssertionError(f"{what}: not within 30 s")
+
+
+@contextlib.contextmanager
+def ros_master(scratch):
+    """An environment with a master of its own."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    environment = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
+                   "ROS_HOSTNAME": "localhost", "ROS_HOME": str(scratch / "ros"),
+                   "ROS_LOG_DIR": str(scratch / "ros")}
+    with subprocess.Popen(["roscore", "-p", str(port)], env=environment,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as roscore:
+        try:
+            master = xmlrpc.client.ServerProxy(environment["ROS_MASTER_URI"])
+            wait_until(lambda: master.getUri("/test")[0] == 1, "roscore")
+            yield environment, master
+        finally:
+            roscore.send_signal(signal.SIGINT)
+
+
+def scans(master):
+    return [nodes for topic, nodes in master.getSystemState("/test")[2][0] if topic == "/scan"]
+
+
+def robot(master, environment, *options):
+    process = subprocess.Popen([runs.programs() / "spikeloop-robot", *options], env=environment,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    wait_until(lambda: scans(master), "robot")
+    return process
+
+
+def dead_robot(spikeloop, scratch):
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="1", duration="3 s")
+    with ros_master(scratch) as (environment, master):
+        process = robot(master, environment)
+        process.kill()
+        process.wait()
+        assert scans(master), "the master has forgotten it by itself"
+        done = subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "alone")],
+                              env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and "warning: the ROS master has /" in done.stderr, done
+        assert "but it does not answer: a robot of our own is started" in done.stderr, done
+        assert (scratch / "alone/trajectory.csv").exists(), done
+
+
+def living_robot(spikeloop, scratch):
+    """Nothing is started beside it; a width that is not its own ends with node and line."""
+    file = runs.new_experiment(spikeloop, scratch / "other.yaml", ros="1", duration="3 s")
+    text = file.read_text()
+    robot_line = next(line for line in text.splitlines() if line.startswith("robot:"))
+    file.write_text(text.replace(robot_line, "").replace("sectors [100]", "sectors [90]"))
+    line = next(i for i, line in enumerate(file.read_text().splitlines(), 1) if "scan:" in line)
+    with ros_master(scratch) as (environment, master):
+        process = robot(master, environment)
+        try:
+            done = subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "wrong")],
+                                  env=environment, capture_output=True, text=True, check=False)
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait()
+        wanted = (f"{file}:{line}:3: node 'scan': a sensor_msgs/LaserScan brought 100 values, but "
+                  "the port has 90 channels; write [100] in its connection")
+        assert done.returncode == 2 and wanted in done.stderr, done
+
+
+def killed(spikeloop, scratch):
+    """What is killed is named."""
+    file = runs.new_experiment(spikeloop, scratch / "long.yaml", ros="1", duration="60 s")
+    folder = scratch / "killed"
+    with subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder), "--stall-timeout",
+                           "30", "--start-timeout", "40"],
+                          stderr=subprocess.PIPE, text=True) as process:
+        wait_until((folder / "encoder.h5").exists, "run")
+        found = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{folder}"],
+                               capture_output=True, text=True, check=True).stdout.split()
+        for pid in found:
+            if os.readlink(f"/proc/{pid}/exe").endswith("spikeloop-fused"):
+                os.kill(int(pid), signal.SIGKILL)
+        _, printed = process.communicate(timeout=60)
+    assert process.returncode == 137, printed
+    assert "spikeloop: spikeloop-fused was killed by signal 9 (Killed)" in printed, printed
+
+
+def stalled(spikeloop, scratch):
+    """--stall-timeout means for the processes of an experiment what it means for those of a job."""
+    (scratch / "hanging.py").write_text(HANGING)
+    file = runs.new_experiment(spikeloop, scratch / "still.yaml", ros="1", duration="60 s")
+    text = file.read_text().replace("nodes:\n",
+                                    "plugins: [hanging.py]\nnodes:\n  odd: {node: hanging}\n")
+    file.write_text(text.replace("scan -> sectors", "scan -> odd [100] -> sectors"))
+    for layout in ("fused", "separate"):
+        _, printed = runs.run(spikeloop, file, scratch / layout, "--layout", layout,
+                              "--stall-timeout", "3", code=3)
+        assert "spikeloop: the job has stood still for 3 s" in printed, printed
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        dead_robot(spikeloop, scratch)
+        living_robot(spikeloop, scratch)
+        killed(spikeloop, scratch)
+        stalled(spikeloop, scratch)
+    print("a dead robot is replaced, a living one used, a killed process named, one that hangs ended")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
