@@ -59,8 +59,8 @@ class Nowhere : public Sink {
 Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
            std::vector<ParameterDescription> parameters) {
   auto* const line = new CommandLine(std::move(arguments));
-  process_ = std::make_unique<music::Process>(
-      line->count, line->values, music::CommonDefaults{.takes_arguments = true});
+  process_ = std::make_unique<music::Process>(line->count, line->values,
+                                              music::CommonDefaults{.takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
   parameters_ = process_->read(parameters);
   open(std::move(ports));

@@ -105,9 +105,9 @@ py::tuple spikes(const Host& host, std::size_t i) {
 /// (values, revision), a copy; revision 0: no value yet.
 py::tuple signal(const Host& host, std::size_t i) {
   const auto& value = host.inbox().signal(i);
-  return py::make_tuple(py::array_t<double>(static_cast<py::ssize_t>(value.values.size()),
-                                            value.values.data()),
-                        value.revision);
+  return py::make_tuple(
+      py::array_t<double>(static_cast<py::ssize_t>(value.values.size()), value.values.data()),
+      value.revision);
 }
 
 void send(Host& host, std::size_t i, const Array<std::int64_t>& times,

@@ -165,8 +165,7 @@ bool uses_our_package(const MusicFile& file, const MusicSection& section) {
     return false;
   }
   const std::string directory = working_directory(file, section, directory_of(file.path));
-  std::ifstream script(
-      find_executable(binary->value, directory, program_environment().at("PATH")));
+  std::ifstream script(find_executable(binary->value, directory, program_environment().at("PATH")));
   std::string line;
   if (!std::getline(script, line) || !line.starts_with("#!")) {
     return false;
