@@ -16,11 +16,14 @@ rules.
 """
 
 import collections
+import os
 
 import numpy as np
-from neuron import h
 
 from .music_host import Host, HostError
+
+os.environ.setdefault("NEURON_MODULE_OPTIONS", "-nogui")  # or it complains that there is no screen
+from neuron import h  # noqa: E402
 
 # NEURON's time is a sum of steps: an event on a tick's border would come before or after it by
 # chance. This much earlier (1e-12 s), it comes before, and rounds to the same nanosecond.
