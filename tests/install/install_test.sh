@@ -43,4 +43,9 @@ printf '%s\n' 'import spikeloop' 'raise ValueError(spikeloop.__file__)' '@spikel
 env -u PYTHONPATH -u SPIKELOOP_LIBRARY_PATH SPIKELOOP_PLUGIN_PATH="$work/nodes" \
   "$work/prefix/bin/spikeloop-node" --list 2>&1 |
   grep "$work/nodes/where.py:2: ValueError: $work/prefix/share/spikeloop/python/spikeloop/__init__.py"
+
+# The library of scripts, beside the installed package.
+env -u SPIKELOOP_LIBRARY_PATH PATH=/usr/bin:/bin PYTHONPATH="$work/prefix/share/spikeloop/python" \
+  /usr/bin/python3 -c 'from spikeloop.music_library import library; print(library().__file__)' |
+  grep "^$work/prefix/.*/libspikeloop_python_music.so$"
 echo "find_package(Spikeloop): a program and a plug-in were built and ran"

@@ -171,7 +171,8 @@ bool uses_our_package(const MusicFile& file, const MusicSection& section) {
     return false;
   }
   while (std::getline(script, line)) {
-    if (line.size() < 200 && std::regex_match(line, import)) {
+    if (line.size() < 200 && line.find("spikeloop") != std::string::npos &&
+        std::regex_match(line, import)) {
       return true;
     }
   }
