@@ -25,6 +25,7 @@ struct Arguments {
   fused::RunOptions run;
   experiment::Overrides overrides;
   std::string sync;
+  double stall_timeout_s = 60;
   bool no_record = false;
 };
 
@@ -35,10 +36,19 @@ int run(const Arguments& arguments, const status::Sender& sender) {
   }
   const experiment::Experiment& experiment = *loaded->experiment;
   status::Heartbeat heartbeat(sender);
-  Ros1Transport transport(experiment);
+  const auto stop = [] { return status::stop_requested(); };
+  const auto enter = [&](bool waits) {
+    heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
+  };
+  Ros1Transport transport(experiment, {stop, enter, from_seconds(arguments.stall_timeout_s)});
   sender.started();
   heartbeat.enter(status::Phase::computing);
   bool first = true;
+  if (experiment.sync == experiment::Sync::sim_time ||
+      experiment.sync == experiment::Sync::lockstep) {
+    sender.first_tick();  // the loop has begun, and waits for the robot as long as that takes
+    first = false;
+  }
   TimeNs simulated = 0;
   const fused::RunEvents events{.ticked =
                                     [&](TimeNs time) {
@@ -54,7 +64,7 @@ int run(const Arguments& arguments, const status::Sender& sender) {
                                       sender.progress(progress.simulated, progress.wall,
                                                       progress.overruns);
                                     },
-                                .stop = [] { return status::stop_requested(); }};
+                                .stop = stop};
   const fused::RunResult result = fused::run(experiment, transport, arguments.run, events);
   heartbeat.enter(status::Phase::finalizing);
   if (result.exit_code != 0) {
@@ -99,6 +109,8 @@ int main(int argc, char** argv) {
   app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
                  "Simulated time over wall time");
   app.add_option("--sync", arguments.sync, "In place of the key sync");
+  app.add_option("--stall-timeout", arguments.stall_timeout_s,
+                 "Longest wall time that a stepped robot may take to answer, s; 0: any");
   app.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   CLI11_PARSE(app, argc, argv);
   arguments.run.record = !arguments.no_record;

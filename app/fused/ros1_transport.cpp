@@ -5,14 +5,20 @@
 #include <utility>
 #include <vector>
 
+#include "clock_pacer.hpp"
 #include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/ros1/sensor.hpp"
-#include "spikeloop/ros1_command/ros1_command.hpp"
 
 namespace spikeloop {
 namespace {
+
+using experiment::Sync;
+
+bool in_simulated_time(Sync sync) {
+  return sync == Sync::lockstep || sync == Sync::sim_time;
+}
 
 class RosCommandEnd : public fused::CommandEnd {
  public:
@@ -31,6 +37,7 @@ class RosCommandEnd : public fused::CommandEnd {
     keep_sent();
   }
   nlohmann::json summary() const override { return command_.summary(); }
+  ros1_command::Ros1Command& ros() { return command_; }
 
  private:
   /// Commands leave in the thread that stops the robot, too, which must never wait for a disk.
@@ -63,31 +70,91 @@ class RosCommandEnd : public fused::CommandEnd {
 
 }  // namespace
 
-Ros1Transport::Ros1Transport(const experiment::Experiment& experiment)
+Ros1Transport::Ros1Transport(const experiment::Experiment& experiment,
+                             const LoopSurroundings& surroundings)
     : experiment_(experiment),
-      session_({.node_name = "spikeloop_" + experiment.name, .unique_name = true}) {}
+      session_({.node_name = "spikeloop_" + experiment.name, .unique_name = true}),
+      waiting_(surroundings) {
+  if (experiment.sync == Sync::lockstep) {
+    robot_.emplace(session_, experiment.tick, waiting_);
+  }
+}
 
 std::unique_ptr<Source> Ros1Transport::sensor(const fused::SensorSpec& spec) {
   const experiment::Part& part = spec.part;
-  return std::make_unique<ros1::Sensor>(
-      session_, ros1::SensorSettings{.topic = part.parameters.text("topic"),
-                                     .message_type = part.parameters.text("message"),
-                                     .fields = experiment::sensor_fields(part.parameters),
-                                     .width = spec.width,
-                                     .strict = true,
-                                     .initial = experiment::sensor_initial(part.parameters),
-                                     .keep = spec.keep});
+  ros1::SensorSettings settings{.topic = part.parameters.text("topic"),
+                                .message_type = part.parameters.text("message"),
+                                .fields = experiment::sensor_fields(part.parameters),
+                                .width = spec.width,
+                                .strict = true,
+                                .initial = experiment::sensor_initial(part.parameters)};
+  settings.keep = spec.keep;
+  settings.simulated_pace = in_simulated_time(experiment_.sync);
+  if (robot_) {
+    settings.queue = 0;  // every message counts
+    settings.arrived = [this] { waiting_.notify(); };
+  }
+  auto sensor = std::make_unique<ros1::Sensor>(session_, settings);
+  if (robot_) {
+    robot_->add_sensor({ros1::whole_topic(settings.topic),
+                        [&sensor = *sensor] { return sensor.has_publishers(); },
+                        [&sensor = *sensor] { return sensor.received(); },
+                        [&sensor = *sensor] { sensor.require_sound(); }});
+  }
+  return sensor;
+}
+
+command::CommandSettings Ros1Transport::command_settings(const fused::CommandSpec& spec) const {
+  const Parameters& keys = spec.part.parameters;
+  if (in_simulated_time(experiment_.sync)) {
+    return command::simulated_settings(
+        keys, spec.map, robot_ ? command::CommandClock::lockstep : command::CommandClock::simulated,
+        spec.with_pace);
+  }
+  return command::command_settings(keys, spec.map, keys.number("command_rate"),
+                                   {experiment_.tick, experiment_.real_time_factor},
+                                   spec.with_pace);
 }
 
 std::unique_ptr<fused::CommandEnd> Ros1Transport::command(const fused::CommandSpec& spec) {
-  const Parameters& keys = spec.part.parameters;
-  return std::make_unique<RosCommandEnd>(
-      session_,
-      ros1_command::Address{spec.part.name, keys.text("topic"), spec.part.mapping.message_type,
-                            command::field_paths(spec.part.mapping)},
-      command::command_settings(keys, spec.map, keys.number("command_rate"),
-                                {experiment_.tick, experiment_.real_time_factor}, spec.with_pace),
-      spec.keep);
+  const ros1_command::Address address{spec.part.name, spec.part.parameters.text("topic"),
+                                      spec.part.mapping.message_type,
+                                      command::field_paths(spec.part.mapping)};
+  auto end = std::make_unique<RosCommandEnd>(session_, address, command_settings(spec), spec.keep);
+  commands_.push_back(&end->ros());
+  if (robot_) {
+    robot_->add_command({ros1::whole_topic(address.topic),
+                         [&ros = end->ros()] { return ros.has_subscribers(); },
+                         [&ros = end->ros()] { return ros.sent(); },
+                         {}});
+  }
+  return end;
+}
+
+std::unique_ptr<Pacer> Ros1Transport::clock() {
+  return make_clock_pacer(session_, experiment_.tick, waiting_, [this] {
+    for (ros1_command::Ros1Command* command : commands_) {
+      command->alive();
+    }
+  });
+}
+
+void Ros1Transport::begin(TimeNs time) {
+  if (robot_ && time == 0) {
+    robot_->begin();
+  }
+}
+
+void Ros1Transport::end(TimeNs time) {
+  if (robot_) {
+    robot_->advance(time);
+  }
+}
+
+void Ros1Transport::finish() {
+  if (robot_) {
+    robot_->end();
+  }
 }
 
 }  // namespace spikeloop

@@ -1,22 +1,37 @@
 // Topics of ROS 1 for an experiment in one process.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "spikeloop/fused/transport.hpp"
 #include "spikeloop/ros1/session.hpp"
+#include "spikeloop/ros1_command/ros1_command.hpp"
+#include "stepping_link.hpp"
+#include "waiting.hpp"
 
 namespace spikeloop {
 
 class Ros1Transport : public fused::Transport {
  public:
   /// @throws TransportError without a ROS master.
-  explicit Ros1Transport(const experiment::Experiment& experiment);
+  Ros1Transport(const experiment::Experiment& experiment, const LoopSurroundings& surroundings);
 
   std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
   std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;
+  std::unique_ptr<Pacer> clock() override;
+  void begin(TimeNs time) override;
+  void end(TimeNs time) override;
+  void finish() override;
 
  private:
+  command::CommandSettings command_settings(const fused::CommandSpec& spec) const;
+
   const experiment::Experiment& experiment_;
   ros1::Session session_;
+  Waiting waiting_;
+  std::optional<SteppingLink> robot_;                 ///< with sync: lockstep
+  std::vector<ros1_command::Ros1Command*> commands_;  ///< the loop's, and alive as long as it runs
 };
 
 }  // namespace spikeloop

@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   handle_signals();
   const status::Sender status("robot");
   try {
-    robot::run(*options, line.ros, status, stop);
+    (options->step ? robot::run_stepped : robot::run)(*options, line.ros, status, stop);
   } catch (const Error& error) {
     return fail(status, error.exit_code(), error.what());
   } catch (const std::exception& error) {

@@ -8,13 +8,15 @@ namespace {
 constexpr const char* kDescription =
     "A skid-steered vehicle with a laser in a simulated arena (MuJoCo), as a ROS 1 node.\n"
     "Publishes sensor_msgs/LaserScan (20 Hz), nav_msgs/Odometry (50 Hz) and rosgraph_msgs/Clock\n"
-    "(100 Hz, all in simulated time); drives as geometry_msgs/Twist says (linear.x, angular.z).";
+    "(all in simulated time); drives as geometry_msgs/Twist says (linear.x, angular.z).";
 
 constexpr const char* kExamples =
     "Examples:\n"
     "  spikeloop-robot                               the shipped arena, seed 1, until Ctrl-C\n"
     "  spikeloop-robot --seed 3 --duration 60 --out run    one minute, path and world in run/\n"
     "  spikeloop-robot --world lab.xml --real-time-factor 0.5    your world at half speed\n"
+    "  spikeloop-robot --step                        moves when an experiment with sync: lockstep "
+    "says so\n"
     "  rostopic pub -r 10 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.3}, angular: {z: 0.5}}'\n"
     "\n"
     "Exit codes: 0 done or stopped, 2 wrong option or world, 3 no ROS master, 4 a file could not\n"
@@ -27,13 +29,21 @@ void declare(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   app.add_option("--seed", options.vehicle.seed, "places the obstacles and the start pose")
       ->capture_default_str();
-  app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
+  auto* duration =
+      app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
+          ->check(CLI::Range(0.0, 1e9))
+          ->capture_default_str();
   app.add_option("--real-time-factor", options.real_time_factor,
                  "simulated seconds in a second of the wall clock")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
+  app.add_option("--clock-rate", options.clock_rate_hz,
+                 "how often /clock is published, Hz of simulated time")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_flag("--step", options.step,
+               "waits for nothing but an experiment that steps it (sync: lockstep)")
+      ->excludes(duration);
   app.add_option("--out", options.out, "directory for trajectory.csv and world.json");
   app.add_option("--topic-prefix", options.topic_prefix, "before topics without a leading '/'")
       ->capture_default_str();

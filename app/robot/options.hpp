@@ -13,7 +13,9 @@ struct RunOptions {
   vehicle::Options vehicle;
   double duration_s = 0;  ///< 0: until stopped
   double real_time_factor = 1;
-  std::string out;  ///< directory for trajectory.csv and world.json; empty: none
+  double clock_rate_hz = 100;
+  bool step = false;  ///< an experiment decides when it moves
+  std::string out;    ///< directory for trajectory.csv and world.json; empty: none
   std::string scan_topic = "scan";
   std::string odometry_topic = "odom";
   std::string clock_topic = "/clock";

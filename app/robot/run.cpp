@@ -15,7 +15,6 @@ namespace spikeloop::robot {
 namespace {
 
 constexpr TimeNs kTick = 1'000'000;
-constexpr TimeNs kClockPeriod = 10'000'000;
 constexpr TimeNs kOdometryPeriod = 20'000'000;
 constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
 
@@ -28,6 +27,7 @@ class Loop {
         vehicle_(vehicle),
         ros_(ros),
         pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
+        clock_period_(whole_ticks(1 / options.clock_rate_hz)),
         scan_period_(whole_ticks(static_cast<double>(vehicle.scan().scan_time_s))) {
     if (!options.out.empty()) {
       write_world(options.out, vehicle, options.vehicle.seed);
@@ -72,12 +72,12 @@ class Loop {
       trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
     }
     if (t == 0) return;
-    if (t % kClockPeriod == 0) ros_.publish_clock(t);
     if (t % scan_period_ == 0) {
       ros_.publish(vehicle_.scan());
       ++scans_;
     }
     if (t % kOdometryPeriod == 0) ros_.publish(vehicle_.odometry());
+    if (t % clock_period_ == 0) ros_.publish_clock(t);  // after what is of that time
   }
 
   void report_progress() {
@@ -115,6 +115,7 @@ class Loop {
   vehicle::Vehicle& vehicle_;
   RosLink& ros_;
   std::unique_ptr<Pacer> pacer_;
+  TimeNs clock_period_;
   TimeNs scan_period_;
   std::optional<TrajectoryFile> trajectory_;
   std::uint64_t scans_ = 0;

@@ -14,4 +14,8 @@ namespace spikeloop::robot {
 void run(const RunOptions& options, const ros1::RosArguments& arguments,
          const status::Sender& status, const std::atomic<bool>& stop);
 
+/// The same with an experiment in place of the clock (docs/stepping.md): run by run, until `stop`.
+void run_stepped(const RunOptions& options, const ros1::RosArguments& arguments,
+                 const status::Sender& status, const std::atomic<bool>& stop);
+
 }  // namespace spikeloop::robot

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -175,6 +176,13 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   options.robot = true;
   options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
                              fmt::format("--seed={}", experiment.robot->seed)};
+  if (experiment.sync == experiment::Sync::lockstep) {
+    options.robot_arguments.emplace_back("--step");
+  } else if (experiment.sync == experiment::Sync::sim_time) {
+    // A clock that is slower than the ticks would bring them in bursts.
+    const double rate = std::clamp(1 / to_seconds(experiment.tick), 100.0, 1000.0);
+    options.robot_arguments.push_back(fmt::format("--clock-rate={}", rate));
+  }
 }
 
 launch::JobOptions job_options(const ExperimentArguments& arguments, const Experiment& experiment,
@@ -207,7 +215,9 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      folder.path(),
                      fmt::format("--seed={}", experiment.seed),
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
-                     fmt::format("--sync={}", experiment::name_of(experiment.sync))};
+                     fmt::format("--sync={}", experiment::name_of(experiment.sync)),
+                     fmt::format("--stall-timeout={}",
+                                 std::chrono::duration<double>(arguments.stall_timeout).count())};
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));

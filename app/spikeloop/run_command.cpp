@@ -78,7 +78,8 @@ void add_values(CLI::App& command, RunArguments& arguments) {
                 "Longest time until every program of ours has ticked")
           ->default_str("60"),
       add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
-                "Longest time in which a program of ours may not tick; 0: for ever")
+                "Longest time in which a program of ours, or a stepped robot, may not tick; 0: "
+                "for ever")
           ->default_str("60")};
 }
 
@@ -119,7 +120,7 @@ void add_options(CLI::App& command, RunArguments& arguments) {
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
-      ->check(CLI::IsMember({"realtime", "unpaced", "lockstep"}));
+      ->check(CLI::IsMember({"realtime", "unpaced", "lockstep", "sim_time"}));
   command
       .add_option("--layout", arguments.layout,
                   "fused: all nodes in one process; separate: a process a node, joined by MUSIC")

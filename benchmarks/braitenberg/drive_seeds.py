@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-EXAMPLE = ROOT / "examples/braitenberg"
+EXAMPLE = ROOT / "examples/01_braitenberg"
 LEAST_SPEED_M_S = 0.2
 LEAST_COVERAGE = 0.3
 STANDS_STILL_M_S = 0.1

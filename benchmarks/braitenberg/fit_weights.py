@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fits the knots of examples/braitenberg/make_weights.py by an evolution strategy (CMA-ES, Hansen &
+"""Fits the knots of examples/01_braitenberg/make_weights.py by an evolution strategy (CMA-ES, Hansen &
 Ostermeier 2001, Evol. Comput. 9:159-195), 60 simulated seconds a drive.
 
     scripts/bench --help       builds what this needs (build/release/benchmarks/bin)
@@ -19,7 +19,7 @@ import time
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "examples/braitenberg"))
+sys.path.insert(0, str(ROOT / "examples/01_braitenberg"))
 import make_weights  # noqa: E402
 
 PROGRAM = ROOT / "build/release/benchmarks/bin/braitenberg_drives"

@@ -6,7 +6,7 @@
 #include "faults.hpp"
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
-#include "spikeloop/messages/sensor_conversion.hpp"
+#include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -72,31 +72,6 @@ void check_topic(const Part& part, const bag::Reader& reader) {
   }
 }
 
-const Location& where_connected(const Part& part, const Experiment& experiment) {
-  for (const Link& link : experiment.links) {
-    if (node_of(link.from) == part.name) {
-      return link.where;
-    }
-  }
-  return part.where;
-}
-
-/// A message that does not fit would end the run.
-void check_width(const Part& part, const Experiment& experiment, const bag::Reader& reader) {
-  bag::Stream stream = reader.stream(part.parameters.text("topic"), part.name);
-  const auto first = stream.next();
-  const std::uint32_t width = experiment.width(part.name, "out");
-  if (!first || width == 0) {
-    return;
-  }
-  located_at(where_connected(part, experiment), [&] {
-    messages::SensorConversion conversion(messages::Catalog::builtin(),
-                                          part.parameters.text("message"),
-                                          sensor_fields(part.parameters), width, true);
-    return conversion.convert(first->bytes);
-  });
-}
-
 /// The tick that uses the last message is run as well.
 void end_with(const bag::Reader& reader, const std::set<std::string>& whole,
               Experiment& experiment) {
@@ -137,30 +112,43 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
   experiment.robot = result;
 }
 
-void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
-               Faults& faults) {
-  if (!experiment.robot || experiment.robot->bag.empty()) {
-    return;
-  }
-  const Robot& robot = *experiment.robot;
-  faults.attempt(robot.where, [&] {
-    if (!std::filesystem::exists(robot.bag)) {
-      refuse_file("bag", robot.where, "bag", robot.bag);
-    }
-    const bag::Reader reader(robot.bag);
-    const std::size_t before = faults.count();
-    for (const Part& part : experiment.parts) {
-      if (is_sensor(part, whole)) {
-        faults.attempt(part.where, [&] { check_topic(part, reader); });
-        if (joined && faults.count() == before) {
-          faults.attempt(part.where, [&] { check_width(part, experiment, reader); });
-        }
+std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults) {
+  std::shared_ptr<const bag::Reader> reader;
+  if (experiment.robot && !experiment.robot->bag.empty()) {
+    const Robot& robot = *experiment.robot;
+    faults.attempt(robot.where, [&] {
+      if (!std::filesystem::exists(robot.bag)) {
+        refuse_file("bag", robot.where, "bag", robot.bag);
       }
+      reader = std::make_shared<const bag::Reader>(robot.bag);
+    });
+  }
+  return reader;
+}
+
+SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
+  return [reader = std::move(reader)](const Part& sensor) -> std::uint32_t {
+    try {
+      check_topic(sensor, *reader);
+    } catch (const ConfigurationError&) {
+      return 0;  // told by check_bag()
     }
-    if (!experiment.duration) {
-      end_with(reader, whole, experiment);
+    bag::Stream stream = reader->stream(sensor.parameters.text("topic"), sensor.name);
+    const auto first = stream.next();
+    return first ? count_values(sensor.parameters, first->bytes) : 0;
+  };
+}
+
+void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,
+               Experiment& experiment, Faults& faults) {
+  for (const Part& part : experiment.parts) {
+    if (is_sensor(part, whole)) {
+      faults.attempt(part.where, [&] { check_topic(part, reader); });
     }
-  });
+  }
+  if (!experiment.duration) {
+    faults.attempt(experiment.robot->where, [&] { end_with(reader, whole, experiment); });
+  }
 }
 
 }  // namespace spikeloop::experiment

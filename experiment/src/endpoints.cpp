@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/command/mapping.hpp"
+#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/record/playback.hpp"
 
@@ -50,6 +51,26 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
         fmt::format("key 'initial': '{}' is neither a number nor 'none'; write for example 0",
                     text));
   }
+}
+
+std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message) {
+  const auto& catalog = messages::Catalog::builtin();
+  std::vector<double> values;
+  try {
+    const std::string type = catalog.full_name(parameters.text("message"));
+    std::vector<std::string> fields = sensor_fields(parameters);
+    if (fields.empty() && type == "sensor_msgs/LaserScan") {
+      fields = {"ranges"};
+    } else if (fields.empty() && type == "std_msgs/Float64MultiArray") {
+      fields = {"data"};
+    }
+    for (const std::string& field : fields) {
+      messages::FieldReader(catalog, type, field).read(message, values);
+    }
+  } catch (const Error&) {
+    return 0;  // told elsewhere
+  }
+  return static_cast<std::uint32_t>(values.size());
 }
 
 std::unique_ptr<Source> playback(const Part& part) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
@@ -11,6 +12,10 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::bag {
+class Reader;
+}
 
 namespace spikeloop::experiment {
 
@@ -74,10 +79,14 @@ bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription
 /// `robot: {bag: FILE}`: its keys.
 void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);
-/// What the sensors ask of the bag: topics, types and versions; with `joined`, which means that the
-/// widths are known, the first messages. An experiment without duration ends with the bag.
-void check_bag(const std::set<std::string>& whole, bool joined, Experiment& experiment,
-               Faults& faults);
+/// The bag in the robot's place; null: there is none, or it cannot be read.
+std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults);
+/// By the first message that a sensor would take.
+SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader);
+/// What the sensors ask of the bag: topics, types and versions. An experiment without duration ends
+/// with the bag.
+void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,
+               Experiment& experiment, Faults& faults);
 
 /// The file whose directory relative paths start in.
 inline const std::string& origin_of(const ExperimentFile& file, const Overrides& overrides) {

@@ -209,14 +209,33 @@ class Writer {
   MusicJob job_;
 };
 
+/// Programs know a port's width from its connection alone.
+void check_ends(const Experiment& experiment) {
+  for (const Part& part : experiment.parts) {
+    const bool sends = std::ranges::any_of(
+        experiment.links, [&](const Link& link) { return node_of(link.from) == part.name; });
+    const bool by_weights = std::ranges::any_of(
+        part.node_class->description.parameters,
+        [](const auto& parameter) { return parameter.type == ParameterType::weights; });
+    if (by_weights && !sends) {
+      throw ConfigurationError(
+          part.where, fmt::format("nothing is connected to an output of '{}', and the separate "
+                                  "layout knows its width from a connection alone; connect it, or "
+                                  "use the fused layout",
+                                  part.name));
+    }
+  }
+}
+
 }  // namespace
 
 MusicJob music_job(const Experiment& experiment, const std::string& folder) {
-  const Location where{experiment.path, 0, 0};
-  if (experiment.sync == Sync::lockstep) {
-    throw ConfigurationError(where,
-                             "lockstep steps robot and network in one process; use the fused "
-                             "layout, or  sync: realtime");
+  if (experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time) {
+    throw ConfigurationError(
+        experiment.sync_where,
+        fmt::format("key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
+                    "the fused layout",
+                    name_of(experiment.sync)));
   }
   if (experiment.robot && !experiment.robot->bag.empty()) {
     throw ConfigurationError(experiment.robot->where,
@@ -228,6 +247,7 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
                              "in the separate layout the robot is reached over ROS; write  ros: 1, "
                              "or use the fused layout");
   }
+  check_ends(experiment);
   return Writer(experiment, folder).write();
 }
 

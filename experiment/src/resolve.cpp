@@ -99,6 +99,7 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.seed = overrides.seed.value_or(experiment.seed);
   experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
   experiment.sync = overrides.sync.value_or(experiment.sync);
+  experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
 }
 
 /// What the robot's messages give its sensors; empty when that is not known.
@@ -139,23 +140,21 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
   return width;
 }
 
-/// Ways to run that exclude each other, or that this version does not have.
-void check_ways(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
-  if (experiment.sync == Sync::sim_time) {
-    faults.add(where_of(file, "sync"),
-               "key 'sync': sim_time is not in this version; write realtime, unpaced or lockstep");
-  }
-  if (experiment.sync != Sync::lockstep) {
+/// Ways to run that exclude each other.
+void check_ways(const Experiment& experiment, Faults& faults) {
+  if (experiment.ros != Ros::none) {
     return;
   }
-  if (experiment.ros != Ros::none) {
-    faults.add(where_of(file, "sync"),
-               "key 'sync': lockstep needs the robot in this process, in this version; write  ros: "
-               "none  and  robot: {simulator: mujoco}");
-  } else if (!experiment.robot) {
-    faults.add(where_of(file, "sync"),
-               "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco}, or  "
-               "sync: unpaced");
+  if (experiment.sync == Sync::sim_time) {
+    faults.add(
+        experiment.sync_where,
+        "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 1,  "
+        "or  sync: lockstep  for the robot in this process");
+  } else if (experiment.sync == Sync::lockstep && !experiment.robot) {
+    faults.add(
+        experiment.sync_where,
+        "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco},  ros: "
+        "1  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
   }
 }
 
@@ -290,8 +289,12 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   experiment.path = file.path;
   experiment.origin = origin_of(file, overrides);
   read_keys(file, overrides, experiment, all);
-  const SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
-  check_ways(file, experiment, all);
+  SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
+  const auto bag = open_bag(experiment, all);
+  if (bag) {
+    sensor_width = bag_width(bag);
+  }
+  check_ways(experiment, all);
   bool joined = file.joined;
   std::set<std::string> whole;
   const std::string directory = directory_of(experiment.origin);
@@ -303,11 +306,11 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     }
   }
   check_topics(experiment, whole, all);
+  if (bag && !overrides.replay) {
+    check_bag(*bag, whole, experiment, all);
+  }
   if (joined) {
     resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
-  }
-  if (!overrides.replay) {
-    check_bag(whole, joined && all.count() == 0, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

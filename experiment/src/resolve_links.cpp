@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "faults.hpp"
@@ -132,12 +133,13 @@ void check_against_robot(const Part& part, const Experiment& experiment,
     if (node_of(link.from) == part.name && values != 0 && values != link.width) {
       throw ConfigurationError(
           link.where,
-          fmt::format(
-              "node '{}': a message of the robot's topic {} gives {} values, but '{}' has "
-              "{} channels; write [{}] in its connection{}",
-              part.name, part.parameters.text("topic"), values, link.from, link.width, values,
-              experiment.ros == Ros::none ? ""
-                                          : ", or leave 'robot' out when another robot sends it"));
+          fmt::format("node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
+                      "channels; write [{}] in its connection{}",
+                      part.name, experiment.robot->bag.empty() ? "robot" : "bag",
+                      part.parameters.text("topic"), values, link.from, link.width, values,
+                      experiment.ros == Ros::none
+                          ? ""
+                          : ", or leave 'robot' out when another robot sends it"));
     }
   }
 }

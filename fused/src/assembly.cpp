@@ -136,9 +136,8 @@ void Assembly::add_command(const Part& part) {
   const auto fields = static_cast<std::uint32_t>(map.size());
   const auto upstream = nearest_sensor(experiment_, part.name);
   const auto driver = std::ranges::find(experiment_.links, part.name + ".in", &Link::to);
-  commands_.push_back(transport_.command({part, map, upstream.has_value(),
-                                          driver == experiment_.links.end() ? "" : driver->from,
-                                          keep_messages(part)}));
+  commands_.push_back(transport_.command({part, map, upstream.has_value(), keep_messages(part),
+                                          driver == experiment_.links.end() ? "" : driver->from}));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "spikeloop/command/command_feed.hpp"
+#include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
@@ -79,17 +80,16 @@ class MemorySensor : public Source {
   bool fresh_ = false;
 };
 
-command::GateSettings gate_settings(const CommandSpec& spec) {
-  const Parameters& keys = spec.part.parameters;
-  const double rate = keys.number("command_rate");
-  return {.deadband = spec.map.deadbands(keys.number("deadband")),
-          .min_interval = from_seconds(keys.number("min_interval")),
-          .period = rate > 0 ? from_seconds(1 / rate) : 0};
-}
-
 class MemoryCommand : public CommandEnd {
  public:
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
+      : MemoryCommand(
+            topics, spec,
+            command::simulated_settings(spec.part.parameters, spec.map,
+                                        command::CommandClock::lockstep, spec.with_pace)) {}
+
+  MemoryCommand(MemoryTopics& topics, const CommandSpec& spec,
+                const command::CommandSettings& settings)
       : topics_(topics),
         name_(spec.part.name),
         from_(spec.from),
@@ -97,10 +97,8 @@ class MemoryCommand : public CommandEnd {
         all_channels_(spec.part.mapping.all_channels),
         writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
                 command::field_paths(spec.part.mapping)),
-        channel_(gate_settings(spec), [this](auto values) { publish(values); }),
-        feed_({static_cast<std::uint32_t>(spec.map.size()), spec.with_pace,
-               from_seconds(spec.part.parameters.number("max_age"))},
-              channel_),
+        channel_(settings.gate, [this](auto values) { publish(values); }),
+        feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
         keep_(spec.keep) {}
 
   std::vector<EndpointPort> ports() const override { return feed_.ports(); }

@@ -7,9 +7,7 @@
 
 #include "memory_topics.hpp"
 #include "spikeloop/fused/transport.hpp"
-#include "spikeloop/robot/files.hpp"
-#include "spikeloop/robot/messages.hpp"
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/robot/stepped_robot.hpp"
 
 namespace spikeloop::fused {
 
@@ -34,18 +32,8 @@ class MemoryTransport : public Transport {
   nlohmann::json summary() const override;
 
  private:
-  void step_robot(TimeNs time);
-
   MemoryTopics topics_;
-  std::optional<vehicle::Vehicle> vehicle_;
-  std::optional<robot::TrajectoryFile> trajectory_;
-  robot::ScanMessage scan_;
-  robot::OdometryMessage odometry_;
-  robot::TwistReader twist_;
-  std::optional<robot::Command> command_;
-  TimeNs scan_period_ = 0;
-  TimeNs next_scan_ = 0;
-  TimeNs next_odometry_ = 0;
+  std::optional<robot::SteppedRobot> robot_;
 };
 
 }  // namespace spikeloop::fused

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "spikeloop/experiment/endpoints.hpp"
-#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
@@ -17,18 +16,6 @@ using Bytes = std::vector<std::byte>;
 
 Bytes copied(std::span<const std::byte> message) {
   return {message.begin(), message.end()};
-}
-
-std::uint32_t count(const Bytes& message, const std::string& type, const Parameters& keys) {
-  std::vector<std::string> fields = experiment::sensor_fields(keys);
-  if (fields.empty() && type == robot::kScanType) {
-    fields = {"ranges"};
-  }
-  std::vector<double> values;
-  for (const std::string& field : fields) {
-    messages::FieldReader(messages::Catalog::builtin(), type, field).read(message, values);
-  }
-  return static_cast<std::uint32_t>(values.size());
 }
 
 }  // namespace
@@ -43,11 +30,7 @@ experiment::SensorWidth look_at_robot(const experiment::Robot& robot) {
   return [messages](const experiment::Part& sensor) -> std::uint32_t {
     const Parameters& keys = sensor.parameters;
     const auto message = messages.find({keys.text("topic"), keys.text("message")});
-    try {
-      return message == messages.end() ? 0 : count(message->second, message->first.second, keys);
-    } catch (const ConfigurationError&) {
-      return 0;  // fields that are not there are told of elsewhere
-    }
+    return message == messages.end() ? 0 : experiment::count_values(keys, message->second);
   };
 }
 

@@ -44,7 +44,10 @@ void copy_experiment(const Experiment& experiment, const std::string& folder) {
   }
 }
 
-std::unique_ptr<Pacer> make_pacer(const Experiment& experiment) {
+std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, Transport& transport) {
+  if (experiment.sync == Sync::sim_time) {
+    return transport.clock();
+  }
   return experiment.sync == Sync::realtime
              ? make_realtime_pacer(experiment.real_time_factor, experiment.tick)
              : make_unpaced_pacer();
@@ -58,15 +61,18 @@ class Loop {
         transport_(transport),
         assembly_(assembly),
         events_(events),
-        pacer_(make_pacer(experiment)) {}
+        pacer_(make_pacer(experiment, transport)) {}
 
   void run() {
     const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
     Graph& graph = assembly_.graph();
     pacer_->start();
-    while (graph.time() < duration && !(events_.stop && events_.stop())) {
+    while (graph.time() < duration) {
       pacer_->wait_until(graph.time());
       transport_.begin(graph.time());
+      if (events_.stop && events_.stop()) {
+        return;  // perhaps while it waited
+      }
       graph.step();
       transport_.end(graph.time());
       if (events_.ticked) {

@@ -27,7 +27,7 @@ def draw(run, path):
     with style.styled():
         figure = style.new_figure(8.0, _figure_height(world or {}))
         axes = figure.subplots()
-        _draw_world(axes, world or {})
+        draw_world(axes, world or {})
         lines = _draw_path(axes, track)
         collided = _draw_collisions(axes, track)
         length = 0.07 * _extent(track, world or {})
@@ -60,7 +60,8 @@ def _optional(read, missing):
         return None
 
 
-def _draw_world(axes, world):
+def draw_world(axes, world):
+    """The arena's walls and its obstacles, of RunFolder.world(), into matplotlib axes in metres."""
     arena = world.get("arena")
     if arena:
         axes.add_patch(Rectangle((arena["min_x_m"], arena["min_y_m"]),

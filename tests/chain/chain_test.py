@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-EXAMPLE = ROOT / "examples/braitenberg"
+EXAMPLE = ROOT / "examples/01_braitenberg"
 TAU_S = 0.03
 TOLERANCE = 1e-9
 

@@ -75,6 +75,15 @@ TEST_F(GoodFiles, RobotHasItsOwnSeed) {
   EXPECT_EQ(good(with({{"mujoco}", "mujoco, seed: 3}"}})).robot->seed, 3U);
 }
 
+TEST_F(GoodFiles, AReadoutAtTheEndIsAsWideAsItsWeights) {
+  const Experiment experiment =
+      good(with({{"  wheels: {", "  end: {node: linear_readout, weights: w.json}\n  wheels: {"},
+                 {"wheels [2]\n", "wheels [2]\n  - brain -> end\n"}}));
+  const auto end = std::ranges::find(experiment.outputs, "end", &experiment::Output::part);
+  ASSERT_NE(end, experiment.outputs.end());
+  EXPECT_EQ(end->width, 2U);
+}
+
 TEST_F(GoodFiles, TheCommandLineComesBeforeTheFile) {
   const Experiment experiment = good(with({}), {2.5, 9, std::nullopt, experiment::Sync::unpaced});
   EXPECT_EQ(experiment.duration, 2'500'000'000);

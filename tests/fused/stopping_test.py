@@ -146,6 +146,16 @@ def wrong_options(spikeloop, scratch):
         done = subprocess.run([spikeloop, "run", str(file), *arguments], cwd=scratch,
                               capture_output=True, text=True, check=False)
         assert done.returncode == 2 and text in done.stderr, done
+    open_end = scratch / "end.yaml"
+    open_end.write_text(
+        "nodes: {a: {simulator: builtin, network: {populations: {n: {model: iaf_psc_delta, size: 1}},"
+        " output: [n]}},\n  r: {node: linear_readout, weights: [[1]]}}\n"
+        "connections: [a -> r]\nduration: 1 s\nsync: unpaced\n")
+    runs.run(spikeloop, open_end, scratch / "end")
+    done = subprocess.run([spikeloop, "run", str(open_end), "--layout", "separate"], cwd=scratch,
+                          capture_output=True, text=True, check=False)
+    text = "end.yaml:2:3: nothing is connected to an output of 'r', and the separate layout knows"
+    assert done.returncode == 2 and text in done.stderr, done
     music = scratch / "a.music"
     music.write_text("[a]\nnp=1\nbinary=b\n")
     done = subprocess.run([spikeloop, "run", str(music), "--no-record"], cwd=scratch,

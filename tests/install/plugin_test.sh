@@ -33,7 +33,8 @@ cd "$work/example"
 spikeloop check encoder.music || fail "its file is refused"
 spikeloop run encoder.music --record --out run --real-time-factor 100 >"$work/log" 2>&1 ||
   fail "the example does not run" "$work/log"
-"$source/tests/install/compare_spikes.py" run mine builtin
+PYTHONPATH="$work/prefix/share/spikeloop/python" /usr/bin/python3 \
+  "$source/examples/05_encoder_python/compare.py" run mine builtin
 lines=$(wc -l <encoder.cpp)
 for page in "$source/examples/04_encoder_cpp/README.md" "$source/README.md"; do
   grep -q "$lines lines" "$page" || fail "$page does not say that encoder.cpp has $lines lines"

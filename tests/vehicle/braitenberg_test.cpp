@@ -17,7 +17,7 @@ using braitenberg::Readout;
 using nlohmann::json;
 
 json read_example(const std::string& name) {
-  return json::parse(std::ifstream(std::string(SPIKELOOP_EXAMPLES) + "/braitenberg/" + name));
+  return json::parse(std::ifstream(std::string(SPIKELOOP_EXAMPLES) + "/01_braitenberg/" + name));
 }
 
 Readout example_readout() {

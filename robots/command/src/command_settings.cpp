@@ -7,6 +7,7 @@ namespace {
 
 constexpr TimeNs kLeastInterval = 1'000'000;
 constexpr TimeNs kLeastWatchdog = 100'000'000;
+constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
 }  // namespace
 
@@ -32,6 +33,22 @@ CommandSettings command_settings(const Parameters& keys, const ComponentMap& map
   settings.max_age = from_seconds(keys.number("max_age"));
   settings.width = static_cast<std::uint32_t>(map.size());
   settings.with_pace = with_pace;
+  return settings;
+}
+
+CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
+                                   CommandClock clock, bool with_pace) {
+  const double rate = keys.number("command_rate");
+  CommandSettings settings;
+  settings.gate = {.deadband = map.deadbands(keys.number("deadband")),
+                   .min_interval = from_seconds(keys.number("min_interval")),
+                   .period = rate > 0 ? from_seconds(1 / rate) : 0};
+  settings.watchdog =
+      clock == CommandClock::lockstep ? kYears : from_seconds(keys.number("watchdog"));
+  settings.max_age = from_seconds(keys.number("max_age"));
+  settings.width = static_cast<std::uint32_t>(map.size());
+  settings.with_pace = with_pace;
+  settings.clock = clock;
   return settings;
 }
 

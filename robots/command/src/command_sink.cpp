@@ -38,10 +38,7 @@ CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
       carrier_(std::move(carrier)),
       channel_(settings.gate, carrier_.publish),
       feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
-      watch_(settings.watchdog, {[this](StopReason reason) {
-                                   channel_.stop(reason, wall_now());
-                                   announce(wall_now());
-                                 },
+      watch_(settings.watchdog, {[this](StopReason reason) { stop_from_watch(reason); },
                                  [this](TimeNs now) { return channel_.poll(now); },
                                  carrier_.interrupted, carrier_.beat}) {}
 
@@ -57,9 +54,34 @@ void CommandSink::send(const Step& step) {
   if (carrier_.require) {
     carrier_.require();
   }
-  const TimeNs now = wall_now();
-  watch_.heartbeat(feed_.take(step, now));
-  announce(now);
+  ticked_ = true;
+  simulated_ = step.interval().end;
+  const TimeNs due = feed_.take(step, now());
+  if (settings_.clock == CommandClock::wall) {
+    watch_.heartbeat(due);
+  } else {
+    channel_.poll(now());
+    watch_.heartbeat();
+  }
+  announce(wall_now());
+}
+
+void CommandSink::alive() {
+  if (ticked_) {
+    watch_.heartbeat();
+  }
+}
+
+TimeNs CommandSink::now() const {
+  return settings_.clock == CommandClock::wall ? wall_now() : simulated_.load();
+}
+
+void CommandSink::stop_from_watch(StopReason reason) {
+  if (settings_.clock == CommandClock::lockstep) {
+    return;
+  }
+  channel_.stop(reason, now());
+  announce(wall_now());
 }
 
 void CommandSink::announce(TimeNs now) {
@@ -85,7 +107,7 @@ void CommandSink::stop(StopReason reason) {
   }
   stopped_ = true;
   watch_.rest();
-  channel_.stop(reason, wall_now());
+  channel_.stop(reason, now());
   carrier_.finish();
 }
 

@@ -98,17 +98,31 @@ void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
                settings_.topic, format_time(kPatience));
 }
 
-void Intake::check() {
+void Intake::require_sound() const {
   session_.require_alive();
+  const std::lock_guard lock(mutex_);
+  if (failure_) {
+    std::rethrow_exception(failure_);
+  }
+}
+
+void Intake::check(std::optional<TimeNs> simulated) {
+  require_sound();
   TimeNs newest_at = 0;
   {
     const std::lock_guard lock(mutex_);
-    if (failure_) {
-      std::rethrow_exception(failure_);
-    }
     newest_at = newest_at_;
   }
-  mind_silence(wall_now(), newest_at);
+  if (!simulated) {
+    mind_silence(wall_now(), newest_at);
+    return;
+  }
+  const TimeNs now = *simulated + 1;  // 0: none has come
+  if (newest_at != noticed_) {
+    noticed_ = newest_at;
+    noticed_at_ = now;
+  }
+  mind_silence(now, noticed_at_);
 }
 
 std::uint64_t Intake::wrong_type() const {

@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,10 +39,14 @@ class Intake {
   Intake(const Intake&) = delete;
   Intake& operator=(const Intake&) = delete;
 
-  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more.
+  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more,
+  /// by the wall clock, or by the simulated time that is given.
   /// @throws TransportError when the topic has brought messages of another type or version and none
   /// of the right one, or the session's node has been shut down; what `take` threw.
-  void check();
+  void check(std::optional<TimeNs> simulated = std::nullopt);
+  /// The same without a word of silence.
+  void require_sound() const;
+  bool has_publishers() const { return subscriber_.getNumPublishers() != 0; }
   std::uint64_t wrong_type() const;
 
  private:
@@ -63,6 +68,8 @@ class Intake {
   std::exception_ptr failure_;
 
   TimeNs started_ = 0;  // used by the loop only
+  TimeNs noticed_ = 0;  // newest_at_ at the tick that began at noticed_at_
+  TimeNs noticed_at_ = 0;
   bool told_nothing_came_ = false;
   bool told_nothing_comes_ = false;
   ros::Subscriber subscriber_;

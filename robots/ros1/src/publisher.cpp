@@ -59,6 +59,10 @@ std::span<const std::byte> Publisher::publish(std::span<const double> values) {
   return impl_->bytes;
 }
 
+bool Publisher::has_subscribers() const {
+  return impl_->publisher.has_subscribers();
+}
+
 void Publisher::drain() const {
   impl_->publisher.drain();
 }

@@ -65,15 +65,13 @@ struct RawPublisher::Impl {
 };
 
 RawPublisher::RawPublisher(Session& session, const std::string& topic,
-                           const std::string& message_type)
+                           const std::string& message_type, std::uint32_t queue)
     : impl_(std::make_unique<Impl>()) {
   check_topic(topic);
-  // The queue holds what is published before roscpp's thread runs: commands, then a zero.
-  constexpr std::uint32_t kQueue = 10;
   const auto& catalog = messages::Catalog::builtin();
   const std::string type = catalog.full_name(message_type);
   ros::AdvertiseOptions options(
-      topic, kQueue, catalog.md5(type), type, catalog.full_text(type),
+      topic, queue, catalog.md5(type), type, catalog.full_text(type),
       [](const ros::SingleSubscriberPublisher&) { send_without_delay(); });
   options.has_header = begins_with_header(*catalog.layout(type));
   impl_->publisher = session.impl().node->advertise(options);

@@ -35,14 +35,14 @@ struct RawSubscriber::Impl {
 };
 
 RawSubscriber::RawSubscriber(Session& session, const std::string& topic,
-                             const std::string& message_type, Callback callback)
+                             const std::string& message_type, Callback callback,
+                             std::uint32_t queue)
     : impl_(std::make_unique<Impl>()) {
   check_topic(topic);
   impl_->receiver->callback = std::move(callback);
-  constexpr std::uint32_t kQueue = 1;
   ros::SubscribeOptions options;
   options.init<RawMessage>(
-      topic, kQueue,
+      topic, queue,
       [receiver = impl_->receiver](const boost::shared_ptr<const RawMessage>& message) {
         receiver->take(*message);
       });
@@ -56,6 +56,10 @@ RawSubscriber::RawSubscriber(Session& session, const std::string& topic,
 RawSubscriber::~RawSubscriber() {
   impl_->subscriber.shutdown();
   impl_->receiver->close();
+}
+
+bool RawSubscriber::has_publishers() const {
+  return impl_->subscriber.getNumPublishers() != 0;
 }
 
 }  // namespace spikeloop::ros1

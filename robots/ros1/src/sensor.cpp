@@ -1,6 +1,7 @@
 #include "spikeloop/ros1/sensor.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 
 #include "intake.hpp"
@@ -22,7 +23,11 @@ struct Sensor::Impl {
       : settings(wanted),
         conversion(conversion_of(wanted)),
         newest(wanted.width, 0.0),
-        intake(session, {.topic = wanted.topic, .type = conversion.type(), .type_is_a_key = true},
+        intake(session,
+               {.topic = wanted.topic,
+                .type = conversion.type(),
+                .queue = wanted.queue,
+                .type_is_a_key = true},
                [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
@@ -30,6 +35,10 @@ struct Sensor::Impl {
     const bool good = conversion.convert(bytes);
     const std::string warning = conversion.take_warning();
     publish(bytes, good, now);
+    ++received;
+    if (settings.arrived) {
+      settings.arrived();
+    }
     if (!warning.empty()) {
       log::warning("topic '{}': {}", settings.topic, warning);
     }
@@ -58,6 +67,7 @@ struct Sensor::Impl {
   std::uint64_t revision = 0;
   std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
   messages::SensorConversion::Counts counts;
+  std::atomic<std::uint64_t> received{0};
 
   std::uint64_t seen = 0;  // used by the loop only
   std::vector<std::vector<std::byte>> taken;
@@ -80,7 +90,8 @@ std::vector<EndpointPort> Sensor::ports() const {
 }
 
 void Sensor::receive(const Step& step) {
-  impl_->intake.check();
+  const bool simulated = impl_->settings.simulated_pace;
+  impl_->intake.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
   const SignalOutput out = step.signal_output(0);
   const std::optional<double>& initial = impl_->settings.initial;
   if (initial && !impl_->initial_sent) {
@@ -109,7 +120,7 @@ void Sensor::receive(const Step& step) {
   }
   out.commit();
   const SignalOutput pace = step.signal_output(1);
-  pace.values()[0] = to_seconds(arrived);
+  pace.values()[0] = to_seconds(simulated ? step.interval().begin : arrived);
   pace.commit();
 }
 
@@ -124,6 +135,18 @@ std::vector<Counter> Sensor::counters() const {
           {"without_reading", counts.without_reading},
           {"malformed", counts.malformed},
           {"wrong_type", wrong_type}};
+}
+
+bool Sensor::has_publishers() const {
+  return impl_->intake.has_publishers();
+}
+
+std::uint64_t Sensor::received() const {
+  return impl_->received;
+}
+
+void Sensor::require_sound() const {
+  impl_->intake.require_sound();
 }
 
 }  // namespace spikeloop::ros1

@@ -56,6 +56,10 @@ void check_topic(const std::string& topic) {
   }
 }
 
+std::string whole_topic(const std::string& topic) {
+  return ros::names::resolve(topic);
+}
+
 Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>()) {
   static std::atomic<bool> used{false};
   const std::string uri =

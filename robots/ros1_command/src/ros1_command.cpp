@@ -36,6 +36,7 @@ Ros1Command::Ros1Command(ros1::Session& session, const Address& address,
                              if (sent_) {
                                sent_(message);
                              }
+                             ++count_;
                            },
                        .finish =
                            [this] {

@@ -1,7 +1,10 @@
 // What the keys of endpoints mean, for whoever makes them.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +19,9 @@ namespace spikeloop::experiment {
 std::vector<std::string> sensor_fields(const Parameters& parameters);
 /// `initial` of a ros_sensor. @throws ConfigurationError when it is neither a number nor none.
 std::optional<double> sensor_initial(const Parameters& parameters);
+/// Number of values that a message gives a ros_sensor; 0: as many as are asked for, or its fields
+/// are not there.
+std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message);
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping);
 

@@ -80,6 +80,7 @@ struct Experiment {
   TimeNs tick = 1'000'000;
   std::uint64_t seed = 1;
   Sync sync = Sync::realtime;
+  Location sync_where{};
   double real_time_factor = 1;
   Ros ros = Ros::none;
   std::optional<Robot> robot;
@@ -113,9 +114,9 @@ struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;
-  std::optional<Replay> replay{};
 };
 
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.

@@ -2,11 +2,11 @@
 // loop is
 //
 //     for t = 0, h, 2h, ... < duration:
-//       wait until the clock shows t        sync: realtime; the others do not wait
+//       wait until the clock shows t        sync: realtime, sim_time; the others do not wait
 //       messages of t arrive                from the robot in this process, or from ROS
 //       step the graph over (t, t+h]
 //       commands of t+h leave
-//       the robot in this process advances to t+h, on the commands of t
+//       the robot advances to t+h, on the commands of t      in this process, or sync: lockstep
 //
 // With sync: lockstep nothing else happens, so that a run can be repeated to the bit, as fast as
 // the machine allows.

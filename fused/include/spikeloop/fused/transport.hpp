@@ -12,6 +12,7 @@
 #include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::fused {
@@ -40,8 +41,8 @@ struct CommandSpec {
   const experiment::Part& part;
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
-  std::string from{};  ///< the output that drives it, "decoder.out"
   Keep keep{};
+  std::string from{};  ///< the output that drives it, "decoder.out"
 };
 
 class Transport {
@@ -55,7 +56,10 @@ class Transport {
   virtual std::unique_ptr<Source> sensor(const SensorSpec& spec) = 0;
   virtual std::unique_ptr<CommandEnd> command(const CommandSpec& spec) = 0;
 
-  /// The clock shows `time`: before the graph steps.
+  /// The robot's clock, with sync: sim_time; as all that waits here, it comes back when the run is
+  /// to stop.
+  virtual std::unique_ptr<Pacer> clock() { return nullptr; }
+  /// The clock shows `time`: before the graph steps. May wait for the robot.
   virtual void begin(TimeNs /*time*/) {}
   /// The graph has stepped to `time`.
   virtual void end(TimeNs /*time*/) {}

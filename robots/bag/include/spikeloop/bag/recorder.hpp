@@ -48,7 +48,7 @@ struct Report {
 
 /// One bag and its writer thread. A full buffer or a full disk never holds up the loop, unless it
 /// is patient; what is lost is counted. A process that is killed leaves a bag that `rosbag reindex`
-/// makes readable.
+/// makes readable, but for its last 64 KiB.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name. @throws FileError when it cannot be made.

@@ -18,4 +18,9 @@ struct LoopClock {
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock, bool with_pace);
 
+/// The same keys, all but the watchdog in simulated time; min_interval as it is declared. In
+/// lockstep there is no watchdog, for a guard neither.
+CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
+                                   CommandClock clock, bool with_pace);
+
 }  // namespace spikeloop::command

@@ -1,6 +1,8 @@
 // The end of a loop: channels in, commands out, a zero whatever happens.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
@@ -12,12 +14,21 @@
 
 namespace spikeloop::command {
 
+/// Whose time gates and ages go by.
+enum class CommandClock : std::uint8_t {
+  wall,
+  simulated,  ///< commands leave in ticks only; the watchdog stays wall time
+  /// The same, and the robot does not move between ticks: neither silence nor SIGCONT stops it.
+  lockstep
+};
+
 struct CommandSettings {
   std::uint32_t width = 0;  ///< fields of the command
   bool with_pace = false;
   GateSettings gate;
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
+  CommandClock clock = CommandClock::wall;
 };
 
 /// Ports: `command` [width] and, where there is one, `pace` [1].
@@ -40,17 +51,24 @@ class CommandSink : public Sink {
   void send(const Step& step) override;
   std::vector<Counter> counters() const override;
 
+  /// The loop lives, but waits: its silence does not count. Before the first tick nothing does.
+  void alive();
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
   nlohmann::json summary() const;
 
  private:
+  TimeNs now() const;
+  /// The watch's reasons.
+  void stop_from_watch(StopReason reason);
   /// Tells the user when the robot is stopped or driven again, at most once a second.
   void announce(TimeNs now);
 
   CommandSettings settings_;
   Carrier carrier_;
+  std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
+  bool ticked_ = false;               ///< the loop's
   std::mutex stopping_;
   bool stopped_ = false;
   std::mutex announcing_;

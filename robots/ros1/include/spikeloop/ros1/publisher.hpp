@@ -29,6 +29,7 @@ class Publisher {
   std::vector<std::byte> message(std::span<const double> values) const;
   /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
   std::span<const std::byte> publish(std::span<const double> values);
+  bool has_subscribers() const;
   /// As RawPublisher::drain.
   void drain() const;
 

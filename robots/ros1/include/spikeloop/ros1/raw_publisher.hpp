@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -13,8 +14,11 @@ namespace spikeloop::ros1 {
 class RawPublisher {
  public:
   /// Sends with TCP_NODELAY. roscpp numbers the messages of a type that begins with a header.
+  /// @param queue messages that may wait for roscpp's thread, commands and then a zero; of more,
+  /// the oldest are lost; 0: any number
   /// @throws ConfigurationError for an unknown type or an impossible topic.
-  RawPublisher(Session& session, const std::string& topic, const std::string& message_type);
+  RawPublisher(Session& session, const std::string& topic, const std::string& message_type,
+               std::uint32_t queue = 10);
   ~RawPublisher();
   RawPublisher(const RawPublisher&) = delete;
   RawPublisher& operator=(const RawPublisher&) = delete;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,6 +22,10 @@ struct SensorSettings {
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value
+  /// `pace` is the simulated time of the tick that first uses a message.
+  bool simulated_pace = false;
+  std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
+  std::function<void()> arrived{};  ///< in the session's thread, after every message
   /// Told in receive() of every message that has arrived since the call before, in order: those
   /// that made the values of this tick, whose begin is `time`. May be empty.
   std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
@@ -47,6 +52,12 @@ class Sensor : public Source {
   /// and a message does not fit the port.
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
+
+  bool has_publishers() const;
+  /// Messages that have come and are known to the next receive().
+  std::uint64_t received() const;
+  /// Throws what receive() would.
+  void require_sound() const;
 
  private:
   struct Impl;

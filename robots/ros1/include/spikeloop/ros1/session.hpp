@@ -46,5 +46,7 @@ class Session {
 /// @throws ConfigurationError when roscpp would refuse the name.
 void check_node_name(const std::string& name);
 void check_topic(const std::string& topic);
+/// "/scan" of "scan", as ROS resolves it once there is a session.
+std::string whole_topic(const std::string& topic);
 
 }  // namespace spikeloop::ros1

@@ -2,7 +2,9 @@
 // end of the process.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -40,6 +42,11 @@ class Ros1Command : public Sink {
   /// As CommandSink.
   void stop(command::StopReason reason) { sink_.stop(reason); }
   nlohmann::json summary() const { return sink_.summary(); }
+  void alive() { sink_.alive(); }
+
+  bool has_subscribers() const { return publisher_.has_subscribers(); }
+  /// Messages that have left, zeros included.
+  std::uint64_t sent() const { return count_; }
 
  private:
   void leave_to_guard_if_dead();
@@ -47,6 +54,7 @@ class Ros1Command : public Sink {
   ros1::Session& session_;
   ros1::Publisher publisher_;
   Sent sent_;
+  std::atomic<std::uint64_t> count_{0};
   guard::Link guard_;
   command::CommandSink sink_;
   status::TerminationHook on_termination_;

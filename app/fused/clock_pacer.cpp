@@ -1,0 +1,137 @@
+#include "clock_pacer.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/ros1/raw_subscriber.hpp"
+
+namespace spikeloop {
+namespace {
+
+constexpr const char* kTopic = "/clock";
+constexpr const char* kType = "rosgraph_msgs/Clock";
+constexpr TimeNs kSilence = 3 * kNsPerSecond;  // wall time
+constexpr TimeNs kNone = -1;
+
+class ClockPacer : public Pacer {
+ public:
+  ClockPacer(ros1::Session& session, TimeNs tick, Waiting& waiting, std::function<void()> alive)
+      : session_(session),
+        tick_(tick),
+        waiting_(waiting),
+        alive_(std::move(alive)),
+        seconds_(messages::Catalog::builtin(), kType, "clock.secs"),
+        nanoseconds_(messages::Catalog::builtin(), kType, "clock.nsecs"),
+        subscriber_(
+            session, kTopic, kType, [this](auto message) { take(message); }, 0) {}
+
+  void start() override { started_ = wall_now(); }
+
+  void wait_until(TimeNs time) override {
+    const auto shown = [&] { return newest_ != kNone && newest_ - first_ >= time; };
+    told_ = false;
+    const bool goes_on = waiting_.until([&] { return went_back_ || shown(); },
+                                        [&](TimeNs waited) { meanwhile(waited); });
+    refuse_jump_back();
+    if (!goes_on) {
+      return;
+    }
+    if (told_) {
+      log::info("{} goes on", kTopic);
+    }
+    if (report_.ticks++ == 0) {
+      started_ = wall_now();
+    }
+    report_.overruns += newest_ - first_ - time > tick_ ? 1 : 0;
+  }
+
+  Report report() const override {
+    Report report = report_;
+    report.wall_time = wall_now() - started_;
+    return report;
+  }
+
+ private:
+  /// In the session's thread.
+  void take(std::span<const std::byte> message) {
+    std::vector<double> values;
+    try {
+      seconds_.read(message, values);
+      nanoseconds_.read(message, values);
+    } catch (const Error& error) {
+      log::warning("topic '{}': {}", kTopic, error.what());
+      return;
+    }
+    const TimeNs now =
+        static_cast<TimeNs>(values.at(0)) * kNsPerSecond + static_cast<TimeNs>(values.at(1));
+    if (newest_ == kNone) {
+      first_ = now;
+    } else if (now < newest_ && !went_back_) {
+      back_to_ = now;
+      went_back_ = true;
+    }
+    if (!went_back_) {
+      newest_ = now;
+    }
+    waiting_.notify();
+  }
+
+  void refuse_jump_back() const {
+    if (went_back_) {
+      throw TransportError(fmt::format(
+          "{} went back from {} to {}: the simulator was set back, or two programs publish it "
+          "('rostopic info {}'); run the experiment again from the simulator's new beginning",
+          kTopic, format_time(newest_), format_time(back_to_), kTopic));
+    }
+  }
+
+  void meanwhile(TimeNs waited) {
+    alive_();
+    session_.require_alive();
+    if (told_ || waited < kSilence) {
+      return;
+    }
+    told_ = true;
+    if (newest_ == kNone) {
+      log::warning(
+          "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, "
+          "and "
+          "does the simulator publish {}? 'rostopic hz {}' shows it",
+          kTopic, format_time(kSilence), kTopic, kTopic);
+    } else {
+      log::warning("{} has stood still at {} for {}: is the simulator paused? The experiment waits",
+                   kTopic, format_time(newest_), format_time(kSilence));
+    }
+  }
+
+  ros1::Session& session_;
+  TimeNs tick_;
+  Waiting& waiting_;
+  std::function<void()> alive_;
+  messages::FieldReader seconds_;
+  messages::FieldReader nanoseconds_;
+  Report report_;
+  TimeNs started_ = 0;
+  bool told_ = false;
+  std::atomic<TimeNs> first_{0};
+  std::atomic<TimeNs> newest_{kNone};
+  std::atomic<TimeNs> back_to_{0};
+  std::atomic<bool> went_back_{false};
+  ros1::RawSubscriber subscriber_;  // the last: what its callback uses is there before it
+};
+
+}  // namespace
+
+std::unique_ptr<Pacer> make_clock_pacer(ros1::Session& session, TimeNs tick, Waiting& waiting,
+                                        std::function<void()> alive) {
+  return std::make_unique<ClockPacer>(session, tick, waiting, std::move(alive));
+}
+
+}  // namespace spikeloop

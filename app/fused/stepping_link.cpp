@@ -1,0 +1,222 @@
+#include "stepping_link.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/ros1/connections.hpp"
+
+namespace spikeloop {
+namespace {
+
+using stepping::Answer;
+using stepping::Request;
+
+constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
+constexpr std::uint32_t kAll = 0;
+
+}  // namespace
+
+SteppingLink::SteppingLink(ros1::Session& session, TimeNs tick, Waiting& waiting)
+    : session_(session),
+      tick_(tick),
+      waiting_(waiting),
+      steps_(session, stepping::kStepTopic, stepping::kType, kAll),
+      answers_(
+          session, stepping::kSteppedTopic, stepping::kType,
+          [this](auto message) { take(message); }, kAll) {}
+
+/// In the session's thread.
+void SteppingLink::take(std::span<const std::byte> message) {
+  {
+    const std::lock_guard lock(mutex_);
+    try {
+      answer_ = stepping::read_answer(stepping::text_of(message));
+    } catch (const Error& error) {
+      unreadable_ = error.what();
+    }
+  }
+  waiting_.notify();
+}
+
+void SteppingLink::send(const Request& request) {
+  steps_.publish(stepping::string_message(to_text(request)));
+}
+
+void SteppingLink::require_sound() const {
+  session_.require_alive();
+  for (const SteppedTopic& topic : sensors_) {
+    topic.require_sound();
+  }
+}
+
+/// Once the publisher knows us, nothing is lost; until then our side alone may think so.
+bool SteppingLink::is_subscribed(bool connected, const std::string& topic) {
+  if (connected && unknown_.contains(topic) && ros1::publishers_know_us(session_, topic)) {
+    unknown_.erase(topic);
+  }
+  return connected && !unknown_.contains(topic);
+}
+
+/// What is not connected yet.
+std::string SteppingLink::missing_connections() {
+  std::vector<std::string> missing;
+  const auto look = [&](bool connected, const char* who, const std::string& topic) {
+    if (!connected) {
+      missing.push_back(fmt::format("a {} of {}", who, topic));
+    }
+  };
+  look(steps_.has_subscribers(), "subscriber", stepping::kStepTopic);
+  look(is_subscribed(answers_.has_publishers(), stepping::kSteppedTopic), "publisher",
+       stepping::kSteppedTopic);
+  for (const SteppedTopic& topic : sensors_) {
+    look(is_subscribed(topic.connected(), topic.name), "publisher", topic.name);
+  }
+  for (const SteppedTopic& topic : commands_) {
+    look(topic.connected(), "subscriber", topic.name);
+  }
+  return fmt::format("{}", fmt::join(missing, ", "));
+}
+
+void SteppingLink::begin() {
+  if (!meet()) {
+    return;
+  }
+  Request request{.kind = Request::Kind::begin, .tick = tick_};
+  for (const SteppedTopic& topic : sensors_) {
+    request.sensors.push_back(topic.name);
+  }
+  for (const SteppedTopic& topic : commands_) {
+    request.commands.push_back(topic.name);
+  }
+  begun_ = true;
+  ask(request);
+}
+
+/// Waits until everybody is connected.
+bool SteppingLink::meet() {
+  bool told = false;
+  return waiting_.until(
+      [this] { return missing_connections().empty(); },
+      [&](TimeNs waited) {
+        require_sound();
+        const std::string missing = missing_connections();
+        if (!missing.empty() && waiting_.patience() != 0 && waited > waiting_.patience()) {
+          throw TransportError(fmt::format(
+              "no robot has come that can be stepped: for {} there has not been {}; start "
+              "spikeloop-robot --step, or a robot that speaks the protocol of docs/stepping.md, or "
+              "write  sync: realtime",
+              format_time(waiting_.patience()), missing));
+        }
+        if (!missing.empty() && !told && waited > kFirstWord) {
+          told = true;
+          log::warning("sync: lockstep waits for {}; see docs/stepping.md", missing);
+        }
+      });
+}
+
+void SteppingLink::advance(TimeNs time) {
+  Request request{.to = time};
+  for (const SteppedTopic& topic : commands_) {
+    request.sent[topic.name] = topic.count();
+  }
+  ask(request);
+}
+
+std::optional<Answer> SteppingLink::answer() {
+  const std::lock_guard lock(mutex_);
+  if (!unreadable_.empty()) {
+    throw TransportError(unreadable_);
+  }
+  return answer_;
+}
+
+bool SteppingLink::has_come(const Answer& answer) const {
+  return missing_messages(answer).empty();
+}
+
+/// What the robot says it has published, and is not here yet.
+std::string SteppingLink::missing_messages(const Answer& answer) const {
+  std::vector<std::string> missing;
+  for (const SteppedTopic& topic : sensors_) {
+    const auto published = answer.published.find(topic.name);
+    const std::uint64_t count = published == answer.published.end() ? 0 : published->second;
+    if (topic.count() < count) {
+      missing.push_back(
+          fmt::format("{} of {} messages on {}", count - topic.count(), count, topic.name));
+    }
+  }
+  return fmt::format("{}", fmt::join(missing, ", "));
+}
+
+void SteppingLink::check(const Answer& answer) const {
+  if (!answer.error.empty()) {
+    throw TransportError(
+        fmt::format("the robot cannot step to {}: {}", format_time(asked_for_), answer.error));
+  }
+  if (answer.time != asked_for_) {
+    throw TransportError(fmt::format(
+        "the robot stands at {} ns instead of {} ns; it has to advance exactly to to_ns, and one "
+        "robot alone answers on {} (docs/stepping.md)",
+        answer.time, asked_for_, stepping::kSteppedTopic));
+  }
+  for (const SteppedTopic& topic : sensors_) {
+    const auto published = answer.published.find(topic.name);
+    if (published == answer.published.end()) {
+      throw TransportError(fmt::format(
+          "the robot's answer does not count the messages on {}; write it into 'published', with 0 "
+          "as long as there is none (docs/stepping.md)",
+          topic.name));
+    }
+    if (topic.count() > published->second) {
+      throw TransportError(fmt::format(
+          "{} has brought {} messages, but the robot has published {}: does somebody else publish "
+          "it? 'rostopic info {}' shows it",
+          topic.name, topic.count(), published->second, topic.name));
+    }
+  }
+}
+
+/// Sends a request and waits until it is answered, and all that the robot says it has published is
+/// here.
+void SteppingLink::ask(const Request& request) {
+  asked_for_ = request.to;
+  {
+    const std::lock_guard lock(mutex_);
+    answer_.reset();
+  }
+  send(request);
+  const auto done = [this] {
+    const std::lock_guard lock(mutex_);
+    return !unreadable_.empty() || (answer_ && (!answer_->error.empty() || has_come(*answer_)));
+  };
+  const auto meanwhile = [&](TimeNs waited) {
+    require_sound();
+    if (waiting_.patience() == 0 || waited <= waiting_.patience()) {
+      return;
+    }
+    const auto come = answer();
+    throw TransportError(
+        come
+            ? fmt::format("{} of {} have not come within {}", missing_messages(*come),
+                          format_time(asked_for_), format_time(waiting_.patience()))
+            : fmt::format("the robot has not answered on {} within {} when it was to advance to {}",
+                          stepping::kSteppedTopic, format_time(waiting_.patience()),
+                          format_time(asked_for_)));
+  };
+  if (waiting_.until(done, meanwhile)) {
+    check(answer().value());
+  }
+}
+
+void SteppingLink::end() {
+  if (begun_) {
+    send({.kind = Request::Kind::end});
+    steps_.drain();
+  }
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,75 @@
+// sync: lockstep over ROS 1: the experiment's side of docs/stepping.md.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "spikeloop/ros1/raw_publisher.hpp"
+#include "spikeloop/ros1/raw_subscriber.hpp"
+#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/stepping/protocol.hpp"
+#include "waiting.hpp"
+
+namespace spikeloop {
+
+/// A topic of the experiment's own.
+struct SteppedTopic {
+  std::string name;                      ///< as ROS resolves it
+  std::function<bool()> connected;       ///< whether there is somebody at the other end
+  std::function<std::uint64_t()> count;  ///< messages that have come or left
+  std::function<void()> require_sound;   ///< throws what is wrong with it
+};
+
+class SteppingLink {
+ public:
+  SteppingLink(ros1::Session& session, TimeNs tick, Waiting& waiting);
+
+  void add_sensor(SteppedTopic topic) {
+    unknown_.insert(topic.name);
+    sensors_.push_back(std::move(topic));
+  }
+  void add_command(SteppedTopic topic) { commands_.push_back(std::move(topic)); }
+
+  // All of these come back when the loop is to end, and throw a TransportError when the robot does
+  // not answer, or answers something else than was asked.
+
+  /// Waits until everybody is connected; then the robot goes to its start.
+  void begin();
+  /// The robot advances to `time` on what has been sent; all that it has published is here.
+  void advance(TimeNs time);
+  /// Tells the robot that nothing more comes.
+  void end();
+
+ private:
+  bool meet();
+  void ask(const stepping::Request& request);
+  void send(const stepping::Request& request);
+  void take(std::span<const std::byte> message);
+  std::optional<stepping::Answer> answer();
+  bool has_come(const stepping::Answer& answer) const;
+  std::string missing_connections();
+  bool is_subscribed(bool connected, const std::string& topic);
+  std::string missing_messages(const stepping::Answer& answer) const;
+  void require_sound() const;
+  void check(const stepping::Answer& answer) const;
+
+  ros1::Session& session_;
+  TimeNs tick_;
+  Waiting& waiting_;
+  std::vector<SteppedTopic> sensors_;
+  std::vector<SteppedTopic> commands_;
+  std::set<std::string> unknown_{stepping::kSteppedTopic};  ///< may not arrive yet
+  bool begun_ = false;
+  TimeNs asked_for_ = 0;
+  std::mutex mutex_;
+  std::optional<stepping::Answer> answer_;
+  std::string unreadable_;
+  ros1::RawPublisher steps_;
+  ros1::RawSubscriber answers_;  // the last: what its callback uses is there before it
+};
+
+}  // namespace spikeloop

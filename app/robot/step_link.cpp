@@ -1,0 +1,127 @@
+#include "step_link.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop::robot {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{20};  // how often a stop is looked for
+/// Less than the experiment waits for an answer: it shall hear what is missing.
+constexpr std::chrono::seconds kPatience{50};
+
+}  // namespace
+
+StepLink::StepLink(const RunOptions& options, const ros1::SessionSettings& settings)
+    : session_(settings),
+      scan_(session_, options.topic(options.scan_topic), kScanType),
+      odometry_(session_, options.topic(options.odometry_topic), kOdometryType),
+      clock_(session_, options.topic(options.clock_topic), kClockType),
+      answers_(session_, stepping::kSteppedTopic, stepping::kType, 0),
+      command_topic_(ros1::whole_topic(options.topic(options.command_topic))),
+      command_subscriber_(
+          session_, command_topic_, kTwistType, [this](auto twist) { take(twist); }, 0),
+      request_subscriber_(
+          session_, stepping::kStepTopic, stepping::kType,
+          [this](auto message) { take_request(message); }, 0) {}
+
+void StepLink::take(std::span<const std::byte> twist) {
+  {
+    const std::lock_guard lock(mutex_);
+    newest_.emplace(twist.begin(), twist.end());
+    ++commands_;
+  }
+  come_.notify_one();
+}
+
+void StepLink::take_request(std::span<const std::byte> message) {
+  {
+    const std::lock_guard lock(mutex_);
+    try {
+      requests_.push_back(stepping::text_of(message));
+    } catch (const Error& error) {
+      log::warning("topic {}: {}", stepping::kStepTopic, error.what());
+    }
+  }
+  come_.notify_one();
+}
+
+template <typename Done>
+bool StepLink::wait(const std::atomic<bool>& stop, Done&& done) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  std::unique_lock lock(mutex_);
+  while (!done()) {
+    if (stop || !alive() || std::chrono::steady_clock::now() > end) {
+      return false;
+    }
+    come_.wait_for(lock, kPeriod);
+  }
+  return true;
+}
+
+std::optional<stepping::Request> StepLink::next(const std::atomic<bool>& stop) {
+  while (!stop && alive()) {
+    if (!wait(stop, [this] { return !requests_.empty(); })) {
+      continue;
+    }
+    std::string text;
+    {
+      const std::lock_guard lock(mutex_);
+      text = std::move(requests_.front());
+      requests_.pop_front();
+    }
+    try {
+      return stepping::read_request(text);
+    } catch (const Error& error) {
+      refuse(error.what());
+    }
+  }
+  return std::nullopt;
+}
+
+void StepLink::begin() {
+  const std::lock_guard lock(mutex_);
+  commands_ = 0;
+  newest_.reset();
+  scan_.count = odometry_.count = 0;
+}
+
+std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& sent,
+                                                      const std::atomic<bool>& stop,
+                                                      std::string& problem) {
+  const auto found = sent.find(command_topic_);
+  const std::uint64_t wanted = found == sent.end() ? 0 : found->second;
+  wait(stop, [&] { return commands_ >= wanted; });
+  const std::lock_guard lock(mutex_);
+  if (commands_ != wanted) {
+    problem = fmt::format(
+        "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
+        commands_ > wanted
+            ? fmt::format("; somebody else drives, too: 'rostopic info {}'", command_topic_)
+            : "");
+  }
+  return std::exchange(newest_, std::nullopt);
+}
+
+void StepLink::publish_clock(TimeNs time) {
+  if (clock_.has_subscribers()) {
+    clock_.publish(clock_message_.write(time));
+  }
+}
+
+void StepLink::answer(TimeNs time) {
+  answers_.publish(stepping::string_message(to_text(stepping::Answer{
+      .time = time, .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
+}
+
+void StepLink::refuse(const std::string& problem) {
+  log::warning("{}", problem);
+  answers_.publish(stepping::string_message(to_text(stepping::Answer{.error = problem})));
+}
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,83 @@
+// The robot's side of docs/stepping.md: it moves when an experiment says so.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "options.hpp"
+#include "spikeloop/robot/messages.hpp"
+#include "spikeloop/ros1/arguments.hpp"
+#include "spikeloop/ros1/raw_publisher.hpp"
+#include "spikeloop/ros1/raw_subscriber.hpp"
+#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/stepping/protocol.hpp"
+
+namespace spikeloop::robot {
+
+class StepLink {
+ public:
+  using Bytes = std::vector<std::byte>;
+
+  StepLink(const RunOptions& options, const ros1::SessionSettings& settings);
+
+  /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
+  /// cannot read.
+  std::optional<stepping::Request> next(const std::atomic<bool>& stop);
+  /// Counts begin with 0.
+  void begin();
+  /// Waits until so many commands have come, then gives the newest of those not given yet.
+  /// @param problem what is wrong with their number
+  std::optional<Bytes> take_command(const stepping::Counts& sent, const std::atomic<bool>& stop,
+                                    std::string& problem);
+  void publish_scan(std::span<const std::byte> message) { scan_.publish(message); }
+  void publish_odometry(std::span<const std::byte> message) { odometry_.publish(message); }
+  void publish_clock(TimeNs time);
+  void answer(TimeNs time);
+  void refuse(const std::string& problem);
+
+  std::uint64_t commands() const { return commands_; }
+  std::uint64_t scans() const { return scan_.count; }
+  bool alive() const { return session_.alive(); }
+
+ private:
+  struct Topic {
+    Topic(ros1::Session& session, const std::string& topic, const char* type)
+        : name(ros1::whole_topic(topic)), publisher(session, topic, type, 0) {}
+    void publish(std::span<const std::byte> message) {
+      publisher.publish(message);
+      ++count;
+    }
+
+    std::string name;
+    ros1::RawPublisher publisher;
+    std::uint64_t count = 0;
+  };
+
+  /// @return false after a minute, or when the robot is to stop
+  template <typename Done>
+  bool wait(const std::atomic<bool>& stop, Done&& done);
+  void take(std::span<const std::byte> twist);
+  void take_request(std::span<const std::byte> message);
+
+  ros1::Session session_;
+  Topic scan_;
+  Topic odometry_;
+  ClockMessage clock_message_;
+  ros1::RawPublisher clock_;
+  ros1::RawPublisher answers_;
+  std::string command_topic_;
+  std::mutex mutex_;
+  std::condition_variable come_;
+  std::deque<std::string> requests_;
+  std::optional<Bytes> newest_;
+  std::atomic<std::uint64_t> commands_{0};
+  ros1::RawSubscriber command_subscriber_;  // the last: what callbacks use is there before them
+  ros1::RawSubscriber request_subscriber_;
+};
+
+}  // namespace spikeloop::robot

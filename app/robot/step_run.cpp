@@ -1,0 +1,128 @@
+// spikeloop-robot --step: the loop belongs to the experiment.
+#include <fmt/format.h>
+
+#include "run.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/ros1/master.hpp"
+#include "step_link.hpp"
+
+namespace spikeloop::robot {
+namespace {
+
+using stepping::Request;
+
+class SteppedRun {
+ public:
+  SteppedRun(const RunOptions& options, StepLink& link, const std::atomic<bool>& stop)
+      : options_(options), link_(link), stop_(stop) {
+    robot_.emplace(options.vehicle, options.out);
+  }
+
+  void run() {
+    while (const auto request = link_.next(stop_)) {
+      take(*request);
+    }
+    if (!link_.alive()) {
+      throw TransportError(
+          fmt::format("ROS has shut this node down after {}; does another node have the name '{}'?",
+                      format_time(robot_->time()), options_.node_name));
+    }
+  }
+
+  SteppedRobot& robot() { return *robot_; }
+
+ private:
+  void take(const Request& request) {
+    switch (request.kind) {
+      case Request::Kind::begin:
+        begin();
+        return;
+      case Request::Kind::step:
+        step(request);
+        return;
+      case Request::Kind::end:
+        robot_->finish();
+    }
+  }
+
+  void begin() {
+    if (begun_) {  // once more from the start
+      robot_.emplace(options_.vehicle, options_.out);
+    }
+    begun_ = true;
+    link_.begin();
+    answer();
+  }
+
+  void step(const Request& request) {
+    if (!begun_ || request.to <= robot_->time()) {
+      link_.refuse(fmt::format(
+          "it was told to advance to {}, and {}", format_time(request.to),
+          begun_ ? fmt::format("stands at {}", format_time(robot_->time())) : "not to begin"));
+      return;
+    }
+    std::string problem;
+    const auto command = link_.take_command(request.sent, stop_, problem);
+    if (!problem.empty()) {
+      link_.refuse(problem);
+      return;
+    }
+    if (command) {
+      robot_->command(*command);
+    }
+    robot_->advance(request.to);
+    answer();
+  }
+
+  void answer() {
+    const TimeNs now = robot_->time();
+    robot_->publish(now, {[this](auto scan) { link_.publish_scan(scan); },
+                          [this](auto odometry) { link_.publish_odometry(odometry); }});
+    link_.publish_clock(now);
+    link_.answer(now);
+  }
+
+  const RunOptions& options_;
+  StepLink& link_;
+  const std::atomic<bool>& stop_;
+  std::optional<SteppedRobot> robot_;
+  bool begun_ = false;
+};
+
+void report(const SteppedRobot& robot, const StepLink& link, const status::Sender& status) {
+  const auto result = robot.statistics();
+  status.report({{"commands", link.commands()},
+                 {"invalid_commands", result.invalid_commands},
+                 {"clamped_commands", result.clamped_commands},
+                 {"scans", link.scans()}},
+                {{"collisions", result.collisions},
+                 {"distance_m", result.distance_m},
+                 {"coverage", result.coverage},
+                 {"mean_speed_m_s", result.mean_speed_m_s}});
+  fmt::print("stepped to {}: collisions {}, distance {:.2f} m, commands {}\n",
+             format_time(robot.time()), result.collisions, result.distance_m, link.commands());
+}
+
+}  // namespace
+
+void run_stepped(const RunOptions& options, const ros1::RosArguments& arguments,
+                 const status::Sender& status, const std::atomic<bool>& stop) {
+  const std::string uri = ros1::master_uri(arguments);
+  const TimeNs timeout = from_seconds(options.master_timeout_s);
+  if (!ros1::require_master(uri, timeout, &stop)) {
+    return;
+  }
+  StepLink link(options, {.node_name = options.node_name,
+                          .master_uri = uri,
+                          .master_timeout = timeout,
+                          .arguments = arguments});
+  SteppedRun loop(options, link, stop);
+  status.started();
+  status.first_tick();
+  loop.run();
+  loop.robot().finish();
+  report(loop.robot(), link, status);
+}
+
+}  // namespace spikeloop::robot

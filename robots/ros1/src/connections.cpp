@@ -1,0 +1,96 @@
+#include "spikeloop/ros1/connections.hpp"
+
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpc.h>
+
+#include <vector>
+
+namespace spikeloop::ros1 {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+/// The names of the nodes that publish a topic.
+std::vector<std::string> publishers_of(const std::string& self, const std::string& topic) {
+  XmlRpcValue request;
+  XmlRpcValue response;
+  XmlRpcValue state;  // publishers, subscribers, services
+  request[0] = self;
+  std::vector<std::string> nodes;
+  if (!ros::master::execute("getSystemState", request, response, state, false)) {
+    return nodes;
+  }
+  XmlRpcValue& topics = state[0];
+  for (int i = 0; i < topics.size(); ++i) {
+    if (static_cast<std::string&>(topics[i][0]) != topic) {
+      continue;
+    }
+    for (int j = 0; j < topics[i][1].size(); ++j) {
+      nodes.push_back(static_cast<std::string&>(topics[i][1][j]));
+    }
+  }
+  return nodes;
+}
+
+/// The connections of a node; of another type when it does not answer.
+XmlRpcValue connections_of(const std::string& self, const std::string& node) {
+  XmlRpcValue request;
+  XmlRpcValue response;
+  XmlRpcValue uri;
+  request[0] = self;
+  request[1] = node;
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::master::execute("lookupNode", request, response, uri, false) ||
+      !ros::network::splitURI(static_cast<std::string&>(uri), host, port)) {
+    return {};
+  }
+  const auto& manager = ros::XMLRPCManager::instance();
+  XmlRpc::XmlRpcClient* client = manager->getXMLRPCClient(host, static_cast<int>(port), "/");
+  XmlRpcValue asker;
+  XmlRpcValue answer;  // status, its text, connections
+  asker[0] = self;
+  const bool answered = client->execute("getBusInfo", asker, answer);
+  manager->releaseXMLRPCClient(client);
+  return answered && answer.getType() == XmlRpcValue::TypeArray && answer.size() == 3
+             ? answer[2]
+             : XmlRpcValue();
+}
+
+/// A connection is [id, the other's name, "o" for out, transport, topic, ...].
+bool has_connection(XmlRpcValue connections, const std::string& subscriber,
+                    const std::string& topic) {
+  if (connections.getType() != XmlRpcValue::TypeArray) {
+    return false;
+  }
+  for (int i = 0; i < connections.size(); ++i) {
+    XmlRpcValue& connection = connections[i];
+    if (static_cast<std::string&>(connection[2]) == "o" &&
+        static_cast<std::string&>(connection[1]) == subscriber &&
+        static_cast<std::string&>(connection[4]) == topic) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool publishers_know_us(const Session& session, const std::string& topic) {
+  const std::string self = session.node_name();
+  try {
+    const std::vector<std::string> nodes = publishers_of(self, topic);
+    for (const std::string& node : nodes) {
+      if (!has_connection(connections_of(self, node), self, topic)) {
+        return false;
+      }
+    }
+    return !nodes.empty();
+  } catch (const XmlRpc::XmlRpcException&) {
+    return false;  // an answer of another form than ROS's
+  }
+}
+
+}  // namespace spikeloop::ros1

@@ -1,0 +1,68 @@
+// What simulated time may wait for, with and without ROS, and in which layout.
+#include <gmock/gmock.h>
+
+#include "spikeloop/experiment/music_job.hpp"
+#include "tests/experiment/experiment_text.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using experiment::Overrides;
+using experiment::Sync;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class SyncKey : public testing::Test {
+ protected:
+  /// With these lines in place of the tick's.
+  Read read_with(const std::string& lines, bool robot = true, const Overrides& overrides = {}) {
+    files_.emplace_back(std::make_unique<Files>(
+        with({{"tick: 1 ms", lines}, {"robot: {simulator: mujoco}\n", robot ? kRobot : ""}})));
+    return read(*files_.back(), kinds_, overrides);
+  }
+
+  static constexpr const char* kRobot = "robot: {simulator: mujoco}\n";
+  experiment::Kinds kinds_;
+  std::vector<std::unique_ptr<Files>> files_;
+};
+
+TEST_F(SyncKey, OverRosARobotIsSteppedOrFollowed) {
+  for (const bool robot : {true, false}) {
+    for (const Sync sync : {Sync::lockstep, Sync::sim_time}) {
+      const Read result =
+          read_with("ros: 1\nsync: " + std::string(experiment::name_of(sync)), robot);
+      EXPECT_THAT(result.faults, IsEmpty());
+      EXPECT_EQ(result.experiment.sync, sync);
+      EXPECT_EQ(result.experiment.sync_where.line, 4);
+    }
+  }
+}
+
+TEST_F(SyncKey, TheCommandLinesHasNoLine) {
+  EXPECT_THAT(
+      read_with("sync: realtime", true, {{}, {}, {}, Sync::sim_time}).faults,
+      ElementsAre("x.yaml: key 'sync': sim_time follows the topic /clock, and there is no ROS; "
+                  "write  ros: 1,  or  sync: lockstep  for the robot in this process"));
+}
+
+TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {
+  for (const Sync sync : {Sync::lockstep, Sync::sim_time}) {
+    const std::string name(experiment::name_of(sync));
+    const Read result = read_with("ros: 1\nsync: " + name);
+    try {
+      experiment::music_job(result.experiment, "");
+      FAIL() << name;
+    } catch (const ConfigurationError& error) {
+      EXPECT_EQ(files_.back()->plain(error.what()),
+                "x.yaml:4:7: key 'sync': the separate layout has no " + name +
+                    "; write realtime or unpaced, or use the fused layout");
+    }
+  }
+  for (const char* name : {"realtime", "unpaced"}) {
+    const Read result = read_with("ros: 1\nsync: " + std::string(name));
+    EXPECT_NO_THROW(experiment::music_job(result.experiment, ""));
+  }
+}
+
+}  // namespace
+}  // namespace spikeloop::test

@@ -1,0 +1,58 @@
+#!/usr/bin/python3
+"""Lockstep over ROS 1: the same to the bit as with the robot in the process, every time."""
+
+import pathlib
+import sys
+import tempfile
+
+import runs
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        near = runs.new_experiment(spikeloop, scratch / "near.yaml", sync="lockstep")
+        far = runs.new_experiment(spikeloop, scratch / "far.yaml", sync="lockstep", ros="1")
+        for name, options, repetitions in (
+                ("short", ["--duration", "5"], 2),
+                ("long", ["--duration", "30", "--seed", "4"], 1)):
+            runs.run(spikeloop, near, scratch / name, *options)
+            expected = runs.fingerprint(scratch / name)
+            for i in range(repetitions):
+                folder = scratch / f"{name}{i}"
+                summary, printed = runs.run(spikeloop, far, folder, *options)
+                assert runs.fingerprint(folder) == expected, f"{folder}: {summary}"
+                check(summary, printed, float(options[1]))
+        coarse(spikeloop, scratch)
+    print(f"the same to the bit over ROS and without; {summary['simulated_s']:.0f} s at "
+          f"{summary['real_time_factor']:.1f} times real time, "
+          f"{1000 * summary['real_time_factor']:.0f} ticks/s")
+
+
+def check(summary, printed, duration_s):
+    experiment = summary["processes"]["experiment"]
+    assert "finished" in printed and experiment["summary"]["simulated_s"] == duration_s, summary
+    assert experiment["counters"]["wheels.stops_ended"] == 1, experiment
+    for reason in ("no_tick", "data_too_old", "continued"):
+        assert experiment["counters"][f"wheels.stops_{reason}"] == 0, experiment
+    # Every message of a tick arrived before the tick: a scan every 50 ms, from time 0 on.
+    assert experiment["counters"]["scan.messages"] == duration_s * 20 + 1, experiment
+    # The robot took them all, the zero at the end included or not.
+    taken = summary["processes"]["robot"]["counters"]["commands"]
+    assert taken - experiment["counters"]["wheels.commands"] in (0, 1), summary
+
+
+def coarse(spikeloop, scratch):
+    """A tick in which several scans become due."""
+    prints = []
+    for name, ros in (("one", "none"), ("two", "1")):
+        file = runs.new_experiment(spikeloop, scratch / f"{name}.yaml", sync="lockstep", ros=ros,
+                                   tick="130 ms", duration="6.5 s")
+        runs.run(spikeloop, file, scratch / name)
+        prints.append(runs.fingerprint(scratch / name))
+    assert prints[0] == prints[1]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,202 @@
+#!/usr/bin/python3
+"""sync: sim_time: the loop is exactly as far as /clock, whether that is slow, stands still or jumps;
+and the shipped robot at half and at three times real time."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import xmlrpc.client
+
+import ros
+import runs
+
+EXPERIMENT = """experiment: echo
+duration: 0.5 s
+sync: sim_time
+ros: 1
+nodes:
+  where: {node: ros_sensor, topic: /where, message: std_msgs/Float64MultiArray}
+  same: {node: clip, min: -1, max: 1}
+  go: {node: ros_command, topic: /go, message: std_msgs/Float64MultiArray, command_rate: 100 Hz,
+       watchdog: 2 s}
+connections:
+  - where -> same [1] -> go [1]
+"""
+START_MS = 1_000_000  # the simulator has run for a while
+PAUSE_S = 4  # longer than watchdog and max_age
+
+
+class Simulator:
+    """Publishes /clock and /where, and hears /go."""
+
+    def __init__(self):
+        import rospy
+        from rosgraph_msgs.msg import Clock
+        from std_msgs.msg import Float64MultiArray
+        rospy.init_node("simulator", anonymous=True, disable_rosout=True, disable_signals=True)
+        self.stamp = rospy.Time
+        self.clock = rospy.Publisher("/clock", Clock, queue_size=1000)
+        self.where = rospy.Publisher("/where", Float64MultiArray, queue_size=10)
+        self.heard, self.known = [], set()
+        self.go = rospy.Subscriber("/go", Float64MultiArray, self.heard.append)
+
+    def show(self, milliseconds):
+        self.clock.publish(clock=self.stamp(*divmod((START_MS + milliseconds) * 1_000_000, 10**9)))
+
+    def join(self):
+        """The experiment has subscribed to everything, and has a reading."""
+        ros.until(lambda: len(self.new_subscriptions()) == 2, "a subscription")
+        self.known |= {name for name, _ in self.new_subscriptions()}
+        self.where.publish(data=[0.5])
+        time.sleep(0.5)  # on its way, on a connection of its own
+
+    def new_subscriptions(self):
+        """Of an experiment that has not been here before; those of the dead live on for a while."""
+        import rospy
+        connections = xmlrpc.client.ServerProxy(rospy.get_node_uri()).getBusInfo("/test")[2]
+        return {(other, topic) for _, other, direction, _, topic, *_ in connections
+                if direction == "o" and other.startswith("/spikeloop_echo") and
+                other not in self.known}
+
+    def lets_go(self, value):
+        """Whether commands with this value come."""
+        ros.until(lambda: self.heard and self.heard[-1].data[0] == value, f"a command of {value}")
+
+
+class Run:
+    """An experiment in the background; its lines as they come."""
+
+    def __init__(self, spikeloop, file, folder):
+        self.folder = folder
+        self.process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
+                                        stderr=subprocess.PIPE, text=True)
+        self.printed = ""
+        self.reader = threading.Thread(target=self.read, daemon=True)
+        self.reader.start()
+
+    def read(self):
+        for line in self.process.stderr:
+            self.printed += line
+
+    def says(self, text):
+        ros.until(lambda: text in self.printed or self.process.poll() is not None, text)
+        assert text in self.printed, f"{text}\n{self.printed}"
+
+    def end(self, code):
+        try:
+            assert self.process.wait(60) == code, self.printed
+        finally:
+            self.process.kill()
+            self.reader.join()
+        return json.loads((self.folder / "summary.json").read_text())["processes"]["experiment"]
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+        return self.end(130)
+
+
+def check_counters(counters):
+    """A clock that stands still stops nobody: neither for silence, nor for old data."""
+    for reason in ("no_tick", "data_too_old", "without_value"):
+        assert counters[f"go.stops_{reason}"] == 0, counters
+
+
+def pause(simulator, begin):
+    """Paused in the middle: the brain is where the clock is, and Ctrl-C ends it."""
+    run = begin("pause")
+    simulator.join()
+    for shown in range(0, 201, 10):
+        simulator.show(shown)
+        time.sleep(0.01)
+    simulator.lets_go(0.5)
+    run.says("/clock has stood still at 1000.2 s for 3 s: is the simulator paused?")
+    time.sleep(PAUSE_S - 3)
+    heard = len(simulator.heard)
+    time.sleep(0.5)
+    assert len(simulator.heard) == heard, "commands are repeated in simulated time"
+    simulator.show(300)
+    run.says("/clock goes on")
+    ros.until(lambda: len(simulator.heard) > heard, "a command")
+    time.sleep(1)
+    report = run.interrupt()
+    # The tick that begins at 0.3 s is the last one.
+    assert report["summary"]["simulated_s"] == 0.301, report
+    check_counters(report["counters"])
+    assert report["summary"]["age_max_ms"] < 400, report
+    assert simulator.heard[-1].data[0] == 0 and report["counters"]["go.stops_ended"] == 1, report
+
+
+def jump(simulator, begin):
+    """Ticks that the clock has passed are computed at once, to the end of the duration."""
+    run = begin("jump")
+    simulator.join()
+    simulator.show(0)
+    time.sleep(0.2)
+    simulator.show(300)
+    simulator.lets_go(0.5)
+    simulator.show(10_000)
+    report = run.end(0)
+    assert report["summary"]["simulated_s"] == 0.5, report
+    # Begun more than a tick late: those of 1 to 298 ms, and of 301 to 499 ms.
+    assert report["summary"]["overruns"] == 298 + 199, report
+    check_counters(report["counters"])
+
+
+def back(simulator, begin):
+    run = begin("back")
+    simulator.join()
+    simulator.show(0)
+    simulator.show(100)
+    simulator.lets_go(0.5)
+    simulator.show(20)
+    run.end(3)
+    run.says("/clock went back from 1000.1 s to 1000.02 s: the simulator was set back, or two programs "
+             "publish it ('rostopic info /clock')")
+    ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
+
+
+def silence(begin):
+    run = begin("silence")
+    run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
+             "set, and does the simulator publish /clock? 'rostopic hz /clock' shows it")
+    run.interrupt()
+
+
+def shipped_robot(spikeloop, scratch):
+    for factor in ("0.5", "3"):
+        file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="sim_time", ros="1",
+                                   duration="4 s", real_time_factor=factor)
+        summary, _ = runs.run(spikeloop, file, scratch / f"factor{factor}")
+        # A busy machine is slower; nothing is faster than the robot.
+        assert 0.1 < summary["real_time_factor"] < float(factor) * 1.05, summary
+        assert summary["distance_m"] > 0.3, summary
+        counters = summary["processes"]["experiment"]["counters"]
+        assert counters["wheels.stops_ended"] == 1, counters
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        file = scratch / "echo.yaml"
+        file.write_text(EXPERIMENT)
+        with ros.master(scratch):
+            subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
+            silence(lambda name: Run(spikeloop, file, scratch / name))
+            simulator = Simulator()
+            for test in (pause, jump, back):
+                simulator.heard.clear()
+                test(simulator, lambda name: Run(spikeloop, file, scratch / name))
+        del os.environ["ROS_MASTER_URI"]
+        shipped_robot(spikeloop, scratch)
+    print("as far as /clock: slow, paused, ahead; an error when it goes back")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,194 @@
+#!/usr/bin/python3
+"""The robot and the experiment of docs/stepping.md, as they stand there: against a recurrence by hand,
+twice the same; and robots that do not keep to the protocol."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+import ros
+import runs
+
+PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
+BLOCK = {language: re.search(f"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)[1]
+         for language in ("python", "yaml")}
+
+
+def cart(scratch, *changes):
+    """The page's robot, with some of its text changed."""
+    text = BLOCK["python"]
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    (scratch / "cart.py").write_text(text)
+    return ros.program("/usr/bin/python3", scratch / "cart.py")
+
+
+def by_hand(steps, tick_ns=1_000_000):
+    """Positions of the cart at the ticks: its speed is the command before, minus its position then."""
+    x, v, wanted = 1.0, 0.0, []
+    for _ in range(steps):
+        wanted.append(x)
+        x, v = x + v * tick_ns * 1e-9, -x
+    return np.array(wanted)
+
+
+def follows_the_recurrence(spikeloop, file, scratch):
+    with cart(scratch):
+        for name in ("first", "second"):
+            summary, _ = runs.run(spikeloop, file, scratch / name)
+            with h5py.File(scratch / name / "where.h5") as recording:
+                assert np.array_equal(recording["signals/out/times_ns"][()],
+                                      1_000_000 * np.arange(1, 2001))
+                where = recording["signals/out/values"][:, 0]
+            assert np.array_equal(where, by_hand(2000)), np.abs(where - by_hand(2000)).max()
+    return summary
+
+
+def wrong_robots(spikeloop, file, scratch):
+    answer = '"time_ns": cart["time_ns"]'
+    for change, text in (
+            ((answer, '"time_ns": cart["time_ns"] + 1'),
+             "the robot stands at 1 ns instead of 0 ns; it has to advance exactly to to_ns"),
+            (('"/where": cart', '"/there": cart'),
+             "the robot's answer does not count the messages on /where"),
+            (('cart["published"] += 1', "sensor.publish(data=[2.0])\n    cart['published'] += 1; "
+              "time.sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
+            (("{" + answer, '{"error": "the battery is empty", ' + answer),
+             "the robot cannot step to 0 s: the battery is empty"),
+            (("json.dumps({", "str({"), "which is no message of the stepping protocol"),
+            (('cart["published"] += 1', 'cart["published"] += 2'),
+             "1 of 2 messages on /where of 0 s have not come within 3 s"),
+            (("Float64MultiArray, queue_size", "String, queue_size"),
+             "topic '/where' carries std_msgs/String, not std_msgs/Float64MultiArray")):
+        changes = [change]
+        if "String, queue_size" in change[1]:
+            changes.append(("data=[cart[\"x\"]]", "data='x'"))
+        with cart(scratch, *changes):
+            _, printed = runs.run(spikeloop, file, scratch / "wrong", "--stall-timeout", "3",
+                                  code=3)
+        assert text in printed, f"{text}\n{printed}"
+
+
+def no_robot(spikeloop, file, scratch):
+    _, printed = runs.run(spikeloop, file, scratch / "none", "--stall-timeout", "5", code=3)
+    for text in ("waits for a subscriber of /spikeloop/step, a publisher of /spikeloop/stepped, a "
+                 "publisher of /where, a subscriber of /go; see docs/stepping.md",
+                 "no robot has come that can be stepped: for 5 s there has not been a subscriber",
+                 "start spikeloop-robot --step, or a robot that speaks the protocol"):
+        assert text in printed, f"{text}\n{printed}"
+
+
+def started(spikeloop, file, folder, *options):
+    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder), *options],
+                               stderr=subprocess.PIPE, text=True)
+    ros.until((folder / "go.h5").exists, "the beginning")
+    return process
+
+
+def talkative_cart(scratch):
+    """One that writes down what it is told."""
+    parse, take = "request = json.loads(message.data)", "commands.append, "
+    return cart(scratch, (parse, f"{parse}\n    print(message.data, file=requests, flush=True)"),
+                (take, "lambda message: (print(message.data[0], file=taken, flush=True), "
+                 "commands.append(message)), "),
+                ("commands, ", f"requests, taken = open('{scratch}/requests', 'w'), "
+                 f"open('{scratch}/speeds', 'w')\ncommands, "))
+
+
+def ctrl_c(spikeloop, file, scratch):
+    """While the experiment waits for the robot, and while it runs; the last command is a zero."""
+    folder = scratch / "waiting"
+    process = started(spikeloop, file, folder)
+    process.send_signal(signal.SIGINT)
+    _, printed = process.communicate(timeout=30)
+    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    with talkative_cart(scratch):
+        process = started(spikeloop, file, scratch / "running", "--duration", "1000")
+        ros.until(lambda: ticks(scratch) > 100, "a tick")
+        process.send_signal(signal.SIGINT)
+        _, printed = process.communicate(timeout=30)
+    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
+    assert speeds(scratch)[-1] == 0
+
+
+def speeds(scratch):
+    """What the cart was told, in whole lines."""
+    return [float(line) for line in (scratch / "speeds").read_text().split("\n")[:-1]]
+
+
+def ticks(scratch):
+    file = scratch / "requests"
+    return len(file.read_text().splitlines()) if file.exists() else 0
+
+
+def stopped_robot(spikeloop, file, scratch):
+    (scratch / "requests").unlink()
+    with talkative_cart(scratch) as robot:
+        process = started(spikeloop, file, scratch / "stopped", "--duration", "1000",
+                          "--stall-timeout", "3")
+        ros.until(lambda: ticks(scratch) > 100, "a tick")
+        robot.send_signal(signal.SIGSTOP)
+        _, printed = process.communicate(timeout=60)
+    assert process.returncode == 3, printed
+    assert "the robot has not answered on /spikeloop/stepped within 3 s" in printed, printed
+
+
+def killed_brain(spikeloop, file, scratch):
+    """Nobody is left to say so: the guard stops the robot."""
+    (scratch / "requests").unlink()
+    with talkative_cart(scratch):
+        process = started(spikeloop, file, scratch / "killed", "--duration", "1000")
+        ros.until(lambda: ticks(scratch) > 100, "a tick")
+        assert speeds(scratch)[-1] != 0
+        brain = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{scratch}/killed"],
+                               capture_output=True, text=True, check=True).stdout.split()
+        os.kill(int(brain[0]), signal.SIGKILL)
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == 137 and "killed by signal 9" in printed, printed
+        ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
+
+
+def killed_robot(spikeloop, scratch):
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="lockstep", ros="1",
+                               duration="1000 s")
+    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(scratch / "alone")],
+                               stderr=subprocess.PIPE, text=True)
+    trajectory = scratch / "alone/trajectory.csv"
+    ros.until(lambda: trajectory.exists() and trajectory.stat().st_size > 2000, "a path")
+    robot = subprocess.run(["pgrep", "-f", f"spikeloop-robot.*{scratch}/alone"],
+                           capture_output=True, text=True, check=True).stdout.split()
+    os.kill(int(robot[0]), signal.SIGKILL)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == 137 and "robot: ended before the job" in printed, printed
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        file = scratch / "cart.yaml"
+        file.write_text(BLOCK["yaml"])
+        with ros.master(scratch):
+            no_robot(spikeloop, file, scratch)
+            summary = follows_the_recurrence(spikeloop, file, scratch)
+            wrong_robots(spikeloop, file, scratch)
+            ctrl_c(spikeloop, file, scratch)
+            stopped_robot(spikeloop, file, scratch)
+            killed_brain(spikeloop, file, scratch)
+            killed_robot(spikeloop, scratch)
+    print("the robot of the page keeps to its recurrence to the bit, at "
+          f"{1000 * summary['real_time_factor']:.0f} ticks/s")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
