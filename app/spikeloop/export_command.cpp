@@ -29,7 +29,8 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop export loop.music --out job --hostfile hosts
 
 For clusters where a batch system starts programs. Nobody supervises such a job: a program that
-hangs, hangs all of it. Our programs must be in PATH on every host.)";
+hangs, hangs all of it. Our programs must be in PATH on every host, for scripts that import our
+package also share/spikeloop/python in PYTHONPATH.)";
 
 struct Arguments {
   std::string file;
@@ -39,10 +40,13 @@ struct Arguments {
 };
 
 /// Nobody but the user sets variables for such a job.
-launch::Hosts hosts_of(const Arguments& arguments) {
+launch::Hosts hosts_of(const Arguments& arguments, const MusicFile& file) {
   launch::Hosts hosts{.hostfile = arguments.hostfile, .variables = {"PATH"}};
   if (std::getenv("ROS_MASTER_URI") != nullptr) {
     hosts.variables.emplace_back("ROS_MASTER_URI");
+  }
+  if (launch::any_script(file) && std::getenv("PYTHONPATH") != nullptr) {
+    hosts.variables.emplace_back("PYTHONPATH");
   }
   if (!arguments.hostfile.empty()) {
     launch::check_hostfile(arguments.hostfile);
@@ -59,8 +63,8 @@ int export_job(const Arguments& arguments, const Translate& translate) {
     throw ConfigurationError(
         "--srun needs a folder for the list of programs; give one with --out, as in --out job");
   }
-  const launch::Hosts hosts = hosts_of(arguments);
   MusicFile file = read_music_file(arguments.file);
+  const launch::Hosts hosts = hosts_of(arguments, file);
   launch::Findings findings = launch::check_job(file, {}, false);
   for (std::string& warning : findings.warnings) {
     warning = translate(warning);

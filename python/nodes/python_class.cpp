@@ -1,5 +1,6 @@
 #include "python_class.hpp"
 
+#include "parameter_values.hpp"
 #include "python_node.hpp"
 
 namespace spikeloop::python {
@@ -20,32 +21,6 @@ PortDescription port_of(const py::tuple& port) {
   if (const auto other = port[5].cast<int>(); other >= 0) {
     description.width = WidthRule::same_as(static_cast<std::uint32_t>(other));
   }
-  return description;
-}
-
-ParameterType type_of(const std::string& kind) {
-  return kind == "integer"   ? ParameterType::integer
-         : kind == "boolean" ? ParameterType::boolean
-         : kind == "text"    ? ParameterType::text
-         : kind == "choice"  ? ParameterType::choice
-         : kind == "weights" ? ParameterType::weights
-                             : ParameterType::number;
-}
-
-ParameterDescription parameter_of(const py::tuple& parameter) {
-  ParameterDescription description;
-  description.name = parameter[0].cast<std::string>();
-  description.type = type_of(parameter[1].cast<std::string>());
-  description.unit = parameter[2].cast<std::string>();
-  if (!parameter[3].is_none()) {
-    description.default_value = parameter[3].cast<std::string>();
-  }
-  description.minimum = parameter[4].cast<double>();
-  description.maximum = parameter[5].cast<double>();
-  for (const py::handle choice : parameter[6]) {
-    description.choices.push_back(choice.cast<std::string>());
-  }
-  description.text = parameter[7].cast<std::string>();
   return description;
 }
 

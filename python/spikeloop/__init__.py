@@ -1,4 +1,5 @@
-"""Nodes written in Python, and readers and pictures of what a run of Spikeloop leaves on disk.
+"""Nodes and MUSIC programs in Python, and readers and pictures of what a run of Spikeloop leaves on
+disk.
 
     import spikeloop
 
@@ -11,8 +12,19 @@
 `node`, `Signal`, `Spikes`, `Parameter` and `Weights` declare a node; `spikeloop.steps.Step` is what
 it sees; `spikeloop.testing` runs one without the C++ programs. `spikeloop.run_folder` reads a run,
 `spikeloop.plots` draws it; these two are imported by name, because h5py and matplotlib are slow.
+
+`music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron` and
+`spikeloop.brian` do so with NEURON and Brian2 in it.
 """
 
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node
 
-__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "Weights", "node"]
+__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "Weights", "music", "node"]
+
+
+def __getattr__(name):
+    # Later, because NumPy is slow, and nodes are found without it.
+    if name == "music":
+        from .music_host import music
+        return music
+    raise AttributeError(f"module 'spikeloop' has no attribute '{name}'")

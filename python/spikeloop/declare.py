@@ -170,6 +170,11 @@ class Parameter:
             return str(int(self.default))
         return str(self.default)
 
+    def plain(self, name):
+        """As the libraries take it: parameter_of() of python/values."""
+        return (name, self.kind, self.unit, self.default_text(), float(self.minimum),
+                float(self.maximum), self.choices, self.text)
+
 
 class Weights(Parameter):
     """A parameter that is a table: `weights=readout.json`. The node gets a float64 array with a row

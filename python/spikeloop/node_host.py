@@ -64,9 +64,7 @@ def description(definition):
     ports = [(name, port.text, port.kind, name in definition.inputs, port.width or 0,
               -1 if port.same_as is None else names.index(port.same_as))
              for name, port in definition.ports.items()]
-    parameters = [(name, each.kind, each.unit, each.default_text(), float(each.minimum),
-                   float(each.maximum), each.choices, each.text)
-                  for name, each in definition.parameters.items()]
+    parameters = [each.plain(name) for name, each in definition.parameters.items()]
     return definition.name, definition.text, ports, parameters
 
 

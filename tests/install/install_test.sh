@@ -51,4 +51,8 @@ env -u PYTHONPATH PYTHONVERBOSE=1 "$work/prefix/bin/spikeloop" plot "$work/run" 
   >"$work/plot.log" 2>"$work/imports.log"
 grep "^$work/run/latency.png" "$work/plot.log"
 grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.log"
+# The library of scripts, beside the installed package.
+env -u SPIKELOOP_LIBRARY_PATH PATH=/usr/bin:/bin PYTHONPATH="$work/prefix/share/spikeloop/python" \
+  /usr/bin/python3 -c 'from spikeloop.music_library import library; print(library().__file__)' |
+  grep "^$work/prefix/.*/libspikeloop_python_music.so$"
 echo "find_package(Spikeloop): a program and a plug-in were built and ran"

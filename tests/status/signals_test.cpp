@@ -46,6 +46,18 @@ TEST(Signals, UserSignal1AsksTheLoopToStop) {
             0);
 }
 
+TEST(Signals, WhatReachesAnOlderThreadIsHeard) {
+  EXPECT_EQ(exit_code_of([] {
+              std::thread older([] { std::this_thread::sleep_for(std::chrono::seconds(10)); });
+              const SignalThread thread;
+              pthread_kill(older.native_handle(), SIGUSR1);
+              wait_for_stop();
+              pthread_kill(older.native_handle(), SIGTERM);
+              std::this_thread::sleep_for(std::chrono::seconds(10));
+            }),
+            143);
+}
+
 TEST(Signals, ARequestFromInsideDoesTheSame) {
   EXPECT_EQ(exit_code_of([] {
               request_stop();

@@ -38,7 +38,7 @@ constexpr seconds kDeathGrace{4};
 constexpr std::chrono::milliseconds kCountInterval{500};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
-/// Foreign programs may have files to write.
+/// Foreign programs and scripts may have files to write.
 constexpr seconds kForeignEndGrace{60};
 
 }  // namespace
@@ -312,7 +312,8 @@ void JobRun::watch_end() {
   if (!reported_since_ && state_.all_reported()) {
     reported_since_ = Clock::now();
   }
-  const auto grace = all_ours(effective_.file) ? kEndGrace : kForeignEndGrace;
+  const bool quick = all_ours(effective_.file) && !any_script(effective_.file);
+  const auto grace = quick ? kEndGrace : kForeignEndGrace;
   if (reported_since_ && Clock::now() - *reported_since_ > grace) {
     log::warning("{} has not ended {} s after the last report: it is ended now", starter(),
                  grace.count());

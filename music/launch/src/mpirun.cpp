@@ -93,6 +93,9 @@ std::vector<std::string> variables_of_job(const MusicFile& file) {
   if (needs_ros(file)) {
     names.emplace_back("ROS_MASTER_URI");
   }
+  if (any_script(file)) {
+    names.emplace_back("PYTHONPATH");
+  }
   return names;
 }
 
@@ -169,6 +172,13 @@ std::map<std::string, std::string> program_environment() {
   const char* path = std::getenv("PATH");
   std::map<std::string, std::string> environment;
   environment["PATH"] = own_directory() + (path == nullptr ? "" : fmt::format(":{}", path));
+  // Scripts find our package; one that the user has put before it goes first.
+  if (const fs::path package = fs::path(own_directory()).parent_path() / "share/spikeloop/python";
+      fs::exists(package / "spikeloop")) {
+    const char* written = std::getenv("PYTHONPATH");
+    environment["PYTHONPATH"] =
+        written == nullptr ? package.string() : fmt::format("{}:{}", written, package.string());
+  }
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {
     environment["PYTHONUNBUFFERED"] = "1";  // what scripts print is shown when they print it
   }

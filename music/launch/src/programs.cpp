@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <regex>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/mpirun.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -150,6 +155,30 @@ constexpr std::array kPluginNodes{
 /// Of a plug-in's class whose section does not.
 constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
 
+constexpr Program kScript{.name = "script", .any_class = true, .script = true};
+
+/// Read as text: nobody's script is started to be looked at.
+bool uses_our_package(const MusicFile& file, const MusicSection& section) {
+  static const std::regex import(R"(\s*(from\s+spikeloop[\s.]|import\s+(.*[\s,])?spikeloop\b).*)");
+  const MusicKey* binary = file.find_key(section, "binary");
+  if (binary == nullptr) {
+    return false;
+  }
+  const std::string directory = working_directory(file, section, directory_of(file.path));
+  std::ifstream script(find_executable(binary->value, directory, program_environment().at("PATH")));
+  std::string line;
+  if (!std::getline(script, line) || !line.starts_with("#!")) {
+    return false;
+  }
+  while (std::getline(script, line)) {
+    if (line.size() < 200 && line.find("spikeloop") != std::string::npos &&
+        std::regex_match(line, import)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 template <typename Table>
 const Program* find_node(const Table& table, std::string_view node) {
   const auto* const found = std::ranges::find(table, node, &Program::node);
@@ -208,8 +237,11 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
     const MusicKey* node = file.find_key(section, "node");
     return program_of_node(file, section, node == nullptr ? "" : node->value);
   }
-  const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
-  return found == kPrograms.end() ? nullptr : found;
+  if (const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
+      found != kPrograms.end()) {
+    return found;
+  }
+  return uses_our_package(file, section) ? &kScript : nullptr;
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {
@@ -229,6 +261,13 @@ bool is_continuous(const MusicFile& file, const MusicConnection& connection) {
 bool all_ours(const MusicFile& file) {
   return std::all_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
     return find_program(file, section) != nullptr;
+  });
+}
+
+bool any_script(const MusicFile& file) {
+  return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
+    const Program* program = find_program(file, section);
+    return program != nullptr && program->script;
   });
 }
 

@@ -67,10 +67,6 @@ std::string label_in_environment(std::string_view music_config);
 /// for a single digit and crashes in the eleventh program. It makes no use of it.
 std::string with_one_digit_color(std::string_view music_config);
 
-/// The section's label before Setup: from _MUSIC_CONFIG_ or `--app-label`; else the basename of
-/// argv[0].
-std::string section_label(int argc, char** argv);
-
 /// The part after the last '/'.
 std::string basename_of(std::string_view path);
 

@@ -1,8 +1,11 @@
 // The loop of a MUSIC process; process.hpp states its algebra.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "process_impl.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -49,9 +52,12 @@ class Progress {
 
 /// Those of the node are summed over the processes that share it: a collective call. Sources see
 /// the same in all of them.
-std::vector<Counter> summed_counters(const Graph& graph, const std::string& node,
-                                     const Ranks& ranks) {
-  std::vector<Counter> counters = graph.counters();
+std::vector<Counter> summed_counters(const std::vector<const Graph*>& graphs,
+                                     const std::string& node, const Ranks& ranks) {
+  std::vector<Counter> counters;
+  for (const Graph* graph : graphs) {
+    std::ranges::move(graph->counters(), std::back_inserter(counters));
+  }
   if (ranks.count > 1) {
     for (Counter& counter : counters) {
       if (counter.name.starts_with(node + ".")) {
@@ -63,7 +69,7 @@ std::vector<Counter> summed_counters(const Graph& graph, const std::string& node
   return counters;
 }
 
-json final_counters(const Graph& graph, const std::vector<Counter>& counted,
+json final_counters(const std::vector<const Graph*>& graphs, const std::vector<Counter>& counted,
                     const Pacer::Report& pace, bool pacing) {
   json counters = json::object();
   counters["ticks"] = pace.ticks;
@@ -74,11 +80,13 @@ json final_counters(const Graph& graph, const std::vector<Counter>& counted,
   for (const auto& counter : counted) {
     counters[counter.name] = counter.value;
   }
-  for (const auto& connection : graph.connections()) {
-    if (connection.spikes > 0) {
-      const std::string name = connection.from + "->" + connection.to;
-      counters[name + ".spikes"] = connection.spikes;
-      counters[name + ".late"] = connection.late;
+  for (const Graph* graph : graphs) {
+    for (const auto& connection : graph->connections()) {
+      if (connection.spikes > 0) {
+        const std::string name = connection.from + "->" + connection.to;
+        counters[name + ".spikes"] = connection.spikes;
+        counters[name + ".late"] = connection.late;
+      }
     }
   }
   return counters;
@@ -101,67 +109,118 @@ std::unique_ptr<Pacer> make_pacer(const CommonKeys& keys) {
 
 }  // namespace
 
-int Process::run(Graph& graph, const LoopHooks& hooks) {
-  const CommonKeys& keys = common();
-  if (graph.tick() != keys.music_timestep) {
-    throw std::logic_error("the graph's tick is not music_timestep");
+struct Process::Loop::State {
+  Process::Impl& process;
+  const CommonKeys& keys;
+  std::vector<const Graph*> graphs;
+  LoopHooks hooks;
+  std::unique_ptr<Pacer> pacer;
+  Progress progress;
+  /// When something throws, it is left alone: its destructor would talk to programs that MPI_Abort
+  /// is about to end.
+  MUSIC::Runtime* runtime = nullptr;
+  TimeNs time = 0;
+
+  State(Process::Impl& of, const CommonKeys& its_keys, std::vector<const Graph*> stepped,
+        LoopHooks given)
+      : process(of),
+        keys(its_keys),
+        graphs(std::move(stepped)),
+        hooks(std::move(given)),
+        pacer(of.ranks.rank == 0 ? make_pacer(its_keys) : make_unpaced_pacer()),
+        progress(*of.status, *pacer, its_keys.pace) {}
+
+  void meet() {
+    process.heartbeat->enter(Phase::meeting);
+    if (keys.barrier && process.launched) {
+      MPI_Barrier(MPI_COMM_WORLD);
+    }
+    MUSIC::Setup* const setup = std::exchange(process.setup, nullptr);
+    // All programs meet here; handlers already run inside this constructor. The wall clock starts
+    // afterwards.
+    runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
+    pacer->start();
+    process.running = true;
   }
-  check();
+
+  void report() const {
+    const auto pace = pacer->report();
+    process.status->report(
+        final_counters(graphs, summed_counters(graphs, process.label, process.ranks), pace,
+                       keys.pace),
+        hooks.summary ? hooks.summary() : json::object(), time);
+  }
+};
+
+Process::Loop::Loop(Process& process, std::vector<const Graph*> graphs, LoopHooks hooks) {
+  const CommonKeys& keys = process.common();
+  for (const Graph* graph : graphs) {
+    if (graph->tick() != keys.music_timestep) {
+      throw std::logic_error("the graph's tick is not music_timestep");
+    }
+  }
+  process.check();
+  process.impl_->open_setup();
+  state_ = std::make_unique<State>(*process.impl_, keys, std::move(graphs), std::move(hooks));
+  state_->meet();
+}
+
+Process::Loop::~Loop() = default;
+
+bool Process::Loop::begin() {
+  State& own = *state_;
+  const bool goes_on =
+      !status::stop_requested() && (!own.keys.stoptime || own.time < *own.keys.stoptime);
+  if (!first_says(own.process.ranks, goes_on)) {
+    return false;
+  }
+  own.process.heartbeat->enter(Phase::waiting);
+  own.pacer->wait_until(own.time);
+  own.process.heartbeat->enter(Phase::computing);
+  if (own.hooks.before_step) {
+    own.hooks.before_step(own.time, own.time + own.keys.music_timestep);
+  }
+  return true;
+}
+
+void Process::Loop::exchange() {
+  State& own = *state_;
+  const TimeNs begin = std::exchange(own.time, own.time + own.keys.music_timestep);
+  own.process.heartbeat->enter(Phase::exchanging);
+  own.runtime->tick();
+  if (own.hooks.after_step) {
+    own.hooks.after_step(begin, own.time);
+  }
+  own.process.heartbeat->at(own.time);
+  own.progress.at(own.time);
+}
+
+void Process::Loop::finish() {
+  State& own = *state_;
+  own.process.heartbeat->enter(Phase::finalizing);
+  own.progress.tell(own.time);
+  if (own.hooks.after_loop) {
+    own.hooks.after_loop();
+  }
+  if (own.process.recording) {
+    own.process.recording->close();  // now, because finalize() waits for the slowest sender
+  }
+  own.report();
+  own.runtime->finalize();
+  delete own.runtime;
+}
+
+int Process::run(Graph& graph, const LoopHooks& hooks) {
   if (impl_->checking) {
+    check();
     return 0;
   }
-  impl_->open_setup();
-  const auto pacer = impl_->ranks.rank == 0 ? make_pacer(keys) : make_unpaced_pacer();
-  status::Heartbeat& heartbeat = *impl_->heartbeat;
-  heartbeat.enter(Phase::meeting);
-  if (keys.barrier && impl_->launched) {
-    MPI_Barrier(MPI_COMM_WORLD);
-  }
-  MUSIC::Setup* const setup = impl_->setup;
-  impl_->setup = nullptr;
-  // All programs meet here; handlers already run inside this constructor. The wall clock starts
-  // afterwards.
-  // When something throws, it is left alone: its destructor would talk to programs that MPI_Abort
-  // is about to end.
-  auto* const runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
-  pacer->start();
-  Progress progress(*impl_->status, *pacer, keys.pace);
-  const auto goes_on = [&](TimeNs time) {
-    return !status::stop_requested() && (!keys.stoptime || time < *keys.stoptime);
-  };
-  impl_->running = true;
-  for (TimeNs time = 0; first_says(impl_->ranks, goes_on(time));) {
-    heartbeat.enter(Phase::waiting);
-    pacer->wait_until(time);
-    heartbeat.enter(Phase::computing);
-    const TimeNs end = time + keys.music_timestep;
-    if (hooks.before_step) {
-      hooks.before_step(time, end);
-    }
+  Loop loop(*this, {&graph}, hooks);
+  while (loop.begin()) {
     graph.step();
-    heartbeat.enter(Phase::exchanging);
-    runtime->tick();
-    if (hooks.after_step) {
-      hooks.after_step(time, end);
-    }
-    time = end;
-    heartbeat.at(time);
-    progress.at(time);
+    loop.exchange();
   }
-  heartbeat.enter(Phase::finalizing);
-  progress.tell(graph.time());
-  const auto pace = pacer->report();
-  if (hooks.after_loop) {
-    hooks.after_loop();
-  }
-  if (impl_->recording) {
-    impl_->recording->close();  // now, because finalize() waits for the slowest sender
-  }
-  const auto counted = summed_counters(graph, impl_->label, impl_->ranks);
-  impl_->status->report(final_counters(graph, counted, pace, keys.pace),
-                        hooks.summary ? hooks.summary() : json::object(), graph.time());
-  runtime->finalize();
-  delete runtime;
+  loop.finish();
   return 0;
 }
 

@@ -28,13 +28,6 @@ void print(std::FILE* stream, const std::string& text) {
   std::fflush(stream);
 }
 
-void log_to_standard_error(const std::string& label) {
-  log::set_sink([label](log::Level level, std::string_view message) {
-    const char* kind = level == log::Level::warning ? "warning: " : "";
-    print(stderr, fmt::format("{}: {}{}\n", label, kind, message));
-  });
-}
-
 // A line a fault; the file's name comes with most of them.
 int check_section(const SectionCheck& section, const ProgramText& text, const Body& body) {
   log::set_sink([](log::Level level, std::string_view message) {
@@ -111,20 +104,6 @@ int standalone(int argc, char** argv, const ProgramText& text, const Body& body)
   }
 }
 
-// Ends the whole job: a program that merely returned would leave the others hanging.
-int fail(const std::string& label, int exit_code, const std::string& message) {
-  print(stderr, fmt::format("{}: {}\n", label, message));
-  status::Sender(label).failure(exit_code, message);
-  int initialized = 0;
-  int finalized = 0;
-  MPI_Initialized(&initialized);
-  MPI_Finalized(&finalized);
-  if (initialized != 0 && finalized == 0) {
-    MPI_Abort(MPI_COMM_WORLD, exit_code);
-  }
-  return exit_code;
-}
-
 int run_body(int argc, char** argv, const ProgramText& text,
              const std::function<int(Process&)>& body) {
   Process process(argc, argv, text.defaults);
@@ -147,6 +126,26 @@ int run_body(int argc, char** argv, const ProgramText& text,
 
 std::string called_as(int argc, char** argv) {
   return argc > 0 ? basename_of(argv[0]) : "";
+}
+
+void log_to_standard_error(const std::string& label) {
+  log::set_sink([label](log::Level level, std::string_view message) {
+    const char* kind = level == log::Level::warning ? "warning: " : "";
+    print(stderr, fmt::format("{}: {}{}\n", label, kind, message));
+  });
+}
+
+int end_job(const std::string& label, int exit_code, const std::string& message) {
+  print(stderr, fmt::format("{}: {}\n", label, message));
+  status::Sender(label).failure(exit_code, message);
+  int initialized = 0;
+  int finalized = 0;
+  MPI_Initialized(&initialized);
+  MPI_Finalized(&finalized);
+  if (initialized != 0 && finalized == 0) {
+    MPI_Abort(MPI_COMM_WORLD, exit_code);
+  }
+  return exit_code;
 }
 
 bool started_by_music(int argc, char** argv) {
@@ -172,9 +171,9 @@ int music_main(int argc, char** argv, const ProgramText& text,
   try {
     return run_body(argc, argv, text, body);
   } catch (const Error& error) {
-    return fail(label, error.exit_code(), error.what());
+    return end_job(label, error.exit_code(), error.what());
   } catch (const std::exception& error) {
-    return fail(label, kInternal, fmt::format("internal error: {}", error.what()));
+    return end_job(label, kInternal, fmt::format("internal error: {}", error.what()));
   }
 }
 

@@ -338,7 +338,7 @@ void Process::Impl::check_ports() const {
 
 void Process::Impl::check_arguments(bool strict) const {
   const auto arguments = file.key(label, "args");
-  if (!arguments || arguments->empty()) {
+  if (defaults.takes_arguments || !arguments || arguments->empty()) {
     return;
   }
   const std::string message =

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <thread>
@@ -43,13 +44,24 @@ Hooks& hooks() {
   ::_exit(kTerminated);
 }
 
+constexpr std::array kOurSignals{SIGUSR1, SIGTERM, SIGHUP};
+
 sigset_t our_signals() {
   sigset_t set;
   sigemptyset(&set);
-  sigaddset(&set, SIGUSR1);
-  sigaddset(&set, SIGTERM);
-  sigaddset(&set, SIGHUP);
+  for (const int number : kOurSignals) {
+    sigaddset(&set, number);
+  }
   return set;
+}
+
+/// Threads older than SignalThread do not block our signals; a Python script's NumPy has some. What
+/// reaches one of them goes on to the thread that waits.
+std::atomic<pthread_t> waiting_thread{};
+static_assert(std::atomic<pthread_t>::is_always_lock_free);
+
+void pass_on(int number) {
+  pthread_kill(waiting_thread.load(), number);
 }
 
 }  // namespace
@@ -83,6 +95,22 @@ struct SignalThread::Impl {
   pid_t parent = getppid();
   std::atomic<bool> ending{false};
   std::thread thread;
+  std::array<struct sigaction, kOurSignals.size()> before{};
+
+  void take_over() {
+    waiting_thread.store(thread.native_handle());
+    struct sigaction action {};
+    action.sa_handler = pass_on;
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < kOurSignals.size(); ++i) {
+      sigaction(kOurSignals[i], &action, &before[i]);
+    }
+  }
+  void give_back() {
+    for (std::size_t i = 0; i < kOurSignals.size(); ++i) {
+      sigaction(kOurSignals[i], &before[i], nullptr);
+    }
+  }
 
   void wait() {
     const sigset_t set = our_signals();
@@ -107,6 +135,7 @@ SignalThread::SignalThread() : impl_(std::make_unique<Impl>()) {
   const sigset_t set = our_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   impl_->thread = std::thread([this] { impl_->wait(); });
+  impl_->take_over();
   // Programs end with mpirun, even when it is killed. The kernel sends this when the thread of the
   // parent that forked us ends, which need not be the parent's end: hence a signal of its own, and
   // a look at who the parent is.
@@ -118,6 +147,7 @@ SignalThread::SignalThread() : impl_(std::make_unique<Impl>()) {
 
 SignalThread::~SignalThread() {
   impl_->ending.store(true);
+  impl_->give_back();
   prctl(PR_SET_PDEATHSIG, 0);
   pthread_kill(impl_->thread.native_handle(), SIGUSR1);
   impl_->thread.join();

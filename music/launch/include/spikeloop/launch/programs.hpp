@@ -30,6 +30,7 @@ struct Program {
   bool measures_age = false;     ///< has the input `pace`
   Outside outside{};             ///< has no key: meets nobody
   bool any_class = false;        ///< runs a class that the launcher does not know: any ports
+  bool script = false;           ///< a user's, that takes part by our Python package
 };
 
 /// The names of our MUSIC programs that the launcher knows.
@@ -40,7 +41,8 @@ std::vector<std::string_view> programs_of_node(std::string_view node);
 std::string_view node_of_program(std::string_view name);
 
 /// Null for a foreign program. The program spikeloop-node is known by its key `node`; it is ours
-/// also when it runs a class that no other program runs, maybe of a plug-in.
+/// also when it runs a class that no other program runs, maybe of a plug-in. So is a script with a
+/// line that imports the Python package spikeloop.
 const Program* find_program(const MusicFile& file, const MusicSection& section);
 /// Null for a foreign program or a label that no section has.
 const Program* find_program(const MusicFile& file, std::string_view label);
@@ -54,6 +56,7 @@ bool is_continuous(const MusicFile& file, const MusicConnection& connection);
 
 /// Whether every section's program is one of ours: then SIGUSR1 stops the job cleanly.
 bool all_ours(const MusicFile& file);
+bool any_script(const MusicFile& file);
 bool needs_ros(const MusicFile& file);
 
 }  // namespace spikeloop::launch

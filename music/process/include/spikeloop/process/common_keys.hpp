@@ -21,6 +21,8 @@ struct CommonDefaults {
   bool accept_one_tick = false;
   /// True for a program that may run in several processes (np).
   bool many_processes = false;
+  /// True for a program that has a use for what `args` says.
+  bool takes_arguments = false;
 };
 
 struct CommonKeys {

@@ -34,8 +34,19 @@ std::string called_as(int argc, char** argv);
 /// True when MUSIC has started this process: by `music FILE` or by --music-config.
 bool started_by_music(int argc, char** argv);
 
+/// The section's label before Setup: from _MUSIC_CONFIG_ or `--app-label`; else the basename of
+/// argv[0].
+std::string section_label(int argc, char** argv);
+
 /// The text of --help.
 std::string help_text(const ProgramText& text);
+
+/// What the log says goes to standard error, a line each: "LABEL: message".
+void log_to_standard_error(const std::string& label);
+
+/// Prints "LABEL: message", tells the launcher, and ends the whole job with MPI_Abort: a program
+/// that merely returned would leave the others hanging. Returns `exit_code` when MPI is not up.
+int end_job(const std::string& label, int exit_code, const std::string& message);
 
 /// Without MUSIC: answers --help, --version, the program's own options, and `--check-section FILE
 /// LABEL`, which runs `body` on a Process that only checks: warnings and one error on standard

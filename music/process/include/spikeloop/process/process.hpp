@@ -134,6 +134,34 @@ class Process {
   /// checks. @throws as check().
   int run(Graph& graph, const LoopHooks& hooks = {});
 
+  /// What run() does, in pieces, for a program whose own code stands between receiving and sending:
+  ///
+  ///     Process::Loop loop(process, {&receiving, &sending});
+  ///     while (loop.begin()) {
+  ///       receiving.step();  ...  sending.step();
+  ///       loop.exchange();
+  ///     }
+  ///     loop.finish();
+  class Loop {
+   public:
+    /// Meets the other programs. One a process. The graphs have the same tick; their counters are
+    /// reported. @throws as check().
+    Loop(Process& process, std::vector<const Graph*> graphs, LoopHooks hooks = {});
+    ~Loop();
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+    /// Waits for the clock. False when the run is over: at `stoptime`, or a stop request.
+    bool begin();
+    /// MUSIC's tick.
+    void exchange();
+    /// Sends the final report, and finalizes MUSIC.
+    void finish();
+
+   private:
+    struct State;
+    std::unique_ptr<State> state_;
+  };
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,42 @@
+"""Finds and opens the library behind spikeloop.music."""
+
+import importlib.util
+import os
+import shutil
+import sys
+
+NAME = "spikeloop_python_music"
+PACKAGE = os.path.dirname(os.path.abspath(__file__))
+
+
+def _directories():
+    written = os.environ.get("SPIKELOOP_LIBRARY_PATH", "")
+    yield from (directory for directory in written.split(":") if directory)
+    # PREFIX/share/spikeloop/python/spikeloop, in the build tree as installed.
+    yield os.path.join(PACKAGE, "../../../../lib/spikeloop")
+    program = shutil.which("spikeloop")
+    if program:
+        yield os.path.join(os.path.dirname(os.path.realpath(program)), "../lib/spikeloop")
+
+
+def library():
+    """The module. Raises ImportError that says what to do."""
+    if NAME in sys.modules:
+        return sys.modules[NAME]
+    tried = [os.path.normpath(os.path.join(directory, f"lib{NAME}.so"))
+             for directory in _directories()]
+    found = next((path for path in tried if os.path.exists(path)), None)
+    if found is None:
+        raise ImportError(f"spikeloop.music needs its library, which is not in: {', '.join(tried)};"
+                          " start the job with `spikeloop run`, or write the directory of "
+                          f"lib{NAME}.so into SPIKELOOP_LIBRARY_PATH")
+    spec = importlib.util.spec_from_file_location(NAME, found)
+    try:
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except ImportError as error:
+        version = f"{sys.version_info.major}.{sys.version_info.minor}"
+        raise ImportError(f"{found} does not open in this Python, {sys.executable} {version}: "
+                          f"{error}; begin the script with #!/usr/bin/python3") from None
+    sys.modules[NAME] = module
+    return module

@@ -1,0 +1,276 @@
+#!/usr/bin/python3
+"""However a script goes wrong, the job ends, and says why."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import jobs
+
+WITH = """#!/usr/bin/python3
+import numpy as np
+import spikeloop{module}
+with spikeloop{module}.music(spikes_in={{"in": {width}}}, spikes_out={{"out": {width}}}, gain=1.0) as host:
+    {prepare}
+    for tick in host:
+        {body}
+"""
+
+
+def script(body="pass", *, prepare="pass", width="None", module=""):
+    return WITH.format(body=body, prepare=prepare, width=width, module=module)
+
+
+def living(folder):
+    """Processes that run in this folder."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and os.readlink(entry / "cwd") == str(folder):
+                found.append(entry.name)
+        except OSError:
+            pass
+    return found
+
+
+class Faults(unittest.TestCase):
+    def check(self, text, *expected, code, tick_s=0.001, duration_s=0.3, keys="", width=4):
+        """The job of this script ends with this exit code, and says all of this."""
+        with jobs.Job("brain.py", width, text=text, encoder="rate_encoder", tick_s=tick_s,
+                      duration_s=duration_s, keys=keys) as job:
+            said = job.run(code=code, timeout=90)
+            for words in expected:
+                self.assertIn(words, said)
+            self.assertEqual(living(job.folder), [])
+            return said
+
+    def test_an_exception_in_the_loop(self):
+        said = self.check(script("1 / (tick.begin_ns - 100_000_000)"),
+                          "brain: Traceback (most recent call last):",
+                          "brain.py:7: ZeroDivisionError: division by zero", code=5)
+        self.assertIn("ZeroDivisionError", said.splitlines()[-1])
+
+    def test_an_exception_before_the_loop(self):
+        self.check(script(prepare="open('weights.npy')"), "brain.py:5: FileNotFoundError", code=5)
+
+    def test_an_exception_outside_with(self):
+        text = script().replace("with ", "host = ").replace(" as host:", "").replace("\n    ", "\n")
+        self.check(text.replace("pass", "raise OSError(\"lost\")", 1), "OSError: lost", code=5)
+
+    def test_wrong_widths(self):
+        self.check(script(width="7"), "job.music:24:1: the connection of 'brain.in' has the width 4, "
+                   "but brain.py asks for 7; write [7], or None in the script", code=2)
+
+    def test_a_port_without_width_and_connection(self):
+        text = script().replace('{"in": None}', '{"in": None, "more": None}')
+        self.check(text, "job.music:14:1: port 'brain.more' is not connected; write  SENDER.out -> "
+                   "brain.more [WIDTH], or a width in the script, with which it stays silent",
+                   code=2)
+        text = script().replace('{"out": None}', '{"out": None, "more": None}')
+        self.check(text, "write  brain.more -> RECEIVER.in [WIDTH], or a width in the script, with "
+                   "which it goes nowhere", code=2)
+
+    def test_a_port_that_the_script_does_not_have(self):
+        text = script().replace('spikes_in={"in": None}, ', "")
+        self.check(text, "'brain' has no port 'in'", code=2)
+
+    def test_a_wrong_value_in_the_section(self):
+        self.check(script(), "job.music:18:3: key 'gain': 'loud'", code=2, keys="gain=loud")
+
+    def test_several_processes(self):
+        self.check(script(), "np=2 asks for 2 processes, but brain.py runs in one; write  np=1",
+                   code=2, keys="np=2")
+
+    def test_times_outside_the_interval_end_the_job(self):
+        self.check(script("tick.send('out', tick.end_s + 1e-6, 0)"),
+                   "brain.py:7: tick.send('out', ...) got a spike at 0.001001 s, outside of the "
+                   "interval (0, 0.001] s", code=5)
+
+    def test_a_script_that_ends_early(self):
+        self.check(script("if tick.begin_s >= 0.1: break"),
+                   "'brain' (brain.py) ended at 0.1 s of simulated time, before its stoptime of "
+                   "0.3 s", code=3)
+
+    def test_a_script_that_exits(self):
+        self.check(script("if tick.begin_s >= 0.1: raise SystemExit(3)"),
+                   "the script has ended itself by sys.exit", code=3)
+        self.check(script("if tick.begin_s >= 0.1: raise SystemExit('no reward')"),
+                   "the script has ended itself by sys.exit: no reward", code=1)
+
+    def test_a_script_that_is_interrupted(self):
+        self.check(script("raise KeyboardInterrupt"), "brain: stopped by Ctrl-C", code=130)
+
+    def test_a_script_without_a_loop(self):
+        self.check(script().split("    for tick")[0],
+                   "the script has left `with spikeloop.music(...)` without its loop", code=5)
+        text = script().split("    for tick")[0].replace("with ", "host = ")
+        self.check(text.replace(" as host:", "").replace("    pass", ""),
+                   "the script has ended without its loop", code=5)
+
+    def test_a_script_that_never_calls_its_host(self):
+        self.check("#!/usr/bin/python3\nimport spikeloop\n",
+                   "'brain' (brain.py)", "ended without MUSIC's ", code=3)
+
+    def test_a_script_that_prepares_itself_for_long_is_waited_for(self):
+        text = script(prepare="import time; time.sleep(5)")
+        stuck = script("if tick.begin_s > 0.01: import time; time.sleep(50)")
+        with jobs.Job("brain.py", 4, text=text, duration_s=0.1) as job:
+            job.run("--start-timeout", "2")
+        with jobs.Job("brain.py", 4, text=stuck) as job:
+            self.assertIn("'brain' (brain.py) does not come to the end of its step",
+                          job.run("--stall-timeout", "2", code=3))
+
+    def test_an_interpreter_as_the_program(self):
+        with jobs.Job("brain.py", 4, text=script()) as job:
+            text = job.file.read_text()
+            job.file.write_text(text.replace("binary=./brain.py", "binary=python3\n  args=brain.py"))
+            self.assertIn("would run the .music file instead of 'brain.py'", job.run(code=2))
+
+    def test_without_music(self):
+        with jobs.Job("brain.py", 4, text=script()) as job:
+            done = subprocess.run(["./brain.py"], cwd=job.folder, capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": str(jobs.PACKAGE)}, check=False)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(done.stderr, "./brain.py: is started by MUSIC; write a section with "
+                             "binary=./brain.py and np=1 into FILE.music and run  spikeloop run "
+                             "FILE.music\n")
+
+    def test_without_the_library(self):
+        with jobs.Job("brain.py", 4, text=script()) as job:
+            sources = jobs.HERE.parents[1] / "python"
+            done = subprocess.run(["./brain.py"], cwd=job.folder, capture_output=True, text=True,
+                                  env={"PYTHONPATH": str(sources), "PATH": "/usr/bin"}, check=False)
+            self.assertIn("ImportError: spikeloop.music needs its library, which is not in: ",
+                          done.stderr)
+            self.assertIn("start the job with `spikeloop run`", done.stderr)
+
+    def test_with_a_library_of_another_python(self):
+        with jobs.Job("brain.py", 4, text=script()) as job:
+            (job.folder / "libspikeloop_python_music.so").write_text("of Python 2")
+            done = subprocess.run(["./brain.py"], cwd=job.folder, capture_output=True, text=True,
+                                  env={"PYTHONPATH": str(jobs.PACKAGE),
+                                       "SPIKELOOP_LIBRARY_PATH": str(job.folder)}, check=False)
+            self.assertIn("does not open in this Python, /usr/bin/python3 3.", done.stderr)
+            self.assertIn("begin the script with #!/usr/bin/python3", done.stderr)
+
+    def test_wrong_calls(self):
+        with jobs.Job("misuse.py", 4, duration_s=0.1) as job:
+            said = job.run()
+        found = [line.split("REFUSED ")[1] for line in said.splitlines() if "REFUSED" in line]
+        self.assertEqual(found, EXPECTED)
+        self.assertIn("image None", said)
+
+    def stopped(self, number, code):
+        """A job without end whose script has older threads than its host, ended by a signal."""
+        text = script().replace("import spikeloop", "import threading, time\nimport spikeloop\n"
+                                "threading.Thread(target=time.sleep, args=(600,), daemon=True).start()")
+        text += "print('saved', flush=True)\n" if code != 128 + signal.SIGTERM else ""
+        with jobs.Job("brain.py", 4, text=text, duration_s=1000) as job:
+            job.file.write_text(job.file.read_text().replace("sync=unpaced", "sync=realtime"))
+            started = subprocess.Popen(job.command(), cwd=job.folder, stdout=subprocess.PIPE,
+                                       stderr=subprocess.STDOUT, text=True, bufsize=1)
+            try:
+                for line in started.stdout:  # the first word of progress comes with the first ticks
+                    if " of 1000 s" in line:
+                        break
+                time.sleep(0.5)
+                started.send_signal(number)
+                said = started.communicate(timeout=60)[0]
+            finally:
+                started.kill()
+                started.wait()
+            self.assertEqual(started.returncode, code, said)
+            self.assertEqual(living(job.folder), [])
+            return said
+
+    def test_ctrl_c(self):
+        said = self.stopped(signal.SIGINT, 130)
+        self.assertIn("saved", said)  # the script comes to its own end
+        self.assertIn("stopped by Ctrl-C", said)
+
+    def test_sigusr1(self):
+        self.assertIn("saved", self.stopped(signal.SIGUSR1, 128 + signal.SIGUSR1))
+
+
+class SimulatorFaults(unittest.TestCase):
+    """Those of the hosts of NEURON and Brian2."""
+
+    check = Faults.check
+
+    def test_neuron(self):
+        def check(prepare, message, body="host.advance(tick)"):
+            text = script(body, prepare="from neuron import h; " + prepare, module=".neuron")
+            self.check(text, message, code=5)
+
+        check("h.dt = 0.3; h.finitialize()", "the tick of 1 ms is no multiple of NEURON's step h.dt "
+              "of 0.3 ms; choose another h.dt, or variable steps")
+        check("h.finitialize(); h.t = 5", "NEURON's time is 5 ms at the first tick; call "
+              "h.finitialize() before the loop")
+        check("host.connect_input('inn', 0, h.IntFire1())", "connect_input('inn', ...): spikes_in "
+              "has no 'inn'; known: in")
+        check("host.connect_output('out', 4, h.IntFire1())", "connect_output('out', 4, ...): the "
+              "port has channels 0 to 3")
+
+    def test_brian2(self):
+        def check(prepare, message):
+            text = script(prepare="import brian2 as b; " + prepare, module=".brian")
+            self.check(text, message, code=5)
+
+        group = "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1'); "
+        check("host.input('inn')", "host.input('inn'): spikes_in has no 'inn'; known: in")
+        check(group + "host.output('out', g[:3])", "host.output('out', ...) got a group of 3 neurons, "
+              "but the port has 4 channels; write as many, as in group[:4]")
+        check(group + "host.output('out', g); host.output('out', g)", "has been called before")
+        check("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is no multiple of "
+              "Brian2's step of 0.3 ms; choose another defaultclock.dt")
+        check("g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
+              "host.output('out', g); host.run()", "'slow' has steps of 0.2 ms, but defaultclock.dt "
+              "is 0.1 ms; use one")
+        check("b.set_device('cpp_standalone'); host.run()", "this Brian2 device runs a program of "
+              "its own; leave set_device() out")
+        check(group + "n = b.Network(g); n.run(1 * b.ms); host.run(n)", "the network's time is 0.001 s before "
+              "the run; let host.run() be its first")
+
+
+EXPECTED = [
+    'a host without ports; write  spikeloop.music(spikes_in={"in": 100})',
+    "ports are ['in']; write a dict such as {'in': 100}, or {'in': None} for as many channels as the "
+    "file says",
+    "port 'in' has the width 0; write a whole number from 1, or None for as many channels as the file "
+    "says",
+    "two ports are named 'in'; give one another name",
+    "a port is named 3; write a name, such as 'in'",
+    "parameter 'weights' is a table; take its file's name, as weights=spikeloop.Parameter(type=str), "
+    "and read it with numpy.load",
+    "spikeloop.music has been called before; a script has one host",
+    "tick.spikes('inn'): spikes_in of spikeloop.music has no 'inn'; did you mean 'in'?",
+    "tick.spikes('image'): spikes_in of spikeloop.music has no 'image'; known: in",
+    "tick.send('in'): spikes_out of spikeloop.music has no 'in'; known: out",
+    "tick.send('out', ...) got the time nan; write seconds",
+    "tick.send('out', ...) got a spike at 0.01 s, outside of the interval (0.01, 0.011] s; write times "
+    "after tick.begin_s, and up to tick.end_s",
+    "tick.send('out', ...) got a spike at 0.011000001 s, outside of the interval (0.01, 0.011] s; "
+    "write times after tick.begin_s, and up to tick.end_s",
+    "tick.send('out', ...) got channel 5, but the port has channels 0 to 3",
+    "tick.send('out', ...) got channel -1, but the port has channels 0 to 3",
+    "tick.send('out', ...) got 2 times and 3 channels; write as many times as channels",
+    "tick.send('out', ...) got channels that are 1 values of type float64; write times in seconds and "
+    "whole channels, one a spike",
+    "tick.send('out', ...) got times that are values of type <U3; write times in seconds and whole "
+    "channels, one a spike",
+    "tick.send('out', ...) got times that are 1 values of type float64 in 2 dimensions; write times in "
+    "seconds and whole channels, one a spike",
+    "tick.write('level', ...) got 3 values of type int64, but the port has 2 channels; write 2 "
+    "numbers, or one for all of them",
+    "tick.write('level', ...) got values of type <U1, but the port has 2 channels; write 2 numbers, or "
+    "one for all of them",
+    "the tick is over; use it inside its turn of the loop only",
+    "the loop has been begun before; write one  for tick in host: ...",
+]
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())

@@ -1,0 +1,122 @@
+"""Jobs with a script in the middle, as a user runs them; for the tests beside this file.
+
+    sine -> encoder -> brain (the script) -> sink (a script that keeps what it gets)
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+import h5py
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+SINE = HERE.parents[1] / "examples/05_encoder_python/sine.py"
+PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
+SPIKELOOP = PROGRAMS / "spikeloop"
+PACKAGE = PROGRAMS.parent / "share/spikeloop/python"
+
+JOB = """\
+stoptime={duration_s}
+music_timestep={tick_s}
+[sine]
+  np=1
+  binary=spikeloop-node
+  plugin={sine}
+  node=sine
+  sync=unpaced
+[encoder]
+  np=1
+  binary={encoder}
+  rate_max={rate_max} Hz
+  record=true
+[brain]
+  np=1
+  binary=./{script}
+  record=true
+  {keys}
+[sink]
+  np=1
+  binary=./sink.py
+  record=false
+sine.out -> encoder.in [{width}]
+encoder.out -> brain.in [{width}]
+brain.out -> sink.in [{width_out}]
+"""
+
+
+class Job:
+    """A folder with a .music file and its scripts; `with Job(...) as job`."""
+
+    def __init__(self, script, width, *, text=None, encoder="poisson_encoder", rate_max=40,
+                 tick_s=0.001, duration_s=1, width_out=None, keys=""):
+        self._temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._temporary.name)
+        for name in (script, "sink.py"):
+            if (HERE / "scripts" / name).exists():
+                shutil.copy(HERE / "scripts" / name, self.folder)
+        if text is not None:
+            (self.folder / script).write_text(text)
+            (self.folder / script).chmod(0o755)
+        self.file = self.folder / "job.music"
+        self.file.write_text(JOB.format(
+            script=script, width=width, width_out=width_out or width, encoder=encoder,
+            rate_max=rate_max, tick_s=tick_s, duration_s=duration_s, keys=keys, sine=SINE))
+        self.out = self.folder / "out"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._temporary.cleanup()
+
+    def command(self, *more):
+        return [str(SPIKELOOP), "run", "job.music", "--out", "out", *more]
+
+    def run(self, *more, code=0, timeout=240):
+        """Runs to the end, which must have this exit code; gives what was printed."""
+        # Brian2 leaves a log in TMPDIR when its script does not come to its end.
+        done = subprocess.run(self.command(*more), cwd=self.folder, capture_output=True, text=True,
+                              env={**os.environ, "TMPDIR": str(self.folder)}, check=False,
+                              timeout=timeout)
+        said = done.stdout + done.stderr
+        assert done.returncode == code, f"exit code {done.returncode} instead of {code}:\n{said}"
+        return said
+
+    def sent(self):
+        """(times in ns, channels) that the encoder recorded."""
+        return recorded(self.out / "encoder.h5")
+
+    def recorded(self):
+        """(times in ns, channels) that the script's host recorded."""
+        return recorded(self.out / "brain.h5")
+
+    def received(self):
+        """(times in ns, channels, begins of the ticks in ns) that the sink got."""
+        times, channels, begins = np.load(self.folder / "got.npy")
+        return (np.rint(times * 1e9).astype(np.int64), channels.astype(int),
+                np.rint(begins * 1e9).astype(np.int64))
+
+
+def recorded(path):
+    with h5py.File(path) as file:
+        group = file["spikes/out"]
+        assert group.attrs["dropped"] == 0
+        return group["timestamps_ns"][:], group["node_ids"][:].astype(int)
+
+
+def in_order(times, channels):
+    order = np.lexsort((channels, times))
+    return np.stack([times[order], channels[order]])
+
+
+def assert_same(expected, found, what):
+    """Of two pairs (times, channels): the same spikes, each as often."""
+    expected, found = in_order(*expected), in_order(*found)
+    assert expected.shape == found.shape, \
+        f"{what}: {expected.shape[1]} spikes expected, {found.shape[1]} found"
+    wrong = np.flatnonzero(np.any(expected != found, axis=0))
+    assert not len(wrong), (f"{what}: {len(wrong)} of {found.shape[1]} spikes differ; the first: "
+                            f"{expected[:, wrong[0]]} expected, {found[:, wrong[0]]} found")
