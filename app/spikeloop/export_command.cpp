@@ -17,6 +17,7 @@
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/hostfile.hpp"
 #include "spikeloop/launch/mpirun.hpp"
+#include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
 namespace {
