@@ -116,13 +116,13 @@ class Faults(unittest.TestCase):
                    "'brain' (brain.py)", "ended without MUSIC's ", code=3)
 
     def test_a_script_that_prepares_itself_for_long_is_waited_for(self):
-        text = script(prepare="import time; time.sleep(5)")
+        text = script(prepare="import time; time.sleep(14)")
         stuck = script("if tick.begin_s > 0.01: import time; time.sleep(50)")
         with jobs.Job("brain.py", 4, text=text, duration_s=0.1) as job:
-            job.run("--start-timeout", "2")
+            job.run("--start-timeout", "10")
         with jobs.Job("brain.py", 4, text=stuck) as job:
             self.assertIn("'brain' (brain.py) does not come to the end of its step",
-                          job.run("--stall-timeout", "2", code=3))
+                          job.run("--stall-timeout", "5", code=3))
 
     def test_an_interpreter_as_the_program(self):
         with jobs.Job("brain.py", 4, text=script()) as job:
