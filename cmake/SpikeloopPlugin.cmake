@@ -27,6 +27,8 @@ function(spikeloop_link_plugins program)
   add_library(${objects} OBJECT ${ARGN})
   spikeloop_compile_plugin(${objects})
   target_compile_definitions(${objects} PRIVATE SPIKELOOP_STATIC_PLUGIN)
+  # A file registers its plug-in by a name that is the same in all of them.
+  set_target_properties(${objects} PROPERTIES UNITY_BUILD OFF)
   target_sources(${program} PRIVATE $<TARGET_OBJECTS:${objects}>)
   target_link_libraries(${program} PRIVATE Spikeloop::core)
 endfunction()
