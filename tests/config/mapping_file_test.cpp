@@ -6,6 +6,7 @@
 
 #include "spikeloop/config/mapping_file.hpp"
 #include "tests/config/helpers.hpp"
+#include "tests/support/repetitions.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop {
@@ -232,7 +233,7 @@ TEST(MappingFile, MutatedFilesAreReadOrRefused) {
   std::mt19937 random(5);
   const std::string original = twist(R"({"linear.x": {"channel": 1, "min": -1}, "angular.z": 0})",
                                      ", \"min\": -1, \"max\": 1");
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < test::repetitions(20000); ++i) {
     std::string text = original;
     for (unsigned k = 0; k < 1 + random() % 4; ++k) {
       text[random() % text.size()] = static_cast<char>(random() % 256);

@@ -4,6 +4,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/config/order.hpp"
 #include "tests/config/helpers.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace spikeloop {
 namespace {
@@ -108,7 +109,7 @@ TEST(MusicParser, MutatedFilesAreReadOrRefused) {
   }
   test::RandomMusicFile random(20161);
   int read = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < test::repetitions(20000); ++i) {
     const std::string text = mutate(texts[static_cast<std::size_t>(i) % texts.size()], random);
     MusicFile file;
     try {

@@ -10,6 +10,7 @@
 
 #include "spikeloop/config/weight_file.hpp"
 #include "tests/config/helpers.hpp"
+#include "tests/support/repetitions.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop {
@@ -298,7 +299,7 @@ TEST(WeightFile, MutatedFilesAreReadOrRefused) {
                                           test::data_text("readout.json"),
                                           test::data_text("sparse.json")};
   std::mt19937 random(11);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < test::repetitions(20000); ++i) {
     std::string text = texts[random() % texts.size()];
     for (unsigned k = 0; k < 1 + random() % 4; ++k) {
       const std::size_t at = random() % text.size();

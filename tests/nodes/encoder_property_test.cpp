@@ -8,6 +8,7 @@
 
 #include "harness.hpp"
 #include "spikeloop/core/random.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace spikeloop::testing {
 namespace {
@@ -138,16 +139,16 @@ class Trial {
 };
 
 TEST(EncoderProperty, RateEncoderNeitherLosesNorDoublesASpike) {
-  for (unsigned seed = 0; seed < 60 && !::testing::Test::HasFailure(); ++seed) {
+  for (int seed = 0; seed < test::repetitions(60) && !::testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
-    Trial(seed, "rate_encoder").run();
+    Trial(static_cast<unsigned>(seed), "rate_encoder").run();
   }
 }
 
 TEST(EncoderProperty, PoissonEncoderNeitherLosesNorDoublesASpike) {
-  for (unsigned seed = 0; seed < 60 && !::testing::Test::HasFailure(); ++seed) {
+  for (int seed = 0; seed < test::repetitions(60) && !::testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
-    Trial(seed, "poisson_encoder").run();
+    Trial(static_cast<unsigned>(seed), "poisson_encoder").run();
   }
 }
 

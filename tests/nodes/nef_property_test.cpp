@@ -9,6 +9,7 @@
 #include <random>
 
 #include "harness.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace spikeloop::testing {
 namespace {
@@ -124,7 +125,7 @@ class Trial {
 };
 
 TEST(NefProperty, SpikesDoNotDependOnHowTimeIsCut) {
-  for (unsigned seed = 0; seed < 400 && !HasFatalFailure(); ++seed) {
+  for (int seed = 0; seed < test::repetitions(400) && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     Trial(seed).run();
   }

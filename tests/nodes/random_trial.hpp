@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "harness.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace spikeloop::testing {
 
@@ -78,10 +79,10 @@ inline void expect_finite(const NodeHarness& node) {
 }
 
 template <typename Trial>
-void run_trials(unsigned count, Trial&& trial) {
-  for (unsigned seed = 0; seed < count && !::testing::Test::HasFailure(); ++seed) {
+void run_trials(int count, Trial&& trial) {
+  for (int seed = 0; seed < test::repetitions(count) && !::testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
-    RandomTrial random(seed);
+    RandomTrial random(static_cast<unsigned>(seed));
     trial(random);
   }
 }
