@@ -14,9 +14,9 @@ namespace {
 constexpr const char* kExperiment =
     R"(# A vehicle that explores an arena, steered by ten spiking neurons.
 #
-#   spikeloop check x.yaml      says what is wrong with this file
-#   spikeloop run x.yaml        runs it; what happened is in runs/NAME-1
-#   spikeloop graph x.yaml --out x.svg      draws it
+#   spikeloop check explorer.yaml      says what is wrong with this file
+#   spikeloop run explorer.yaml        runs it; what happened is in runs/NAME-1
+#   spikeloop graph explorer.yaml --out explorer.svg      draws it
 #
 # `spikeloop describe` lists the nodes there are, `spikeloop describe NODE` what one takes.
 experiment: NAME

@@ -10,6 +10,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/kinds.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/record/reader.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -21,11 +22,18 @@ using nlohmann::json;
   throw ConfigurationError(fmt::format("'{}' cannot be replayed: {}", folder, why));
 }
 
-/// Null when there is no such file, or no JSON in it.
-json read_json(const fs::path& path) {
+/// Null when there is no such file. @throws ConfigurationError when it is not what a run writes.
+json read_json(const std::string& folder, const char* name) {
+  const fs::path path = fs::path(folder) / name;
+  if (!fs::exists(path)) {
+    return nullptr;
+  }
   std::ifstream file(path);
   json result = json::parse(file, nullptr, false);
-  return result.is_object() ? result : json(nullptr);
+  if (!result.is_object()) {
+    refuse(folder, fmt::format("its {} is damaged, or empty; run it once more", name));
+  }
+  return result;
 }
 
 /// Of another kind, or of no run at all.
@@ -78,6 +86,38 @@ void check_files(const std::string& folder, const RecordedRun& run) {
   }
 }
 
+/// What every node put out is there, and can be read.
+void check_recordings(const std::string& folder, const RecordedRun& run) {
+  for (const auto& [node, keys] : run.resolved["nodes"].items()) {
+    const std::string file = (fs::path(folder) / (node + ".h5")).string();
+    if (!fs::exists(file)) {
+      refuse(folder,
+             fmt::format("there is no {}.h5 in it, the recording of its node '{}'", node, node));
+    }
+    record::read_info(file);
+  }
+}
+
+RecordedRun read_run(const std::string& folder) {
+  const fs::path path(folder);
+  RecordedRun run;
+  run.folder = folder;
+  run.resolved = read_json(folder, "resolved.json");
+  check_kind(folder, run.resolved);
+  run.summary = read_json(folder, "summary.json");
+  run.experiment_file = (path / fused::kExperimentFile).string();
+  run.replay = {run.resolved["experiment_file"],
+                has_topics(run.resolved) ? (path / fused::kMessagesFile).string() : ""};
+  check_files(folder, run);
+  run.simulated_s = run.summary.at("simulated_s").get<double>();
+  run.seed = run.resolved.at("seed").get<std::uint64_t>();
+  if (run.simulated_s <= 0) {
+    refuse(folder, "it was stopped before its first tick; run it once more");
+  }
+  check_recordings(folder, run);
+  return run;
+}
+
 /// Files may have been named from another directory.
 bool same_value(const json& before, const json& now) {
   if (before == now || !before.is_string() || !now.is_string()) {
@@ -89,28 +129,7 @@ bool same_value(const json& before, const json& now) {
          file.filename() == fs::path(before.get<std::string>()).filename();
 }
 
-}  // namespace
-
-RecordedRun read_recorded_run(const std::string& folder) {
-  if (!fs::is_directory(folder)) {
-    throw FileError("read", folder, fs::exists(folder) ? ENOTDIR : ENOENT);
-  }
-  const fs::path path(folder);
-  RecordedRun run;
-  run.folder = folder;
-  run.resolved = read_json(path / "resolved.json");
-  check_kind(folder, run.resolved);
-  run.summary = read_json(path / "summary.json");
-  run.experiment_file = (path / fused::kExperimentFile).string();
-  run.replay = {run.resolved["experiment_file"],
-                has_topics(run.resolved) ? (path / fused::kMessagesFile).string() : ""};
-  check_files(folder, run);
-  run.simulated_s = run.summary.value("simulated_s", 0.0);
-  run.seed = run.resolved.value("seed", std::uint64_t{1});
-  return run;
-}
-
-std::vector<std::string> doubts(const RecordedRun& run) {
+std::vector<std::string> doubts_of_folder(const RecordedRun& run) {
   std::vector<std::string> list;
   const auto dropped = [&](const char* key, const char* what) {
     if (const auto count = run.summary.value(key, std::uint64_t{0}); count > 0) {
@@ -134,15 +153,24 @@ std::vector<std::string> doubts(const RecordedRun& run) {
   return list;
 }
 
-std::vector<std::string> doubts(const RecordedRun& run, const json& resolved_now) {
+std::vector<std::string> doubts_of_keys(const RecordedRun& run, const json& resolved_now) {
   std::vector<std::string> list;
   for (const auto& [node, keys] : run.resolved["nodes"].items()) {
-    const json now = resolved_now["nodes"].value(node, json::object());
+    if (!resolved_now["nodes"].contains(node)) {
+      list.push_back(fmt::format("node '{}' is gone: spikes may differ", node));
+      continue;
+    }
+    const json& now = resolved_now["nodes"][node];
     for (const auto& [key, value] : keys.items()) {
       if (!same_value(value, now.value(key, json()))) {
         list.push_back(fmt::format("node '{}': key '{}' was {}, it is {} now: spikes may differ",
                                    node, key, value.dump(), now.value(key, json()).dump()));
       }
+    }
+  }
+  for (const auto& [node, keys] : resolved_now["nodes"].items()) {
+    if (!run.resolved["nodes"].contains(node)) {
+      list.push_back(fmt::format("node '{}' is new: spikes may differ", node));
     }
   }
   for (const char* key : {"connections", "tick_ns"}) {
@@ -154,6 +182,35 @@ std::vector<std::string> doubts(const RecordedRun& run, const json& resolved_now
     }
   }
   return list;
+}
+
+/// What was changed by hand, or written by another version, need not have the types of ours.
+template <typename Read>
+auto understood(const std::string& folder, Read&& read) {
+  try {
+    return read();
+  } catch (const json::exception& error) {
+    refuse(folder, fmt::format("its resolved.json or summary.json does not say what a run writes "
+                               "there ({}); run it once more",
+                               error.what()));
+  }
+}
+
+}  // namespace
+
+RecordedRun read_recorded_run(const std::string& folder) {
+  if (!fs::is_directory(folder)) {
+    throw FileError("read", folder, fs::exists(folder) ? ENOTDIR : ENOENT);
+  }
+  return understood(folder, [&] { return read_run(folder); });
+}
+
+std::vector<std::string> doubts(const RecordedRun& run) {
+  return understood(run.folder, [&] { return doubts_of_folder(run); });
+}
+
+std::vector<std::string> doubts(const RecordedRun& run, const json& resolved_now) {
+  return understood(run.folder, [&] { return doubts_of_keys(run, resolved_now); });
 }
 
 }  // namespace spikeloop::app

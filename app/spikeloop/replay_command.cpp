@@ -67,9 +67,6 @@ std::vector<std::string> names_of(const nlohmann::json& nodes) {
 int compare(const RecordedRun& run, const ExperimentFolder& folder) {
   const SpikeComparison result = compare_spikes(
       run.folder, folder.path(), names_of(run.resolved["nodes"]), from_seconds(run.simulated_s));
-  for (const std::string& node : result.not_compared) {
-    warn({fmt::format("the run has no {}.h5: the spikes of '{}' are not compared", node, node)});
-  }
   if (!result.difference.empty()) {
     put_result(fmt::format("spikeloop: {}\n", result.difference));
     return kDifferent;
@@ -79,9 +76,17 @@ int compare(const RecordedRun& run, const ExperimentFolder& folder) {
   return 0;
 }
 
+/// As it was written, but a new folder beside it can be named after it.
+std::string folder_name(const std::string& written) {
+  const fs::path folder = fs::path(written + "/").lexically_normal().parent_path();
+  const fs::path name = folder.filename();
+  std::error_code error;
+  return name.empty() || name == "." || name == ".." ? fs::weakly_canonical(written, error).string()
+                                                     : folder.string();
+}
+
 int replay(const Arguments& arguments) {
-  const std::string folder =
-      fs::path(arguments.run + "/").lexically_normal().parent_path().string();
+  const std::string folder = folder_name(arguments.run);
   const RecordedRun run = read_recorded_run(folder);
   std::error_code error;
   if (!arguments.folder.empty() && fs::equivalent(arguments.folder, folder, error)) {

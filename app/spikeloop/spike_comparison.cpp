@@ -61,14 +61,14 @@ SpikeComparison compare_spikes(const std::string& run, const std::string& replay
   for (const std::string& node : nodes) {
     const std::string mine = (fs::path(run) / (node + ".h5")).string();
     const std::string theirs = (fs::path(replay) / (node + ".h5")).string();
-    if (!fs::exists(theirs)) {
+    if (!fs::exists(mine)) {
       continue;  // a node that records nothing
     }
-    if (!fs::exists(mine)) {
-      result.not_compared.push_back(node);
-      continue;
+    if (!fs::exists(theirs)) {
+      result.difference = fmt::format("node '{}' is in the run alone", node);
+      return result;
     }
-    for (const std::string& stream : record::read_info(theirs).spikes) {
+    for (const std::string& stream : record::read_info(mine).spikes) {
       const auto spikes = spikes_of(mine, stream, until);
       result.spikes += spikes.size();
       const auto difference = first_difference(node, spikes, spikes_of(theirs, stream, until));

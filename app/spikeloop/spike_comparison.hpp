@@ -12,7 +12,6 @@ namespace spikeloop::app {
 struct SpikeComparison {
   std::uint64_t spikes = 0;  ///< of the first run
   std::string difference;    ///< the earliest one, in a sentence; empty: there is none
-  std::vector<std::string> not_compared;
 };
 
 /// Compares all recorded spike trains of these nodes up to `until`, in the order in which the loop

@@ -92,6 +92,14 @@ def incomplete_runs(replays):
     (folder / "summary.json").unlink()
     replays.cannot("killed", "there is no summary.json in it: the run has not ended yet, or it was "
                              "killed; run it once more")
+    (replays.copy("emptied") / "summary.json").write_text("")
+    replays.cannot("emptied", "its summary.json is damaged, or empty; run it once more")
+    (replays.copy("unheard") / "encoder.h5").unlink()
+    replays.cannot("unheard", "there is no encoder.h5 in it, the recording of its node 'encoder'")
+    change(replays.copy("early") / "summary.json", "simulated_s", 0.0)
+    replays.cannot("early", "it was stopped before its first tick; run it once more")
+    change(replays.copy("odd") / "resolved.json", "seed", "x")
+    replays.cannot("odd", "its resolved.json or summary.json does not say what a run writes there")
     folder = replays.copy("old")
     resolved = json.loads((folder / "resolved.json").read_text())
     del resolved["recorded"]
@@ -118,8 +126,10 @@ def doubts(replays):
     copy.write_text(copy.read_text().replace("200 Hz", "300 Hz"))
     told("edited", "node 'encoder': key 'rate_max' was 200.0, it is 300.0 now: spikes may differ",
          code=6)
-    (replays.copy("unheard") / "encoder.h5").unlink()
-    told("unheard", "the run has no encoder.h5: the spikes of 'encoder' are not compared")
+    copy = replays.copy("renamed") / "experiment.yaml"
+    copy.write_text(copy.read_text().replace("encoder:", "coder:").replace(" encoder", " coder"))
+    told("renamed", "node 'encoder' is gone: spikes may differ", code=6)
+    told("renamed", "node 'coder' is new: spikes may differ", code=6)
 
 
 def main():
