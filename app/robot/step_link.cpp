@@ -12,6 +12,7 @@ namespace spikeloop::robot {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{20};  // how often a stop is looked for
+constexpr std::chrono::seconds kEndFollows{1};
 /// Less than the experiment waits for an answer: it shall hear what is missing.
 constexpr std::chrono::seconds kPatience{50};
 
@@ -97,8 +98,11 @@ std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& se
   const auto found = sent.find(command_topic_);
   const std::uint64_t wanted = found == sent.end() ? 0 : found->second;
   wait(stop, [&] { return commands_ >= wanted; });
-  const std::lock_guard lock(mutex_);
-  if (commands_ != wanted) {
+  std::unique_lock lock(mutex_);
+  // One more may be the zero of an experiment that is being stopped: its end follows at once.
+  const bool ends = commands_ > wanted &&
+                    come_.wait_for(lock, kEndFollows, [this] { return !requests_.empty(); });
+  if (commands_ != wanted && !ends) {
     problem = fmt::format(
         "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
         commands_ > wanted

@@ -169,7 +169,7 @@ def killed_robot(spikeloop, scratch):
                            capture_output=True, text=True, check=True).stdout.split()
     os.kill(int(robot[0]), signal.SIGKILL)
     _, printed = process.communicate(timeout=60)
-    assert process.returncode == 137 and "robot: ended before the job" in printed, printed
+    assert process.returncode == 137 and "robot: the simulated robot was killed by signal 9 (Killed)" in printed, printed
 
 
 def main():

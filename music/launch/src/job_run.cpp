@@ -301,7 +301,12 @@ void JobRun::watch_robot() {
     fail(failure->exit_code, failure->message);
     return;
   }
-  const int code = exit_code(robot_->tree().status().value_or(1));
+  const int status = robot_->tree().status().value_or(1);
+  const int code = exit_code(status);
+  if (WIFSIGNALED(status)) {
+    fail(code, killed_text("robot: the simulated robot", WTERMSIG(status)));
+    return;
+  }
   const std::string& last = robot_->last_words();
   fail(exit_code_without_robot(code),
        fmt::format("robot: ended before the job, with exit code {}{}", code,
