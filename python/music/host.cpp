@@ -67,6 +67,17 @@ Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
   process_->check();
 }
 
+Host::Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> ports,
+           std::vector<ParameterDescription> parameters)
+    : process_(std::move(process)) {
+  for (const auto& [name, value] : process_->written({"args"})) {
+    arguments_ = {value.text};
+  }
+  parameters_ = process_->read(parameters);
+  open(std::move(ports));
+  process_->check();
+}
+
 Host::~Host() = default;
 
 void Host::open(std::vector<DeclaredPort> ports) {
@@ -83,6 +94,7 @@ void Host::open(std::vector<DeclaredPort> ports) {
                                  : process_->connected_output(port.name, port.kind);
     const EndpointPort settled{port.name, port.kind, settled_width(port, connected)};
     widths_.push_back(settled.width);
+    connected_.push_back(connected);
     input ? open_input(settled, connected) : open_output(settled, connected);
   }
   make_graphs();

@@ -25,6 +25,9 @@ class Host {
   /// @throws Error as Process's calls; a width that is not the file's.
   Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
        std::vector<ParameterDescription> parameters);
+  /// With a Process that is there already, beside a simulator that has MUSIC.
+  Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> ports,
+       std::vector<ParameterDescription> parameters);
   ~Host();
 
   const music::Process& process() const { return *process_; }
@@ -33,6 +36,8 @@ class Host {
   const std::vector<std::string>& arguments() const { return arguments_; }
   /// Of the declared ports, in their order.
   std::vector<std::uint32_t> widths() const;
+  /// Whether the file connects each of them.
+  const std::vector<bool>& connected() const { return connected_; }
 
   /// The next tick: its interval, and what arrived in it. Nothing when the run is over.
   std::optional<Interval> begin();
@@ -56,6 +61,7 @@ class Host {
   std::vector<EndpointPort> inputs_;
   std::vector<EndpointPort> outputs_;
   std::vector<std::uint32_t> widths_;
+  std::vector<bool> connected_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   GraphDescription receiving_description_;

@@ -19,12 +19,30 @@ namespace {
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  return pointers;
+}
+
 /// (name, "spikes" or "signal", whether an input, width or 0)
 DeclaredPort port_of(const py::tuple& plain) {
   return {plain[0].cast<std::string>(),
           plain[1].cast<std::string>() == "spikes" ? PortKind::spikes : PortKind::signal,
           plain[2].cast<bool>() ? Direction::input : Direction::output,
           plain[3].cast<std::uint32_t>()};
+}
+
+/// Of a simulator that does MUSIC's Setup itself: before it, and between it and the host.
+std::optional<music::SimulatorsMusic>& simulators_music() {
+  static std::optional<music::SimulatorsMusic> section;
+  return section;
+}
+std::unique_ptr<music::Process>& process_beside() {
+  static auto* const process = new std::unique_ptr<music::Process>;
+  return *process;
 }
 
 /// argv of the process, as MUSIC's Setup wants it.
@@ -38,17 +56,30 @@ std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::li
   for (const py::handle parameter : parameters) {
     described.push_back(parameter_of(parameter.cast<py::tuple>()));
   }
+  if (process_beside() != nullptr) {
+    return std::make_unique<Host>(std::move(process_beside()), std::move(declared),
+                                  std::move(described));
+  }
   const py::gil_scoped_release free;  // Setup meets the other programs
   return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described));
+}
+
+/// argv of the process.
+void before_simulators_setup(std::vector<std::string> arguments) {
+  std::vector<char*> pointers = pointers_to(arguments);
+  simulators_music() =
+      music::before_simulators_setup(static_cast<int>(pointers.size()), pointers.data());
+}
+
+void after_simulators_setup() {
+  process_beside() = std::make_unique<music::Process>(
+      simulators_music().value(), music::CommonDefaults{.takes_arguments = true});
 }
 
 /// The label, once it is known who we are. From now on signals are ours, for the rest of the
 /// process's life: what the script does after its loop must not make it deaf.
 std::string take_signals(std::vector<std::string> arguments) {
-  std::vector<char*> pointers;
-  for (std::string& word : arguments) {
-    pointers.push_back(word.data());
-  }
+  std::vector<char*> pointers = pointers_to(arguments);
   const auto count = static_cast<int>(pointers.size());
   const std::string label = music::section_label(count, pointers.data());
   static const auto* const signals = new status::SignalThread;
@@ -58,10 +89,7 @@ std::string take_signals(std::vector<std::string> arguments) {
 }
 
 bool started_by_music(std::vector<std::string> arguments) {
-  std::vector<char*> pointers;
-  for (std::string& word : arguments) {
-    pointers.push_back(word.data());
-  }
+  std::vector<char*> pointers = pointers_to(arguments);
   return music::started_by_music(static_cast<int>(pointers.size()), pointers.data());
 }
 
@@ -142,13 +170,19 @@ void bind_host(py::module_& module) {
       .def("send", &send)
       .def("write", &write)
       .def("widths", &Host::widths)
+      .def("connected", &Host::connected)
       .def("arguments", &Host::arguments)
       .def("parameters", [](const Host& host) { return values_of(host.parameters()); })
       .def("label", [](const Host& host) { return host.process().label(); })
       .def("directory", [](const Host& host) { return host.process().file_directory(); })
       .def("tick", [](const Host& host) { return host.process().common().music_timestep; })
       .def("stoptime", [](const Host& host) { return host.process().common().stoptime; })
-      .def("seed", [](const Host& host) { return host.process().common().seed; });
+      .def("seed", [](const Host& host) { return host.process().common().seed; })
+      .def("accept_latency",
+           [](const Host& host) { return host.process().common().accept_latency; })
+      .def("spike_delay", [](const Host& host) { return host.process().common().spike_delay; })
+      .def("signal_delay", [](const Host& host) { return host.process().common().signal_delay; })
+      .def("record", [](const Host& host) { return host.process().common().record; });
 }
 
 }  // namespace
@@ -169,6 +203,8 @@ PYBIND11_MODULE(spikeloop_python_music, module) {
   python::bind_host(module);
   module.def("take_signals", &python::take_signals);
   module.def("started_by_music", &python::started_by_music);
+  module.def("before_simulators_setup", &python::before_simulators_setup);
+  module.def("after_simulators_setup", &python::after_simulators_setup);
   module.def("stop_requested", &status::stop_requested);
   module.def("end_job", [](const std::string& label, int exit_code, const std::string& message) {
     const py::gil_scoped_release free;

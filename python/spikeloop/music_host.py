@@ -12,6 +12,7 @@ The script is the section's `binary`; docs/simulators.md has the rules.
 
 import atexit
 import collections
+import os
 import sys
 
 import numpy as np
@@ -130,18 +131,18 @@ class Host:
     directory: where the .music file lies.
     """
 
+    _tick_type = Tick
+
     def __init__(self, *, spikes_in=None, spikes_out=None, signals_in=None, signals_out=None,
                  **parameters):
         ports = _declared_ports({("spikes", True): spikes_in, ("spikes", False): spikes_out,
                                  ("signal", True): signals_in, ("signal", False): signals_out})
         declared = _declared_parameters(parameters)
         self._begun = self._finished = False
-        self._end = _End.begin()
-        arguments = [sys.argv[0], *sys.argv[1:]]
-        self.label = self._end.label = library().take_signals(arguments)
-        self._end.active = True
+        self._end = End.begin()
+        self.label = self._end.label
         with self._end.fatal():
-            self._library = library().Host(arguments, ports, declared)
+            self._library = library().Host(list(sys.argv), ports, declared)
         sys.argv[1:] = self._library.arguments()
         self.widths = {port[0]: width for port, width in zip(ports, self._library.widths())}
         self._ports = collections.defaultdict(dict)
@@ -176,7 +177,7 @@ class Host:
                 interval = self._library.begin()
             if interval is None:
                 break
-            tick = Tick(self, *interval)
+            tick = self._tick_type(self, *interval)
             yield tick
             tick._close()
             with self._end.fatal():
@@ -191,7 +192,7 @@ class Host:
             self._end.active = False
 
 
-class _End:
+class End:
     """However the script ends, the job must not hang: what is not the end of the loop ends the job,
     with the reason."""
 
@@ -199,9 +200,17 @@ class _End:
 
     @classmethod
     def begin(cls):
-        """Raises HostError for a second host; ends a script that MUSIC has not started."""
-        if cls.current is not None:
+        """For a host. Raises HostError for a second one; ends a script that MUSIC has not
+        started."""
+        end = cls.current or cls.take_over()
+        if end.has_host:
             raise HostError("spikeloop.music has been called before; a script has one host")
+        end.has_host = True
+        return end
+
+    @classmethod
+    def take_over(cls):
+        """From now on; before MUSIC's Setup. Ends a script that MUSIC has not started."""
         if not library().started_by_music(sys.argv):
             name = sys.argv[0] if "/" in sys.argv[0] else "./" + sys.argv[0]
             print(f"{name}: is started by MUSIC; write a section with binary={name} and np=1 into "
@@ -210,20 +219,31 @@ class _End:
         cls.current = end = cls()
         sys.excepthook, end.hook = end.uncaught, sys.excepthook
         atexit.register(end.leaving)
+        end.label = library().take_signals(list(sys.argv))
+        end.active = True
         return end
 
     def __init__(self):
-        self.label, self.active, self.hook = "", False, None
+        self.label, self.active, self.has_host, self.hook = "", False, False, None
 
     def uncaught(self, kind, error, trace):
         if self.active:
-            self.fail(error, trace)
+            self.leave(lambda: self.fail(error, trace))
         self.hook(kind, error, trace)
 
     def leaving(self):
         if self.active:
-            self.stop(EXIT_SCRIPT, "the script has ended without its loop; write  with "
-                      "spikeloop.music(...) as host:  and in it  for tick in host: ...")
+            self.leave(lambda: self.stop(
+                EXIT_SCRIPT, "the script has ended without its loop; write  with "
+                "spikeloop.music(...) as host:  and in it  for tick in host: ..."))
+
+    @staticmethod
+    def leave(stop):
+        """Python does not listen to sys.exit() any more."""
+        try:
+            stop()
+        except SystemExit as left:
+            os._exit(left.code)
 
     def fatal(self):
         return _Fatal(self)

@@ -30,6 +30,14 @@ struct SectionCheck {
   std::string label;
 };
 
+/// A section whose program is a simulator with MUSIC of its own, such as NEST, and code of ours
+/// beside it in one process. Setup, ports, ticks and finalize are the simulator's; ours are the
+/// section's keys and checks, what the launcher is told, the clock, and what is recorded.
+struct SimulatorsMusic {
+  std::string file;
+  std::string label;
+};
+
 class Process {
  public:
   /// Called by the loop; any may be left out.
@@ -48,6 +56,11 @@ class Process {
   /// when it has checked what it checks before it meets the others.
   /// @throws FileError, ConfigurationError for a file or label that is not there.
   Process(const SectionCheck& section, const CommonDefaults& defaults);
+  /// After the simulator's Setup. Endpoints bring nothing and send nothing; run() and Loop turn as
+  /// the others do, without a Runtime: the simulator ticks between begin() and exchange().
+  /// @throws FileError, ConfigurationError for a file or label that is not there, and for several
+  /// processes.
+  Process(const SimulatorsMusic& section, const CommonDefaults& defaults);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
