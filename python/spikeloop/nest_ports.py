@@ -8,7 +8,6 @@ from .music_host import HostError, Tick
 # NEST keeps all that a recorder has seen while it runs; when it is more than this and the number of
 # nodes, to begin anew is less work than to look through it every tick.
 MOST_EVENTS = 1000
-LEAST_LATENCY_NS = 1000  # NEST rounds times to its tic: what is earlier than now is lost
 MOST_CONNECTIONS_LOOKED_AT = 1_000_000
 
 # Times on the stack for each of the numbers of nodes below them; a call of nest.SetStatus a node
@@ -185,7 +184,7 @@ class Proxies(Exchange):
         self._serve_all_ports()
         for port in self._inputs:
             if self._connected[port]:
-                nest.SetAcceptableLatency(port, max(self._latency_ns, LEAST_LATENCY_NS) / 1e6)
+                nest.SetAcceptableLatency(port, self._acceptable(tick_ns) / 1e6)
                 nest.SetMaxBuffered(port, 1)
         self._settle_tick(tick_ns)
         nest.Prepare()
@@ -227,6 +226,17 @@ class Proxies(Exchange):
             if self._connected[port] and port not in self._records:
                 raise HostError(f"the output '{port}' is connected, but has no values; write  "
                                 f"host.record('{port}', neurons, \"V_m\")")
+
+    def _acceptable(self, tick_ns):
+        """NEST does not look for spikes before its second slice, and one that it finds too late
+        silences its channel for ever. So it accepts what is up to a tick old: every delay is at
+        least as long, and the spike acts at its time. A nanosecond less is none to MUSIC, which
+        would exchange a tick later; NEST rounds it to the tick."""
+        if self._latency_ns > tick_ns:
+            raise HostError(f"accept_latency is {self._latency_ns / 1e9:g} s, more than the tick of "
+                            f"{tick_ns / 1e9:g} s: a spike could come when its delay is over; write "
+                            f"at most {tick_ns / 1e9:g}")
+        return max(self._latency_ns, tick_ns - 1)
 
     def _settle_tick(self, tick_ns):
         # Two neurons that nobody hears: no delay of the network need be as short as the tick.

@@ -16,7 +16,7 @@ model, spikes, duration_ms, fired = sys.argv[1:]
 nest.set_verbosity("M_ERROR")
 nest.resolution = hundred_neurons.RESOLUTION_MS
 times_ns, channels = np.load(spikes)
-# Rounded up to the grid by whole numbers: NEST rounds half to the next step only with an option.
+# Rounded up to the grid by whole numbers.
 step_ns = round(hundred_neurons.RESOLUTION_MS * 1e6)
 times_ms = -(-times_ns // step_ns) * step_ns / 1e6
 source = nest.Create("spike_generator", hundred_neurons.CHANNELS)
