@@ -188,6 +188,10 @@ class Proxies(Exchange):
                 nest.SetMaxBuffered(port, 1)
         self._settle_tick(tick_ns)
         nest.Prepare()
+        if self._records:
+            # The proxies have just asked for recordings, which neurons only now make room for.
+            nest.Cleanup()
+            nest.Prepare()
 
     def advance(self, tick):
         nest.Run(self._tick_ms)
