@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "spikeloop/process/idle_ports.hpp"
+
 namespace spikeloop::python {
 namespace {
 
@@ -31,28 +33,6 @@ struct CommandLine {
 std::string endpoint_name(const EndpointPort& port) {
   return port.name == kScript ? "port " + port.name : port.name;
 }
-
-/// A signal or spikes that the file leaves unconnected: silent.
-class Silence : public Source {
- public:
-  explicit Silence(EndpointPort port) : port_(std::move(port)) {}
-  std::vector<EndpointPort> ports() const override { return {port_}; }
-  void receive(const Step&) override {}
-
- private:
-  EndpointPort port_;
-};
-
-/// An output that the file leaves unconnected goes nowhere, or to the recording alone.
-class Nowhere : public Sink {
- public:
-  explicit Nowhere(EndpointPort port) : port_(std::move(port)) {}
-  std::vector<EndpointPort> ports() const override { return {port_}; }
-  void send(const Step&) override {}
-
- private:
-  EndpointPort port_;
-};
 
 }  // namespace
 
@@ -122,7 +102,7 @@ std::uint32_t Host::settled_width(const DeclaredPort& port, bool connected) cons
 void Host::open_input(const EndpointPort& port, bool connected) {
   inputs_.push_back(port);
   if (!connected) {
-    sources_.push_back(std::make_unique<Silence>(port));
+    sources_.push_back(music::make_idle_source(port));
   } else {
     sources_.push_back(port.kind == PortKind::spikes ? process_->spike_input(port.name)
                                                      : process_->signal_input(port.name));
@@ -137,7 +117,7 @@ void Host::open_input(const EndpointPort& port, bool connected) {
 void Host::open_output(const EndpointPort& port, bool connected) {
   outputs_.push_back(port);
   if (!connected) {
-    sinks_.push_back(std::make_unique<Nowhere>(port));
+    sinks_.push_back(music::make_idle_sink(port));
   } else {
     sinks_.push_back(port.kind == PortKind::spikes ? process_->spike_output(port.name)
                                                    : process_->signal_output(port.name));
