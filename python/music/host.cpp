@@ -37,14 +37,20 @@ std::string endpoint_name(const EndpointPort& port) {
 }  // namespace
 
 Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
-           std::vector<ParameterDescription> parameters) {
+           std::vector<ParameterDescription> parameters, bool many_processes) {
   auto* const line = new CommandLine(std::move(arguments));
-  process_ = std::make_unique<music::Process>(line->count, line->values,
-                                              music::CommonDefaults{.takes_arguments = true});
+  process_ = std::make_unique<music::Process>(
+      line->count, line->values,
+      music::CommonDefaults{.many_processes = many_processes, .takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
-  parameters_ = process_->read(parameters);
-  open(std::move(ports));
-  process_->check();
+  try {
+    parameters_ = process_->read(parameters);
+    open(std::move(ports));
+    process_->check();
+  } catch (const Error&) {
+    process_->let_the_first_speak();
+    throw;
+  }
 }
 
 Host::~Host() = default;
@@ -124,9 +130,22 @@ void Host::open_output(const EndpointPort& port, bool connected) {
   }
   const std::string name = endpoint_name(port);
   sending_description_.sinks.push_back({name, sinks_.back().get()});
-  sending_description_.connections.push_back({fmt::format("{}.{}", kScript, port.name),
-                                              name + "." + port.name, 0, 0,
-                                              process_->where(port.name)});
+  sending_description_.connections.push_back(
+      {gathered(port), name + "." + port.name, 0, 0, process_->where(port.name)});
+}
+
+/// Where all spikes of an output are: of several processes each has those of its own cells. Of a
+/// signal each sends its share of the channels.
+std::string Host::gathered(const EndpointPort& port) {
+  const std::string script = fmt::format("{}.{}", kScript, port.name);
+  if (process_->share().parts == 1 || port.kind == PortKind::signal) {
+    return script;
+  }
+  const std::string name = "gathering of " + port.name;
+  gatherings_.push_back(std::make_unique<NodeClass>(process_->gathering(port.kind)));
+  sending_description_.nodes.push_back({name, gatherings_.back().get(), {}, {}});
+  sending_description_.connections.push_back({script, name + ".in", 0, 0, {}});
+  return name + ".out";
 }
 
 void Host::make_graphs() {

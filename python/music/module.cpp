@@ -29,7 +29,7 @@ DeclaredPort port_of(const py::tuple& plain) {
 
 /// argv of the process, as MUSIC's Setup wants it.
 std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::list& ports,
-                                const py::list& parameters) {
+                                const py::list& parameters, bool many_processes) {
   std::vector<DeclaredPort> declared;
   for (const py::handle port : ports) {
     declared.push_back(port_of(port.cast<py::tuple>()));
@@ -39,7 +39,8 @@ std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::li
     described.push_back(parameter_of(parameter.cast<py::tuple>()));
   }
   const py::gil_scoped_release free;  // Setup meets the other programs
-  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described));
+  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described),
+                                many_processes);
 }
 
 /// The label, once it is known who we are. From now on signals are ours, for the rest of the
@@ -131,6 +132,11 @@ void unlocked(Host& host) {
   (host.*method)();
 }
 
+void let_the_first_speak(const Host& host) {
+  const py::gil_scoped_release free;
+  host.process().let_the_first_speak();
+}
+
 void bind_host(py::module_& module) {
   py::class_<Host>(module, "Host")
       .def(py::init(&make_host))
@@ -144,6 +150,9 @@ void bind_host(py::module_& module) {
       .def("widths", &Host::widths)
       .def("arguments", &Host::arguments)
       .def("parameters", [](const Host& host) { return values_of(host.parameters()); })
+      .def("processes", [](const Host& host) { return host.process().share().parts; })
+      .def("communicator", [](const Host& host) { return host.process().communicator(); })
+      .def("let_the_first_speak", &let_the_first_speak)
       .def("label", [](const Host& host) { return host.process().label(); })
       .def("directory", [](const Host& host) { return host.process().file_directory(); })
       .def("tick", [](const Host& host) { return host.process().common().music_timestep; })
