@@ -47,7 +47,7 @@ std::unique_ptr<music::Process>& process_beside() {
 
 /// argv of the process, as MUSIC's Setup wants it.
 std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::list& ports,
-                                const py::list& parameters) {
+                                const py::list& parameters, bool many_processes) {
   std::vector<DeclaredPort> declared;
   for (const py::handle port : ports) {
     declared.push_back(port_of(port.cast<py::tuple>()));
@@ -61,7 +61,8 @@ std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::li
                                   std::move(described));
   }
   const py::gil_scoped_release free;  // Setup meets the other programs
-  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described));
+  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described),
+                                many_processes);
 }
 
 /// argv of the process.
@@ -159,6 +160,11 @@ void unlocked(Host& host) {
   (host.*method)();
 }
 
+void let_the_first_speak(const Host& host) {
+  const py::gil_scoped_release free;
+  host.process().let_the_first_speak();
+}
+
 void bind_host(py::module_& module) {
   py::class_<Host>(module, "Host")
       .def(py::init(&make_host))
@@ -173,6 +179,9 @@ void bind_host(py::module_& module) {
       .def("connected", &Host::connected)
       .def("arguments", &Host::arguments)
       .def("parameters", [](const Host& host) { return values_of(host.parameters()); })
+      .def("processes", [](const Host& host) { return host.process().share().parts; })
+      .def("communicator", [](const Host& host) { return host.process().communicator(); })
+      .def("let_the_first_speak", &let_the_first_speak)
       .def("label", [](const Host& host) { return host.process().label(); })
       .def("directory", [](const Host& host) { return host.process().file_directory(); })
       .def("tick", [](const Host& host) { return host.process().common().music_timestep; })

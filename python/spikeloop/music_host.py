@@ -132,6 +132,7 @@ class Host:
     """
 
     _tick_type = Tick
+    _many_processes = False  # np above 1
 
     def __init__(self, *, spikes_in=None, spikes_out=None, signals_in=None, signals_out=None,
                  **parameters):
@@ -142,7 +143,8 @@ class Host:
         self._end = End.begin()
         self.label = self._end.label
         with self._end.fatal():
-            self._library = library().Host(list(sys.argv), ports, declared)
+            self._library = library().Host(list(sys.argv), ports, declared, self._many_processes)
+        self._end.host = self._library
         sys.argv[1:] = self._library.arguments()
         self.widths = {port[0]: width for port, width in zip(ports, self._library.widths())}
         self._ports = collections.defaultdict(dict)
@@ -224,7 +226,8 @@ class End:
         return end
 
     def __init__(self):
-        self.label, self.active, self.has_host, self.hook = "", False, False, None
+        self.label, self.active, self.has_host = "", False, False
+        self.hook = self.host = None
 
     def uncaught(self, kind, error, trace):
         if self.active:
@@ -260,13 +263,20 @@ class End:
             said = "" if isinstance(error.code, int) else f": {error.code}"
             self.stop(min(max(code, 1), 255), f"the script has ended itself by sys.exit{said}")
         message, lines = report(error, trace)
+        self.wait_for_the_first()
         for line in lines:
             print(f"{self.label}: {line}", file=sys.stderr)
         self.stop(EXIT_SCRIPT, message)
 
+    def wait_for_the_first(self):
+        """Of several processes all may fail alike: the first one says so, and ends the job."""
+        if self.host is not None:
+            self.host.let_the_first_speak()
+
     def stop(self, exit_code, message):
         """Does not return."""
         self.active = False
+        self.wait_for_the_first()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         library().end_job(self.label, exit_code, message)

@@ -101,6 +101,9 @@ Share Process::share() const {
 NodeClass Process::gathering(PortKind kind) const {
   return gathering_class(kind, impl_->ranks);
 }
+int Process::communicator() const {
+  return MPI_Comm_c2f(impl_->ranks.communicator);
+}
 void Process::let_the_first_speak() const {
   if (impl_->ranks.rank > 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(impl_->running ? 200 : 1000));

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
+#include "spikeloop/process/idle_ports.hpp"
 #include "spikeloop/process/process.hpp"
 #include "spikeloop/status/heartbeat.hpp"
 #include "spikeloop/status/signals.hpp"

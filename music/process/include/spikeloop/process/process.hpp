@@ -82,6 +82,9 @@ class Process {
   /// Of a section with several processes: a node class that puts together what they compute, with
   /// the ports `in` and `out` of this kind. Spikes come out in the first process, signals in all.
   NodeClass gathering(PortKind kind) const;
+  /// The Fortran handle of the communicator of the section's processes (MPI_Comm_f2c), for
+  /// libraries that are to know of these alone.
+  int communicator() const;
   /// The others of the section may say the same: the first one goes first, and ends the job.
   void let_the_first_speak() const;
 
