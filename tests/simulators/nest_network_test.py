@@ -11,6 +11,7 @@ import numpy as np
 
 import hundred_neurons
 import jobs
+import nest_found
 import nest_jobs
 
 DURATION_S = 2
@@ -33,7 +34,7 @@ class HundredNeurons(unittest.TestCase):
         with nest_jobs.NestJob("hundred_nest.py", hundred_neurons.CHANNELS, SPIKES) as job:
             hundred_neurons.write_files(job.folder, model)
             path = f"{jobs.HERE}:{os.environ.get('PYTHONPATH', '')}"
-            subprocess.run([nest_jobs.PYTHON, str(jobs.HERE / "hundred_nest_alone.py"), model,
+            subprocess.run([nest_found.PYTHON, str(jobs.HERE / "hundred_nest_alone.py"), model,
                             "spikes.npy", str(DURATION_S * 1000), "fired.npy"], cwd=job.folder,
                            env={**os.environ, "PYTHONPATH": path}, check=True, timeout=120,
                            capture_output=True)
@@ -56,6 +57,23 @@ class HundredNeurons(unittest.TestCase):
 
     def test_jumps_of_the_potential(self):
         self.check("iaf_psc_delta", 10000)
+
+class PaperExample(unittest.TestCase):
+    def test_brain_py_is_brain_yaml(self):
+        """Of examples/07_paper_music_file."""
+        example = jobs.HERE.parents[1] / "examples/07_paper_music_file"
+        times, channels = SPIKES
+        own_half = channels < 20
+        trains = []
+        for keys in ({}, {"binary": "spikeloop-network", "keys": "network=brain.yaml"}):
+            with nest_jobs.NestJob("play.py", 20, (times[own_half], channels[own_half]), width_out=21,
+                                   duration_s=DURATION_S, **{"binary": "./brain.py", **keys}) as job:
+                for name in ("brain.py", "brain.yaml"):
+                    shutil.copy(example / name, job.folder)
+                job.run("--quiet")
+                trains.append(job.received()[:2])
+        self.assertGreater(np.count_nonzero(trains[0][1] == 20), 100)
+        jobs.assert_same(*trains, "NEST and spikeloop-network")
 
 
 if __name__ == "__main__":
