@@ -168,6 +168,18 @@ class NestHost(Host):
                             f"'{variable}'; write one of: {known}")
         self.exchange.record(port, neurons, variable)
 
+    def rate_input(self, port):
+        """The nodes of a continuous input, one a channel, whose rates are its values: to connect
+        from by rate_connection_instantaneous or rate_connection_delayed."""
+        self._check_port("rate_input", port, "signal", True)
+        return self.exchange.rate_input(port)
+
+    def rate_output(self, port, neurons):
+        """The rates of these rate neurons, one a channel, are a continuous output."""
+        self._check_port("rate_output", port, "signal", False)
+        self._check_count("rate_output", port, neurons)
+        self.exchange.rate_output(port, neurons)
+
     def run(self):
         """The loop to the end of the run."""
         for tick in self:
