@@ -140,13 +140,15 @@ class NestHost(Host):
         self.exchange = Proxies(self) if WITH_MUSIC else Generators(self)
         self._prepared = False
 
-    def input(self, port):
-        """The nodes of a spike input, one a channel, to connect from: a NodeCollection.
+    def input(self, port, precise=False):
+        """The nodes of a spike input, one a channel, to connect from: a NodeCollection. Set
+        nest.resolution, and call nest.ResetKernel(), before.
 
-        Create the network's kernel settings (nest.resolution, nest.ResetKernel()) before.
+        precise: for neurons with precise spike times, such as iaf_psc_delta_ps: times to the
+        microsecond instead of the grid.
         """
         self._check_port("input", port, "spikes", True)
-        return self.exchange.input(port)
+        return self.exchange.input(port, precise)
 
     def output(self, port, neurons):
         """The spikes of these neurons, one a channel, are those of a spike output.

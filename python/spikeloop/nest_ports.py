@@ -57,12 +57,14 @@ class Exchange:
     def _begin(self):
         """Asked once, because NEST answers slowly."""
         self._step_ns = round(nest.resolution * 1e6)
-        self._most_events = max(MOST_EVENTS, nest.network_size)
+        # What several threads have recorded is not in the order in which it came.
+        one_thread = nest.local_num_threads == 1
+        self._most_events = max(MOST_EVENTS, nest.network_size) if one_thread else 0
 
-    def input(self, port):
+    def input(self, port, precise):
         """The nodes of a port, made once."""
         if port not in self._inputs:
-            self._inputs[port] = self._make_input(port)
+            self._inputs[port] = self._make_input(port, precise)
         return self._inputs[port]
 
     def rate_input(self, port):
@@ -101,10 +103,11 @@ class Generators(Exchange):
 
     def __init__(self, host):
         super().__init__(host)
-        self._records = {}
+        self._records, self._precise = {}, {}
 
-    def _make_input(self, port):
-        return nest.Create("spike_generator", self._host.widths[port])
+    def _make_input(self, port, precise):
+        self._precise[port] = precise
+        return nest.Create("spike_generator", self._host.widths[port], {"precise_times": precise})
 
     def output(self, port, neurons):
         self._once("output", port, self._recorders)
@@ -155,9 +158,10 @@ class Generators(Exchange):
         times = np.rint(spikes.times * 1e9).astype(np.int64)
         # As in NEST's own proxies: to the next tic, up to the next step; what came late, now.
         tics = (times + self._tic_ns // 2) // self._tic_ns * self._tic_ns
-        steps = np.maximum(-(-tics // self._step_ns), tick.begin_ns // self._step_ns + 1)
+        grid = self._tic_ns if self._precise[port] else self._step_ns
+        steps = np.maximum(-(-tics // grid), tick.begin_ns // grid + 1)
         order = np.lexsort((steps, spikes.channels))
-        channels, times_ms = spikes.channels[order], steps[order] * (self._step_ns / 1e6)
+        channels, times_ms = spikes.channels[order], steps[order] * grid / 1e6
         firsts = np.flatnonzero(np.diff(channels, prepend=-1))
         nest.ll_api.sps(self._ids[port][channels[firsts]].tolist())
         nest.ll_api.sps(np.split(times_ms, firsts[1:]))
@@ -179,7 +183,8 @@ class Proxies(Exchange):
                 raise HostError(f"{key} is {value}, but NEST's own MUSIC has no such delay; leave "
                                 "the key out, and add it to the delays of the connections")
 
-    def _make_input(self, port):
+    def _make_input(self, port, precise):
+        # Proxies always bring precise times to those that can use them.
         width = self._host.widths[port]
         if not self._connected[port]:
             return nest.Create("spike_generator", width)  # silent
@@ -261,7 +266,7 @@ class Proxies(Exchange):
         """MUSIC would wait for ever for one that nobody serves."""
         ports = self._host._ports
         for port in ports["spikes", True]:
-            self.input(port)
+            self.input(port, precise=False)
         for port in ports["spikes", False]:
             if port not in self._outputs:
                 self.output(port, nest.Create("parrot_neuron", self._host.widths[port]))
