@@ -99,11 +99,11 @@ std::vector<std::string> words_of(const std::string& text) {
 void check_list(const List& list, const std::string& text) {
   for (const std::string& word : words_of(text)) {
     if (std::ranges::find(list.choices, word) == list.choices.end()) {
-      const std::string nearby = did_you_mean(word, list.choices);
-      throw ConfigurationError(fmt::format(
-          "{}: unknown {} '{}'{}", list.option, list.what, word,
-          nearby.empty() ? fmt::format("; write some of {}", fmt::join(list.choices, ","))
-                         : nearby));
+      const std::string near = word.size() > 1 ? nearest(word, list.choices) : "";
+      throw ConfigurationError(
+          fmt::format("{}: unknown {} '{}'; {}", list.option, list.what, word,
+                      near.empty() ? fmt::format("write some of {}", fmt::join(list.choices, ","))
+                                   : fmt::format("did you mean '{}'?", near)));
     }
   }
 }

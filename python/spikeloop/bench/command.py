@@ -101,9 +101,22 @@ def _plan(given):
     return plan
 
 
-def _measure(given, results, progress):
+def _refuse_parts_of_ticks(given, plan):
+    from .results import ResultsError
+    from .sweeps import COARSE_TICK_MS
+    ticks_ms = ([COARSE_TICK_MS] if {"a", "b"} & set(given.part) else []) + (
+        plan.ticks_ms if "d" in given.part else [])
+    for tick_ms in ticks_ms:
+        ticks = plan.duration_s * 1000 / tick_ms
+        if abs(ticks - round(ticks)) > 1e-6:
+            raise ResultsError(
+                f"--duration {plan.duration_s:g} is no whole number of ticks of {tick_ms:g} ms; write "
+                "another duration, or --ticks that divide it", 2)
+
+
+def _measure(given, plan, results, progress):
     from . import latency, sweeps
-    plan, began = _plan(given), time.monotonic()
+    began = time.monotonic()
     work = sweeps.Sweeps(given.programs, plan, results, progress.say)
     for part in (part for part in ORDER if part in given.part):
         progress.part = part
@@ -138,13 +151,15 @@ def _fail(message, code):
 def _run(given):
     from . import paper
     from .results import Results, ResultsError
-    notes = {**paper.as_json(), "protocol": PROTOCOL, "duration_s": _plan(given).duration_s}
+    plan = _plan(given)
+    notes = {**paper.as_json(), "protocol": PROTOCOL, "duration_s": plan.duration_s}
     results = Results(given.out, notes)
     if given.draw:
         if results.empty:
             raise ResultsError(f"'{results.path}' has no results to draw; leave out --draw", 4)
         _show(results)
         return 0
+    _refuse_parts_of_ticks(given, plan)
     results.refuse_other_machine()
     try:
         given.out.mkdir(parents=True, exist_ok=True)
@@ -153,7 +168,7 @@ def _run(given):
     progress, stopped = Progress(), None
     _take_signals()
     try:
-        _measure(given, results, progress)
+        _measure(given, plan, results, progress)
     except Stopped as stop:
         stopped = stop
     progress.end()

@@ -42,23 +42,22 @@ def largest(factor, least, most, precision=PRECISION):
         good = neurons
     if slow is None:
         return Found(good, None)
-    confirmed = {0, good}
+    confirmed, once = good, True
     while True:
-        good, slow = _narrowed(factor, good, slow, precision)
-        if good in confirmed:
+        good, slow = _narrowed(factor, confirmed, slow, precision, once)
+        if good == confirmed or not once or factor(good, False) >= 1:
             return Found(good, slow)
-        if factor(good, False) >= 1:
-            return Found(good, slow)
-        slow, good = good, max(neurons for neurons in confirmed if neurons < good)
+        # Luck: from here on, every number has all its trials.
+        slow, once = good, False
 
 
-def _narrowed(factor, good, slow, precision):
-    """The same, nearer to each other; one trial a number decides."""
+def _narrowed(factor, good, slow, precision, once):
+    """The same, nearer to each other."""
     while slow > 1 and slow > good * precision:
         middle = rounded(math.sqrt(max(good, slow / 100) * slow))
         if middle in (good, slow):
             break
-        if factor(middle, True) >= 1:
+        if factor(middle, once) >= 1:
             good = middle
         else:
             slow = middle

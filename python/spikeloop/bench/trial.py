@@ -19,7 +19,7 @@ import pathlib
 
 from . import chain
 
-BUILD_LIMIT_S = 900  # simulators that make a neuron a call in Python take their time
+BUILD_LIMIT_S = 300  # simulators that make a neuron a call in Python take their time
 END_S = 30  # for a job to end once it was stopped
 _FIRST_TICK = re.compile(r"^spikeloop: [0-9.]+ of ")
 
@@ -54,13 +54,18 @@ class Job:
             if line.strip():
                 self.said.append(line.strip())
 
+    def reason(self):
+        """The launcher's last word."""
+        words = [line for line in self.said if line.startswith("spikeloop: ")]
+        return words[-1].removeprefix("spikeloop: ") if words else \
+            f"spikeloop run ended with exit code {self.process.returncode}"
+
     def wait(self, limit_s, deadline):
         """True: it came to its end. False: its run took longer than limit_s, and was stopped."""
         try:
             while True:
                 try:
                     self.process.wait(0.02)
-                    self._reader.join(END_S)
                     return True
                 except subprocess.TimeoutExpired:
                     pass
@@ -75,14 +80,15 @@ class Job:
             self.stop()
 
     def stop(self):
-        if self.process.poll() is not None:
-            return
-        self.process.send_signal(signal.SIGINT)
-        try:
-            self.process.wait(END_S)
-        except subprocess.TimeoutExpired:
-            os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.wait()
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            try:
+                self.process.wait(END_S)
+            except subprocess.TimeoutExpired:
+                os.killpg(self.process.pid, signal.SIGKILL)
+                self.process.wait()
+        self._reader.join(END_S)
+        self.process.stderr.close()
 
 
 def run(programs, setting, limit_s, deadline=math.inf):
@@ -107,8 +113,7 @@ def run(programs, setting, limit_s, deadline=math.inf):
             return _trial(job.first_tick - job.began, limit_s,
                           _factor_when_stopped(setting, folder, limit_s), None)
         if job.process.returncode != 0:
-            raise TrialError(job.said[-1].removeprefix("spikeloop: ") if job.said else
-                             f"spikeloop run ended with exit code {job.process.returncode}")
+            raise TrialError(job.reason())
         return _evaluated(setting, json.loads((folder / "out/summary.json").read_text()),
                           ended - job.began)
 
@@ -147,7 +152,7 @@ def _run_alone(folder, setting, limit_s):
 
 
 def _trial(build_s, run_s, factor, spikes):
-    trial = {"build_s": round(build_s, 4), "run_s": round(run_s, 6), "real_time_factor": factor,
+    trial = {"build_s": round(build_s, 4), "run_s": round(run_s, 9), "real_time_factor": factor,
              "spikes": spikes}
     if spikes is None:
         trial["stopped"] = True  # the factor is an upper bound
