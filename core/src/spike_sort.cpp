@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <utility>
 
 namespace spikeloop {
 namespace {
 
 /// Below, comparing is faster.
-constexpr std::size_t kFew = 64;
-/// Of a pass: its counters and the ends of its 2048 lists stay in the second cache.
+constexpr std::size_t kFew = 20;
+/// Of one deal: its counters and the ends of its 2048 lists stay in the second cache.
 constexpr int kMostBits = 11;
 
 /// An object is inlined by std::sort, a function is not.
@@ -19,101 +20,90 @@ struct Before {
   }
 };
 
-int bits_of(std::uint64_t largest) {
-  return static_cast<int>(std::bit_width(largest));
-}
-
-/// By channel, as an unsigned number that orders negative ones first.
-std::uint64_t channel_key(const Spike& spike) {
+/// As an unsigned number, in which negative channels come first.
+std::uint64_t unsigned_channel(const Spike& spike) {
   return static_cast<std::uint32_t>(spike.channel) ^ 0x80000000U;
 }
 
 }  // namespace
 
-/// Stable, by key(spike), which has that many bits, from its last bits on. Returns where they are
-/// then: in `spikes` or in `other`, which is as long.
-template <typename Key>
-std::span<Spike> SpikeSorter::by_key(std::span<Spike> spikes, std::span<Spike> other, int bits,
-                                     Key&& key) {
-  const int passes = (bits + kMostBits - 1) / kMostBits;
-  for (int pass = 0; pass < passes; ++pass) {
-    const int first = bits * pass / passes;
-    const int width = bits * (pass + 1) / passes - first;
-    const std::uint64_t mask = (std::uint64_t{1} << width) - 1;
-    const auto digit = [&](const Spike& spike) { return (key(spike) >> first) & mask; };
-    counts_.assign(std::size_t{1} << width, 0);
-    for (const Spike& spike : spikes) {
-      ++counts_[digit(spike)];
-    }
-    std::size_t place = 0;
-    for (std::size_t& count : counts_) {
-      place += std::exchange(count, place);
-    }
-    for (const Spike& spike : spikes) {
-      other[counts_[digit(spike)]++] = spike;
-    }
-    std::swap(spikes, other);
+/// Stable; digit(spike) has that many bits.
+template <typename Digit>
+void SpikeSorter::deal(std::span<const Spike> from, std::span<Spike> to, int bits, Digit&& digit) {
+  counts_.assign(std::size_t{1} << bits, 0);
+  for (const Spike& spike : from) {
+    ++counts_[digit(spike)];
   }
-  return spikes;
+  std::size_t place = 0;
+  for (std::size_t& count : counts_) {
+    place += std::exchange(count, place);
+  }
+  for (const Spike& spike : from) {
+    to[counts_[digit(spike)]++] = spike;
+  }
 }
 
-/// Spikes of one key stand together, in the order in which they came.
-template <typename Key>
-void SpikeSorter::finish_groups(std::span<Spike> spikes, std::span<Spike> other, Key&& key) {
-  for (std::size_t begin = 0; begin < spikes.size();) {
-    const std::uint64_t here = key(spikes[begin]);
+/// By the leading bits of the time; then, within a cache, what shares them. Returns whether they
+/// are in `other` then, which is as long.
+bool SpikeSorter::order(std::span<Spike> spikes, std::span<Spike> other) {
+  if (spikes.size() < kFew) {
+    std::sort(spikes.begin(), spikes.end(), Before{});
+    return false;
+  }
+  const auto [earliest, latest] = std::ranges::minmax(spikes, {}, &Spike::time_ns);
+  if (earliest.time_ns == latest.time_ns) {
+    return order_by_channel(spikes, other);
+  }
+  const auto first = static_cast<std::uint64_t>(earliest.time_ns);
+  const auto all =
+      static_cast<int>(std::bit_width(static_cast<std::uint64_t>(latest.time_ns) - first));
+  const int bits = std::min({all, kMostBits, static_cast<int>(std::bit_width(spikes.size())) + 1});
+  const auto digit = [first, drop = all - bits](const Spike& spike) {
+    return (static_cast<std::uint64_t>(spike.time_ns) - first) >> drop;
+  };
+  deal(spikes, other, bits, digit);
+  for (std::size_t begin = 0; begin < other.size();) {
+    const std::uint64_t here = digit(other[begin]);
     bool in_order = true;
     std::size_t end = begin + 1;
-    for (; end < spikes.size() && key(spikes[end]) == here; ++end) {
-      in_order = in_order && !Before{}(spikes[end], spikes[end - 1]);
+    for (; end < other.size() && digit(other[end]) == here; ++end) {
+      in_order = in_order && !Before{}(other[end], other[end - 1]);
     }
-    if (!in_order) {
-      sort_group(spikes.subspan(begin, end - begin), other.subspan(begin, end - begin));
+    const auto group = other.subspan(begin, end - begin);
+    const auto rest = spikes.subspan(begin, end - begin);
+    if (!in_order && order(group, rest)) {
+      std::ranges::copy(rest, group.begin());
     }
     begin = end;
   }
+  return true;
 }
 
-/// Many spikes of one time differ in their channels alone: simulators and NEF neurons have a grid.
-void SpikeSorter::sort_group(std::span<Spike> spikes, std::span<Spike> other) {
-  const auto other_time = [&](const Spike& spike) {
-    return spike.time_ns != spikes.front().time_ns;
-  };
-  if (spikes.size() < kFew || std::ranges::any_of(spikes, other_time)) {
-    std::sort(spikes.begin(), spikes.end(), Before{});
-    return;
+/// Spikes of one time, of which simulators and NEF neurons have many: they have a grid.
+bool SpikeSorter::order_by_channel(std::span<Spike> spikes, std::span<Spike> other) {
+  const auto [least, most] = std::ranges::minmax(spikes, {}, unsigned_channel);
+  const std::uint64_t lowest = unsigned_channel(least);
+  const auto all = static_cast<int>(std::bit_width(unsigned_channel(most) - lowest));
+  const int passes = (all + kMostBits - 1) / kMostBits;
+  for (int pass = 0; pass < passes; ++pass) {  // from the last bits on
+    const int drop = all * pass / passes;
+    const int bits = all * (pass + 1) / passes - drop;
+    const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
+    deal(spikes, other, bits,
+         [=](const Spike& spike) { return ((unsigned_channel(spike) - lowest) >> drop) & mask; });
+    std::swap(spikes, other);
   }
-  const auto [least, most] = std::ranges::minmax(spikes, {}, channel_key);
-  const std::uint64_t lowest = channel_key(least);
-  const auto sorted = by_key(spikes, other, bits_of(channel_key(most) - lowest),
-                             [lowest](const Spike& spike) { return channel_key(spike) - lowest; });
-  if (sorted.data() != spikes.data()) {
-    std::ranges::copy(sorted, spikes.begin());
-  }
+  return passes % 2 == 1;
 }
 
 void SpikeSorter::sort(std::vector<Spike>& spikes) {
   if (std::is_sorted(spikes.begin(), spikes.end(), Before{})) {
     return;
   }
-  if (spikes.size() < kFew) {
-    std::sort(spikes.begin(), spikes.end(), Before{});
-    return;
-  }
-  const auto [least, most] = std::ranges::minmax(spikes, {}, &Spike::time_ns);
-  const auto first = static_cast<std::uint64_t>(least.time_ns);
-  const int all = bits_of(static_cast<std::uint64_t>(most.time_ns) - first);
-  // So many that most groups have one spike.
-  const int bits = std::min(all, bits_of(spikes.size()) + 1);
-  const auto key = [first, drop = all - bits](const Spike& spike) {
-    return (static_cast<std::uint64_t>(spike.time_ns) - first) >> drop;
-  };
   other_.resize(spikes.size());
-  const auto sorted = by_key(spikes, other_, bits, key);
-  if (sorted.data() != spikes.data()) {
+  if (order(spikes, other_)) {
     spikes.swap(other_);
   }
-  finish_groups(spikes, other_, key);
 }
 
 }  // namespace spikeloop

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,19 +10,17 @@
 namespace spikeloop {
 
 /// A radix sort: an encoder's spikes of a tick are millions, and comparing them took four fifths of
-/// a whole experiment's time. The leading bits of the times bring nearly all spikes to their
-/// places; what shares them is sorted by itself. Keeps its memory from tick to tick.
+/// a whole experiment's time. Keeps its memory from tick to tick.
 class SpikeSorter {
  public:
   /// The same order as std::sort with spike_before.
   void sort(std::vector<Spike>& spikes);
 
  private:
-  template <typename Key>
-  std::span<Spike> by_key(std::span<Spike> spikes, std::span<Spike> other, int bits, Key&& key);
-  template <typename Key>
-  void finish_groups(std::span<Spike> spikes, std::span<Spike> other, Key&& key);
-  void sort_group(std::span<Spike> spikes, std::span<Spike> other);
+  bool order(std::span<Spike> spikes, std::span<Spike> other);
+  bool order_by_channel(std::span<Spike> spikes, std::span<Spike> other);
+  template <typename Digit>
+  void deal(std::span<const Spike> from, std::span<Spike> to, int bits, Digit&& digit);
 
   std::vector<Spike> other_;
   std::vector<std::size_t> counts_;

@@ -76,6 +76,14 @@ class Program(unittest.TestCase):
             if point["rate_min_hz"] == point["rate_max_hz"]:
                 self.assertEqual(len(point["trials"]), 1)
 
+    def test_quick(self):
+        said, _ = bench("--quick", "--part", "a,b", "--encoders", "rate", "--layouts", "fused",
+                        folder=self.folder)
+        found = results(self.folder / "bench-quick")
+        self.assertEqual(found["duration_s"], 1)
+        self.assertEqual({point["simulator"] for point in found["points"]}, {"none"})
+        self.assertIn("bench-quick/b.png", said.splitlines())
+
     def test_what_fails_is_told(self):
         """The readout cannot be reached: an encoder without a first scan sends nothing."""
         said, _ = bench("--part", "a", "--encoders", "nef", "--layouts", "separate", "--simulators",

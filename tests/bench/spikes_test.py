@@ -5,11 +5,12 @@ import os
 import pathlib
 import subprocess
 import tempfile
+import time
 import unittest
 
 import numpy as np
 
-from spikeloop.bench import chain, trial
+from spikeloop.bench import chain, results, sweeps, trial
 
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 
@@ -99,6 +100,22 @@ class RealRuns(unittest.TestCase):
         given = setting(neurons=20_000_000)  # more than a port takes
         with self.assertRaisesRegex(trial.TrialError, "20000000"):
             trial.run(PROGRAMS, given, 60)
+
+
+class OutOfTime(unittest.TestCase):
+    def test_what_is_left_is_told_and_no_failure(self):
+        with tempfile.TemporaryDirectory() as name:
+            kept = results.Results(pathlib.Path(name), {"duration_s": 100.0})
+            plan = sweeps.Plan(layouts=["fused"], simulators=["none"], encoders=["rate"],
+                               ticks_ms=[50], rates_hz=[8000], trials=1, steps=1, neurons=1000,
+                               least=1000, most=1000, duration_s=100.0, limit_s=60)
+            work = sweeps.Sweeps(PROGRAMS, plan, kept, lambda text: None)
+            work.deadline = time.monotonic() + 1
+            work.part_b()
+            work.part_a()
+            told = [(entry["rate_max_hz"], entry["reason"], entry["failed"])
+                    for entry in kept.not_measured]
+        self.assertEqual(told, [(8000, "out of time", False), (2, "out of time", False)])
 
 
 class Refusals(unittest.TestCase):
