@@ -102,6 +102,13 @@ class RealRuns(unittest.TestCase):
             trial.run(PROGRAMS, given, 60)
 
 
+class NoProgram(unittest.TestCase):
+    def test_is_told(self):
+        with self.assertRaisesRegex(trial.TrialError,
+                                    "^cannot start '/nowhere/spikeloop': No such file or directory$"):
+            trial.run(pathlib.Path("/nowhere"), setting(), 60)
+
+
 class OutOfTime(unittest.TestCase):
     def test_what_is_left_is_told_and_no_failure(self):
         with tempfile.TemporaryDirectory() as name:

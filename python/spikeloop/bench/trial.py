@@ -40,10 +40,13 @@ class Job:
         self.began = time.monotonic()
         self.first_tick = None  # when it was told that the loop had begun
         self.said = []
-        self.process = subprocess.Popen(
-            [str(word) for word in arguments], cwd=folder, stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
-            start_new_session=True)
+        try:
+            self.process = subprocess.Popen(
+                [str(word) for word in arguments], cwd=folder, stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
+                start_new_session=True)
+        except OSError as error:
+            raise TrialError(f"cannot start '{arguments[0]}': {error.strerror}") from None
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
