@@ -27,9 +27,9 @@ sources = nest.Create("music_event_in_proxy", neurons,
 parrots = nest.Create("parrot_neuron", neurons)
 sink = nest.Create("music_event_out_proxy", 1, {"port_name": "out"})
 nest.Connect(sources, parrots, "one_to_one", {"delay": tick_ms})
-for channel in range(neurons):
-    nest.Connect(parrots[channel], sink, "one_to_one",
-                 {"music_channel": channel, "delay": tick_ms})
+# The receptor of the proxy is MUSIC's channel.
+nest.Connect(parrots, sink, "all_to_all",
+             {"receptor_type": [list(range(neurons))], "delay": tick_ms})
 nest.SetAcceptableLatency("in", 0.001)  # ms: NEST rounds times to it, and may round them down
 nest.SetMaxBuffered("in", 1)
 nest.Simulate(given["duration_ms"])
