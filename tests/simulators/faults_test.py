@@ -85,6 +85,28 @@ class Faults(unittest.TestCase):
         self.check(script(), "np=2 asks for 2 processes, but brain.py runs in one; write  np=1",
                    code=2, keys="np=2")
 
+    def parallel(self, *expected, code, keys):
+        with jobs.Job("repeat_neuron_parallel.py", 4, encoder="rate_encoder", duration_s=0.3,
+                      keys="np=2\n  " + keys) as job:
+            said = job.run(code=code, timeout=90)
+            for words in expected:
+                self.assertIn(words, said)
+            self.assertEqual(living(job.folder), [])
+
+    def test_one_of_several_processes_fails(self):
+        for process in ("0", "1"):
+            self.parallel("brain: Traceback (most recent call last):",
+                          f"RuntimeError: nothing in process {process}", code=5,
+                          keys=f"fail_in={process}")
+
+    def test_cells_that_every_process_makes(self):
+        self.parallel("channel 0 of 'out' is connected in the processes 0 and 1, and would send "
+                      "each spike twice; make a cell in one process:  for gid in "
+                      "range(int(pc.id()), CELLS, int(pc.nhost())): ...", code=5, keys="twice=true")
+
+    def test_several_processes_and_a_wrong_value(self):
+        self.parallel("key 'fail_in': 'none'", code=2, keys="fail_in=none")
+
     def test_times_outside_the_interval_end_the_job(self):
         self.check(script("tick.send('out', tick.end_s + 1e-6, 0)"),
                    "brain.py:7: tick.send('out', ...) got a spike at 0.001001 s, outside of the "
@@ -194,6 +216,37 @@ class Faults(unittest.TestCase):
 
     def test_sigusr1(self):
         self.assertIn("saved", self.stopped(signal.SIGUSR1, 128 + signal.SIGUSR1))
+
+
+class NestFaults(unittest.TestCase):
+    """What spikeloop.nest says where there is no NEST, or one that does not do."""
+
+    def check(self, package, *expected):
+        """package: the text of nest/__init__.py; None: there is none."""
+        text = "#!/usr/bin/python3\nimport sys\n"
+        text += "sys.modules['nest'] = None\n" if package is None else ""
+        with jobs.Job("brain.py", 4, text=text + "import spikeloop.nest\n") as job:
+            if package is not None:
+                (job.folder / "nest").mkdir()
+                (job.folder / "nest/__init__.py").write_text(package)
+            said = job.run(code=5, timeout=60)
+            for words in expected:
+                self.assertIn(words, said.splitlines()[-1])
+            self.assertEqual(living(job.folder), [])
+
+    def test_not_installed(self):
+        self.check(None, "ModuleNotFoundError: NEST is not installed for /usr/bin/python3: install it "
+                   "(conda-forge: nest-simulator, Ubuntu: ppa:nest-simulator/nest, or from source), "
+                   "and write the directory that holds its package `nest` into PYTHONPATH")
+
+    def test_not_usable(self):
+        self.check("raise ImportError('libnest.so.3: cannot open')", "ImportError: NEST cannot be "
+                   "imported by /usr/bin/python3: ImportError: libnest.so.3: cannot open")
+
+    def test_mpi_alone(self):
+        self.check("class ll_api:\n    sli_func = staticmethod(lambda text: 'mpi' in text)\n",
+                   "this NEST has MPI, but no MUSIC: it would take all programs of the job for its own; "
+                   "use one with both, or with neither (conda-forge: nest-simulator=*=nompi*)")
 
 
 class SimulatorFaults(unittest.TestCase):
