@@ -16,6 +16,7 @@
 #include "output.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -215,7 +216,7 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
 
 /// The robot that the experiment has, started when nobody publishes its topics.
 void add_robot(const Experiment& experiment, launch::JobOptions& options) {
-  if (!experiment.robot) {
+  if (!experiment.robot || experiment.ros == experiment::Ros::none) {
     return;
   }
   options.roscore = true;
@@ -280,6 +281,28 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   });
   tell_folder(arguments.volume, folder);
   return exit_code;
+}
+
+/// A MUSIC job of the simulators and of one process with all other nodes.
+int run_beside_simulators(const ExperimentArguments& arguments, const Experiment& experiment,
+                          const ExperimentFolder& folder, RunLog& log) {
+  std::map<std::string, std::string> keys{
+      {"about", about_run(partners_of(experiment, true)).dump()},
+      {"stall_timeout",
+       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
+  if (arguments.overrides.replay) {
+    keys["replay_origin"] = arguments.overrides.replay->origin;
+    keys["replay_bag"] = arguments.overrides.replay->bag;
+  }
+  const WrittenJob music =
+      write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
+  options.run.record = arguments.record;
+  options.translate = music.places;
+  return logged(log, [&] {
+    launch::Job job(read_music_file(music.path), options);
+    return run_job(job, arguments.volume, &log);
+  });
 }
 
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
@@ -347,21 +370,38 @@ int run_experiment(const ExperimentArguments& arguments) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
+  if (experiment::has_simulator(experiment)) {
+    return run_with_simulators(arguments, experiment, folder_for(arguments, experiment));
+  }
   if (experiment.ros != experiment::Ros::none) {
     return run_fused_over_ros(arguments, experiment);
   }
   if (!arguments.timeout_given.empty()) {
     throw ConfigurationError(
-        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
-                    "one has a single process; leave it out",
+        fmt::format("{} is for runs in several processes (--layout separate,  ros: 1,  a "
+                    "simulator), and this one has a single process; leave it out",
                     arguments.timeout_given));
   }
   return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
                         arguments.volume);
 }
 
+int run_with_simulators(const ExperimentArguments& arguments, const Experiment& experiment,
+                        ExperimentFolder folder) {
+  const Experiment delayed = experiment::with_fused_delays(experiment);
+  RunLog log(folder.path());
+  begin_log(log, experiment, "fused");
+  folder.release();
+  const int exit_code = run_beside_simulators(arguments, delayed, folder, log);
+  tell_folder(arguments.volume, folder);
+  return exit_code;
+}
+
 WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
-  const experiment::MusicJob job = experiment::music_job(experiment, folder);
+  return write_job(experiment::music_job(experiment, folder), folder);
+}
+
+WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder) {
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }

@@ -310,7 +310,8 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     check_bag(*bag, whole, experiment, all);
   }
   if (joined) {
-    resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+    resolve_links(with_simulator_ports(file, experiment, all),
+                  {whole, overrides.try_nodes, sensor_width}, experiment, all);
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

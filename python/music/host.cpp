@@ -62,6 +62,7 @@ Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
   process_ = std::make_unique<music::Process>(line->count, line->values,
                                               music::CommonDefaults{.takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
+  process_->written({kScript});  // spikeloop-script's key, and no slip of the pen
   parameters_ = process_->read(parameters);
   open(std::move(ports));
   process_->check();

@@ -90,12 +90,13 @@ void serve(const MusicFile& file, const Cycle& cycle, Latencies& latencies) {
     const MusicConnection& connection = file.connections[i];
     const MusicSection& receiver = file.section(connection.to_app);
     lacking += tick_of(file, file.section(connection.from_app));
-    if (is_continuous(file, connection) || !takes_events(file, connection.to_app)) {
+    const Program* program = find_program(file, receiver);
+    if (is_continuous(file, connection) || program == nullptr) {
       continue;
     }
     if (const auto written = written_latency(file, receiver)) {
       lacking -= *written;
-    } else {
+    } else if (program->input == Kind::events) {
       free.push_back(connection.to_app);
     }
   }

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/config/script_file.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 
@@ -156,27 +156,26 @@ constexpr std::array kPluginNodes{
 constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
 
 constexpr Program kScript{.name = "script", .any_class = true, .script = true};
+/// Runs the script of its key `script`.
+constexpr std::string_view kScriptProgram = "spikeloop-script";
 
-/// Read as text: nobody's script is started to be looked at.
+/// The nodes of an experiment that has simulators beside it; `ros=true` when topics are ROS's.
+constexpr std::string_view kFusedProgram = "spikeloop-fused-music";
+constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true};
+constexpr Program kFusedOverRos{
+    .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};
+
 bool uses_our_package(const MusicFile& file, const MusicSection& section) {
-  static const std::regex import(R"(\s*(from\s+spikeloop[\s.]|import\s+(.*[\s,])?spikeloop\b).*)");
   const MusicKey* binary = file.find_key(section, "binary");
   if (binary == nullptr) {
     return false;
   }
   const std::string directory = working_directory(file, section, directory_of(file.path));
-  std::ifstream script(find_executable(binary->value, directory, program_environment().at("PATH")));
+  const std::string path =
+      find_executable(binary->value, directory, program_environment().at("PATH"));
+  std::ifstream script(path);
   std::string line;
-  if (!std::getline(script, line) || !line.starts_with("#!")) {
-    return false;
-  }
-  while (std::getline(script, line)) {
-    if (line.size() < 200 && line.find("spikeloop") != std::string::npos &&
-        std::regex_match(line, import)) {
-      return true;
-    }
-  }
-  return false;
+  return std::getline(script, line) && line.starts_with("#!") && imports_spikeloop(path);
 }
 
 template <typename Table>
@@ -225,6 +224,12 @@ std::string_view node_of_program(std::string_view name) {
   return found == kPrograms.end() ? "" : found->node;
 }
 
+std::string what_runs(const MusicFile& file, const MusicSection& section) {
+  const std::string program = program_of(section);
+  const MusicKey* script = program == kScriptProgram ? file.find_key(section, "script") : nullptr;
+  return script == nullptr ? program : std::filesystem::path(script->value).filename().string();
+}
+
 std::string working_directory(const MusicFile& file, const MusicSection& section,
                               const std::string& directory) {
   const MusicKey* wd = file.find_key(section, "wd");
@@ -233,6 +238,13 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
+  if (name == kScriptProgram) {
+    return &kScript;
+  }
+  if (name == kFusedProgram) {
+    const MusicKey* ros = file.find_key(section, "ros");
+    return ros != nullptr && ros->value == "true" ? &kFusedOverRos : &kFused;
+  }
   if (name == kAnyNode.name) {
     const MusicKey* node = file.find_key(section, "node");
     return program_of_node(file, section, node == nullptr ? "" : node->value);
