@@ -14,6 +14,7 @@
 
 #include "experiment_places.hpp"
 #include "output.hpp"
+#include "simulator_check.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/simulators.hpp"
@@ -283,28 +284,6 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   return exit_code;
 }
 
-/// A MUSIC job of the simulators and of one process with all other nodes.
-int run_beside_simulators(const ExperimentArguments& arguments, const Experiment& experiment,
-                          const ExperimentFolder& folder, RunLog& log) {
-  std::map<std::string, std::string> keys{
-      {"about", about_run(partners_of(experiment, true)).dump()},
-      {"stall_timeout",
-       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
-  if (arguments.overrides.replay) {
-    keys["replay_origin"] = arguments.overrides.replay->origin;
-    keys["replay_bag"] = arguments.overrides.replay->bag;
-  }
-  const WrittenJob music =
-      write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
-  launch::JobOptions options = job_options(arguments, experiment, folder.path());
-  options.run.record = arguments.record;
-  options.translate = music.places;
-  return logged(log, [&] {
-    launch::Job job(read_music_file(music.path), options);
-    return run_job(job, arguments.volume, &log);
-  });
-}
-
 int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
   const WrittenJob music = write_music_job(experiment, folder.path());
@@ -323,6 +302,16 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   });
   tell_folder(arguments.volume, folder);
   return exit_code;
+}
+
+/// What is wrong with the file comes first.
+std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file,
+                                                         const experiment::Overrides& overrides) {
+  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
+  if (loaded->faults.empty()) {
+    check_simulators(*loaded->experiment, loaded->faults);
+  }
+  return loaded;
 }
 
 }  // namespace
@@ -347,7 +336,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
 
 std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
                                                     const experiment::Overrides& overrides) {
-  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
+  auto loaded = load_with_simulators(file, overrides);
   if (!loaded->faults.empty()) {
     put(stderr, text_of("spikeloop", loaded->faults.front()));
     if (loaded->faults.size() > 1) {
@@ -371,7 +360,10 @@ int run_experiment(const ExperimentArguments& arguments) {
     return run_separate(arguments, experiment);
   }
   if (experiment::has_simulator(experiment)) {
-    return run_with_simulators(arguments, experiment, folder_for(arguments, experiment));
+    // What cannot be is refused before there is a folder.
+    experiment::fused_job(experiment::with_fused_delays(experiment), arguments.folder, {});
+    ExperimentFolder folder = folder_for(arguments, experiment);
+    return run_with_simulators(arguments, experiment, folder);
   }
   if (experiment.ros != experiment::Ros::none) {
     return run_fused_over_ros(arguments, experiment);
@@ -386,13 +378,29 @@ int run_experiment(const ExperimentArguments& arguments) {
                         arguments.volume);
 }
 
-int run_with_simulators(const ExperimentArguments& arguments, const Experiment& experiment,
-                        ExperimentFolder folder) {
-  const Experiment delayed = experiment::with_fused_delays(experiment);
+int run_with_simulators(const ExperimentArguments& arguments, const Experiment& written,
+                        ExperimentFolder& folder) {
+  const Experiment experiment = experiment::with_fused_delays(written);
+  std::map<std::string, std::string> keys{
+      {"about", about_run(partners_of(experiment, true)).dump()},
+      {"stall_timeout",
+       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
+  if (const auto& replay = arguments.overrides.replay) {
+    keys["replay_origin"] = std::filesystem::absolute(replay->origin).string();
+    keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
+  }
+  const WrittenJob music =
+      write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
   RunLog log(folder.path());
   begin_log(log, experiment, "fused");
   folder.release();
-  const int exit_code = run_beside_simulators(arguments, delayed, folder, log);
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
+  options.run.record = arguments.record;
+  options.translate = music.places;
+  const int exit_code = logged(log, [&] {
+    launch::Job job(read_music_file(music.path), options);
+    return run_job(job, arguments.volume, &log);
+  });
   tell_folder(arguments.volume, folder);
   return exit_code;
 }
@@ -411,7 +419,7 @@ WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder)
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {}, fused::look_at_robot);
+  const auto all = load_with_simulators(file, {});
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));

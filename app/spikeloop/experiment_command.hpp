@@ -45,7 +45,7 @@ int run_in_process(const experiment::Experiment& experiment, const ExperimentFol
 
 /// Runs an experiment with simulators, the fused layout, as a MUSIC job. Returns the exit code.
 int run_with_simulators(const ExperimentArguments& arguments,
-                        const experiment::Experiment& experiment, ExperimentFolder folder);
+                        const experiment::Experiment& experiment, ExperimentFolder& folder);
 
 /// A job in a folder.
 struct WrittenJob {

@@ -1,12 +1,14 @@
 #include "experiment_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "node_text.hpp"
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/config/parameter_text.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -23,6 +25,17 @@ std::string how_to_write(const NodeDescription& description) {
                "map "
                "that would stand in one. Its populations say how wide the ports are."
              : fmt::format("Write  node: {}  in an experiment file.", description.name);
+}
+
+std::string how_to_simulate() {
+  std::vector<std::string> names;
+  for (const experiment::Simulator& simulator : experiment::simulators()) {
+    names.emplace_back(simulator.name);
+  }
+  return fmt::format(
+      "Write  simulator: NAME  in an experiment file, one of {}; ports and kinds are "
+      "those of the connections (docs/simulators.md).",
+      fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -64,6 +77,9 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
     text += section(name, fmt::format("{}. {}", description.text, how_to_write(description)),
                     tables(description), markdown);
   }
+  const NodeDescription& simulator = experiment::simulator_description();
+  text += section(simulator.name, fmt::format("{}. {}", simulator.text, how_to_simulate()),
+                  tables(simulator), markdown);
   return text;
 }
 
