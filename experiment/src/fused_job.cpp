@@ -69,10 +69,17 @@ class FusedWriter : JobWriter {
     add("accept_latency", seconds(2 * experiment_.tick - spare()));
     add("spike_delay", "1");
     add("signal_delay", "2");
-    add("stamp_guard", "false");
+    add("stamp_guard", rounds_times() ? "true" : "false");
     for (const auto& [name, value] : keys) {
       add(name.c_str(), value);
     }
+  }
+
+  /// As NEST does: a spike right behind the begin of its tick would be the tick's before.
+  bool rounds_times() const {
+    return std::ranges::any_of(experiment_.parts, [](const Part& part) {
+      return is_simulator(part) && part.kind == "nest";
+    });
   }
 
   void write_simulator(const Part& part) {

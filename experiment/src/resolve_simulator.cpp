@@ -22,7 +22,7 @@ void read_script(Part& part, const Simulator& simulator, const std::string& dire
   if (!std::filesystem::is_regular_file(path)) {
     refuse_file(kScript, where, "script", path);
   }
-  if (!imports_spikeloop(path)) {
+  if (host_in_script(path) == ScriptHost::none) {
     throw ConfigurationError(
         where, fmt::format("key 'script': '{}' does not take part in an experiment; write  import "
                            "{}  into it (docs/simulators.md)",

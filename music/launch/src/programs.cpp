@@ -156,6 +156,8 @@ constexpr std::array kPluginNodes{
 constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
 
 constexpr Program kScript{.name = "script", .any_class = true, .script = true};
+constexpr Program kNestScript{
+    .name = "script", .any_class = true, .script = true, .rounds_times = true};
 /// Runs the script of its key `script`.
 constexpr std::string_view kScriptProgram = "spikeloop-script";
 
@@ -165,17 +167,41 @@ constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = tru
 constexpr Program kFusedOverRos{
     .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};
 
-bool uses_our_package(const MusicFile& file, const MusicSection& section) {
+/// The kind of a script that uses our package; null: it does not.
+const Program* program_of_script(const std::string& path) {
+  switch (host_in_script(path)) {
+    case ScriptHost::nest:
+      return &kNestScript;
+    case ScriptHost::other:
+      return &kScript;
+    case ScriptHost::none:
+      break;
+  }
+  return nullptr;
+}
+
+const Program* program_of_binary(const MusicFile& file, const MusicSection& section) {
   const MusicKey* binary = file.find_key(section, "binary");
   if (binary == nullptr) {
-    return false;
+    return nullptr;
   }
   const std::string directory = working_directory(file, section, directory_of(file.path));
   const std::string path =
       find_executable(binary->value, directory, program_environment().at("PATH"));
   std::ifstream script(path);
   std::string line;
-  return std::getline(script, line) && line.starts_with("#!") && imports_spikeloop(path);
+  return std::getline(script, line) && line.starts_with("#!") ? program_of_script(path) : nullptr;
+}
+
+/// A program of ours, whatever it runs.
+const Program* program_of_key(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* script = file.find_key(section, "script");
+  const std::string directory = working_directory(file, section, directory_of(file.path));
+  const Program* found =
+      script == nullptr
+          ? nullptr
+          : program_of_script((std::filesystem::path(directory) / script->value).string());
+  return found == nullptr ? &kScript : found;
 }
 
 template <typename Table>
@@ -239,7 +265,7 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
   if (name == kScriptProgram) {
-    return &kScript;
+    return program_of_key(file, section);
   }
   if (name == kFusedProgram) {
     const MusicKey* ros = file.find_key(section, "ros");
@@ -253,7 +279,7 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
       found != kPrograms.end()) {
     return found;
   }
-  return uses_our_package(file, section) ? &kScript : nullptr;
+  return program_of_binary(file, section);
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {

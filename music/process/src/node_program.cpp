@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "idle_ports.hpp"
+#include "spikeloop/process/idle_ports.hpp"
 
 namespace spikeloop::music {
 namespace {

@@ -5,8 +5,12 @@
 
 namespace spikeloop {
 
-/// Whether a line of the file imports the package spikeloop, or a module of it. False for a file
-/// that cannot be read.
-bool imports_spikeloop(const std::string& path);
+/// What a script takes part by: lines that import the package spikeloop.
+enum class ScriptHost {
+  none,   ///< no line does, or the file cannot be read
+  other,  ///< spikeloop, spikeloop.neuron, spikeloop.brian
+  nest    ///< spikeloop.nest, whose times are rounded
+};
+ScriptHost host_in_script(const std::string& path);
 
 }  // namespace spikeloop
