@@ -82,15 +82,25 @@ class FusedWriter : JobWriter {
     });
   }
 
+  bool takes_signals(const Part& part) const {
+    return std::ranges::any_of(experiment_.links, [&](const Link& link) {
+      return link.kind == PortKind::signal && node_of(link.to) == part.name;
+    });
+  }
+
   void write_simulator(const Part& part) {
     add(part, "np", "1");
     add_directory(part.where);
     add_script(part);
     const std::uint32_t spikes = arrival(experiment_, part.name, PortKind::spikes);
     add(part, "accept_latency", seconds((spikes + 1) * experiment_.tick - spare()));
-    add(part, "spike_delay", std::to_string(spikes));
-    add(part, "signal_delay",
-        std::to_string(arrival(experiment_, part.name, PortKind::signal) - 1));
+    if (spikes > 0) {
+      add(part, "spike_delay", std::to_string(spikes));
+    }
+    if (takes_signals(part)) {
+      add(part, "signal_delay",
+          std::to_string(arrival(experiment_, part.name, PortKind::signal) - 1));
+    }
     add(part, "stamp_guard", "false");
   }
 
