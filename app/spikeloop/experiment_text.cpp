@@ -19,14 +19,6 @@ std::string section(const std::string& title, const std::string& line, const std
                   : fmt::format("{}: {}\n\n{}\n", title, line, table);
 }
 
-std::string how_to_write(const NodeDescription& description) {
-  return description.name == experiment::kNetwork
-             ? "Write  simulator: builtin  in an experiment file; network: takes a file, or the "
-               "map "
-               "that would stand in one. Its populations say how wide the ports are."
-             : fmt::format("Write  node: {}  in an experiment file.", description.name);
-}
-
 std::string how_to_simulate() {
   std::vector<std::string> names;
   for (const experiment::Simulator& simulator : experiment::simulators()) {
@@ -36,6 +28,17 @@ std::string how_to_simulate() {
       "Write  simulator: NAME  in an experiment file, one of {}; ports and kinds are "
       "those of the connections (docs/simulators.md).",
       fmt::join(names, ", "));
+}
+
+std::string how_to_write(const NodeDescription& description) {
+  if (description.name == experiment::simulator_description().name) {
+    return how_to_simulate();
+  }
+  return description.name == experiment::kNetwork
+             ? "Write  simulator: builtin  in an experiment file; network: takes a file, or the "
+               "map "
+               "that would stand in one. Its populations say how wide the ports are."
+             : fmt::format("Write  node: {}  in an experiment file.", description.name);
 }
 
 }  // namespace
@@ -48,10 +51,12 @@ std::vector<std::string> experiment_classes(const experiment::Kinds& kinds) {
 }
 
 std::string experiment_class_list(const experiment::Kinds& kinds) {
-  std::string text = "In experiment files alone: topics, recordings, the network\n";
+  std::string text = "In experiment files alone: topics, recordings, the network, simulators\n";
   for (const std::string& name : experiment_classes(kinds)) {
     text += fmt::format("  {:<27}  {}\n", name, kinds.find(name).description.text);
   }
+  const NodeDescription& simulator = experiment::simulator_description();
+  text += fmt::format("  {:<27}  {}\n", simulator.name, simulator.text);
   return text;
 }
 
@@ -78,7 +83,7 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
                     tables(description), markdown);
   }
   const NodeDescription& simulator = experiment::simulator_description();
-  text += section(simulator.name, fmt::format("{}. {}", simulator.text, how_to_simulate()),
+  text += section(simulator.name, fmt::format("{}. {}", simulator.text, how_to_write(simulator)),
                   tables(simulator), markdown);
   return text;
 }

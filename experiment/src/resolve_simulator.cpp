@@ -15,6 +15,13 @@ namespace spikeloop::experiment {
 namespace {
 
 constexpr const char* kScript = "script";
+constexpr const char* kProcesses = "np";
+
+constexpr const char* kParallel = "neuron";
+
+bool is_own(const std::string& key) {
+  return key == kScript || key == kProcesses;
+}
 
 void read_script(Part& part, const Simulator& simulator, const std::string& directory) {
   const Location where = part.parameters.where(kScript);
@@ -35,7 +42,7 @@ void read_script(Part& part, const Simulator& simulator, const std::string& dire
 /// Whatever else is written goes to the script, which knows its own parameters.
 void take_parameters(const ExperimentNode& node, Part& part, Faults& faults) {
   for (const auto& [name, value] : part.written) {
-    if (name == kScript) {
+    if (is_own(name)) {
       continue;
     }
     const auto place = node.places.find(name);
@@ -147,15 +154,19 @@ Checked resolve_simulator(const ExperimentNode& node, Part part, const std::stri
   part.role = Role::simulator;
   part.node_class = nullptr;
   const std::size_t before = faults.count();
-  WrittenValues own;
-  if (const auto script = part.written.find(kScript); script != part.written.end()) {
-    own.insert(*script);
-  }
+  WrittenValues own = part.written;
+  std::erase_if(own, [](const auto& key) { return !is_own(key.first); });
   part.parameters = resolve_keys(
       simulator_description().parameters,
       {own, fmt::format("node '{}'", node.name), node.where, node.unread, node.places}, {}, faults);
   if (faults.count() == before && node.unread.empty()) {
     faults.attempt(node.where, [&] { read_script(part, simulator, directory); });
+  }
+  if (part.parameters.integer(kProcesses) > 1 && part.kind != kParallel) {
+    faults.add(part.parameters.where(kProcesses),
+               fmt::format("key 'np': {} processes are for NEURON's ParallelContext; a script with "
+                           "simulator: {} has one: leave the key out",
+                           part.parameters.integer(kProcesses), part.kind));
   }
   take_parameters(node, part, faults);
   const bool good = faults.count() == before && node.unread.empty();

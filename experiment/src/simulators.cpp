@@ -18,12 +18,12 @@ constexpr std::array kSimulators{
     Simulator{"brian2", "spikeloop.brian", "brian2", "Debian: apt install python3-brian"},
     Simulator{"python", "spikeloop", "", ""}};
 
-constexpr std::array kReserved{"np",          "binary",         "args",           "wd",
-                               "timebase",    "node",           "simulator",      "script",
-                               "stoptime",    "music_timestep", "barrier",        "seed",
-                               "dialect",     "strict",         "pace",           "rtf",
-                               "sync",        "stamp_guard",    "accept_latency", "signal_delay",
-                               "spike_delay", "record"};
+constexpr std::array kReserved{"binary",         "args",           "wd",           "timebase",
+                               "node",           "simulator",      "script",       "stoptime",
+                               "music_timestep", "barrier",        "seed",         "dialect",
+                               "strict",         "pace",           "rtf",          "sync",
+                               "stamp_guard",    "accept_latency", "signal_delay", "spike_delay",
+                               "record"};
 
 // What MUSIC takes around a cycle, whose latencies have to add up to a tick a process
 // (docs/architecture.md, "Simulators beside a fused process").
@@ -43,7 +43,13 @@ NodeDescription description() {
                   {"out", PortKind::spikes, Direction::output, {}, "As the script declares"}};
   result.parameters = {{.name = "script",
                         .type = ParameterType::text,
-                        .text = "A Python file; other keys are its parameters"}};
+                        .text = "A Python file; other keys are its parameters"},
+                       {.name = "np",
+                        .type = ParameterType::integer,
+                        .default_value = "1",
+                        .minimum = 1,
+                        .maximum = 1000,
+                        .text = "Its processes, for NEURON's ParallelContext"}};
   return result;
 }
 

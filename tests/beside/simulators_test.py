@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""NEURON and Brian2 as nodes of an experiment: repeaters answer every spike as their rules say."""
+"""NEURON, in one process and in two, and Brian2 as nodes of an experiment: repeaters answer every spike as their rules say."""
 
 import pathlib
 import shutil
@@ -41,6 +41,9 @@ def main():
         scratch = pathlib.Path(scratch)
         repeat(scratch, "neuron", "repeat_neuron.py",
                lambda sent: experiments.delayed(sent, 2_500_000, DURATION), "delay: 2.5 ms")
+        # Two processes: every spike crosses between them twice (repeat_neuron_parallel.py).
+        repeat(scratch, "neuron", "repeat_neuron_parallel.py",
+               lambda sent: experiments.delayed(sent, 3_500_000, DURATION), "np: 2")
         # A spike takes effect in the step that holds it, and the cell fires in the next one; no
         # encoder's neuron spikes twice in a step of 0.5 ms.
         repeat(scratch, "brian2", "repeat_brian.py",
