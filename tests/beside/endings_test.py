@@ -127,6 +127,22 @@ def killed_over_ros(scratch):
     assert abs(speeds(scratch / "dead")[-1]) < 0.05, speeds(scratch / "dead")[-5:]
 
 
+def hanging_over_ros(scratch):
+    """A robot whose simulator does not answer is stopped by the watchdog, long before the run ends."""
+    file = with_script(scratch, LOOP % (
+        'tick.send("out", *tick.spikes("in"))\n'
+        "        import time; tick.end_s < 3 or time.sleep(60)"),
+                       sync="realtime", ros="1", duration="60 s")
+    folder = scratch / "hung"
+    _, printed = experiments.run(file, folder, "--stall-timeout", "4", code=3)
+    assert "the job has stood still for 4 s" in printed and "'brain' (echo.py)" in printed, printed
+    with open(folder / "trajectory.csv", encoding="utf-8") as table:
+        rows = [(float(row["t_s"]), abs(float(row["v_m_s"]))) for row in csv.DictReader(table)]
+    driving = [t for t, speed in rows if speed > 0.1]
+    # It stood for most of the four seconds in which nothing came any more.
+    assert driving and rows[-1][0] - max(driving) > 1.5, (driving[-1:], rows[-1])
+
+
 def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
@@ -134,7 +150,8 @@ def main():
         unknown_parameter(scratch)
         interrupted(scratch)
         killed_over_ros(scratch)
-    print("ten ways to end, each with its reason")
+        hanging_over_ros(scratch)
+    print("eleven ways to end, each with its reason")
 
 
 if __name__ == "__main__":
