@@ -94,6 +94,7 @@ void serve(const MusicFile& file, const Cycle& cycle, Latencies& latencies) {
     if (is_continuous(file, connection) || program == nullptr) {
       continue;
     }
+    // A script's user knows what may come late, and writes it.
     if (const auto written = written_latency(file, receiver)) {
       lacking -= *written;
     } else if (program->input == Kind::events) {

@@ -76,6 +76,7 @@ json final_counters(const std::vector<const Graph*>& graphs, const std::vector<C
                     const Pacer::Report& pace, bool pacing) {
   json counters = json::object();
   counters["ticks"] = pace.ticks;
+  counters["wall_ns"] = pace.wall_time;
   if (pacing) {
     counters["overruns"] = pace.overruns;
     counters["worst_lateness_ns"] = pace.worst_lateness;
@@ -151,12 +152,12 @@ struct Process::Loop::State {
     process.running = true;
   }
 
-  void report() const {
+  void report(const Pacer::Report& its_pace) const {
     process.status->report(
         hooks.counters
             ? hooks.counters()
-            : final_counters(graphs, summed_counters(graphs, process.label, process.ranks), pace(),
-                             keys.pace),
+            : final_counters(graphs, summed_counters(graphs, process.label, process.ranks),
+                             its_pace, keys.pace),
         hooks.summary ? hooks.summary() : json::object(), time);
   }
 };
@@ -214,6 +215,7 @@ void Process::Loop::exchange() {
 void Process::Loop::finish() {
   State& own = *state_;
   own.process.heartbeat->enter(Phase::finalizing);
+  const auto pace = own.pace();  // now: files may take their time
   own.progress.tell(own.time);
   if (own.hooks.after_loop) {
     own.hooks.after_loop();
@@ -221,7 +223,7 @@ void Process::Loop::finish() {
   if (own.process.recording) {
     own.process.recording->close();  // now, because finalize() waits for the slowest sender
   }
-  own.report();
+  own.report(pace);
   if (own.runtime != nullptr) {
     own.runtime->finalize();
     delete own.runtime;
