@@ -39,8 +39,11 @@ music::ProgramText program_text() {
   text.name = "spikeloop-network";
   text.summary = description.text;
   text.ports =
-      "  in   spikes         the input populations, in the file's order\n"
-      "  out  spikes         the populations of the list `output`, in its order\n";
+      "  in         spikes      the input populations, in the file's order\n"
+      "  signal     continuous  the populations of model signal_input, in the file's order\n"
+      "  out        spikes      the populations of the list `output`, in its order\n"
+      "  potential  continuous  membrane potentials of the list `potential`, mV\n"
+      "  NAME_spikes, NAME_V_m  what the file records of population NAME\n";
   text.parameters = description.parameters;
   text.example = kExample;
   text.notes =
@@ -53,11 +56,15 @@ void check_width(const music::Process& process, const std::string& port, std::ui
                  const NetworkFile& network) {
   const std::uint32_t width = process.width(port);
   if (wanted == 0) {
+    const std::string what = port == "in" ? "input population; write  in: {model: input, size: "
+                             : port == "signal" ? "population of model signal_input; write  "
+                                                  "signal: {model: signal_input, size: "
+                                                : "list '" + port + "'; write  " + port + ": [NAME";
+    const bool input = port == "in" || port == "signal";
     throw ConfigurationError(
         process.where(port),
-        fmt::format("'{0}.{1}' is connected, but the network {3} has no input population; write  "
-                    "{1}: {{model: input, size: {2}}}",
-                    process.label(), port, width, network.path));
+        fmt::format("'{}.{}' is connected, but the network {} has no {}{}", process.label(), port,
+                    network.path, what, input ? fmt::format("{}}}", width) : "]"));
   }
   if (width != wanted) {
     throw ConfigurationError(
@@ -73,8 +80,14 @@ void check(const music::Process& process, const NetworkFile& network) {
   if (process.connected_input("in", PortKind::spikes)) {
     check_width(process, "in", network.input_width(), network);
   }
+  if (process.connected_input("signal", PortKind::signal)) {
+    check_width(process, "signal", network.signal_width(), network);
+  }
   if (process.connected_output("out", PortKind::spikes)) {
     check_width(process, "out", network.output_width(), network);
+  }
+  if (process.connected_output("potential", PortKind::signal)) {
+    check_width(process, "potential", network.potential_width(), network);
   }
 }
 
@@ -85,8 +98,8 @@ int body(music::Process& process) {
   check(process, network);
   NodeClass node_class = network_class(network);
   const Node* node = nullptr;
-  node_class.create = [&](const NodeSetup&) {
-    auto made = make_network(network);
+  node_class.create = [&](const NodeSetup& setup) {
+    auto made = make_network(network, setup.name, setup.seed);
     node = made.get();
     return made;
   };

@@ -224,4 +224,13 @@ Location Section::where(const std::string& key) const {
   return found->second.IsNull() ? key_places_.at(key) : place(file_, found->second);
 }
 
+Parameters resolve_section(const Section& section,
+                           const std::vector<ParameterDescription>& declared) {
+  WrittenValues written;
+  for (const std::string& key : section.keys()) {
+    written[key] = {section.text(key, ""), section.where(key)};
+  }
+  return resolve(declared, written, {});
+}
+
 }  // namespace spikeloop::yaml_text

@@ -140,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(
              "'iaf_psc_delta'?"},
         Case{"foreign_model", with_population("{model: hodgkin_huxley, size: 1}"),
              "net.yaml:2:14: population 'a': unknown model 'hodgkin_huxley'; known: input, "
-             "repeater, "
-             "iaf_psc_delta, iaf_psc_exp"},
+             "repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
+             "sine_current, noise_current"},
         Case{"size_zero", with_population("{model: repeater, size: 0}"),
              "net.yaml:2:30: population 'a': size 0 is not a whole number from 1 to 10000000; "
              "larger "

@@ -204,7 +204,8 @@ TEST_F(NetworkProgram, CheckRefusesWhatIsWrong) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
             "spikeloop-network: net.yaml:2:14: population 'a': unknown model 'parrot'; known: "
-            "input, repeater, iaf_psc_delta, iaf_psc_exp\n");
+            "input, repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
+            "sine_current, noise_current\n");
   outcome = run_program({"--check"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
