@@ -98,10 +98,7 @@ class Loop {
                     {"clamped_commands", result.clamped_commands},
                     {"scans", scans_},
                     {"overruns", pace.overruns}},
-                   {{"collisions", result.collisions},
-                    {"distance_m", result.distance_m},
-                    {"coverage", result.coverage},
-                    {"mean_speed_m_s", result.mean_speed_m_s}});
+                   summary_of(result));
     fmt::print(
         "{} simulated in {:.1f} s: collisions {}, distance {:.2f} m, mean speed {:.3f} m/s, "
         "coverage {:.1f} %, commands {} ({} invalid), overruns {}\n",

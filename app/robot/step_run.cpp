@@ -3,6 +3,7 @@
 
 #include "run.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
 #include "spikeloop/ros1/master.hpp"
 #include "step_link.hpp"
@@ -96,10 +97,7 @@ void report(const SteppedRobot& robot, const StepLink& link, const status::Sende
                  {"invalid_commands", result.invalid_commands},
                  {"clamped_commands", result.clamped_commands},
                  {"scans", link.scans()}},
-                {{"collisions", result.collisions},
-                 {"distance_m", result.distance_m},
-                 {"coverage", result.coverage},
-                 {"mean_speed_m_s", result.mean_speed_m_s}});
+                summary_of(result));
   fmt::print("stepped to {}: collisions {}, distance {:.2f} m, commands {}\n",
              format_time(robot.time()), result.collisions, result.distance_m, link.commands());
 }

@@ -26,16 +26,12 @@ other people's programs are not judged. `spikeloop run` makes the same checks.
 Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read,
 130 Ctrl-C)";
 
-std::string count(std::size_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 std::string summary_of(const MusicFile& file) {
   const auto& first = file.sections.front();
   const auto length = launch::total_time(file);
   return fmt::format(
       "{}: nothing to complain about: {}, {}, tick {}, {}\n", file.path,
-      count(file.sections.size(), "program"), count(file.connections.size(), "connection"),
+      count_of(file.sections.size(), "program"), count_of(file.connections.size(), "connection"),
       format_time(launch::tick_of(file, first)),
       length ? fmt::format("{:g} s", *length) : std::string("runs until it is stopped"));
 }
@@ -59,8 +55,9 @@ int check(const std::string& path, bool strict) {
     put_result(summary_of(file));
     return 0;
   }
-  put(stderr, fmt::format("spikeloop: {}: {}, {}\n", path, count(findings.errors.size(), "error"),
-                          count(findings.warnings.size(), "warning")));
+  put(stderr,
+      fmt::format("spikeloop: {}: {}, {}\n", path, count_of(findings.errors.size(), "error"),
+                  count_of(findings.warnings.size(), "warning")));
   return findings.errors.empty() ? 0 : findings.errors.front().exit_code;
 }
 

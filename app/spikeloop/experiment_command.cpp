@@ -135,10 +135,6 @@ launch::Progress for_console(const fused::Progress& progress, const Experiment& 
   return shown;
 }
 
-std::string count(std::size_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 /// A run begins by removing what the run before left in its folder.
 void refuse_own_recordings(const Experiment& experiment, const std::string& folder) {
   const auto refuse = [&](const Location& where, const char* key, const std::string& file) {
@@ -329,7 +325,7 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
     put(stderr, text_of("spikeloop", loaded->faults.front()));
     if (loaded->faults.size() > 1) {
       put(stderr, fmt::format("spikeloop: {} more; see  spikeloop check {}\n",
-                              count(loaded->faults.size() - 1, "error"), file));
+                              count_of(loaded->faults.size() - 1, "error"), file));
     }
   }
   return loaded;
@@ -377,7 +373,7 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
     put(stderr, text_of("error", fault));
   }
   if (!loaded.faults.empty()) {
-    put(stderr, fmt::format("spikeloop: {}: {}\n", file, count(loaded.faults.size(), "error")));
+    put(stderr, fmt::format("spikeloop: {}: {}\n", file, count_of(loaded.faults.size(), "error")));
     return loaded.faults.front().exit_code;
   }
   return use(*loaded.experiment);
@@ -387,7 +383,7 @@ int check_experiment(const std::string& file) {
   return use_experiment(file, [&](const Experiment& experiment) {
     put_result(fmt::format(
         "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
-        count(experiment.parts.size(), "node"), count(experiment.links.size(), "connection"),
+        count_of(experiment.parts.size(), "node"), count_of(experiment.links.size(), "connection"),
         format_time(experiment.tick),
         experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
     return 0;

@@ -83,10 +83,6 @@ void draw(const FitTask& task, const FitResult& result) {
   }
 }
 
-std::string count(std::uint64_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 std::string report(const FitTask& task, const FitResult& result) {
   const std::string source =
       task.from_rates ? "rates" : fmt::format("spikes, tau {:g} s", task.tau_s);
@@ -98,8 +94,8 @@ std::string report(const FitTask& task, const FitResult& result) {
       "{}: {}, {}, {} ({})\n"
       "training error   {:.6f}\n"
       "held-out error   {:.6f}{}\n",
-      task.encoder.empty() ? task.spikes : task.encoder, count(result.neurons, "neuron"),
-      count(result.outputs, "output"), count(result.training.samples, "sample"), source,
+      task.encoder.empty() ? task.spikes : task.encoder, count_of(result.neurons, "neuron"),
+      count_of(result.outputs, "output"), count_of(result.training.samples, "sample"), source,
       result.training.total, result.held_out.total, part);
 }
 

@@ -1,6 +1,6 @@
 #include "output.hpp"
 
-#include <signal.h>
+#include <fmt/format.h>
 
 #include <cerrno>
 #include <condition_variable>
@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "spikeloop/core/background.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::app {
@@ -51,7 +52,7 @@ struct BackgroundOutput::Impl {
   std::deque<Piece> pieces;
   std::size_t bytes = 0;
   bool ended = false;
-  std::thread thread{[this] { run(); }};
+  std::thread thread = background_thread([this] { run(); });
 };
 
 namespace {
@@ -61,13 +62,7 @@ BackgroundOutput::Impl* background = nullptr;
 }  // namespace
 
 BackgroundOutput::BackgroundOutput() {
-  // Signals are the main thread's.
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
   impl_ = std::make_unique<Impl>();
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   background = impl_.get();
 }
 
@@ -92,6 +87,10 @@ void put(std::FILE* stream, std::string_view text) noexcept {
   }
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
+}
+
+std::string count_of(std::uint64_t number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
 void put_result(std::string_view text) {

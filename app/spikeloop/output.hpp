@@ -1,8 +1,10 @@
 // Printing that never ends a run, nor holds it up.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace spikeloop::app {
@@ -12,6 +14,9 @@ void put(std::FILE* stream, std::string_view text) noexcept;
 
 /// For output that somebody asked for, as a file. @throws FileError when it cannot be written.
 void put_result(std::string_view text);
+
+/// "1 spike", "2 spikes".
+std::string count_of(std::uint64_t number, std::string_view what);
 
 /// While it lives, put() only queues, and a thread writes: a terminal that is held (Ctrl-S) or a
 /// pipe that nobody reads must not keep the launcher from its job. What is queued beyond 1 MB is

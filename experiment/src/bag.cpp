@@ -1,5 +1,5 @@
 // A bag in the robot's place.
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -25,11 +25,7 @@ std::string list_of(const bag::Reader& reader) {
   for (const bag::Connection& connection : reader.connections()) {
     topics.insert(fmt::format("{} ({})", connection.topic, connection.type));
   }
-  std::string list;
-  for (const std::string& topic : topics) {
-    list += (list.empty() ? "" : ", ") + topic;
-  }
-  return list.empty() ? "nothing" : list;
+  return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
 void check_type(const Part& part, const bag::Connection& connection) {

@@ -1,5 +1,7 @@
 #include "memory_transport.hpp"
 
+#include "spikeloop/robot/files.hpp"
+
 namespace spikeloop::fused {
 
 MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
@@ -36,11 +38,7 @@ nlohmann::json MemoryTransport::summary() const {
   if (!robot_) {
     return nlohmann::json::object();
   }
-  const auto result = robot_->statistics();
-  return {{"collisions", result.collisions},
-          {"distance_m", result.distance_m},
-          {"coverage", result.coverage},
-          {"mean_speed_m_s", result.mean_speed_m_s}};
+  return robot::summary_of(robot_->statistics());
 }
 
 }  // namespace spikeloop::fused

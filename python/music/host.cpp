@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "spikeloop/process/idle_ports.hpp"
+
 namespace spikeloop::python {
 namespace {
 
@@ -32,36 +34,31 @@ std::string endpoint_name(const EndpointPort& port) {
   return port.name == kScript ? "port " + port.name : port.name;
 }
 
-/// A signal or spikes that the file leaves unconnected: silent.
-class Silence : public Source {
- public:
-  explicit Silence(EndpointPort port) : port_(std::move(port)) {}
-  std::vector<EndpointPort> ports() const override { return {port_}; }
-  void receive(const Step&) override {}
-
- private:
-  EndpointPort port_;
-};
-
-/// An output that the file leaves unconnected goes nowhere, or to the recording alone.
-class Nowhere : public Sink {
- public:
-  explicit Nowhere(EndpointPort port) : port_(std::move(port)) {}
-  std::vector<EndpointPort> ports() const override { return {port_}; }
-  void send(const Step&) override {}
-
- private:
-  EndpointPort port_;
-};
-
 }  // namespace
 
 Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
-           std::vector<ParameterDescription> parameters) {
+           std::vector<ParameterDescription> parameters, bool many_processes) {
   auto* const line = new CommandLine(std::move(arguments));
-  process_ = std::make_unique<music::Process>(line->count, line->values,
-                                              music::CommonDefaults{.takes_arguments = true});
+  process_ = std::make_unique<music::Process>(
+      line->count, line->values,
+      music::CommonDefaults{.many_processes = many_processes, .takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
+  try {
+    parameters_ = process_->read(parameters);
+    open(std::move(ports));
+    process_->check();
+  } catch (const Error&) {
+    process_->let_the_first_speak();
+    throw;
+  }
+}
+
+Host::Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> ports,
+           std::vector<ParameterDescription> parameters)
+    : process_(std::move(process)) {
+  for (const auto& [name, value] : process_->written({"args"})) {
+    arguments_ = {value.text};
+  }
   parameters_ = process_->read(parameters);
   open(std::move(ports));
   process_->check();
@@ -83,6 +80,7 @@ void Host::open(std::vector<DeclaredPort> ports) {
                                  : process_->connected_output(port.name, port.kind);
     const EndpointPort settled{port.name, port.kind, settled_width(port, connected)};
     widths_.push_back(settled.width);
+    connected_.push_back(connected);
     input ? open_input(settled, connected) : open_output(settled, connected);
   }
   make_graphs();
@@ -122,7 +120,7 @@ std::uint32_t Host::settled_width(const DeclaredPort& port, bool connected) cons
 void Host::open_input(const EndpointPort& port, bool connected) {
   inputs_.push_back(port);
   if (!connected) {
-    sources_.push_back(std::make_unique<Silence>(port));
+    sources_.push_back(music::make_idle_source(port));
   } else {
     sources_.push_back(port.kind == PortKind::spikes ? process_->spike_input(port.name)
                                                      : process_->signal_input(port.name));
@@ -137,16 +135,29 @@ void Host::open_input(const EndpointPort& port, bool connected) {
 void Host::open_output(const EndpointPort& port, bool connected) {
   outputs_.push_back(port);
   if (!connected) {
-    sinks_.push_back(std::make_unique<Nowhere>(port));
+    sinks_.push_back(music::make_idle_sink(port));
   } else {
     sinks_.push_back(port.kind == PortKind::spikes ? process_->spike_output(port.name)
                                                    : process_->signal_output(port.name));
   }
   const std::string name = endpoint_name(port);
   sending_description_.sinks.push_back({name, sinks_.back().get()});
-  sending_description_.connections.push_back({fmt::format("{}.{}", kScript, port.name),
-                                              name + "." + port.name, 0, 0,
-                                              process_->where(port.name)});
+  sending_description_.connections.push_back(
+      {gathered(port), name + "." + port.name, 0, 0, process_->where(port.name)});
+}
+
+/// Where all spikes of an output are: of several processes each has those of its own cells. Of a
+/// signal each sends its share of the channels.
+std::string Host::gathered(const EndpointPort& port) {
+  const std::string script = fmt::format("{}.{}", kScript, port.name);
+  if (process_->share().parts == 1 || port.kind == PortKind::signal) {
+    return script;
+  }
+  const std::string name = "gathering of " + port.name;
+  gatherings_.push_back(std::make_unique<NodeClass>(process_->gathering(port.kind)));
+  sending_description_.nodes.push_back({name, gatherings_.back().get(), {}, {}});
+  sending_description_.connections.push_back({script, name + ".in", 0, 0, {}});
+  return name + ".out";
 }
 
 void Host::make_graphs() {

@@ -22,8 +22,12 @@ struct DeclaredPort {
 class Host {
  public:
   /// MUSIC's Setup; then keys, widths and ports. `arguments` are the command line's.
-  /// @throws Error as Process's calls; a width that is not the file's.
+  /// @throws Error as Process's calls; a width that is not the file's; several processes, unless
+  /// `many_processes`.
   Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
+       std::vector<ParameterDescription> parameters, bool many_processes);
+  /// With a Process that is there already, beside a simulator that has MUSIC.
+  Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> ports,
        std::vector<ParameterDescription> parameters);
   ~Host();
 
@@ -33,6 +37,8 @@ class Host {
   const std::vector<std::string>& arguments() const { return arguments_; }
   /// Of the declared ports, in their order.
   std::vector<std::uint32_t> widths() const;
+  /// Whether the file connects each of them.
+  const std::vector<bool>& connected() const { return connected_; }
 
   /// The next tick: its interval, and what arrived in it. Nothing when the run is over.
   std::optional<Interval> begin();
@@ -48,6 +54,7 @@ class Host {
   std::uint32_t settled_width(const DeclaredPort& port, bool connected) const;
   void open_input(const EndpointPort& port, bool connected);
   void open_output(const EndpointPort& port, bool connected);
+  std::string gathered(const EndpointPort& port);
   void make_graphs();
 
   std::unique_ptr<music::Process> process_;
@@ -56,6 +63,8 @@ class Host {
   std::vector<EndpointPort> inputs_;
   std::vector<EndpointPort> outputs_;
   std::vector<std::uint32_t> widths_;
+  std::vector<bool> connected_;
+  std::vector<std::unique_ptr<NodeClass>> gatherings_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   GraphDescription receiving_description_;

@@ -19,6 +19,14 @@ namespace {
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  return pointers;
+}
+
 /// (name, "spikes" or "signal", whether an input, width or 0)
 DeclaredPort port_of(const py::tuple& plain) {
   return {plain[0].cast<std::string>(),
@@ -27,9 +35,19 @@ DeclaredPort port_of(const py::tuple& plain) {
           plain[3].cast<std::uint32_t>()};
 }
 
+/// Of a simulator that does MUSIC's Setup itself: before it, and between it and the host.
+std::optional<music::SimulatorsMusic>& simulators_music() {
+  static std::optional<music::SimulatorsMusic> section;
+  return section;
+}
+std::unique_ptr<music::Process>& process_beside() {
+  static auto* const process = new std::unique_ptr<music::Process>;
+  return *process;
+}
+
 /// argv of the process, as MUSIC's Setup wants it.
 std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::list& ports,
-                                const py::list& parameters) {
+                                const py::list& parameters, bool many_processes) {
   std::vector<DeclaredPort> declared;
   for (const py::handle port : ports) {
     declared.push_back(port_of(port.cast<py::tuple>()));
@@ -38,17 +56,31 @@ std::unique_ptr<Host> make_host(std::vector<std::string> arguments, const py::li
   for (const py::handle parameter : parameters) {
     described.push_back(parameter_of(parameter.cast<py::tuple>()));
   }
+  if (process_beside() != nullptr) {
+    return std::make_unique<Host>(std::move(process_beside()), std::move(declared),
+                                  std::move(described));
+  }
   const py::gil_scoped_release free;  // Setup meets the other programs
-  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described));
+  return std::make_unique<Host>(std::move(arguments), std::move(declared), std::move(described),
+                                many_processes);
+}
+
+/// argv of the process.
+void before_simulators_setup(std::vector<std::string> arguments) {
+  std::vector<char*> pointers = pointers_to(arguments);
+  simulators_music() =
+      music::before_simulators_setup(static_cast<int>(pointers.size()), pointers.data());
+}
+
+void after_simulators_setup() {
+  process_beside() = std::make_unique<music::Process>(
+      simulators_music().value(), music::CommonDefaults{.takes_arguments = true});
 }
 
 /// The label, once it is known who we are. From now on signals are ours, for the rest of the
 /// process's life: what the script does after its loop must not make it deaf.
 std::string take_signals(std::vector<std::string> arguments) {
-  std::vector<char*> pointers;
-  for (std::string& word : arguments) {
-    pointers.push_back(word.data());
-  }
+  std::vector<char*> pointers = pointers_to(arguments);
   const auto count = static_cast<int>(pointers.size());
   const std::string label = music::section_label(count, pointers.data());
   static const auto* const signals = new status::SignalThread;
@@ -58,10 +90,7 @@ std::string take_signals(std::vector<std::string> arguments) {
 }
 
 bool started_by_music(std::vector<std::string> arguments) {
-  std::vector<char*> pointers;
-  for (std::string& word : arguments) {
-    pointers.push_back(word.data());
-  }
+  std::vector<char*> pointers = pointers_to(arguments);
   return music::started_by_music(static_cast<int>(pointers.size()), pointers.data());
 }
 
@@ -131,6 +160,11 @@ void unlocked(Host& host) {
   (host.*method)();
 }
 
+void let_the_first_speak(const Host& host) {
+  const py::gil_scoped_release free;
+  host.process().let_the_first_speak();
+}
+
 void bind_host(py::module_& module) {
   py::class_<Host>(module, "Host")
       .def(py::init(&make_host))
@@ -142,13 +176,22 @@ void bind_host(py::module_& module) {
       .def("send", &send)
       .def("write", &write)
       .def("widths", &Host::widths)
+      .def("connected", &Host::connected)
       .def("arguments", &Host::arguments)
       .def("parameters", [](const Host& host) { return values_of(host.parameters()); })
+      .def("processes", [](const Host& host) { return host.process().share().parts; })
+      .def("communicator", [](const Host& host) { return host.process().communicator(); })
+      .def("let_the_first_speak", &let_the_first_speak)
       .def("label", [](const Host& host) { return host.process().label(); })
       .def("directory", [](const Host& host) { return host.process().file_directory(); })
       .def("tick", [](const Host& host) { return host.process().common().music_timestep; })
       .def("stoptime", [](const Host& host) { return host.process().common().stoptime; })
-      .def("seed", [](const Host& host) { return host.process().common().seed; });
+      .def("seed", [](const Host& host) { return host.process().common().seed; })
+      .def("accept_latency",
+           [](const Host& host) { return host.process().common().accept_latency; })
+      .def("spike_delay", [](const Host& host) { return host.process().common().spike_delay; })
+      .def("signal_delay", [](const Host& host) { return host.process().common().signal_delay; })
+      .def("record", [](const Host& host) { return host.process().common().record; });
 }
 
 }  // namespace
@@ -169,6 +212,8 @@ PYBIND11_MODULE(spikeloop_python_music, module) {
   python::bind_host(module);
   module.def("take_signals", &python::take_signals);
   module.def("started_by_music", &python::started_by_music);
+  module.def("before_simulators_setup", &python::before_simulators_setup);
+  module.def("after_simulators_setup", &python::after_simulators_setup);
   module.def("stop_requested", &status::stop_requested);
   module.def("end_job", [](const std::string& label, int exit_code, const std::string& message) {
     const py::gil_scoped_release free;

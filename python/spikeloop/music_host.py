@@ -12,6 +12,7 @@ The script is the section's `binary`; docs/simulators.md has the rules.
 
 import atexit
 import collections
+import os
 import sys
 
 import numpy as np
@@ -130,18 +131,20 @@ class Host:
     directory: where the .music file lies.
     """
 
+    _tick_type = Tick
+    _many_processes = False  # np above 1
+
     def __init__(self, *, spikes_in=None, spikes_out=None, signals_in=None, signals_out=None,
                  **parameters):
         ports = _declared_ports({("spikes", True): spikes_in, ("spikes", False): spikes_out,
                                  ("signal", True): signals_in, ("signal", False): signals_out})
         declared = _declared_parameters(parameters)
         self._begun = self._finished = False
-        self._end = _End.begin()
-        arguments = [sys.argv[0], *sys.argv[1:]]
-        self.label = self._end.label = library().take_signals(arguments)
-        self._end.active = True
+        self._end = End.begin()
+        self.label = self._end.label
         with self._end.fatal():
-            self._library = library().Host(arguments, ports, declared)
+            self._library = library().Host(list(sys.argv), ports, declared, self._many_processes)
+        self._end.host = self._library
         sys.argv[1:] = self._library.arguments()
         self.widths = {port[0]: width for port, width in zip(ports, self._library.widths())}
         self._ports = collections.defaultdict(dict)
@@ -176,7 +179,7 @@ class Host:
                 interval = self._library.begin()
             if interval is None:
                 break
-            tick = Tick(self, *interval)
+            tick = self._tick_type(self, *interval)
             yield tick
             tick._close()
             with self._end.fatal():
@@ -191,7 +194,7 @@ class Host:
             self._end.active = False
 
 
-class _End:
+class End:
     """However the script ends, the job must not hang: what is not the end of the loop ends the job,
     with the reason."""
 
@@ -199,9 +202,17 @@ class _End:
 
     @classmethod
     def begin(cls):
-        """Raises HostError for a second host; ends a script that MUSIC has not started."""
-        if cls.current is not None:
+        """For a host. Raises HostError for a second one; ends a script that MUSIC has not
+        started."""
+        end = cls.current or cls.take_over()
+        if end.has_host:
             raise HostError("spikeloop.music has been called before; a script has one host")
+        end.has_host = True
+        return end
+
+    @classmethod
+    def take_over(cls):
+        """From now on; before MUSIC's Setup. Ends a script that MUSIC has not started."""
         if not library().started_by_music(sys.argv):
             name = sys.argv[0] if "/" in sys.argv[0] else "./" + sys.argv[0]
             print(f"{name}: is started by MUSIC; write a section with binary={name} and np=1 into "
@@ -210,20 +221,32 @@ class _End:
         cls.current = end = cls()
         sys.excepthook, end.hook = end.uncaught, sys.excepthook
         atexit.register(end.leaving)
+        end.label = library().take_signals(list(sys.argv))
+        end.active = True
         return end
 
     def __init__(self):
-        self.label, self.active, self.hook = "", False, None
+        self.label, self.active, self.has_host = "", False, False
+        self.hook = self.host = None
 
     def uncaught(self, kind, error, trace):
         if self.active:
-            self.fail(error, trace)
+            self.leave(lambda: self.fail(error, trace))
         self.hook(kind, error, trace)
 
     def leaving(self):
         if self.active:
-            self.stop(EXIT_SCRIPT, "the script has ended without its loop; write  with "
-                      "spikeloop.music(...) as host:  and in it  for tick in host: ...")
+            self.leave(lambda: self.stop(
+                EXIT_SCRIPT, "the script has ended without its loop; write  with "
+                "spikeloop.music(...) as host:  and in it  for tick in host: ..."))
+
+    @staticmethod
+    def leave(stop):
+        """Python does not listen to sys.exit() any more."""
+        try:
+            stop()
+        except SystemExit as left:
+            os._exit(left.code)
 
     def fatal(self):
         return _Fatal(self)
@@ -240,13 +263,20 @@ class _End:
             said = "" if isinstance(error.code, int) else f": {error.code}"
             self.stop(min(max(code, 1), 255), f"the script has ended itself by sys.exit{said}")
         message, lines = report(error, trace)
+        self.wait_for_the_first()
         for line in lines:
             print(f"{self.label}: {line}", file=sys.stderr)
         self.stop(EXIT_SCRIPT, message)
 
+    def wait_for_the_first(self):
+        """Of several processes all may fail alike: the first one says so, and ends the job."""
+        if self.host is not None:
+            self.host.let_the_first_speak()
+
     def stop(self, exit_code, message):
         """Does not return."""
         self.active = False
+        self.wait_for_the_first()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         library().end_job(self.label, exit_code, message)

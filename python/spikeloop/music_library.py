@@ -19,13 +19,18 @@ def _directories():
         yield os.path.join(os.path.dirname(os.path.realpath(program)), "../lib/spikeloop")
 
 
+def find(name):
+    """(path or None, where it was looked for) of a library of ours."""
+    tried = [os.path.normpath(os.path.join(directory, f"lib{name}.so"))
+             for directory in _directories()]
+    return next((path for path in tried if os.path.exists(path)), None), tried
+
+
 def library():
     """The module. Raises ImportError that says what to do."""
     if NAME in sys.modules:
         return sys.modules[NAME]
-    tried = [os.path.normpath(os.path.join(directory, f"lib{NAME}.so"))
-             for directory in _directories()]
-    found = next((path for path in tried if os.path.exists(path)), None)
+    found, tried = find(NAME)
     if found is None:
         raise ImportError(f"spikeloop.music needs its library, which is not in: {', '.join(tried)};"
                           " start the job with `spikeloop run`, or write the directory of "

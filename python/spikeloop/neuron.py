@@ -16,26 +16,46 @@ rules.
 """
 
 import collections
+import ctypes
 import os
 
 import numpy as np
 
 from .music_host import Host, HostError
+from .music_library import find
 
+
+def _open_communicator():
+    """Before NEURON: python/neuron/communicator.cpp says why."""
+    path, _ = find("spikeloop_neuron_mpi")
+    return path and ctypes.CDLL(path, ctypes.RTLD_GLOBAL)
+
+
+communicator = _open_communicator()
 os.environ.setdefault("NEURON_MODULE_OPTIONS", "-nogui")  # or it complains that there is no screen
 from neuron import h  # noqa: E402
 
 # NEURON's time is a sum of steps: an event on a tick's border would come before or after it by
 # chance. This much earlier (1e-12 s), it comes before, and rounds to the same nanosecond.
 EARLY_MS = 1e-9
+BEFORE_ALL = 3  # type of h.FInitializeHandler: before NEURON empties its queues
 LONGEST_STEP_MS = 10  # of NEURON's own exchange between processes
 
 
 class NeuronHost(Host):
-    """A Host with a NEURON model. One process, any number of threads of NEURON's."""
+    """A Host with a NEURON model. With np processes in its section, h.ParallelContext() made after it
+    has these: pc.id() and pc.nhost() tell which cells are whose."""
+
+    _many_processes = True
 
     def __init__(self, **arguments):
         super().__init__(**arguments)
+        if self._library.processes() > 1:
+            communicator.spikeloop_stand_in_for_world(self._library.communicator())
+            h.nrnmpi_init()
+        # Without it before h.finitialize(), processes exchange spikes once a tick only.
+        self._before = h.FInitializeHandler(
+            BEFORE_ALL, lambda: h.ParallelContext().set_maxstep(LONGEST_STEP_MS))
         self._inputs = {port: collections.defaultdict(list)
                         for port in self._ports["spikes", True]}
         self._outputs = {}
@@ -44,7 +64,8 @@ class NeuronHost(Host):
     def connect_input(self, port, channel, target, *, weight=0.0, delay_ms=0.0):
         """A NetCon from a channel of a spike input to a point process or artificial cell.
 
-        weight: of its kind's unit. delay_ms: milliseconds from 0. Both may be changed later.
+        weight: of its kind's unit. delay_ms: milliseconds from 0. Both may be changed later. Of several
+        processes every one gets all spikes of the input, and connects those that its own cells need.
         """
         self._check_channel(port, channel, True)
         connection = h.NetCon(None, target)
@@ -57,16 +78,17 @@ class NeuronHost(Host):
         """A NetCon whose spikes are a channel of a spike output.
 
         source: an artificial cell or point process, or a variable such as soma(0.5)._ref_v with its
-        section. threshold_mV: without it, NEURON's 10 mV.
+        section. threshold_mV: without it, NEURON's 10 mV. Of several processes the one that has the
+        cell calls this; a channel is connected in one of them.
         """
         self._check_channel(port, channel, False)
         connection = h.NetCon(source, None) if sec is None else h.NetCon(source, None, sec=sec)
         if threshold_mV is not None:
             connection.threshold = threshold_mV
         times, channels, connections = self._outputs.setdefault(
-            port, (h.Vector(), h.Vector(), []))
+            port, (h.Vector(), h.Vector(), collections.defaultdict(list)))
         connection.record(times, channels, channel)
-        connections.append(connection)
+        connections[channel].append(connection)
         return connection
 
     def run(self, v_init_mV=-65):
@@ -98,7 +120,21 @@ class NeuronHost(Host):
                             f"h.dt of {h.dt:g} ms; choose another h.dt, or variable steps: "
                             "h.CVode().active(True)")
         self._context = h.ParallelContext()
-        self._context.set_maxstep(LONGEST_STEP_MS)
+        self._check_owners()
+
+    def _check_owners(self):
+        """A script that makes every cell in every process would send each spike several times."""
+        own = {(port, channel) for port, (_, _, connections) in self._outputs.items()
+               for channel in connections}
+        owner = {}
+        for process, theirs in enumerate(self._context.py_allgather(own)):
+            for port, channel in sorted(theirs):
+                first = owner.setdefault((port, channel), process)
+                if first != process:
+                    raise HostError(
+                        f"channel {channel} of '{port}' is connected in the processes {first} and "
+                        f"{process}, and would send each spike twice; make a cell in one process:  "
+                        "for gid in range(int(pc.id()), CELLS, int(pc.nhost())): ...")
 
     @staticmethod
     def _deliver(tick, port, connections):

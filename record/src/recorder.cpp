@@ -1,10 +1,7 @@
 #include "spikeloop/record/recorder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <pthread.h>
 #include <semaphore.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +14,7 @@
 #include <thread>
 
 #include "hdf5.hpp"
+#include "spikeloop/core/background.hpp"
 #include "spikeloop/core/error.hpp"
 #include "stream.hpp"
 
@@ -29,15 +27,6 @@ using Clock = std::chrono::steady_clock;
 constexpr long kCollectEveryNs = 50'000'000;
 constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
 constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
-
-/// The system's reason, which HDF5 would wrap in ten lines.
-void make_empty_file(const std::string& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) {
-    throw FileError("create", path, errno);
-  }
-  ::close(file);
-}
 
 /// The oldest format: the newer ones mark a file as open, and a killed process would leave it so.
 /// Unlocked, so that one can look into the file of a run that is under way.
@@ -138,13 +127,8 @@ Recorder::Recorder(const std::string& path, const std::string& process,
     impl_->signals = create_group(impl_->file, "signals", path);
     hdf5::check(H5Fflush(impl_->file.get(), H5F_SCOPE_GLOBAL), "write", path);
   }
-  // Signals go to the threads that expect them; flush_and_close_from_signal() must never run here.
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  impl_->writer = std::thread([impl = impl_.get()] { impl->run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  // flush_and_close_from_signal() must never run there.
+  impl_->writer = background_thread([impl = impl_.get()] { impl->run(); });
 }
 
 Recorder::~Recorder() {

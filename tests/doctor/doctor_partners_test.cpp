@@ -130,19 +130,20 @@ std::string python_that(const Fakes& fakes, const std::string& script) {
 
 TEST(DoctorPython, AsksTheOneThatIsNamed) {
   const Fakes fakes;
-  const std::string python =
-      python_that(fakes,
-                  "case $3 in\n"
-                  "nest) echo a banner; echo '{\"version\": \"3.8\", \"music\": true}' ;;\n"
-                  "neuron) echo '{\"version\": \"8.2\"}' ;;\n"
-                  "brian2) echo ImportError: no Cython >&2; exit 1 ;;\n"
-                  "numpy) echo nonsense ;;\n"
-                  "*) exit 7 ;;\n"
-                  "esac");
+  const std::string python = python_that(
+      fakes,
+      "case $3 in\n"
+      "nest) echo a banner; echo '{\"version\": \"3.8\", \"music\": true, \"mpi\": true, "
+      "\"place\": \"/opt/nest\"}' ;;\n"
+      "neuron) echo '{\"version\": \"8.2\"}' ;;\n"
+      "brian2) echo ImportError: no Cython >&2; exit 1 ;;\n"
+      "numpy) echo nonsense ;;\n"
+      "*) exit 7 ;;\n"
+      "esac");
   const Examination seen = examine({{"PYTHON", python}});
   EXPECT_EQ(seen.outcome.exit_code, 0);
   EXPECT_EQ(seen.line("Python"), "ok | Python 3.99, " + python + " | ");
-  EXPECT_EQ(seen.line("NEST"), "ok | 3.8, with MUSIC | ");
+  EXPECT_EQ(seen.line("NEST"), "ok | 3.8, with MUSIC, /opt/nest | ");
   EXPECT_EQ(seen.line("NEURON"), "ok | 8.2 | ");
   EXPECT_EQ(seen.line("Brian2"),
             "missing | ImportError: no Cython | apt-get install python3-brian, or python3 -m pip "
@@ -153,12 +154,24 @@ TEST(DoctorPython, AsksTheOneThatIsNamed) {
   EXPECT_EQ(seen.line("matplotlib"), "missing | exit code 7 | apt-get install python3-matplotlib");
 }
 
-TEST(DoctorPython, WarnsOfANestWithoutMusic) {
+TEST(DoctorPython, WarnsOfANestWithMpiAlone) {
   const Fakes fakes;
-  const std::string python = python_that(fakes, "echo '{\"version\": \"3.8\", \"music\": false}'");
+  const std::string python = python_that(
+      fakes, "echo '{\"version\": \"3.8\", \"music\": false, \"mpi\": true, \"place\": \"/n\"}'");
   EXPECT_EQ(examine({{"PYTHON", python}}).line("NEST"),
-            "warning | 3.8, without MUSIC | build NEST with cmake -Dwith-music=ON -Dwith-mpi=ON "
-            "(nest-simulator.readthedocs.io), and set PYTHON to the python3 that imports it");
+            "warning | 3.8, with MPI but without MUSIC, /n | jobs need one with MUSIC (cmake "
+            "-Dwith-music=ON -Dwith-mpi=ON), or one without MPI (conda-forge: "
+            "nest-simulator=*=nompi*)");
+}
+
+TEST(DoctorPython, SaysHowToGetNest) {
+  const Fakes fakes;
+  const std::string python =
+      python_that(fakes, "echo \"ModuleNotFoundError: No module named 'nest'\" >&2; exit 1");
+  EXPECT_EQ(examine({{"PYTHON", python}}).line("NEST"),
+            "missing | ModuleNotFoundError: No module named 'nest' | install it (conda-forge: "
+            "nest-simulator=*=nompi*; Ubuntu: ppa:nest-simulator/nest; or from source, see "
+            "docs/simulators.md) and write the directory of its package `nest` into PYTHONPATH");
 }
 
 TEST(DoctorPython, ImportsWhatIsThere) {
@@ -167,13 +180,14 @@ TEST(DoctorPython, ImportsWhatIsThere) {
   packages.write("neuron.py", "__version__ = '8.0'\nprint('NEURON -- a banner')\n");
   packages.write("nest.py",
                  "__version__ = '3.3'\nclass ll_api:\n  @staticmethod\n  def sli_func(text):\n    "
-                 "assert text == 'statusdict/have_music ::'\n    return True\n");
+                 "return text == 'statusdict/have_music ::'\n");
   const Examination seen = examine({{"PYTHONPATH", packages.path().string()}});
   EXPECT_EQ(seen.line("NEURON"), "ok | 8.0 | ");
-  EXPECT_EQ(seen.line("NEST"), "ok | 3.3, with MUSIC | ");
-  packages.write("nest.py", "build_info = {'have_music': False}\n");
+  EXPECT_EQ(seen.line("NEST"), "ok | 3.3, with MUSIC, " + packages.path().string() + " | ");
+  packages.write("nest.py",
+                 "class ll_api:\n  @staticmethod\n  def sli_func(text):\n    return False\n");
   EXPECT_THAT(examine({{"PYTHONPATH", packages.path().string()}}).line("NEST"),
-              StartsWith("warning | ?, without MUSIC | "));
+              StartsWith("ok | ?, without MUSIC, "));
 }
 
 TEST(DoctorPython, SaysThatThereIsNone) {

@@ -6,13 +6,12 @@ import contextlib
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import time
 import xmlrpc.client
 
+import ros
 import runs
 
 HANGING = """import spikeloop, time
@@ -26,32 +25,11 @@ def hanging(step):
 """
 
 
-def wait_until(condition, what):
-    for _ in range(300):
-        with contextlib.suppress(OSError, xmlrpc.client.Error):
-            if condition():
-                return
-        time.sleep(0.1)
-    raise AssertionError(f"{what}: not within 30 s")
-
-
 @contextlib.contextmanager
 def ros_master(scratch):
     """An environment with a master of its own."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    environment = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{port}",
-                   "ROS_HOSTNAME": "localhost", "ROS_HOME": str(scratch / "ros"),
-                   "ROS_LOG_DIR": str(scratch / "ros")}
-    with subprocess.Popen(["roscore", "-p", str(port)], env=environment,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as roscore:
-        try:
-            master = xmlrpc.client.ServerProxy(environment["ROS_MASTER_URI"])
-            wait_until(lambda: master.getUri("/test")[0] == 1, "roscore")
-            yield environment, master
-        finally:
-            roscore.send_signal(signal.SIGINT)
+    with ros.master(scratch) as uri:
+        yield dict(os.environ), xmlrpc.client.ServerProxy(uri)
 
 
 def scans(master):
@@ -61,7 +39,7 @@ def scans(master):
 def robot(master, environment, *options):
     process = subprocess.Popen([runs.programs() / "spikeloop-robot", *options], env=environment,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    wait_until(lambda: scans(master), "robot")
+    ros.until(lambda: scans(master), "robot")
     return process
 
 
@@ -106,7 +84,7 @@ def killed(spikeloop, scratch):
     with subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder), "--stall-timeout",
                            "30", "--start-timeout", "40"],
                           stderr=subprocess.PIPE, text=True) as process:
-        wait_until((folder / "encoder.h5").exists, "run")
+        ros.until((folder / "encoder.h5").exists, "run")
         found = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{folder}"],
                                capture_output=True, text=True, check=True).stdout.split()
         for pid in found:

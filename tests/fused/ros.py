@@ -25,6 +25,7 @@ def _answers(uri):
 @contextlib.contextmanager
 def master(scratch):
     """Starts roscore on a free port and points this process and its children to it."""
+    before = dict(os.environ)
     os.environ.update(ROS_HOSTNAME="localhost", ROS_LOG_DIR=str(scratch / "ros"))
     for _ in range(5):  # somebody else may take the port
         port = str(_free_port())
@@ -41,6 +42,8 @@ def master(scratch):
     finally:
         core.send_signal(signal.SIGINT)
         core.wait(30)
+        os.environ.clear()
+        os.environ.update(before)
 
 
 @contextlib.contextmanager

@@ -194,7 +194,6 @@ def main():
             for test in (pause, jump, back):
                 simulator.heard.clear()
                 test(simulator, lambda name: Run(spikeloop, file, scratch / name))
-        del os.environ["ROS_MASTER_URI"]
         shipped_robot(spikeloop, scratch)
     print("as far as /clock: slow, paused, ahead; an error when it goes back")
 

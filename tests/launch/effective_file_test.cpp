@@ -432,6 +432,17 @@ TEST(Programs, AScriptThatImportsOurPackageIsOurs) {
   }
 }
 
+// NEST with MUSIC rounds times to 1 us: a spike just after a tick's begin would be before it.
+TEST(Programs, SpikesForAScriptOfNestKeepAwayFromTheTick) {
+  for (const char* import :
+       {"import spikeloop.nest", "import spikeloop, spikeloop.nest", "from spikeloop import nest",
+        "  from spikeloop.nest import music", "import spikeloop\nimport spikeloop.nest as n"}) {
+    const MusicFile file = with_brain(fmt::format("#!/usr/bin/python3\n{}\n", import));
+    EXPECT_EQ(value(file, "brain", "record"), "true") << import;
+    EXPECT_EQ(value(file, "encoder", "stamp_guard"), "-") << import;
+  }
+}
+
 TEST(Programs, AnotherScriptIsForeign) {
   for (const char* text :
        {"#!/usr/bin/python3\nimport nest\n", "#!/usr/bin/python3\nimport spikeloops\n",

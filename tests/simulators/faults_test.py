@@ -85,6 +85,28 @@ class Faults(unittest.TestCase):
         self.check(script(), "np=2 asks for 2 processes, but brain.py runs in one; write  np=1",
                    code=2, keys="np=2")
 
+    def parallel(self, *expected, code, keys):
+        with jobs.Job("repeat_neuron_parallel.py", 4, encoder="rate_encoder", duration_s=0.3,
+                      keys="np=2\n  " + keys) as job:
+            said = job.run(code=code, timeout=90)
+            for words in expected:
+                self.assertIn(words, said)
+            self.assertEqual(living(job.folder), [])
+
+    def test_one_of_several_processes_fails(self):
+        for process in ("0", "1"):
+            self.parallel("brain: Traceback (most recent call last):",
+                          f"RuntimeError: nothing in process {process}", code=5,
+                          keys=f"fail_in={process}")
+
+    def test_cells_that_every_process_makes(self):
+        self.parallel("channel 0 of 'out' is connected in the processes 0 and 1, and would send "
+                      "each spike twice; make a cell in one process:  for gid in "
+                      "range(int(pc.id()), CELLS, int(pc.nhost())): ...", code=5, keys="twice=true")
+
+    def test_several_processes_and_a_wrong_value(self):
+        self.parallel("key 'fail_in': 'none'", code=2, keys="fail_in=none")
+
     def test_times_outside_the_interval_end_the_job(self):
         self.check(script("tick.send('out', tick.end_s + 1e-6, 0)"),
                    "brain.py:7: tick.send('out', ...) got a spike at 0.001001 s, outside of the "

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import unittest
 
+import h5py
 import numpy as np
 
 import jobs
@@ -48,6 +49,20 @@ class Fidelity(unittest.TestCase):
     def test_a_cell_of_neuron_with_variable_steps_fires_at_the_same_times(self):
         times, fired = self.neuron(0.001, cvode=True)
         self.assertLess(np.max(np.abs(times - fired)), 200)  # the integrator's own tolerance
+
+    def test_every_process_of_neuron_sends_its_share_of_a_signal(self):
+        with jobs.Job("levels_parallel.py", 4, duration_s=0.1, keys="np=3") as job:
+            shutil.copy(jobs.HERE / "scripts/keep_levels.py", job.folder)
+            with job.file.open("a") as file:
+                file.write("[levels]\n  np=1\n  binary=./keep_levels.py\n"
+                           "brain.level -> levels.in [5]\n")
+            job.run("--quiet")
+            kept = np.load(job.folder / "levels.npy")
+            self.assertGreater(len(kept), 95)
+            expected = 1 + kept[:, :1] + np.arange(5) / 10  # as of the end of the tick before
+            np.testing.assert_allclose(kept[:, 1:], expected, atol=1e-9)
+            with h5py.File(job.out / "brain.h5") as recording:
+                self.assertEqual(recording["signals/level/values"].shape, (100, 5))
 
     def test_a_network_of_brian2_fires_in_the_same_steps(self):
         for tick_s in (0.001, 0.01):

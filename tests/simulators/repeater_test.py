@@ -56,6 +56,13 @@ class Repeaters(unittest.TestCase):
         self.check("repeat_neuron.py", 0.001, lambda times, channels: (times, channels),
                    keys="cvode=true\n  delay=0")
 
+    def test_neuron_repeats_over_two_processes(self):
+        for tick_s in (0.001, 0.01):
+            with self.subTest(tick_s=tick_s):
+                self.check("repeat_neuron_parallel.py", tick_s,
+                           lambda times, channels: before_the_end(times + 3_500_000, channels),
+                           keys="np=2")
+
     def test_brian_repeats_a_step_later(self):
         for tick_s in (0.001, 0.01):
             with self.subTest(tick_s=tick_s):

@@ -20,21 +20,21 @@ print()
 print(json.dumps({'version': str(getattr(m, '__version__', '?'))}))
 )";
 
-/// NEST 2 and 3 have their build options in a dictionary of SLI, later ones in Python's.
+/// Its build options are in a dictionary of SLI.
 constexpr const char* kNestScript = R"(
-import json, nest
-try:
-    music = bool(nest.ll_api.sli_func('statusdict/have_music ::'))
-except Exception:
-    info = getattr(nest, 'build_info', {})
-    music = bool(info.get('have_music', False))
+import json, nest, os
+has = lambda name: bool(nest.ll_api.sli_func(f'statusdict/have_{name} ::'))
 print()
-print(json.dumps({'version': str(getattr(nest, '__version__', '?')), 'music': music}))
+print(json.dumps({'version': str(getattr(nest, '__version__', '?')), 'music': has('music'),
+                  'mpi': has('mpi'), 'place': os.path.dirname(os.path.abspath(nest.__file__))}))
 )";
 
 constexpr const char* kNestRemedy =
-    "build NEST with cmake -Dwith-music=ON -Dwith-mpi=ON (nest-simulator.readthedocs.io), and set "
-    "PYTHON to the python3 that imports it";
+    "install it (conda-forge: nest-simulator=*=nompi*; Ubuntu: ppa:nest-simulator/nest; or from "
+    "source, see docs/simulators.md) and write the directory of its package `nest` into PYTHONPATH";
+constexpr const char* kNestMpiRemedy =
+    "jobs need one with MUSIC (cmake -Dwith-music=ON -Dwith-mpi=ON), or one without MPI "
+    "(conda-forge: nest-simulator=*=nompi*)";
 
 struct Package {
   const char* name;
@@ -49,7 +49,25 @@ constexpr std::array kSimulators{
     Package{"NEURON", "neuron", "apt-get install python3-neuron, or python3 -m pip install neuron"},
     Package{"Brian2", "brian2", "apt-get install python3-brian, or python3 -m pip install brian2"}};
 
-Finding judge_import(const Answer& answer, const std::string& remedy) {
+Finding judge_version(const json& said) {
+  return ok(said.value("version", "?"));
+}
+
+/// With MUSIC or without both work; with MPI alone it takes the whole job for its own.
+Finding judge_nest(const json& said) {
+  const auto finding = [&said](const char* options) {
+    return fmt::format("{}, {}, {}", said.value("version", "?"), options, said.value("place", "?"));
+  };
+  if (said.value("music", false)) {
+    return ok(finding("with MUSIC"));
+  }
+  return said.value("mpi", false) ? warning(finding("with MPI but without MUSIC"), kNestMpiRemedy)
+                                  : ok(finding("without MUSIC"));
+}
+
+using Judge = Finding (*)(const json& said);
+
+Finding judge_import(const Answer& answer, const std::string& remedy, Judge judge) {
   if (const std::string failure = answer.failure(); !failure.empty()) {
     const bool said_why = answer.in_time && answer.exit_code == 1 && !last_line(answer.err).empty();
     return missing(said_why ? std::string(last_line(answer.err)) : failure, remedy);
@@ -58,15 +76,10 @@ Finding judge_import(const Answer& answer, const std::string& remedy) {
   if (!said.is_object()) {
     return missing(fmt::format("its answer cannot be read: '{}'", last_line(answer.out)), remedy);
   }
-  const std::string version = said.value("version", "?");
-  if (!said.contains("music")) {
-    return ok(version);
-  }
-  return said.value("music", false) ? ok(version + ", with MUSIC")
-                                    : warning(version + ", without MUSIC", remedy);
+  return judge(said);
 }
 
-Probe import_probe(const Package& package, const char* script) {
+Probe import_probe(const Package& package, const char* script, Judge judge = judge_version) {
   const std::string interpreter = python_program();
   if (interpreter.empty()) {
     return fact(package.name, false,
@@ -74,8 +87,8 @@ Probe import_probe(const Package& package, const char* script) {
   }
   return answer_of(package.name, false,
                    {{interpreter, "-c", script, package.module}, {{"MPLBACKEND", "Agg"}}, "", ""},
-                   [remedy = std::string(package.remedy)](const Answer& answer) {
-                     return judge_import(answer, remedy);
+                   [remedy = std::string(package.remedy), judge](const Answer& answer) {
+                     return judge_import(answer, remedy, judge);
                    });
 }
 
@@ -110,7 +123,7 @@ std::vector<Probe> python_probes() {
 }
 
 std::vector<Probe> simulator_probes() {
-  std::vector<Probe> probes{import_probe({"NEST", "nest", kNestRemedy}, kNestScript)};
+  std::vector<Probe> probes{import_probe({"NEST", "nest", kNestRemedy}, kNestScript, judge_nest)};
   for (const Package& package : kSimulators) {
     probes.push_back(import_probe(package, kVersionScript));
   }

@@ -47,10 +47,6 @@ void tell(const char* kind, const std::vector<MusicProblem>& problems) {
   }
 }
 
-std::string count(std::size_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 void check(const ImportArguments& given) {
   if (is_experiment(given.file)) {
     throw ConfigurationError(
@@ -81,7 +77,7 @@ int import_file(const ImportArguments& given) {
     return 0;
   }
   put(stderr, fmt::format("spikeloop: {}: {}; the experiment is not complete\n", given.file,
-                          count(imported.problems.size(), "error")));
+                          count_of(imported.problems.size(), "error")));
   return kIncomplete;
 }
 

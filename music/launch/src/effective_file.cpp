@@ -229,12 +229,12 @@ void set_stamp_guards(MusicFile& file) {
     if (program == nullptr || (program->output != Kind::events && !program->any_class)) {
       continue;
     }
-    const bool foreign =
-        std::any_of(file.connections.begin(), file.connections.end(), [&](const auto& connection) {
-          return connection.from_app == section.label &&
-                 find_program(file, connection.to_app) == nullptr;
-        });
-    if (!foreign) {
+    const auto needs_guard = [&](const MusicConnection& connection) {
+      const Program* receiver = find_program(file, connection.to_app);
+      return connection.from_app == section.label &&
+             (receiver == nullptr || receiver->rounds_times);
+    };
+    if (std::ranges::none_of(file.connections, needs_guard)) {
       add_key(file, section, "stamp_guard", "false");
     }
   }

@@ -156,27 +156,36 @@ constexpr std::array kPluginNodes{
 constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
 
 constexpr Program kScript{.name = "script", .any_class = true, .script = true};
+constexpr Program kNestScript{
+    .name = "script", .any_class = true, .script = true, .rounds_times = true};
 
-/// Read as text: nobody's script is started to be looked at.
-bool uses_our_package(const MusicFile& file, const MusicSection& section) {
+/// The kind of a script that uses our package; null: it does not. Read as text: nobody's script is
+/// started to be looked at.
+const Program* program_of_script(const MusicFile& file, const MusicSection& section) {
   static const std::regex import(R"(\s*(from\s+spikeloop[\s.]|import\s+(.*[\s,])?spikeloop\b).*)");
+  static const std::regex nest(
+      R"(\s*(from\s+spikeloop(\.nest\s|\s+import\s+(.*[\s,])?nest\b)|import\s+(.*[\s,])?spikeloop\.nest\b).*)");
   const MusicKey* binary = file.find_key(section, "binary");
   if (binary == nullptr) {
-    return false;
+    return nullptr;
   }
   const std::string directory = working_directory(file, section, directory_of(file.path));
   std::ifstream script(find_executable(binary->value, directory, program_environment().at("PATH")));
   std::string line;
   if (!std::getline(script, line) || !line.starts_with("#!")) {
-    return false;
+    return nullptr;
   }
+  const Program* found = nullptr;
   while (std::getline(script, line)) {
     if (line.size() < 200 && line.find("spikeloop") != std::string::npos &&
         std::regex_match(line, import)) {
-      return true;
+      if (std::regex_match(line, nest)) {
+        return &kNestScript;
+      }
+      found = &kScript;
     }
   }
-  return false;
+  return found;
 }
 
 template <typename Table>
@@ -241,7 +250,7 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
       found != kPrograms.end()) {
     return found;
   }
-  return uses_our_package(file, section) ? &kScript : nullptr;
+  return program_of_script(file, section);
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {

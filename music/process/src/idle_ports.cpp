@@ -1,4 +1,4 @@
-#include "idle_ports.hpp"
+#include "spikeloop/process/idle_ports.hpp"
 
 #include <vector>
 

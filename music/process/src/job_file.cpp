@@ -65,27 +65,31 @@ std::string basename_of(std::string_view path) {
   return std::string(path.substr(path.rfind('/') + 1));
 }
 
-JobFile JobFile::find(int argc, char** argv) {
+std::string JobFile::path(int argc, char** argv) {
   auto name = option(argc, argv, "--music-config");
   if (!name && std::getenv("_MUSIC_CONFIG_") != nullptr && argc > 1) {
     name = argv[argc - 1];
   }
   if (!name) {
-    return {};
+    return "";
   }
   for (const auto& path : places(*name)) {
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) {
-      continue;
-    }
-    try {
-      return read(path);
-    } catch (const Error&) {
-      // MUSIC itself has read it: our reader is the stricter one, and the launcher's to use.
-      return {};
+    if (std::filesystem::is_regular_file(path, ignored)) {
+      return path;
     }
   }
-  return {};
+  return "";
+}
+
+JobFile JobFile::find(int argc, char** argv) {
+  const std::string found = path(argc, argv);
+  try {
+    return found.empty() ? JobFile{} : read(found);
+  } catch (const Error&) {
+    // MUSIC itself has read it: our reader is the stricter one, and the launcher's to use.
+    return {};
+  }
 }
 
 std::string JobFile::directory() const {
@@ -162,6 +166,12 @@ std::string with_one_digit_color(std::string_view music_config) {
   }
   return std::string(music_config.substr(0, label)) + ":0" +
          std::string(music_config.substr(color));
+}
+
+void mend_music_config() {
+  if (const char* config = std::getenv("_MUSIC_CONFIG_"); config != nullptr) {
+    ::setenv("_MUSIC_CONFIG_", with_one_digit_color(config).c_str(), 1);
+  }
 }
 
 std::string section_label(int argc, char** argv) {

@@ -25,6 +25,8 @@ inline constexpr const char* kOriginNameVariable = "SPIKELOOP_FILE_NAME";
 
 class JobFile {
  public:
+  /// The path in the arguments before MUSIC's Setup, of a file that is there; empty: none.
+  static std::string path(int argc, char** argv);
   /// From the arguments before MUSIC's Setup: `music FILE` or `--music-config FILE`. A file that
   /// cannot be found or read leaves this empty: then messages have no line numbers.
   /// What is also said in the file that SPIKELOOP_FILE names, has its locations.
@@ -66,6 +68,8 @@ std::string label_in_environment(std::string_view music_config);
 /// The value of _MUSIC_CONFIG_ as MUSIC can read it: 1.1.16 takes the program's place in the file
 /// for a single digit and crashes in the eleventh program. It makes no use of it.
 std::string with_one_digit_color(std::string_view music_config);
+/// Writes it so into the environment.
+void mend_music_config();
 
 /// The part after the last '/'.
 std::string basename_of(std::string_view path);

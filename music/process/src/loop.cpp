@@ -117,7 +117,7 @@ struct Process::Loop::State {
   std::unique_ptr<Pacer> pacer;
   Progress progress;
   /// When something throws, it is left alone: its destructor would talk to programs that MPI_Abort
-  /// is about to end.
+  /// is about to end. Null beside a simulator that has MUSIC.
   MUSIC::Runtime* runtime = nullptr;
   TimeNs time = 0;
 
@@ -138,7 +138,9 @@ struct Process::Loop::State {
     MUSIC::Setup* const setup = std::exchange(process.setup, nullptr);
     // All programs meet here; handlers already run inside this constructor. The wall clock starts
     // afterwards.
-    runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
+    if (setup != nullptr) {
+      runtime = new MUSIC::Runtime(setup, music_seconds(keys.music_timestep));
+    }
     pacer->start();
     process.running = true;
   }
@@ -160,7 +162,9 @@ Process::Loop::Loop(Process& process, std::vector<const Graph*> graphs, LoopHook
     }
   }
   process.check();
-  process.impl_->open_setup();
+  if (!process.impl_->without_setup) {
+    process.impl_->open_setup();
+  }
   state_ = std::make_unique<State>(*process.impl_, keys, std::move(graphs), std::move(hooks));
   state_->meet();
 }
@@ -187,7 +191,9 @@ void Process::Loop::exchange() {
   State& own = *state_;
   const TimeNs begin = std::exchange(own.time, own.time + own.keys.music_timestep);
   own.process.heartbeat->enter(Phase::exchanging);
-  own.runtime->tick();
+  if (own.runtime != nullptr) {
+    own.runtime->tick();
+  }
   if (own.hooks.after_step) {
     own.hooks.after_step(begin, own.time);
   }
@@ -206,8 +212,10 @@ void Process::Loop::finish() {
     own.process.recording->close();  // now, because finalize() waits for the slowest sender
   }
   own.report();
-  own.runtime->finalize();
-  delete own.runtime;
+  if (own.runtime != nullptr) {
+    own.runtime->finalize();
+    delete own.runtime;
+  }
 }
 
 int Process::run(Graph& graph, const LoopHooks& hooks) {

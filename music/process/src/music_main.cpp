@@ -160,6 +160,11 @@ bool started_by_music(int argc, char** argv) {
   return false;
 }
 
+SimulatorsMusic before_simulators_setup(int argc, char** argv) {
+  mend_music_config();
+  return {JobFile::path(argc, argv), section_label(argc, argv)};
+}
+
 int music_main(int argc, char** argv, const ProgramText& text,
                const std::function<int(Process&)>& body) {
   if (!started_by_music(argc, argv)) {

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "idle_ports.hpp"
 #include "recording.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/process/idle_ports.hpp"
 
 namespace spikeloop::music {
 namespace {

@@ -37,9 +37,7 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   // MUSIC's launcher starts us as `music FILE`, and Setup then writes the key `binary` there: which
   // may be a script of the user's that has become us.
   const std::string called = argc > 0 ? basename_of(argv[0]) : "";
-  if (const char* config = std::getenv("_MUSIC_CONFIG_"); config != nullptr) {
-    ::setenv("_MUSIC_CONFIG_", with_one_digit_color(config).c_str(), 1);
-  }
+  mend_music_config();
   int provided = MPI_THREAD_SINGLE;
   impl_->setup = new MUSIC::Setup(argc, argv, MPI_THREAD_FUNNELED, &provided);
   const std::string written = argc > 0 ? basename_of(argv[0]) : impl_->label;
@@ -53,9 +51,7 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
     impl_->status->silence();
     log::set_sink([](log::Level, std::string_view) {});
   }
-  impl_->status->started();
-  impl_->heartbeat.emplace(*impl_->status);
-  impl_->on_termination.emplace([this] { impl_->status->terminated(); });
+  impl_->announce();
   if (impl_->launched) {
     impl_->check_processes();
   }
@@ -65,9 +61,22 @@ Process::Process(const SectionCheck& section, const CommonDefaults& defaults)
     : impl_(std::make_unique<Impl>()) {
   impl_->label = section.label;
   impl_->file = JobFile::read(section.file);
-  impl_->checking = impl_->launched = true;
+  impl_->checking = impl_->without_setup = impl_->launched = true;
   impl_->defaults = defaults;
   impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
+  impl_->ranks.count = impl_->file.processes(section.label);
+  impl_->check_processes();
+}
+
+Process::Process(const SimulatorsMusic& section, const CommonDefaults& defaults)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->label = section.label;
+  impl_->file = JobFile::read(section.file);
+  impl_->without_setup = impl_->launched = true;
+  impl_->defaults = defaults;
+  impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
+  impl_->status.emplace(impl_->label);
+  impl_->announce();
   impl_->ranks.count = impl_->file.processes(section.label);
   impl_->check_processes();
 }
@@ -91,6 +100,9 @@ Share Process::share() const {
 }
 NodeClass Process::gathering(PortKind kind) const {
   return gathering_class(kind, impl_->ranks);
+}
+int Process::communicator() const {
+  return MPI_Comm_c2f(impl_->ranks.communicator);
 }
 void Process::let_the_first_speak() const {
   if (impl_->ranks.rank > 0) {
@@ -170,32 +182,32 @@ std::unique_ptr<Source> Process::signal_input(const std::string& port,
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::signal, width};
   const TimeNs delay = delay_ticks.value_or(common().signal_delay) * common().music_timestep;
-  return impl_->checking ? make_idle_source(end)
-                         : make_signal_source(impl_->open_setup(), end, delay);
+  return impl_->without_setup ? make_idle_source(end)
+                              : make_signal_source(impl_->open_setup(), end, delay);
 }
 
 std::unique_ptr<Source> Process::spike_input(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::input);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::spikes, width};
-  return impl_->checking ? make_idle_source(end)
-                         : make_spike_source(impl_->open_setup(), end, common().accept_latency,
-                                             common().spike_delay);
+  return impl_->without_setup ? make_idle_source(end)
+                              : make_spike_source(impl_->open_setup(), end, common().accept_latency,
+                                                  common().spike_delay);
 }
 
 std::unique_ptr<Sink> Process::signal_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::signal, width};
-  return impl_->checking ? make_idle_sink(end)
-                         : make_signal_sink(impl_->open_setup(), end, impl_->ranks);
+  return impl_->without_setup ? make_idle_sink(end)
+                              : make_signal_sink(impl_->open_setup(), end, impl_->ranks);
 }
 
 std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::spikes, width};
-  return impl_->checking
+  return impl_->without_setup
              ? make_idle_sink(end)
              : make_spike_sink(impl_->open_setup(), end, common().stamp_guard, impl_->ranks);
 }
@@ -216,6 +228,12 @@ void Process::check() const {
   impl_->check_keys(common().strict);
 }
 
+void Process::Impl::announce() {
+  status->started();
+  heartbeat.emplace(*status);
+  on_termination.emplace([this] { status->terminated(); });
+}
+
 MUSIC::Setup& Process::Impl::open_setup() const {
   if (setup == nullptr) {
     throw std::logic_error("keys and ports can only be asked for before run()");
@@ -224,7 +242,7 @@ MUSIC::Setup& Process::Impl::open_setup() const {
 }
 
 std::optional<std::string> Process::Impl::key_text(const std::string& name) const {
-  if (checking) {
+  if (without_setup) {
     return file.key(label, name);
   }
   std::string text;
@@ -232,11 +250,11 @@ std::optional<std::string> Process::Impl::key_text(const std::string& name) cons
 }
 
 bool Process::Impl::is_connected(const std::string& port) {
-  return checking ? file.port(label, port).has_value() : probe(port).isConnected();
+  return without_setup ? file.port(label, port).has_value() : probe(port).isConnected();
 }
 
 std::optional<int> Process::Impl::connection_width(const std::string& port) {
-  if (checking) {
+  if (without_setup) {
     const auto use = file.port(label, port);
     const auto width = use ? use->connection->width : std::nullopt;
     return width ? std::optional(static_cast<int>(*width)) : std::nullopt;

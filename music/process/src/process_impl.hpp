@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "idle_ports.hpp"
 #include "job_file.hpp"
 #include "recording.hpp"
+#include "spikeloop/process/idle_ports.hpp"
 #include "spikeloop/process/process.hpp"
 #include "spikeloop/status/heartbeat.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -39,7 +39,8 @@ struct Process::Impl {
   JobFile file;
   bool launched = false;
   bool checking = false;
-  bool running = false;  ///< the loop has begun
+  bool without_setup = false;  ///< a SectionCheck, or beside a simulator that has MUSIC
+  bool running = false;        ///< the loop has begun
   Ranks ranks;
   CommonDefaults defaults;
   std::optional<CommonKeys> common;
@@ -65,6 +66,8 @@ struct Process::Impl {
   MUSIC::Port& probe(const std::string& port);
   /// @throws ConfigurationError as Process::signal_input() and its kin say.
   std::uint32_t checked_width(const std::string& port, Direction direction);
+  /// From now on the launcher hears of this process.
+  void announce();
   /// @throws ConfigurationError when there are several, and the program runs in one.
   void check_processes() const;
   void check_recordable(bool record) const;

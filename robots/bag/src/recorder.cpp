@@ -1,20 +1,16 @@
 #include "spikeloop/bag/recorder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <pthread.h>
 #include <rosbag/bag.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <condition_variable>
-#include <csignal>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 #include "raw_message.hpp"
+#include "spikeloop/core/background.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -36,15 +32,6 @@ struct Item {
   TimeNs time = 0;
   std::vector<std::byte> bytes;
 };
-
-/// The system's reason, which rosbag does not tell.
-void make_empty_file(const std::string& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) {
-    throw FileError("create", path, errno);
-  }
-  ::close(file);
-}
 
 Connection connection_of(const Topic& topic) {
   const auto& catalog = messages::Catalog::builtin();
@@ -103,13 +90,7 @@ Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     impl_->forsake_bag();
     throw FileError(fmt::format("cannot write '{}': {}", path, error.what()));
   }
-  // Signals go to the threads that expect them.
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  impl_->writer = std::thread([impl = impl_.get()] { impl->run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  impl_->writer = background_thread([impl = impl_.get()] { impl->run(); });
 }
 
 Recorder::~Recorder() {

@@ -93,4 +93,11 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
   if (!file) throw FileError("write", path, errno != 0 ? errno : EIO);
 }
 
+nlohmann::json summary_of(const vehicle::Statistics& statistics) {
+  return {{"collisions", statistics.collisions},
+          {"distance_m", statistics.distance_m},
+          {"coverage", statistics.coverage},
+          {"mean_speed_m_s", statistics.mean_speed_m_s}};
+}
+
 }  // namespace spikeloop::robot

@@ -31,6 +31,7 @@ struct Program {
   Outside outside{};             ///< has no key: meets nobody
   bool any_class = false;        ///< runs a class that the launcher does not know: any ports
   bool script = false;           ///< a user's, that takes part by our Python package
+  bool rounds_times = false;     ///< of the spikes it gets, to microseconds
 };
 
 /// The names of our MUSIC programs that the launcher knows.
@@ -42,7 +43,7 @@ std::string_view node_of_program(std::string_view name);
 
 /// Null for a foreign program. The program spikeloop-node is known by its key `node`; it is ours
 /// also when it runs a class that no other program runs, maybe of a plug-in. So is a script with a
-/// line that imports the Python package spikeloop.
+/// line that imports the Python package spikeloop; with NEST in it, when it imports spikeloop.nest.
 const Program* find_program(const MusicFile& file, const MusicSection& section);
 /// Null for a foreign program or a label that no section has.
 const Program* find_program(const MusicFile& file, std::string_view label);

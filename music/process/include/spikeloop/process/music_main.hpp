@@ -38,6 +38,10 @@ bool started_by_music(int argc, char** argv);
 /// argv[0].
 std::string section_label(int argc, char** argv);
 
+/// The section of a simulator that will do MUSIC's Setup itself; mends for it what a Process mends
+/// for its own Setup.
+SimulatorsMusic before_simulators_setup(int argc, char** argv);
+
 /// The text of --help.
 std::string help_text(const ProgramText& text);
 

@@ -30,6 +30,14 @@ struct SectionCheck {
   std::string label;
 };
 
+/// A section whose program is a simulator with MUSIC of its own, such as NEST, and code of ours
+/// beside it in one process. Setup, ports, ticks and finalize are the simulator's; ours are the
+/// section's keys and checks, what the launcher is told, the clock, and what is recorded.
+struct SimulatorsMusic {
+  std::string file;
+  std::string label;
+};
+
 class Process {
  public:
   /// Called by the loop; any may be left out.
@@ -48,6 +56,11 @@ class Process {
   /// when it has checked what it checks before it meets the others.
   /// @throws FileError, ConfigurationError for a file or label that is not there.
   Process(const SectionCheck& section, const CommonDefaults& defaults);
+  /// After the simulator's Setup. Endpoints bring nothing and send nothing; run() and Loop turn as
+  /// the others do, without a Runtime: the simulator ticks between begin() and exchange().
+  /// @throws FileError, ConfigurationError for a file or label that is not there, and for several
+  /// processes.
+  Process(const SimulatorsMusic& section, const CommonDefaults& defaults);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -69,6 +82,9 @@ class Process {
   /// Of a section with several processes: a node class that puts together what they compute, with
   /// the ports `in` and `out` of this kind. Spikes come out in the first process, signals in all.
   NodeClass gathering(PortKind kind) const;
+  /// The Fortran handle of the communicator of the section's processes (MPI_Comm_f2c), for
+  /// libraries that are to know of these alone.
+  int communicator() const;
   /// The others of the section may say the same: the first one goes first, and ends the job.
   void let_the_first_speak() const;
 

@@ -1,7 +1,8 @@
-// What a run leaves on disk: the path driven and the world it was driven in.
+// What a run leaves on disk: the path driven, the world it was driven in, the result.
 #pragma once
 
 #include <fstream>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "spikeloop/vehicle/vehicle.hpp"
@@ -29,5 +30,8 @@ class TrajectoryFile {
 /// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres.
 /// @throws FileError.
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle, std::uint64_t seed);
+
+/// What a summary says of a drive: collisions, distance_m, coverage, mean_speed_m_s.
+nlohmann::json summary_of(const vehicle::Statistics& statistics);
 
 }  // namespace spikeloop::robot

@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""However a script of NEST's goes wrong, the job ends, and says why."""
+
+import signal
+import subprocess
+import time
+import unittest
+
+import faults_test
+import jobs
+import nest_jobs
+
+SCRIPT = """#!/usr/bin/python3
+import spikeloop.nest
+import nest
+{early}
+with spikeloop.nest.music(spikes_in={{"in": {width}}}, spikes_out={{"out": None}}{ports}) as host:
+    cells = nest.Create("parrot_neuron", host.widths["out"])
+    nest.Connect(host.input("in"), cells, "one_to_one", {{"delay": 1.0}})
+    host.output("out", cells)
+    {prepare}
+    for tick in host:
+        {body}
+"""
+
+
+def script(body="host.advance(tick)", *, prepare="pass", early="", width="None", ports=""):
+    return SCRIPT.format(body=body, prepare=prepare, early=early, width=width, ports=ports)
+
+
+class Faults(unittest.TestCase):
+    def check(self, text, *expected, code=5, keys="", tick_s=0.001):
+        with jobs.Job("brain.py", 4, text=text, encoder="rate_encoder", duration_s=0.3, keys=keys,
+                      tick_s=tick_s) as job:
+            said = job.run(code=code, timeout=90)
+            for words in expected:
+                self.assertIn(words, said)
+            self.assertEqual(faults_test.living(job.folder), [])
+            return said
+
+    def test_before_the_loop(self):
+        said = self.check(script(prepare="open('weights.npy')"), "brain: Traceback",
+                          "brain.py:9: FileNotFoundError")
+        self.assertIn("FileNotFoundError", said.splitlines()[-1])
+
+    def test_before_the_host(self):
+        self.check(script(early="open('weights.npy')"), "FileNotFoundError")
+        self.check(script(early="raise SystemExit(3)"), "without its loop")
+
+    def test_in_the_loop(self):
+        self.check(script("1 / (tick.begin_ns - 100_000_000)"), "brain.py:11: ZeroDivisionError")
+
+    def test_without_a_host(self):
+        self.check("#!/usr/bin/python3\nimport spikeloop.nest\n",
+                   "the script has ended without its loop")
+
+    def test_wrong_widths_keys_and_processes(self):
+        self.check(script(width=7), "job.music:24:1: the connection of 'brain.in' has the width 4, but "
+                   "brain.py asks for 7; write [7], or None in the script", code=2)
+        self.check(script(ports=", gain=1.0"), "job.music:18:3: key 'gain': 'loud'", code=2,
+                   keys="gain=loud")
+        self.check(script(), "np=2 asks for 2 processes, but brain.py runs in one; write  np=1",
+                   code=2, keys="np=2")
+
+    def test_nest_refuses(self):
+        self.check(script(prepare="nest.Create('iaf_psc_nothing')"), 'brain.py", line 9, in <module>',
+                   "iaf_psc_nothing is not a known model name")
+
+    def test_ports(self):
+        for prepare, message in (
+                ("host.input('inn')", "host.input('inn'): spikes_in has no 'inn'; known: in"),
+                ("host.output('in', cells)", "host.output('in'): spikes_out has no 'in'; known: out"),
+                ("host.output('out', cells)", "host.output('out', ...) has been called before; write "
+                 "one group a port"),
+                ("host.output('out', cells[:3])", "host.output('out', ...) got 3 neurons, but the port "
+                 "has 4 channels; write as many, as in neurons[:4]"),
+                ("host.record('v', cells, 'V_m')", "host.record('v'): signals_out has no 'v'; known: "
+                 "none")):
+            with self.subTest(message):
+                self.check(script(prepare=prepare), message)
+        self.check(script(prepare="host.record('v', nest.Create('iaf_psc_exp'), 'voltage')",
+                          ports=', signals_out={"v": 1}'),
+                   "host.record('v', ..., 'voltage'): iaf_psc_exp has no 'voltage'; write one of: ",
+                   "V_m")
+        self.check(script("tick.spikes('in')"), "tick.spikes('in'): the spikes of a port go into NEST; "
+                   "write  nest.Connect(host.input('in'), ...)")
+        self.check(script("tick.send('out', 0.1, 0)"), "tick.send('out', ...): the spikes of a port "
+                   "come from NEST; write  host.output('out', neurons)")
+
+    def test_time(self):
+        self.check(script(prepare="nest.resolution = 0.3"), "NEST", code=5)
+        text = script(early="nest.resolution = 0.3").replace('"delay": 1.0', '"delay": 1.2')
+        self.check(text, "the tick of 1 ms is no multiple of NEST's step of 0.3 ms; choose another "
+                   "nest.resolution")
+        self.check(script("host.advance(tick) if tick.begin_s >= 0.1 else None"),
+                   "NEST's time is 0 ms at 0.1 s of the run; let host.advance(tick) be what advances "
+                   "it, in every tick")
+        self.check(script(), "finished", code=0)
+
+    def test_stopped(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGUSR1, 128 + signal.SIGUSR1)):
+            with self.subTest(number), \
+                    jobs.Job("brain.py", 4, text=script() + "print('saved', flush=True)\n",
+                             duration_s=1000) as job:
+                job.file.write_text(job.file.read_text().replace("sync=unpaced", "sync=realtime"))
+                started = subprocess.Popen(job.command(), cwd=job.folder, stdout=subprocess.PIPE,
+                                           stderr=subprocess.STDOUT, text=True, bufsize=1)
+                try:
+                    for line in started.stdout:
+                        if " of 1000 s" in line:
+                            break
+                    time.sleep(0.5)
+                    started.send_signal(number)
+                    said = started.communicate(timeout=60)[0]
+                finally:
+                    started.kill()
+                    started.wait()
+                self.assertEqual(started.returncode, code, said)
+                self.assertIn("saved", said)  # the script comes to its own end
+                self.assertEqual(faults_test.living(job.folder), [])
+
+    def test_a_program_that_hangs_is_told(self):
+        with jobs.Job("brain.py", 4, text=script(
+                "host.advance(tick) if tick.begin_s < 0.01 else __import__('time').sleep(50)")) as job:
+            self.assertIn("'brain' (brain.py) does not come to the end of its step",
+                          job.run("--stall-timeout", "5", code=3))
+
+
+class OwnMusic(unittest.TestCase):
+    """Of a NEST that has MUSIC."""
+
+    check = Faults.check
+
+    def setUp(self):
+        if not nest_jobs.WITH_MUSIC:
+            self.skipTest("of a NEST with MUSIC")
+
+    def test_delays_shorter_than_the_tick(self):
+        self.check(script(), "the shortest delay in NEST is 1 ms, that of a connection from "
+                   "music_event_in_proxy to parrot_neuron, but the tick is 10 ms, and NEST's own MUSIC "
+                   "ticks at its shortest delay; write  music_timestep=0.001  at the top of the file, "
+                   "or delays of at least 10 ms", tick_s=0.01)
+
+    def test_what_it_cannot(self):
+        self.check(script(), "spike_delay is 1000000, but NEST's own MUSIC has no such delay",
+                   keys="spike_delay=1")
+        self.check(script(), "accept_latency is 0.002 s, more than the tick of 0.001 s: a spike could "
+                   "come when its delay is over; write at most 0.001", keys="accept_latency=0.002")
+
+
+if __name__ == "__main__":
+    nest_jobs.main()
