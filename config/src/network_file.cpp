@@ -7,6 +7,7 @@
 #include "network_connections.hpp"
 #include "network_outputs.hpp"
 #include "network_populations.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "text_file.hpp"
 #include "yaml_section.hpp"
@@ -38,6 +39,23 @@ void check_total(const NetworkFile& network, const Section& populations) {
         fmt::format("{} have {:.0f} members together, more than the {:.0f} this network takes; "
                     "larger models belong in NEST, NEURON or Brian2",
                     populations.what(), total, kMostNeurons));
+  }
+}
+
+// Of the last projection: learned weights of two would come to lie in one file.
+void check_save(const NetworkFile& network) {
+  const auto saved = [](const NetworkProjection& projection) {
+    return projection.plasticity ? projection.plasticity->save : std::string();
+  };
+  const NetworkProjection& last = network.projections.back();
+  for (std::size_t i = 0; i + 1 < network.projections.size(); ++i) {
+    if (!saved(last).empty() && saved(last) == saved(network.projections[i])) {
+      throw ConfigurationError(
+          last.plasticity->where,
+          fmt::format(
+              "connections {} and {} save their weights as '{}'; write another name for one", i + 1,
+              network.projections.size(), saved(last)));
+    }
   }
 }
 
@@ -126,6 +144,7 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       network.projections.push_back(yaml_text::read_connection(network, i, list[i], load_weights));
+      check_save(network);
     }
   }
   yaml_text::read_outputs(file, network);
@@ -133,6 +152,9 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
 }
 
 NetworkFile read_network_file(const std::string& path) {
+  if (is_network_script(path)) {
+    return run_network_script(path);
+  }
   constexpr std::uint64_t kMostBytes = 100'000'000;
   return parse_network(
       read_text_file(path, kMostBytes, "network file"), path,

@@ -180,6 +180,12 @@ NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProje
         section.where(),
         fmt::format("{}: a current does not learn; leave 'plasticity' out", section.what()));
   }
+  if (network.resolution == 0) {
+    throw ConfigurationError(section.where(),
+                             fmt::format("{}: learning is computed on a grid, but the resolution is "
+                                         "off; write  resolution: 0.1 ms",
+                                         section.what()));
+  }
   const std::string unit = unit_of_weight(to.model);
   NetworkPlasticity p;
   p.where = section.where();

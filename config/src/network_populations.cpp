@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace spikeloop {
@@ -158,11 +159,18 @@ void check_potentials(const Parameters& given, const NeuronParameters& p, const 
 }
 
 Parameters given_parameters(const Section& section, NeuronModel model) {
-  return section.has("parameters")
-             ? resolve_section(Section(section.file(), section.what() + ": parameters",
-                                       section.at("parameters", "{}"), {}),
-                               model_parameters(model))
-             : resolve(model_parameters(model), {}, {});
+  const std::vector<ParameterDescription> declared = model_parameters(model);
+  const bool all_have_defaults = std::ranges::all_of(
+      declared, [](const auto& parameter) { return parameter.default_value.has_value(); });
+  if (all_have_defaults && !section.has("parameters")) {
+    return resolve(declared, {}, {});
+  }
+  const char* const example = model == NeuronModel::sine_current
+                                  ? "{amplitude: 100 pA, frequency: 10 Hz}"
+                                  : "{std: 100 pA}";
+  return resolve_section(Section(section.file(), section.what() + ": parameters",
+                                 section.at("parameters", example), {}),
+                         declared);
 }
 
 NeuronParameters read_membrane(const Section& section, NeuronModel model) {
@@ -209,7 +217,8 @@ std::vector<TimedValue> read_steps(const Section& section, const std::string& ke
         throw ConfigurationError(
             error.located() ? error.where() : place(section.file(), entry[i]),
             fmt::format("{}: {}: {}", section.what(), key,
-                        error.located() ? "expected one value" : error.what()));
+                        error.located() ? "expected one value; write  " + key + ": " + example
+                                        : error.what()));
       }
     };
     const double ms = number(0, "ms");
@@ -310,7 +319,7 @@ NetworkPopulation read_population(const NetworkFile& network, const Section& pop
   population.model = read_model(section);
   population.size = read_size(section);
   const NeuronModel model = population.model;
-  if (network.resolution == 0 && (has_membrane(model) || is_current(model))) {
+  if (network.resolution == 0 && (model == NeuronModel::iaf_psc_exp || is_current(model))) {
     throw ConfigurationError(
         section.where("model"),
         fmt::format("{}: model {} is computed on a grid, but the resolution is off; write  "

@@ -191,8 +191,8 @@ INSTANTIATE_TEST_SUITE_P(
             with_population("{model: iaf_psc_delta, size: 1, parameters: {V_min: -60 mV}}"),
             "net.yaml:2:58: population 'a': V_min -60 mV is above V_reset -70 mV; write a V_min at "
             "or below V_reset"},
-        Case{"needs_grid", "resolution: off\n" + with_population("{model: iaf_psc_delta, size: 1}"),
-             "net.yaml:3:14: population 'a': model iaf_psc_delta is computed on a grid, but the "
+        Case{"needs_grid", "resolution: off\n" + with_population("{model: iaf_psc_exp, size: 1}"),
+             "net.yaml:3:14: population 'a': model iaf_psc_exp is computed on a grid, but the "
              "resolution is off; write  resolution: 0.1 ms"}),
     [](const auto& test) { return std::string(test.param.name); });
 
