@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
              "resolution: off\npopulations:\n  a: {model: iaf_psc_delta, size: 1}\nconnections:\n  "
              "- {from: a, to: a, rule: one_to_one, weight: 1, delay: 1, plasticity: {rule: "
              "stdp}}\noutput: [a]\n",
-             "net.yaml:5:76: connection 1: plasticity: learning is computed on a grid, but the "
+             "net.yaml:5:73: connection 1: plasticity: learning is computed on a grid, but the "
              "resolution is off; write  resolution: 0.1 ms"},
         Case{"output_current", kPopulations + std::string("output: [wave]\n"),
              "net.yaml:7:10: key 'output': 'wave' is a sine_current, which has no spikes; write a "
