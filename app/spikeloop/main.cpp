@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bench_command.hpp"
 #include "check_command.hpp"
 #include "completion/completion_command.hpp"
 #include "describe_command.hpp"
@@ -100,6 +101,7 @@ int run(int argc, char** argv) {
   spikeloop::app::add_import_command(app, action);
   spikeloop::app::add_plot_command(app, action);
   spikeloop::app::add_fit_command(app, action);
+  spikeloop::app::add_bench_command(app, action);
   spikeloop::app::add_describe_command(app, action);
   spikeloop::app::add_doctor_command(app, action);
   spikeloop::app::add_completion_command(app, action);

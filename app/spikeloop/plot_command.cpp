@@ -1,10 +1,7 @@
 #include "plot_command.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -31,8 +28,6 @@ PYTHON names another python3 than /usr/bin/python3; it needs matplotlib, h5py an
 Exit codes: 0 all that the run has was drawn, 1 something could not be, 2 an option cannot be met,
 3 Python or a package of it is missing, 4 nothing could be drawn)";
 
-constexpr int kPartnerMissing = 3;
-
 struct PlotArguments {
   std::string folder;
   std::string out;
@@ -57,8 +52,8 @@ double moment_s(const char* option, const std::string& text) {
       "{}: '{}' is no moment of a run; write for example 2.5 or \"500 ms\"", option, text));
 }
 
-std::vector<std::string> command_line(const PlotArguments& given, const std::string& python) {
-  std::vector<std::string> words{python, "-B", "-m", "spikeloop.plots", "--format=" + given.format};
+std::vector<std::string> arguments_of(const PlotArguments& given) {
+  std::vector<std::string> words{"--format=" + given.format};
   const auto add = [&words](const char* option, const std::string& value) {
     if (!value.empty()) {
       words.push_back(fmt::format("{}={}", option, value));
@@ -82,28 +77,10 @@ void refuse_empty_span(const PlotArguments& given) {
   }
 }
 
-/// Python takes this process over: signals and the exit code are its own.
 int plot(const PlotArguments& given) {
   refuse_empty_span(given);
-  const std::string python = python_program();
-  if (python.empty()) {
-    throw TransportError(
-        "there is no python3, which draws; apt-get install python3-matplotlib python3-h5py, or set "
-        "PYTHON to one that has them");
-  }
-  const char* const before = std::getenv("PYTHONPATH");
-  const std::string path =
-      python_package() + (before == nullptr || *before == '\0' ? "" : ":" + std::string(before));
-  ::setenv("PYTHONPATH", path.c_str(), 1);
-  ::setenv("MPLBACKEND", "Agg", 1);
-  std::vector<std::string> words = command_line(given, python);
-  std::vector<char*> pointers;
-  for (std::string& word : words) {
-    pointers.push_back(word.data());
-  }
-  pointers.push_back(nullptr);
-  ::execv(python.c_str(), pointers.data());
-  throw FileError("start", python, errno);
+  become_python("spikeloop.plots", arguments_of(given), "which draws",
+                "python3-matplotlib python3-h5py");
 }
 
 }  // namespace

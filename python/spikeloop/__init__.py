@@ -13,8 +13,8 @@ disk.
 it sees; `spikeloop.testing` runs one without the C++ programs. `spikeloop.run_folder` reads a run,
 `spikeloop.plots` draws it; these two are imported by name, because h5py and matplotlib are slow.
 
-`music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron` and
-`spikeloop.brian` do so with NEURON and Brian2 in it.
+`music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,
+`spikeloop.brian` and `spikeloop.nest` do so with NEURON, Brian2 and NEST in it.
 """
 
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node

@@ -140,13 +140,15 @@ class NestHost(Host):
         self.exchange = Proxies(self) if WITH_MUSIC else Generators(self)
         self._prepared = False
 
-    def input(self, port):
-        """The nodes of a spike input, one a channel, to connect from: a NodeCollection.
+    def input(self, port, precise=False):
+        """The nodes of a spike input, one a channel, to connect from: a NodeCollection. Set
+        nest.resolution, and call nest.ResetKernel(), before.
 
-        Create the network's kernel settings (nest.resolution, nest.ResetKernel()) before.
+        precise: for neurons with precise spike times, such as iaf_psc_delta_ps: times to the
+        microsecond instead of the grid.
         """
         self._check_port("input", port, "spikes", True)
-        return self.exchange.input(port)
+        return self.exchange.input(port, precise)
 
     def output(self, port, neurons):
         """The spikes of these neurons, one a channel, are those of a spike output.
@@ -167,6 +169,18 @@ class NestHost(Host):
             raise HostError(f"host.record('{port}', ..., '{variable}'): {neurons[0].model} has no "
                             f"'{variable}'; write one of: {known}")
         self.exchange.record(port, neurons, variable)
+
+    def rate_input(self, port):
+        """The nodes of a continuous input, one a channel, whose rates are its values: to connect
+        from by rate_connection_instantaneous or rate_connection_delayed."""
+        self._check_port("rate_input", port, "signal", True)
+        return self.exchange.rate_input(port)
+
+    def rate_output(self, port, neurons):
+        """The rates of these rate neurons, one a channel, are a continuous output."""
+        self._check_port("rate_output", port, "signal", False)
+        self._check_count("rate_output", port, neurons)
+        self.exchange.rate_output(port, neurons)
 
     def run(self):
         """The loop to the end of the run."""

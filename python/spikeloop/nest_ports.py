@@ -29,13 +29,13 @@ class Recorder:
         nest.Connect(neurons, self._node, syn_spec={"delay": delay_ms})
         self.seen = 0
 
-    def take(self, precise):
+    def take(self, step_ns, precise):
         """(times in ns, channels) since the last time. precise: with the offsets that neurons with
         precise spike times give, instead of rounded up to the step."""
         events = self._node.get("events")
         new = slice(self.seen, None)
         self.seen = len(events["times"])
-        times = events["times"][new] * round(nest.resolution * 1e6)
+        times = events["times"][new] * step_ns
         if precise:
             times -= np.rint(events["offsets"][new] * 1e6).astype(np.int64)
         return times, self._channels[events["senders"][new] - self._first]
@@ -51,22 +51,38 @@ class Exchange:
 
     def __init__(self, host):
         self._host = host
-        self._inputs, self._recorders = {}, {}
+        self._inputs, self._rate_inputs, self._recorders = {}, {}, {}
         self._tick_ms = host.tick_s * 1e3
 
-    def input(self, port):
+    def _begin(self):
+        """Asked once, because NEST answers slowly."""
+        self._step_ns = round(nest.resolution * 1e6)
+        # What several threads have recorded is not in the order in which it came.
+        one_thread = nest.local_num_threads == 1
+        self._most_events = max(MOST_EVENTS, nest.network_size) if one_thread else 0
+
+    def input(self, port, precise):
         """The nodes of a port, made once."""
         if port not in self._inputs:
-            self._inputs[port] = self._make_input(port)
+            self._inputs[port] = self._make_input(port, precise)
         return self._inputs[port]
+
+    def rate_input(self, port):
+        """The nodes of a continuous input, made once."""
+        if port not in self._rate_inputs:
+            self._rate_inputs[port] = self._make_rate_input(port)
+        return self._rate_inputs[port]
+
+    def _held_rates(self, port):
+        """Rate neurons that stay at the rate they are set to."""
+        return nest.Create("lin_rate_ipn", self._host.widths[port], {"sigma": 0.0, "lambda": 0.0})
 
     def _take_spikes(self, tick, precise):
         for port, recorder in self._recorders.items():
-            times, channels = recorder.take(precise)
+            times, channels = recorder.take(self._step_ns, precise)
             if len(times):
                 Tick.send(tick, port, times / 1e9, channels)
-        if sum(recorder.seen for recorder in self._recorders.values()) > max(
-                MOST_EVENTS, nest.network_size):
+        if sum(recorder.seen for recorder in self._recorders.values()) > self._most_events:
             nest.Cleanup()
             for recorder in self._recorders.values():
                 recorder.clear()
@@ -87,10 +103,11 @@ class Generators(Exchange):
 
     def __init__(self, host):
         super().__init__(host)
-        self._records = {}
+        self._records, self._precise = {}, {}
 
-    def _make_input(self, port):
-        return nest.Create("spike_generator", self._host.widths[port])
+    def _make_input(self, port, precise):
+        self._precise[port] = precise
+        return nest.Create("spike_generator", self._host.widths[port], {"precise_times": precise})
 
     def output(self, port, neurons):
         self._once("output", port, self._recorders)
@@ -100,15 +117,26 @@ class Generators(Exchange):
         self._once("record", port, self._records)
         self._records[port] = neurons, variable
 
+    def _make_rate_input(self, port):
+        return self._held_rates(port)
+
+    def rate_output(self, port, neurons):
+        self._once("rate_output", port, self._records)
+        self._records[port] = neurons, "rate"
+
     def begin(self, tick_ns):
+        self._begin()
         self._tic_ns = round(1e6 / nest.tics_per_ms)
-        self._step_ns = round(nest.resolution * 1e6)
         self._ids = {port: np.array(nodes.tolist()) for port, nodes in self._inputs.items()}
         nest.Prepare()
 
     def advance(self, tick):
         for port in self._inputs:
             self._deliver(tick, port)
+        for port, nodes in self._rate_inputs.items():
+            values = Tick.signal(tick, port)
+            if values is not None:
+                nodes.rate = values
         nest.Run(self._tick_ms)
         self._take_spikes(tick, precise=True)
         for port, (neurons, variable) in self._records.items():
@@ -130,9 +158,10 @@ class Generators(Exchange):
         times = np.rint(spikes.times * 1e9).astype(np.int64)
         # As in NEST's own proxies: to the next tic, up to the next step; what came late, now.
         tics = (times + self._tic_ns // 2) // self._tic_ns * self._tic_ns
-        steps = np.maximum(-(-tics // self._step_ns), tick.begin_ns // self._step_ns + 1)
+        grid = self._tic_ns if self._precise[port] else self._step_ns
+        steps = np.maximum(-(-tics // grid), tick.begin_ns // grid + 1)
         order = np.lexsort((steps, spikes.channels))
-        channels, times_ms = spikes.channels[order], steps[order] * (self._step_ns / 1e6)
+        channels, times_ms = spikes.channels[order], steps[order] * grid / 1e6
         firsts = np.flatnonzero(np.diff(channels, prepend=-1))
         nest.ll_api.sps(self._ids[port][channels[firsts]].tolist())
         nest.ll_api.sps(np.split(times_ms, firsts[1:]))
@@ -147,14 +176,15 @@ class Proxies(Exchange):
         library = host._library
         self._connected = dict(zip(host.widths, library.connected()))
         self._latency_ns = library.accept_latency()
-        self._outputs, self._records, self._signals = {}, {}, {}
+        self._outputs, self._records, self._rate_outputs, self._signals = {}, {}, {}, {}
         for key, value in (("spike_delay", library.spike_delay()),
                            ("signal_delay", library.signal_delay())):
             if value:
                 raise HostError(f"{key} is {value}, but NEST's own MUSIC has no such delay; leave "
                                 "the key out, and add it to the delays of the connections")
 
-    def _make_input(self, port):
+    def _make_input(self, port, precise):
+        # Proxies always bring precise times to those that can use them.
         width = self._host.widths[port]
         if not self._connected[port]:
             return nest.Create("spike_generator", width)  # silent
@@ -180,8 +210,26 @@ class Proxies(Exchange):
                         params={"port_name": port, "targets": neurons, "record_from": [variable],
                                 "interval": self._tick_ms})
 
+    def _make_rate_input(self, port):
+        if not self._connected[port]:
+            return self._held_rates(port)
+        width = self._host.widths[port]
+        proxies = nest.Create("music_rate_in_proxy", width, {"port_name": port})
+        proxies.set([{"music_channel": channel} for channel in range(width)])
+        return proxies
+
+    def rate_output(self, port, neurons):
+        self._once("rate_output", port, self._rate_outputs)
+        self._rate_outputs[port] = neurons
+        if self._connected[port]:
+            proxy = nest.Create("music_rate_out_proxy", params={"port_name": port})
+            nest.Connect(neurons, proxy, "all_to_all",
+                         {"synapse_model": "rate_connection_instantaneous",
+                          "receptor_type": [list(range(len(neurons)))]})
+
     def begin(self, tick_ns):
         self._serve_all_ports()
+        self._begin()
         for port in self._inputs:
             if self._connected[port]:
                 nest.SetAcceptableLatency(port, self._acceptable(tick_ns) / 1e6)
@@ -218,16 +266,16 @@ class Proxies(Exchange):
         """MUSIC would wait for ever for one that nobody serves."""
         ports = self._host._ports
         for port in ports["spikes", True]:
-            self.input(port)
+            self.input(port, precise=False)
         for port in ports["spikes", False]:
             if port not in self._outputs:
                 self.output(port, nest.Create("parrot_neuron", self._host.widths[port]))
         for port in ports["signal", True]:
-            if self._connected[port]:
+            if self._connected[port] and port not in self._rate_inputs:
                 self._signals[port] = nest.Create("music_cont_in_proxy",
                                                   params={"port_name": port})
         for port in ports["signal", False]:
-            if self._connected[port] and port not in self._records:
+            if self._connected[port] and port not in {**self._records, **self._rate_outputs}:
                 raise HostError(f"the output '{port}' is connected, but has no values; write  "
                                 f"host.record('{port}', neurons, \"V_m\")")
 

@@ -3,7 +3,8 @@
 
 Follows the README of an example as a new user does: in a copy of the examples beside the programs that
 were built, on a terminal, command by command, and compares what is printed with what the page shows
-(console.py). Pictures of the page are taken away first: its commands have to draw them again.
+(console.py). Pictures of the page are taken away first: its commands have to draw them again. A page with
+`<!-- needs NEST -->` is not followed where there is none (tests/simulators/nest_found.py).
 """
 
 import argparse
@@ -22,8 +23,12 @@ import uuid
 
 from console import as_seen, commands_of, difference
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "simulators"))
+from nest_found import directory_or_skip  # noqa: E402
+
 LIMIT_S = 120  # for one command; nothing is timed by it
 MARK = "SPIKELOOP_EXAMPLE_OF"
+NEEDS_NEST = "<!-- needs NEST -->"
 GENERATED = shutil.ignore_patterns("runs", "out", "build", "__pycache__")
 
 
@@ -130,6 +135,8 @@ def main():
     parser.add_argument("--build", required=True, type=pathlib.Path)
     given = parser.parse_args()
     text = (given.example / "README.md").read_text(encoding="utf-8")
+    nest = directory_or_skip() if NEEDS_NEST in text else ""
+    text = text.replace(NEEDS_NEST, "")
     commands = commands_of(text)
     if not commands:
         sys.exit(f"{given.example}/README.md shows no command")
@@ -143,6 +150,7 @@ def main():
         for name in pictures:
             (folder / name).unlink()
         variables = environment(clone, home, uuid.uuid4().hex)
+        variables["PYTHONPATH"] += f":{nest}" if nest else ""
         for command in commands:
             fault = fault_of(command, folder, variables)
             if fault:

@@ -51,6 +51,15 @@ env -u PYTHONPATH PYTHONVERBOSE=1 "$work/prefix/bin/spikeloop" plot "$work/run" 
   >"$work/plot.log" 2>"$work/imports.log"
 grep "^$work/run/latency.png" "$work/plot.log"
 grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.log"
+# The paper's measurements: chain, probe over ROS, and a simulator's script, all of them installed.
+(cd "$work" && env -u PYTHONPATH "$work/prefix/bin/spikeloop" bench --part a,c --layouts separate \
+  --encoders rate --simulators neuron --duration 1 --trials 1 --most 100 --ticks 10 --steps 1 \
+  --out "$work/bench") >"$work/bench.log" 2>&1 || {
+  cat "$work/bench.log"
+  exit 1
+}
+grep "rate neurons in real time, NEURON, separate" "$work/bench.log"
+grep "^$work/bench/c.png" "$work/bench.log"
 # The library of scripts, beside the installed package.
 env -u SPIKELOOP_LIBRARY_PATH PATH=/usr/bin:/bin PYTHONPATH="$work/prefix/share/spikeloop/python" \
   /usr/bin/python3 -c 'from spikeloop.music_library import library; print(library().__file__)' |

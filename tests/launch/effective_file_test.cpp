@@ -15,6 +15,7 @@ namespace spikeloop::launch {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// The paper's chain, upstream-first, with a foreign network in its middle.
@@ -430,6 +431,25 @@ TEST(Programs, AScriptThatImportsOurPackageIsOurs) {
     EXPECT_EQ(value(file, "encoder", "stamp_guard"), "false") << import;
     EXPECT_EQ(value(file, "brain", "pace"), "-") << import;
   }
+}
+
+/// The warnings of a cycle of two scripts with these keys.
+std::vector<std::string> warnings_of_scripts(const std::string& keys) {
+  const test::TemporaryDirectory directory;
+  const std::string script = directory.write("a.py", "#!/usr/bin/python3\nimport spikeloop\n");
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  const std::string section = "np=1\nbinary=./a.py\n" + keys;
+  const std::string text =
+      "[a]\n" + section + "[b]\n" + section + "a.out -> b.in [1]\nb.out -> a.in [1]\n";
+  const std::string path = directory.write("loop.music", text);
+  const EffectiveFile made = make_effective(parse_music(text, path), {});
+  EXPECT_EQ(value(made.file, "a", "accept_latency"), keys.empty() ? "-" : "1 ms");
+  return made.warnings;
+}
+
+TEST(Programs, WhatScriptsAcceptInACycleCounts) {
+  EXPECT_THAT(warnings_of_scripts("accept_latency=1 ms\n"), IsEmpty());
+  EXPECT_THAT(warnings_of_scripts(""), ElementsAre(HasSubstr("the cycle a -> b -> a lacks 2 ms")));
 }
 
 // NEST with MUSIC rounds times to 1 us: a spike just after a tick's begin would be before it.

@@ -218,6 +218,37 @@ class Faults(unittest.TestCase):
         self.assertIn("saved", self.stopped(signal.SIGUSR1, 128 + signal.SIGUSR1))
 
 
+class NestFaults(unittest.TestCase):
+    """What spikeloop.nest says where there is no NEST, or one that does not do."""
+
+    def check(self, package, *expected):
+        """package: the text of nest/__init__.py; None: there is none."""
+        text = "#!/usr/bin/python3\nimport sys\n"
+        text += "sys.modules['nest'] = None\n" if package is None else ""
+        with jobs.Job("brain.py", 4, text=text + "import spikeloop.nest\n") as job:
+            if package is not None:
+                (job.folder / "nest").mkdir()
+                (job.folder / "nest/__init__.py").write_text(package)
+            said = job.run(code=5, timeout=60)
+            for words in expected:
+                self.assertIn(words, said.splitlines()[-1])
+            self.assertEqual(living(job.folder), [])
+
+    def test_not_installed(self):
+        self.check(None, "ModuleNotFoundError: NEST is not installed for /usr/bin/python3: install it "
+                   "(conda-forge: nest-simulator, Ubuntu: ppa:nest-simulator/nest, or from source), "
+                   "and write the directory that holds its package `nest` into PYTHONPATH")
+
+    def test_not_usable(self):
+        self.check("raise ImportError('libnest.so.3: cannot open')", "ImportError: NEST cannot be "
+                   "imported by /usr/bin/python3: ImportError: libnest.so.3: cannot open")
+
+    def test_mpi_alone(self):
+        self.check("class ll_api:\n    sli_func = staticmethod(lambda text: 'mpi' in text)\n",
+                   "this NEST has MPI, but no MUSIC: it would take all programs of the job for its own; "
+                   "use one with both, or with neither (conda-forge: nest-simulator=*=nompi*)")
+
+
 class SimulatorFaults(unittest.TestCase):
     """Those of the hosts of NEURON and Brian2."""
 

@@ -74,6 +74,9 @@ class Faults(unittest.TestCase):
                  "one group a port"),
                 ("host.output('out', cells[:3])", "host.output('out', ...) got 3 neurons, but the port "
                  "has 4 channels; write as many, as in neurons[:4]"),
+                ("host.rate_input('v')", "host.rate_input('v'): signals_in has no 'v'; known: none"),
+                ("host.rate_output('v', cells)", "host.rate_output('v'): signals_out has no 'v'; "
+                 "known: none"),
                 ("host.record('v', cells, 'V_m')", "host.record('v'): signals_out has no 'v'; known: "
                  "none")):
             with self.subTest(message):
@@ -141,7 +144,18 @@ class OwnMusic(unittest.TestCase):
                    "ticks at its shortest delay; write  music_timestep=0.001  at the top of the file, "
                    "or delays of at least 10 ms", tick_s=0.01)
 
+    def test_outputs_without_values(self):
+        text = script(ports=', signals_out={"v": 1}')
+        with jobs.Job("brain.py", 4, text=text, duration_s=0.3) as job:
+            job.file.write_text(job.file.read_text() + "[other]\nnp=1\nbinary=connect_adapter\n"
+                                "weights=uniform\nbrain.v -> other.in [1]\n")
+            self.assertIn("the output 'v' is connected, but has no values; write  host.record('v', "
+                          "neurons, \"V_m\")", job.run(code=5, timeout=90))
+
     def test_what_it_cannot(self):
+        self.check(script("tick.write('v', 1)", ports=', signals_out={"v": 1}'), "tick.write('v', ...): "
+                   "NEST's own MUSIC sends what NEST records; write  host.record('v', neurons, \"V_m\")"
+                   "  before the loop")
         self.check(script(), "spike_delay is 1000000, but NEST's own MUSIC has no such delay",
                    keys="spike_delay=1")
         self.check(script(), "accept_latency is 0.002 s, more than the tick of 0.001 s: a spike could "

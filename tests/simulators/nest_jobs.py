@@ -1,9 +1,8 @@
-"""Jobs with NEST in the middle, and which NEST there is.
+"""Jobs with NEST in the middle.
 
     play (a script that sends given spikes) -> brain -> sink
 
-SPIKELOOP_NEST names directories, separated by colons, each with a package `nest`; without it NEST is
-what /usr/bin/python3 imports. A test says in its command line which kind of NEST it is for.
+A test says in its command line which kind of NEST it is for.
 """
 
 import os
@@ -17,11 +16,8 @@ import unittest
 import numpy as np
 
 import jobs
+import nest_found
 
-PYTHON = "/usr/bin/python3"
-SKIPPED = 77  # CMakeLists.txt says so to ctest
-KINDS = ("with-music", "without-music")
-ASK = "import nest; print('have', nest.ll_api.sli_func('statusdict/have_music ::'))"
 
 JOB = """\
 stoptime={duration_s}
@@ -32,33 +28,15 @@ brain.out -> sink.in [{width_out}]
 """
 
 
-def kind_of(directory):
-    """Of the NEST in this directory, or in Python's own path; None: there is none."""
-    environment = {**os.environ, "PYNEST_QUIET": "1"}
-    if directory:
-        environment["PYTHONPATH"] = directory
-    asked = subprocess.run([PYTHON, "-c", ASK], env=environment, capture_output=True, text=True,
-                           timeout=120, check=False)
-    return {"have True": KINDS[0], "have False": KINDS[1]}.get(asked.stdout.strip())
-
-
 def main():
     """Of a test file: `FILE KIND ...`. Chooses the NEST of this kind for all that is started, or
     says that there is none."""
     kind = sys.argv.pop(1)
-    assert kind in KINDS, kind
-    named = os.environ.get("SPIKELOOP_NEST", "").split(":")
-    found = {kind_of(directory): directory for directory in named}
-    if kind not in found:
-        what = " and ".join(name for name in found if name)
-        print(f"not run: NEST {kind.replace('-music', ' MUSIC')} is not installed for {PYTHON}"
-              + (f", only NEST {what.replace('-music', ' MUSIC')}" if what else "")
-              + "; write the directory of its package `nest` into SPIKELOOP_NEST", flush=True)
-        sys.exit(SKIPPED)
-    if found[kind]:
-        os.environ["PYTHONPATH"] = found[kind]
+    directory = nest_found.directory_or_skip(kind)
+    if directory:
+        os.environ["PYTHONPATH"] = directory
     global WITH_MUSIC
-    WITH_MUSIC = kind == KINDS[0]
+    WITH_MUSIC = kind == nest_found.KINDS[0]
     sys.exit(unittest.main())
 
 

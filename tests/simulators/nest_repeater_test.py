@@ -2,6 +2,7 @@
 """Neurons of NEST that repeat every spike: each comes back once, when the rules say so."""
 
 import itertools
+import shutil
 import unittest
 
 import numpy as np
@@ -67,6 +68,23 @@ class Repeaters(unittest.TestCase):
                 guarded=guarded, end_ns=end)
             self.assertGreater(np.count_nonzero(in_time), 6 * 48)
             jobs.assert_same((repeated[in_time], channels[in_time]), job.received()[:2], "NEST")
+
+    def test_in_a_cycle(self):
+        """A spike of 2.345 ms goes round between NEST (delays of 1 and 3 ms) and a script that sends
+        back what it gets, a tick later at the earliest."""
+        spike = np.array([2_345_000]), np.array([0])
+        with nest_jobs.NestJob("cycle_nest.py", 1, spike, duration_s=0.02,
+                               keys="accept_latency=0.001") as job:
+            shutil.copy(jobs.HERE / "scripts/echo.py", job.folder)
+            job.file.write_text(job.file.read_text() + "[echo]\nnp=1\nbinary=./echo.py\n"
+                                "accept_latency=0.001\nbrain.out -> echo.in [1]\n"
+                                "echo.out -> brain.back [1]\n")
+            job.run("--quiet")
+            # Own MUSIC: a spike that comes a tick late acts at its time, and echo adds the tick.
+            # Without: it acts in the first step of the tick; 4.1 ms, echo at 5.001, NEST at 6.1 ms.
+            own, other = [3.4, 7.1, 11.1, 15.1, 19.1], [4.1, 9.1, 14.1, 19.1]
+            expected = np.rint(np.array(own if nest_jobs.WITH_MUSIC else other) * 1e6)
+            np.testing.assert_array_equal(job.received()[0], expected)
 
     def test_several_spikes_of_a_channel_in_a_step_are_several(self):
         times = np.array([1_210_000, 1_250_000, 1_290_000, 1_310_000, 7_000_000])

@@ -73,6 +73,7 @@ json final_counters(const std::vector<const Graph*>& graphs, const std::vector<C
                     const Pacer::Report& pace, bool pacing) {
   json counters = json::object();
   counters["ticks"] = pace.ticks;
+  counters["wall_ns"] = pace.wall_time;
   if (pacing) {
     counters["overruns"] = pace.overruns;
     counters["worst_lateness_ns"] = pace.worst_lateness;
@@ -145,8 +146,7 @@ struct Process::Loop::State {
     process.running = true;
   }
 
-  void report() const {
-    const auto pace = pacer->report();
+  void report(const Pacer::Report& pace) const {
     process.status->report(
         final_counters(graphs, summed_counters(graphs, process.label, process.ranks), pace,
                        keys.pace),
@@ -204,6 +204,7 @@ void Process::Loop::exchange() {
 void Process::Loop::finish() {
   State& own = *state_;
   own.process.heartbeat->enter(Phase::finalizing);
+  const auto pace = own.pacer->report();  // now: files may take their time
   own.progress.tell(own.time);
   if (own.hooks.after_loop) {
     own.hooks.after_loop();
@@ -211,7 +212,7 @@ void Process::Loop::finish() {
   if (own.process.recording) {
     own.process.recording->close();  // now, because finalize() waits for the slowest sender
   }
-  own.report();
+  own.report(pace);
   if (own.runtime != nullptr) {
     own.runtime->finalize();
     delete own.runtime;

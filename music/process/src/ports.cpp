@@ -95,6 +95,10 @@ class SignalSink : public Sink {
 
   void send(const Step& step) override {
     const SignalInput input = step.signal_input();
+    if (input.revision == revision_) {
+      return;  // MUSIC takes the block as it is
+    }
+    revision_ = input.revision;
     if (input.valid()) {
       std::ranges::copy(input.values.subspan(first_, buffer_.values.size()),
                         buffer_.values.begin());
@@ -108,6 +112,7 @@ class SignalSink : public Sink {
   EndpointPort port_;
   std::uint32_t first_;
   ContBuffer buffer_;
+  std::uint64_t revision_ = 0;  // nothing yet: the block is NaN
 };
 
 class SpikeSink : public Sink {

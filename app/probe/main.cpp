@@ -2,7 +2,7 @@
 // whose range steps from minimum to maximum at random moments, and takes the wall time until the
 // first command that follows the step. Prints one JSON object.
 //
-//   latency_probe --scan-topic /scan --command-topic /cmd_vel --trials 100 --beams 1
+//   spikeloop-latency-probe --scan-topic /scan --command-topic /cmd_vel --trials 100 --beams 1
 #include <ros/ros.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -186,12 +186,13 @@ int run(const Options& options) {
   ros::AsyncSpinner spinner(1);
   spinner.start();
   if (!wait_for_job(scans, commands)) {
-    std::fprintf(stderr, "latency_probe: no command came within 30 s; is the job running?\n");
+    std::fprintf(stderr,
+                 "spikeloop-latency-probe: no command came within 30 s; is the job running?\n");
     return 3;
   }
   const std::vector<double> latencies = measure(scans, commands, options);
   if (latencies.empty()) {
-    std::fprintf(stderr, "latency_probe: no command followed a step\n");
+    std::fprintf(stderr, "spikeloop-latency-probe: no command followed a step\n");
     return 1;
   }
   const nlohmann::json result = {
@@ -207,7 +208,9 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Measures the latency from a scan to the first command that follows it");
+  CLI::App app(
+      "Measures the latency from a scan to the first command that follows it, for spikeloop bench",
+      "spikeloop-latency-probe");
   app.add_option("--scan-topic", options.scan_topic);
   app.add_option("--command-topic", options.command_topic);
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
@@ -215,7 +218,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   ros::init(ros::M_string{}, "latency_probe", ros::init_options::AnonymousName);
   if (!ros::master::check()) {
-    std::fprintf(stderr, "latency_probe: no ROS master at %s; start roscore\n",
+    std::fprintf(stderr, "spikeloop-latency-probe: no ROS master at %s; start roscore\n",
                  ros::master::getURI().c_str());
     return 3;
   }

@@ -1,0 +1,248 @@
+#include "bench_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+#include <vector>
+
+#include "option_values.hpp"
+#include "python_package.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parameters.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop bench --quick                       two minutes, no simulators: does it work here?
+  spikeloop bench --out results                 everything, for hours; Ctrl-C keeps what there is
+  spikeloop bench --out results --part a --encoders rate --simulators none
+  spikeloop bench --out results --part c --ticks 1,50 --steps 12
+  spikeloop bench --out results --draw          table and pictures of what has been measured
+
+The measurements of Weidel, Djurfeldt, Duarte & Morrison 2016 (Front. Neuroinform. 10:31):
+  a  real-time factor over the number of encoding neurons, and the largest number in real time
+  b  real-time factor over the firing rate of 50,000 neurons
+  c  latency from a laser scan to the command that answers it, over the tick; over ROS 1
+  d  real-time factor over tick and number of neurons
+In a, b and d a laser of 100 beams at 20 Hz is made in the job: no ROS. scan -> connect -> encoder ->
+(repeaters in a simulator) -> readout -> low pass, uniform weights. All programs build, meet at a
+barrier, and run as fast as they can: only the run counts.
+
+--out has results.json, added to after every run of the chain, and a PNG a part. What it has already
+is not measured again, so that any part can be done at any time, and a stopped bench goes on.
+
+Exit codes: 0 measured, 1 some of it could not be (said, and in results.json), 2 an option cannot be
+met, 3 Python or a package of it is missing, 4 a file cannot be read or written, 130 Ctrl-C)";
+
+constexpr double kLongest_s = 1e6;
+
+struct List {
+  const char* option;
+  std::vector<std::string> choices;
+  const char* what;
+};
+
+// Made in functions: strings may not be made before main.
+const List& parts() {
+  static const List list{"--part", {"a", "b", "c", "d"}, "part"};
+  return list;
+}
+const List& layouts() {
+  static const List list{"--layouts", {"fused", "separate"}, "layout"};
+  return list;
+}
+const List& simulators() {
+  static const List list{
+      "--simulators", {"none", "builtin", "nest", "neuron", "brian2"}, "simulator"};
+  return list;
+}
+const List& encoders() {
+  static const List list{"--encoders", {"rate", "poisson", "nef"}, "encoder"};
+  return list;
+}
+
+struct BenchArguments {
+  std::string parts = fmt::format("{}", fmt::join(spikeloop::app::parts().choices, ","));
+  std::string layouts = fmt::format("{}", fmt::join(spikeloop::app::layouts().choices, ","));
+  std::string simulators = fmt::format("{}", fmt::join(spikeloop::app::simulators().choices, ","));
+  std::string encoders = fmt::format("{}", fmt::join(spikeloop::app::encoders().choices, ","));
+  std::string ticks = "1,2,5,10,20,50";
+  std::string rates = "1,2,5,10,20,40,100,200,400,800";
+  std::string trials = "5";
+  std::string steps = "50";
+  std::string neurons = "50000";
+  std::string most = "16000000";
+  std::string duration = "10 s";
+  std::string limit;
+  std::string out;
+  bool quick = false;
+  bool draw = false;
+  bool again = false;
+};
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) {
+    words.push_back(word);
+  }
+  if (text.empty() || text.back() == ',') {
+    words.emplace_back();
+  }
+  return words;
+}
+
+void check_list(const List& list, const std::string& text) {
+  for (const std::string& word : words_of(text)) {
+    if (std::ranges::find(list.choices, word) == list.choices.end()) {
+      const std::string near = word.size() > 1 ? nearest(word, list.choices) : "";
+      throw ConfigurationError(
+          fmt::format("{}: unknown {} '{}'; {}", list.option, list.what, word,
+                      near.empty() ? fmt::format("write some of {}", fmt::join(list.choices, ","))
+                                   : fmt::format("did you mean '{}'?", near)));
+    }
+  }
+}
+
+double number(const char* option, const std::string& text, const char* unit, double least,
+              double most, const std::string& remedy) {
+  try {
+    const double value = parse_quantity(text, unit);
+    if (value >= least && value <= most) {
+      return value;
+    }
+  } catch (const ConfigurationError&) {
+    // Told below.
+  }
+  throw ConfigurationError(fmt::format("{}: '{}' cannot be; write {}", option, text, remedy));
+}
+
+std::string whole(const char* option, const std::string& text, double most) {
+  const std::string remedy = fmt::format("a whole number from 1 to {}, as in {} 5",
+                                         static_cast<std::int64_t>(most), option);
+  const double value = number(option, text, "", 1, most, remedy);
+  if (value != static_cast<double>(static_cast<std::int64_t>(value))) {
+    throw ConfigurationError(fmt::format("{}: '{}' cannot be; write {}", option, text, remedy));
+  }
+  return fmt::format("{}", static_cast<std::int64_t>(value));
+}
+
+std::string numbers(const char* option, const std::string& text, double least, double most,
+                    const std::string& remedy) {
+  std::vector<std::string> values;
+  for (const std::string& word : words_of(text)) {
+    values.push_back(fmt::format("{}", number(option, word, "", least, most, remedy)));
+  }
+  return fmt::format("{}", fmt::join(values, ","));
+}
+
+std::string seconds(const char* option, const std::string& text, const char* remedy) {
+  return fmt::format("{}", number(option, text, "s", 0.05, kLongest_s, remedy));
+}
+
+std::vector<std::string> checked(const BenchArguments& given) {
+  check_list(parts(), given.parts);
+  check_list(layouts(), given.layouts);
+  check_list(simulators(), given.simulators);
+  check_list(encoders(), given.encoders);
+  std::vector<std::string> words{
+      "--programs=" + programs_folder(),
+      "--part=" + given.parts,
+      "--layouts=" + given.layouts,
+      "--simulators=" + given.simulators,
+      "--encoders=" + given.encoders,
+      "--ticks=" + numbers("--ticks", given.ticks, 0.1, 1000,
+                           "ms from 0.1 to 1000, divided by commas, as in --ticks 1,10,50"),
+      "--rates=" + numbers("--rates", given.rates, 0.1, 10000,
+                           "Hz from 0.1 to 10000, divided by commas, as in --rates 1,40,800"),
+      "--trials=" + whole("--trials", given.trials, 1000),
+      "--steps=" + whole("--steps", given.steps, 100000),
+      "--neurons=" + whole("--neurons", given.neurons, 1 << 24),
+      "--most=" + whole("--most", given.most, 1 << 24),
+      "--duration=" + seconds("--duration", given.duration,
+                              "the simulated seconds of a run, at least 0.05, as in --duration 10"),
+      "--out=" + (given.out.empty() ? given.quick ? "bench-quick" : "bench" : given.out)};
+  if (!given.limit.empty()) {
+    words.push_back("--limit=" + seconds("--limit", given.limit,
+                                         "the wall seconds that a run may take, at least 0.05, as "
+                                         "in --limit 30"));
+  }
+  for (const auto& [flag, is_given] :
+       {std::pair{"--quick", given.quick}, {"--draw", given.draw}, {"--again", given.again}}) {
+    if (is_given) {
+      words.emplace_back(flag);
+    }
+  }
+  return words;
+}
+
+std::string list_type(const List& list) {
+  return fmt::format("LIST:{{{}}}", fmt::join(list.choices, ","));
+}
+
+void add_lists(CLI::App& command, BenchArguments& given) {
+  const auto add = [&command](const List& list, std::string& text, const char* help) {
+    command.add_option(list.option, text, help)->type_name(list_type(list));
+  };
+  add(parts(), given.parts, "What to measure, divided by commas [all]");
+  add(layouts(), given.layouts, "Of these layouts [both]");
+  add(simulators(), given.simulators, "With repeaters in these between encoder and readout [all]");
+  add(encoders(), given.encoders, "With these encoders, in a [all]; b and d have the rate encoder");
+}
+
+void add_numbers(CLI::App& command, BenchArguments& given) {
+  command.add_option("--ticks", given.ticks, "Of c and d, ms")
+      ->type_name("MS,MS")
+      ->capture_default_str();
+  command.add_option("--rates", given.rates, "Of b, Hz")->type_name("HZ,HZ")->capture_default_str();
+  command.add_option("--trials", given.trials, "Runs a point of a, b and d")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command.add_option("--steps", given.steps, "Steps of the laser's range that c answers, a point")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command.add_option("--neurons", given.neurons, "Of b")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command.add_option("--most", given.most, "Largest number of neurons to try in a and d")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command.add_option("--duration", given.duration, "Simulated time of a run")
+      ->type_name("TIME")
+      ->capture_default_str();
+  command
+      .add_option("--limit", given.limit,
+                  "Wall time after which a run is stopped: it is slower than that [2 x duration]")
+      ->type_name("TIME");
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, std::function<int()>& action) {
+  const auto given = std::make_shared<BenchArguments>();
+  CLI::App* command =
+      app.add_subcommand("bench", "Measure speed and latency as the toolchain's paper did");
+  add_lists(*command, *given);
+  add_numbers(*command, *given);
+  command
+      ->add_option("--out", given->out,
+                   "Folder of results.json and the pictures [bench, bench-quick]")
+      ->check(named("folder"));
+  command->add_flag("--quick", given->quick,
+                    "Two minutes at the most: few points, one trial of 1 s, no simulators");
+  command->add_flag("--again", given->again, "Measure what is in results.json once more");
+  command->add_flag("--draw", given->draw, "Measure nothing: table and pictures of results.json");
+  command->footer(kFooter);
+  command->callback([given, &action] {
+    action = [given]() -> int {
+      become_python("spikeloop.bench", checked(*given), "which measures and draws",
+                    "python3-matplotlib python3-h5py");
+    };
+  });
+}
+
+}  // namespace spikeloop::app
