@@ -51,20 +51,29 @@ music::ProgramText program_text() {
   return text;
 }
 
+// What a port without channels wants in the file.
+std::string lacking(const std::string& port, std::uint32_t width) {
+  if (port == "in") {
+    return fmt::format("input population; write  in: {{model: input, size: {}}}", width);
+  }
+  if (port == "signal") {
+    return fmt::format(
+        "population of model signal_input; write  signal: {{model: signal_input, size: {}}}",
+        width);
+  }
+  const char* const key = port == "out" ? "output" : "potential";
+  return fmt::format("key '{0}'; write  {0}: [NAME]", key);
+}
+
 // The connection's width and the file's must be the same; both places are named.
 void check_width(const music::Process& process, const std::string& port, std::uint32_t wanted,
                  const NetworkFile& network) {
   const std::uint32_t width = process.width(port);
   if (wanted == 0) {
-    const std::string what = port == "in" ? "input population; write  in: {model: input, size: "
-                             : port == "signal" ? "population of model signal_input; write  "
-                                                  "signal: {model: signal_input, size: "
-                                                : "list '" + port + "'; write  " + port + ": [NAME";
-    const bool input = port == "in" || port == "signal";
     throw ConfigurationError(
         process.where(port),
-        fmt::format("'{}.{}' is connected, but the network {} has no {}{}", process.label(), port,
-                    network.path, what, input ? fmt::format("{}}}", width) : "]"));
+        fmt::format("'{}.{}' is connected, but the network {} has no {}", process.label(), port,
+                    network.path, lacking(port, width)));
   }
   if (width != wanted) {
     throw ConfigurationError(

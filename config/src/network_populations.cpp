@@ -222,8 +222,9 @@ std::vector<TimedValue> read_steps(const Section& section, const std::string& ke
       }
     };
     const double ms = number(0, "ms");
-    const TimeNs time = std::llround(ms * 1e6);
-    if (ms < 0 || ms > 1e9 || std::abs(ms * 1e6 - static_cast<double>(time)) > 1e-3) {
+    const bool in_range = ms >= 0 && ms <= 1e9;
+    const TimeNs time = in_range ? std::llround(ms * 1e6) : 0;
+    if (!in_range || std::abs(ms * 1e6 - static_cast<double>(time)) > 1e-3) {
       throw ConfigurationError(
           where, fmt::format("{}: {}: the time {} ms is not a whole number of nanoseconds from 0 "
                              "to 1e9 ms; write  {}: {}",
@@ -272,8 +273,9 @@ void check_on_grid(const std::string& what, TimeNs time, TimeNs resolution, cons
   if (resolution != 0 && time % resolution != 0) {
     const TimeNs below = time / resolution * resolution;
     throw ConfigurationError(
-        where, fmt::format("{} {} is not a multiple of the resolution {}; write {} or {}", what,
-                           format_time(time), format_time(resolution), format_time(below),
+        where, fmt::format("{} {} is not a multiple of the resolution {}; write {}{}", what,
+                           format_time(time), format_time(resolution),
+                           below == 0 ? "" : format_time(below) + " or ",
                            format_time(below + resolution)));
   }
 }

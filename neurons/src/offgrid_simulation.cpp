@@ -9,6 +9,7 @@ namespace spikeloop::neurons {
 
 namespace {
 
+constexpr double kLatest = 4e18;     // ns: later than any run
 constexpr std::uint64_t kSpike = 0;  // in place of a crossing's number
 
 double in_ms(TimeNs time) {
@@ -70,7 +71,8 @@ class ExactNeurons {
       return {-1, state.number};
     }
     const double span = std::log((driven_ - state.potential) / (driven_ - threshold_)) * p_.tau_m;
-    return {state.since + std::max<TimeNs>(1, static_cast<TimeNs>(std::ceil(span * 1e6))),
+    return {state.since +
+                std::max<TimeNs>(1, static_cast<TimeNs>(std::ceil(std::min(span * 1e6, kLatest)))),
             state.number};
   }
   bool is_next(std::uint32_t i, std::uint64_t number) const { return states_[i].number == number; }

@@ -53,8 +53,8 @@ class Run:
         self.folder = pathlib.Path(folder)
         self.output = output
 
-    def stream(self, name):
-        with h5py.File(self.folder / "brain.h5") as file:
+    def stream(self, name, node="brain"):
+        with h5py.File(self.folder / f"{node}.h5") as file:
             group = file["spikes"][name]
             return Spikes(group["timestamps_ns"][:], group["node_ids"][:].astype(np.int64))
 

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -124,12 +125,15 @@ class SameNetwork(Case):
 
     def test_the_run_folder_names_the_file_and_no_temporary_one(self):
         self.prepare()
-        built_in.run(self.folder / "run", str(self.folder / "brain.py:make"), 0.01,
-                     built_in.spikes([]), 5, signal=(np.array([0.0]), np.array([[0.0]])))
+        temporary = self.folder / "tmp"
+        temporary.mkdir()
+        with unittest.mock.patch.dict(os.environ, {"TMPDIR": str(temporary)}):
+            built_in.run(self.folder / "run", str(self.folder / "brain.py:make"), 0.01,
+                         built_in.spikes([]), 5, signal=(np.array([0.0]), np.array([[0.0]])))
         resolved = json.loads((self.folder / "run" / "run" / "resolved.json").read_text())
         names = sorted(pathlib.Path(path).name for path in resolved["files"])
         self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
-        self.assertFalse(list(pathlib.Path(tempfile.gettempdir()).glob("spikeloop-network-*")))
+        self.assertEqual(list(temporary.iterdir()), [])
 
     def test_warnings_and_prints_are_shown(self):
         self.prepare()
@@ -141,6 +145,36 @@ class SameNetwork(Case):
         self.assertNotIn("hello", done.stdout)
         self.assertIn("hello", done.stderr)
         self.assertIn("UserWarning: strange", done.stderr)
+
+
+class Imported(Case):
+    def test_a_job_with_a_function_as_an_experiment(self):
+        self.prepare()
+        self.write("stoptime=0.1\nmusic_timestep=0.001\n[source]\nbinary=spike_playback\nnp=1\n"
+                   "file=in.h5\nstream=out\n[brain]\nbinary=spikeloop-network\nnp=1\n"
+                   "network=brain.py:make\nsource.out -> brain.in [5]\n", "job.music")
+        built_in.write_inputs(self.folder, built_in.spikes([]), 5, None, 0.1, 0.001)
+        (self.folder / "inputs.h5").rename(self.folder / "in.h5")
+        done = subprocess.run([built_in.SPIKELOOP, "import", "job.music"], capture_output=True,
+                              text=True, timeout=60, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn('network: "brain.py:make"\n', done.stdout)
+
+
+class Page(Case):
+    def test_the_networks_of_the_page(self):
+        page = (built_in.HERE.parents[1] / "docs/network-file.md").read_text()
+        blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
+        self.assertEqual(len(blocks), 1)
+        self.write(blocks[0])
+        done = self.check("brain.py:make")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("port in [100], port out [2]", done.stdout)
+        self.write(page.split("```yaml\n")[1].split("```")[0], "brain.yaml")
+        self.write(json.dumps([[1.0] * 100] * 2), "weights.json")
+        done = self.check("brain.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("port in [100], port out [102]", done.stdout)
 
 
 class Faults(Case):

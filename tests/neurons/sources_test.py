@@ -299,6 +299,23 @@ class Records(Case):
         wanted = np.where(times > 0.0105, 2 * np.exp(-(times * 1e3 - 10.5) / TAU), 0)
         np.testing.assert_allclose(rows, REST + np.array([wanted, wanted]).T, atol=1e-12)
 
+    def test_a_recorded_population_can_be_connected(self):
+        relay = {"populations": {"input": {"model": "input", "size": 4},
+                                 "relay": {"model": "repeater", "size": 4}},
+                 "connections": [{"from": "input", "to": "relay", "rule": "one_to_one",
+                                  "delay": "3 ms"}], "output": ["relay"]}
+        run = self.run_network({"noise": {"model": "poisson", "size": 4,
+                                          "parameters": {"rate": "90 Hz"}}}, seconds=0.5,
+                               record={"record": {"noise": {"spikes": True}}},
+                               sinks={"behind": ({"simulator": "builtin", "network": relay},
+                                                 "brain.noise_spikes -> behind.in [4]")})
+        sent = run.spikes("noise")
+        back = built_in.Run(run.folder, "").stream("out", "behind")
+        in_time = sent.times_ns + 3 * MS <= 500 * MS
+        self.assertGreater(in_time.sum(), 100)
+        np.testing.assert_array_equal(sent.times_ns[in_time] + 3 * MS, back.times_ns)
+        np.testing.assert_array_equal(sent.channels[in_time], back.channels)
+
     def test_an_interval_that_is_no_number_of_ticks(self):
         run = self.run_network({"cell": {"model": "iaf_psc_delta", "size": 1}}, expect=2,
                                tick="2 ms",

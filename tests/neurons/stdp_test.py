@@ -254,7 +254,21 @@ class Kept(Case):
             else:
                 self.assertEqual(again, table)
 
-    def test_a_folder_that_is_gone_is_told(self):
+    def test_under_MUSIC_the_weights_are_the_same(self):
+        random = np.random.default_rng(3)
+        pre = [np.unique(np.round(random.uniform(1, 400, 30), 1)) for _ in range(3)]
+        post = [np.unique(np.round(random.uniform(1, 400, 30), 1)) for _ in range(2)]
+        net = network(3, 2, {"rule": "stdp", "lambda": 0.1, "Wmax": "50 mV", "save": "w.npy"})
+        tables = []
+        for layout in ("fused", "separate"):
+            run, table = self.learned(net, joined(pre, post), 5, 0.5,
+                                      arguments=["--layout", layout])
+            tables.append(table)
+            shutil.rmtree(run.folder.parent)
+        np.testing.assert_array_equal(*tables)
+        self.assertGreater(np.ptp(tables[0]), 1)
+
+    def test_a_file_that_cannot_be_written_is_told(self):
         rule = {"rule": "stdp", "save": "w.npy"}
         (self.folder / "run" / "run" / "brain.w.npy").mkdir(parents=True)
         run = built_in.run(self.folder / "run", network(1, 1, rule), 0.1, joined([[]], [[]]), 2,
