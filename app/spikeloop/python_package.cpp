@@ -52,6 +52,7 @@ void become_python(const std::string& module, const std::vector<std::string>& ar
   std::vector<std::string> words{python, "-B", "-m", module};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) {
     pointers.push_back(word.data());
   }

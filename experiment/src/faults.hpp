@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/config/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"
@@ -110,9 +111,6 @@ std::string in_directory(const std::string& directory, const std::string& path);
 inline bool is_in_place(std::string_view text) {
   return text.starts_with('[') || text.starts_with('{');
 }
-
-/// What a message says behind its place.
-std::string reason_of(const Error& error);
 
 /// Mapping files and experiments have the same fields; their errors speak of the file's.
 template <typename Work>

@@ -7,6 +7,7 @@
 #include "faults.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_file.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/neurons/network.hpp"
@@ -146,8 +147,8 @@ void read_network(Part& part, const std::string& directory, Experiment& experime
   const bool in_place = written.starts_with('{');
   if (!in_place) {
     const std::string path = in_directory(directory, written);
-    if (!std::filesystem::exists(path)) {
-      refuse_file("network", where, "network file", path);
+    if (!std::filesystem::exists(network_source(path))) {
+      refuse_file("network", where, "network file", network_source(path));
     }
     part.parameters.set("network", path, true, where);
   }
@@ -213,12 +214,6 @@ void refuse_file(const char* key, const Location& where, const char* what,
   throw ConfigurationError(
       where, fmt::format("key '{}': there is no {} '{}'; write its path, from where this file lies",
                          key, what, path));
-}
-
-std::string reason_of(const Error& error) {
-  const std::string text = error.what();
-  const std::size_t place = error.located() ? error.where().text().size() + 2 : 0;
-  return text.substr(std::min(place, text.size()));
 }
 
 Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,

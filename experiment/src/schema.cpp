@@ -163,8 +163,10 @@ Json network() {
            {{"resolution", {{"type", {"string", "number", "boolean"}}}},
             {"populations", map},
             {"connections", list_of(map)},
-            {"output", list_of({{"type", "string"}})}}},
-          {"required", {"populations", "output"}},
+            {"output", list_of({{"type", "string"}})},
+            {"potential", list_of({{"type", "string"}})},
+            {"record", map}}},
+          {"required", {"populations"}},
           {"additionalProperties", false}};
 }
 

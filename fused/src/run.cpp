@@ -12,6 +12,7 @@
 #include "bag_transport.hpp"
 #include "memory_transport.hpp"
 #include "spikeloop/config/files_read.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/simulators.hpp"
@@ -43,6 +44,13 @@ void copy_experiment(const Experiment& experiment, const std::string& folder) {
   if (!fs::equivalent(experiment.path, copy, error) &&
       !fs::copy_file(experiment.path, copy, fs::copy_options::overwrite_existing, error)) {
     throw FileError("copy the experiment file to", copy.string(), error.value());
+  }
+}
+
+/// What nodes leave behind: learned weights.
+void write_results(Graph& graph, const std::string& folder) {
+  for (const Result& result : graph.results()) {
+    write_weights(std::filesystem::path(folder) / result.file, result.table);
   }
 }
 
@@ -312,6 +320,7 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   result.summary["exit_code"] = result.exit_code;
   result.summary["exit_reason"] = result.reason;
   if (!options.folder.empty()) {
+    attempt(result, [&] { write_results(assembly.graph(), options.folder); });
     write_json(options.folder + "/summary.json", result.summary);
   }
   return result;

@@ -103,10 +103,11 @@ class Program(unittest.TestCase):
         self.assertIn("not measured: rate, NEST, alone, tick 50 ms: NEST is not installed", said)
         self.assertIn("rate, NEST, fused, tick 50 ms: simulators take part as programs of the separate "
                       "layout in this version", said)
-        (modules / "nest.py").write_text("build_info = {'have_music': False}\n")
+        (modules / "nest.py").write_text("raise ImportError('libmpi.so is gone')\n")
         said, _ = bench("--part", "a", "--simulators", "nest", "--encoders", "rate", "--out", self.out,
                         PYTHONPATH=str(modules))
-        self.assertIn("separate, tick 50 ms: NEST is installed without MUSIC", said)
+        self.assertIn("separate, tick 50 ms: NEST cannot be imported: ImportError: libmpi.so is gone",
+                      said)
         self.assertNotIn("NEST is not installed", said)
 
 

@@ -48,7 +48,6 @@ connections:
 JOB = """stoptime={duration_s}
 music_timestep={tick_s}
 sync=unpaced
-barrier={barrier}
 [scan]
   np=1
   binary=signal_playback
@@ -193,7 +192,7 @@ def _write_job(setting, folder, words):
         spikes = f"encoder.out -> brain.in [{width}]\nbrain.out -> decoder.in [{width}]"
     (folder / "job.music").write_text(JOB.format(
         music_keys="\n".join(f"  {key}={value}" for key, value in keys.items()), brain=brain,
-        spikes=spikes, barrier="false" if setting.simulator == "nest" else "true", **words))
+        spikes=spikes, **words))
     return "job.music"
 
 

@@ -102,8 +102,6 @@ def run(programs, setting, limit_s, deadline=math.inf):
     """
     with tempfile.TemporaryDirectory(prefix="spikeloop-bench-") as name:
         folder = pathlib.Path(name)
-        if setting.simulator == "nest":
-            _write_for_nest(setting, folder)
         if setting.layout == "alone":
             return _run_alone(folder, setting, limit_s)
         file = chain.write(setting, folder)
@@ -132,15 +130,13 @@ def _factor_when_stopped(setting, folder, limit_s):
     return setting.duration_s / limit_s
 
 
-def _write_for_nest(setting, folder):
+def _run_alone(folder, setting, limit_s):
+    """NEST without a job."""
     (folder / "nest.json").write_text(json.dumps({
         "neurons": setting.neurons, "tick_ms": setting.tick_ms,
         "resolution_ms": min(chain.RESOLUTION_MS, setting.tick_ms),
         "duration_ms": setting.duration_s * 1000,
         "rate_hz": (setting.rate_min_hz + setting.rate_max_hz) / 2}))
-
-
-def _run_alone(folder, setting, limit_s):
     try:
         done = subprocess.run([sys.executable, chain.HERE / "brains/nest_alone.py"], cwd=folder,
                               capture_output=True, text=True, check=False,

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The parrot neurons of repeat_nest.py in NEST alone, driven at the same rate by one generator.
 
-Prints JSON: seconds to build, seconds to run, spikes. nest.json says what, as for a job.
+Prints JSON: seconds to build, seconds to run, spikes. nest.json says what.
 """
 import json
 import time
