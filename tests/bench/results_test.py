@@ -128,7 +128,7 @@ class Showing(Folder):
         self.assertIn("rate of 50,000 neurons in real time, fused 40 Hz 800 Hz 40 Hz".split(), rows)
         self.assertIn("rate neurons in real time at a tick of 1 ms, separate 50,000 20,000 "
                       "10,000".split(), rows)
-        self.assertIn("NEST in a job, over NEST alone 0.95 0.9".split(), rows)
+        self.assertIn("NEST in a job over NEST alone, separate 0.95 0.9".split(), rows)
         self.assertIn("latency, fused, tick 1 ms: median 1.00 ms, 99 % 2.00 ms, 3 of 3 answered", lines)
         self.assertEqual(lines[-1], "not measured: rate, NEST, fused, tick 50 ms: why")
 

@@ -49,7 +49,7 @@ def _curves(document, axes, layout, encoder, tick_ms):
             _factors(axes, [point["neurons"] for point in points], points, colour,
                      MARKERS[simulator], simulators.NAMES[simulator])
     alone = figures.curve(document, "alone", "rate", "nest", tick_ms)
-    if alone and (layout, encoder) == ("separate", "rate"):
+    if alone and encoder == "rate":
         _factors(axes, [point["neurons"] for point in alone], alone, style.GREEN, "x",
                  "NEST alone", dashed=True)
     _real_time(axes)
