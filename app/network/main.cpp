@@ -39,13 +39,30 @@ music::ProgramText program_text() {
   text.name = "spikeloop-network";
   text.summary = description.text;
   text.ports =
-      "  in   spikes         the input populations, in the file's order\n"
-      "  out  spikes         the populations of the list `output`, in its order\n";
+      "  in         spikes      the input populations, in the file's order\n"
+      "  signal     continuous  the populations of model signal_input, in the file's order\n"
+      "  out        spikes      the populations of the list `output`, in its order\n"
+      "  potential  continuous  membrane potentials of the list `potential`, mV\n"
+      "  NAME_spikes, NAME_V_m  what the file records of population NAME\n";
   text.parameters = description.parameters;
   text.example = kExample;
   text.notes =
       "spikeloop-network --check FILE.yaml  checks a network file and prints its tables.\n";
   return text;
+}
+
+// What a port without channels wants in the file.
+std::string lacking(const std::string& port, std::uint32_t width) {
+  if (port == "in") {
+    return fmt::format("input population; write  in: {{model: input, size: {}}}", width);
+  }
+  if (port == "signal") {
+    return fmt::format(
+        "population of model signal_input; write  signal: {{model: signal_input, size: {}}}",
+        width);
+  }
+  const char* const key = port == "out" ? "output" : "potential";
+  return fmt::format("key '{0}'; write  {0}: [NAME]", key);
 }
 
 // The connection's width and the file's must be the same; both places are named.
@@ -55,9 +72,8 @@ void check_width(const music::Process& process, const std::string& port, std::ui
   if (wanted == 0) {
     throw ConfigurationError(
         process.where(port),
-        fmt::format("'{0}.{1}' is connected, but the network {3} has no input population; write  "
-                    "{1}: {{model: input, size: {2}}}",
-                    process.label(), port, width, network.path));
+        fmt::format("'{}.{}' is connected, but the network {} has no {}", process.label(), port,
+                    network.path, lacking(port, width)));
   }
   if (width != wanted) {
     throw ConfigurationError(
@@ -73,8 +89,14 @@ void check(const music::Process& process, const NetworkFile& network) {
   if (process.connected_input("in", PortKind::spikes)) {
     check_width(process, "in", network.input_width(), network);
   }
+  if (process.connected_input("signal", PortKind::signal)) {
+    check_width(process, "signal", network.signal_width(), network);
+  }
   if (process.connected_output("out", PortKind::spikes)) {
     check_width(process, "out", network.output_width(), network);
+  }
+  if (process.connected_output("potential", PortKind::signal)) {
+    check_width(process, "potential", network.potential_width(), network);
   }
 }
 
@@ -85,8 +107,8 @@ int body(music::Process& process) {
   check(process, network);
   NodeClass node_class = network_class(network);
   const Node* node = nullptr;
-  node_class.create = [&](const NodeSetup&) {
-    auto made = make_network(network);
+  node_class.create = [&](const NodeSetup& setup) {
+    auto made = make_network(network, setup.name, setup.seed);
     node = made.get();
     return made;
   };

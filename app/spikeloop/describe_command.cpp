@@ -13,6 +13,7 @@
 #include "own_programs.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/plugin_path.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/nodes/register.hpp"
 
@@ -56,6 +57,9 @@ void load_plugins(Registry& registry) {
 /// The nodes of experiment files that no MUSIC program runs; null for any other name.
 const NodeDescription* find_in_experiments(const experiment::Kinds& kinds,
                                            const std::string& name) {
+  if (name == experiment::simulator_description().name) {
+    return &experiment::simulator_description();
+  }
   const auto names = experiment_classes(kinds);
   return std::ranges::find(names, name) == names.end() ? nullptr : &kinds.find(name).description;
 }
@@ -64,6 +68,7 @@ std::string name_lines(const Registry& registry) {
   auto names = registry.names();
   const auto more = experiment_classes(experiment::Kinds());
   names.insert(names.end(), more.begin(), more.end());
+  names.push_back(experiment::simulator_description().name);
   return fmt::format("{}\n", fmt::join(names, "\n"));
 }
 

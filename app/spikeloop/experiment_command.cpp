@@ -14,8 +14,10 @@
 
 #include "experiment_places.hpp"
 #include "output.hpp"
+#include "simulator_check.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -211,7 +213,7 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
 
 /// The robot that the experiment has, started when nobody publishes its topics.
 void add_robot(const Experiment& experiment, launch::JobOptions& options) {
-  if (!experiment.robot) {
+  if (!experiment.robot || experiment.ros == experiment::Ros::none) {
     return;
   }
   options.roscore = true;
@@ -298,6 +300,16 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   return exit_code;
 }
 
+/// What is wrong with the file comes first.
+std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file,
+                                                         const experiment::Overrides& overrides) {
+  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
+  if (loaded->faults.empty()) {
+    check_simulators(*loaded->experiment, loaded->faults);
+  }
+  return loaded;
+}
+
 }  // namespace
 
 bool is_experiment(const std::string& file) {
@@ -320,7 +332,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
 
 std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
                                                     const experiment::Overrides& overrides) {
-  auto loaded = experiment::load(file, overrides, fused::look_at_robot);
+  auto loaded = load_with_simulators(file, overrides);
   if (!loaded->faults.empty()) {
     put(stderr, text_of("spikeloop", loaded->faults.front()));
     if (loaded->faults.size() > 1) {
@@ -343,21 +355,57 @@ int run_experiment(const ExperimentArguments& arguments) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
   }
+  if (experiment::has_simulator(experiment)) {
+    // What cannot be is refused before there is a folder.
+    experiment::fused_job(experiment::with_fused_delays(experiment), arguments.folder, {});
+    ExperimentFolder folder = folder_for(arguments, experiment);
+    return run_with_simulators(arguments, experiment, folder);
+  }
   if (experiment.ros != experiment::Ros::none) {
     return run_fused_over_ros(arguments, experiment);
   }
   if (!arguments.timeout_given.empty()) {
     throw ConfigurationError(
-        fmt::format("{} is for runs in several processes (--layout separate, or  ros: 1), and this "
-                    "one has a single process; leave it out",
+        fmt::format("{} is for runs in several processes (--layout separate,  ros: 1,  a "
+                    "simulator), and this one has a single process; leave it out",
                     arguments.timeout_given));
   }
   return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
                         arguments.volume);
 }
 
+int run_with_simulators(const ExperimentArguments& arguments, const Experiment& written,
+                        ExperimentFolder& folder) {
+  const Experiment experiment = experiment::with_fused_delays(written);
+  std::map<std::string, std::string> keys{
+      {"about", about_run(partners_of(experiment, true)).dump()},
+      {"stall_timeout",
+       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
+  if (const auto& replay = arguments.overrides.replay) {
+    keys["replay_origin"] = std::filesystem::absolute(replay->origin).string();
+    keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
+  }
+  const WrittenJob music =
+      write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
+  RunLog log(folder.path());
+  begin_log(log, experiment, "fused");
+  folder.release();
+  launch::JobOptions options = job_options(arguments, experiment, folder.path());
+  options.run.record = arguments.record;
+  options.translate = music.places;
+  const int exit_code = logged(log, [&] {
+    launch::Job job(read_music_file(music.path), options);
+    return run_job(job, arguments.volume, &log);
+  });
+  tell_folder(arguments.volume, folder);
+  return exit_code;
+}
+
 WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
-  const experiment::MusicJob job = experiment::music_job(experiment, folder);
+  return write_job(experiment::music_job(experiment, folder), folder);
+}
+
+WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder) {
   for (const auto& [name, contents] : job.files) {
     launch::write_text(folder + "/" + name, contents);
   }
@@ -367,7 +415,7 @@ WrittenJob write_music_job(const Experiment& experiment, const std::string& fold
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = experiment::load(file, {}, fused::look_at_robot);
+  const auto all = load_with_simulators(file, {});
   const experiment::Loaded& loaded = *all;
   for (const Fault& fault : loaded.faults) {
     put(stderr, text_of("error", fault));

@@ -10,6 +10,7 @@
 #include "console.hpp"
 #include "experiment_folder.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/experiment/music_job.hpp"
 
 namespace spikeloop::app {
 
@@ -42,13 +43,19 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
 int run_in_process(const experiment::Experiment& experiment, const ExperimentFolder& folder,
                    bool record, Console::Volume volume);
 
-/// The separate layout in a folder.
+/// Runs an experiment with simulators, the fused layout, as a MUSIC job. Returns the exit code.
+int run_with_simulators(const ExperimentArguments& arguments,
+                        const experiment::Experiment& experiment, ExperimentFolder& folder);
+
+/// A job in a folder.
 struct WrittenJob {
   std::string path;  ///< of experiment.music
   /// Puts places of the experiment in place of those of experiment.music.
   std::function<std::string(const std::string&)> places;
 };
 /// Writes experiment.music, and what stands in the experiment but has to be a file for a process.
+WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder);
+/// The same of the separate layout.
 WrittenJob write_music_job(const experiment::Experiment& experiment, const std::string& folder);
 
 /// Gives an experiment that is right to `use`; else says everything that is wrong, each with its

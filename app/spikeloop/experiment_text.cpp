@@ -1,12 +1,14 @@
 #include "experiment_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "node_text.hpp"
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/config/parameter_text.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -17,7 +19,21 @@ std::string section(const std::string& title, const std::string& line, const std
                   : fmt::format("{}: {}\n\n{}\n", title, line, table);
 }
 
+std::string how_to_simulate() {
+  std::vector<std::string> names;
+  for (const experiment::Simulator& simulator : experiment::simulators()) {
+    names.emplace_back(simulator.name);
+  }
+  return fmt::format(
+      "Write  simulator: NAME  in an experiment file, one of {}; ports and kinds are "
+      "those of the connections (docs/simulators.md).",
+      fmt::join(names, ", "));
+}
+
 std::string how_to_write(const NodeDescription& description) {
+  if (description.name == experiment::simulator_description().name) {
+    return how_to_simulate();
+  }
   return description.name == experiment::kNetwork
              ? "Write  simulator: builtin  in an experiment file; network: takes a file, or the "
                "map "
@@ -35,10 +51,12 @@ std::vector<std::string> experiment_classes(const experiment::Kinds& kinds) {
 }
 
 std::string experiment_class_list(const experiment::Kinds& kinds) {
-  std::string text = "In experiment files alone: topics, recordings, the network\n";
+  std::string text = "In experiment files alone: topics, recordings, the network, simulators\n";
   for (const std::string& name : experiment_classes(kinds)) {
     text += fmt::format("  {:<27}  {}\n", name, kinds.find(name).description.text);
   }
+  const NodeDescription& simulator = experiment::simulator_description();
+  text += fmt::format("  {:<27}  {}\n", simulator.name, simulator.text);
   return text;
 }
 
@@ -64,6 +82,9 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
     text += section(name, fmt::format("{}. {}", description.text, how_to_write(description)),
                     tables(description), markdown);
   }
+  const NodeDescription& simulator = experiment::simulator_description();
+  text += section(simulator.name, fmt::format("{}. {}", simulator.text, how_to_write(simulator)),
+                  tables(simulator), markdown);
   return text;
 }
 

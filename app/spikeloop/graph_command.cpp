@@ -15,6 +15,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -82,7 +83,8 @@ Box box_of(const Part& part) {
   Box box;
   box.name = part.name;
   box.kind = part.kind;
-  box.style = part.kind == experiment::kNetwork ? BoxStyle::network : BoxStyle::plain;
+  const bool network = part.kind == experiment::kNetwork || experiment::is_simulator(part);
+  box.style = network ? BoxStyle::network : BoxStyle::plain;
   if (is_topic(part)) {
     box.topic = part.parameters.text("topic");
     box.sends = part.kind == experiment::kRosCommand;
@@ -99,8 +101,9 @@ std::string label_of(const Link& link, TimeNs tick) {
 Diagram diagram_of(const Experiment& experiment) {
   Diagram diagram;
   diagram.title = experiment.name;
-  diagram.frame = fmt::format("one process, tick {}, {}", format_time(experiment.tick),
-                              experiment::name_of(experiment.sync));
+  diagram.frame = fmt::format("one process{}, tick {}, {}",
+                              experiment::has_simulator(experiment) ? " and its simulators" : "",
+                              format_time(experiment.tick), experiment::name_of(experiment.sync));
   if (experiment.robot) {
     diagram.robot = experiment.robot->bag.empty()
                         ? "robot in MuJoCo"

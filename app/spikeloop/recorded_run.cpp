@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
 
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/record/reader.hpp"
 
@@ -86,9 +87,20 @@ void check_files(const std::string& folder, const RecordedRun& run) {
   }
 }
 
+/// Whether a connection begins at the node.
+bool sends(const json& resolved, const std::string& node) {
+  const json connections = resolved.value("connections", json::array());
+  return std::ranges::any_of(connections, [&](const json& connection) {
+    return experiment::node_of(connection.value("from", "")) == node;
+  });
+}
+
 /// What every node put out is there, and can be read.
 void check_recordings(const std::string& folder, const RecordedRun& run) {
   for (const auto& [node, keys] : run.resolved["nodes"].items()) {
+    if (keys.contains("simulator") && !sends(run.resolved, node)) {
+      continue;  // nor has its script an output
+    }
     const std::string file = (fs::path(folder) / (node + ".h5")).string();
     if (!fs::exists(file)) {
       refuse(folder,

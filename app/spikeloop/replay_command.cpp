@@ -12,6 +12,7 @@
 #include "recorded_run.hpp"
 #include "spike_comparison.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
 
 namespace spikeloop::app {
@@ -96,19 +97,24 @@ int replay(const Arguments& arguments) {
                     arguments.folder));
   }
   warn(doubts(run));
-  const auto loaded = load_experiment(run.experiment_file, {.duration_s = run.simulated_s,
-                                                            .seed = run.seed,
-                                                            .real_time_factor = {},
-                                                            .sync = experiment::Sync::unpaced,
-                                                            .replay = run.replay});
+  ExperimentArguments once_more;
+  once_more.file = run.experiment_file;
+  once_more.overrides = {.duration_s = run.simulated_s,
+                         .seed = run.seed,
+                         .real_time_factor = {},
+                         .sync = experiment::Sync::unpaced,
+                         .replay = run.replay};
+  once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
+  const auto loaded = load_experiment(run.experiment_file, once_more.overrides);
   if (!loaded->faults.empty()) {
     return loaded->faults.front().exit_code;
   }
-  warn(doubts(run, fused::resolved_json(*loaded->experiment)));
-  const ExperimentFolder made(arguments.folder, folder + "-replay");
-  const int exit_code =
-      run_in_process(*loaded->experiment, made, true,
-                     arguments.quiet ? Console::Volume::quiet : Console::Volume::normal);
+  const experiment::Experiment experiment = experiment::with_fused_delays(*loaded->experiment);
+  warn(doubts(run, fused::resolved_json(experiment)));
+  ExperimentFolder made(arguments.folder, folder + "-replay");
+  const int exit_code = experiment::has_simulator(experiment)
+                            ? run_with_simulators(once_more, experiment, made)
+                            : run_in_process(experiment, made, true, once_more.volume);
   return exit_code == 0 ? compare(run, made) : exit_code;
 }
 

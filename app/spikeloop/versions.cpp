@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "doctor/report.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
@@ -78,7 +79,7 @@ Partners partners_of(const experiment::Experiment& experiment, bool separate) {
           .ros = experiment.ros == experiment::Ros::ros1,
           .mujoco = experiment.robot.has_value(),
           .python = std::ranges::any_of(experiment.parts, [](const experiment::Part& part) {
-            return part.plugin.ends_with(".py");
+            return part.plugin.ends_with(".py") || experiment::is_simulator(part);
           })};
 }
 

@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <numeric>
 
+#include "network_plasticity.hpp"
+#include "network_populations.hpp"
+
 namespace spikeloop::yaml_text {
 
 namespace {
@@ -25,17 +28,6 @@ struct Ends {
   const NetworkPopulation& to;
 };
 
-std::string unit_of_weight(NeuronModel model) {
-  switch (model) {
-    case NeuronModel::iaf_psc_delta:
-      return "mV";
-    case NeuronModel::iaf_psc_exp:
-      return "pA";
-    default:
-      return "1";
-  }
-}
-
 // A repeater answers every spike with one spike, as NEST's parrot_neuron does: a weight other than
 // 1 would be ignored, so it is refused.
 void check_repeater_weight(const Ends& ends, double weight, const Location& where) {
@@ -48,7 +40,11 @@ void check_repeater_weight(const Ends& ends, double weight, const Location& wher
 }
 
 double read_weight(const Section& section, const Ends& ends) {
-  const std::string unit = unit_of_weight(ends.to.model);
+  const NeuronModel from = ends.from.model;
+  const bool factor = is_current(from) && from != NeuronModel::signal_input;
+  const std::string unit = factor                              ? "1"
+                           : from == NeuronModel::signal_input ? "pA"
+                                                               : unit_of_weight(ends.to.model);
   if (unit == "1" && !section.has("weight")) {
     return 1.0;
   }
@@ -58,24 +54,20 @@ double read_weight(const Section& section, const Ends& ends) {
 }
 
 TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
+  if (is_current(ends.from.model)) {
+    if (section.has("delay")) {
+      throw ConfigurationError(
+          section.where("delay"),
+          fmt::format("{}: the current of '{}' acts at once; leave the delay out", section.what(),
+                      ends.from.name));
+    }
+    return 0;
+  }
   const TimeNs delay = section.time("delay", "1 ms");
   if (resolution == 0) {
     return delay;
   }
-  if (delay < resolution) {
-    throw ConfigurationError(
-        section.where("delay"),
-        fmt::format("delay {} is below the resolution {}; write at least {}", format_time(delay),
-                    format_time(resolution), format_time(resolution)));
-  }
-  if (delay % resolution != 0) {
-    const TimeNs below = delay / resolution * resolution;
-    throw ConfigurationError(
-        section.where("delay"),
-        fmt::format("delay {} is not a multiple of the resolution {}; write {} or {}",
-                    format_time(delay), format_time(resolution), format_time(below),
-                    format_time(below + resolution)));
-  }
+  check_delay("delay", delay, resolution, section.where("delay"));
   const auto steps = static_cast<std::uint64_t>(delay / resolution);
   const std::uint64_t wide = ends.to.model == NeuronModel::repeater ? 1 : ends.to.size;
   if (steps > kMostBufferEntries / wide) {
@@ -86,6 +78,27 @@ TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
                     format_time(delay), steps, format_time(resolution), ends.to.size, kElsewhere));
   }
   return delay;
+}
+
+void check_target(const Section& section, const Ends& ends) {
+  if (is_source(ends.to.model)) {
+    throw ConfigurationError(
+        section.where("to"),
+        ends.to.model == NeuronModel::input
+            ? fmt::format("{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
+                          "population of neurons or repeaters",
+                          section.what(), ends.to.name)
+            : fmt::format("{}: '{}' is a {}, nothing can be connected to it; write a population "
+                          "of neurons or repeaters",
+                          section.what(), ends.to.name, model_name(ends.to.model)));
+  }
+  if (is_current(ends.from.model) && !has_membrane(ends.to.model)) {
+    throw ConfigurationError(
+        section.where("to"),
+        fmt::format("{}: '{}' is a {}, which takes no current; write a population of model "
+                    "iaf_psc_delta or iaf_psc_exp",
+                    section.what(), ends.to.name, model_name(ends.to.model)));
+  }
 }
 
 void check_count(std::uint64_t synapses, const Location& where) {
@@ -122,24 +135,6 @@ std::vector<Synapse> all_to_all(const Ends& ends, double weight, const Location&
   return synapses;
 }
 
-std::uint32_t read_index(const std::string& file, const YAML::Node& node,
-                         const NetworkPopulation& population) {
-  const std::string text = scalar(file, "pairs", node);
-  const std::uint64_t largest = population.size - 1;
-  std::uint64_t value = 0;
-  const bool digits = text.find_first_not_of("0123456789") == std::string::npos && text.size() < 11;
-  if (digits) {
-    value = std::stoull(text);
-  }
-  if (!digits || value > largest) {
-    throw ConfigurationError(
-        place(file, node),
-        fmt::format("pairs: '{}' is no member of '{}'; write a whole number from 0 to {}", text,
-                    population.name, largest));
-  }
-  return static_cast<std::uint32_t>(value);
-}
-
 Synapse read_pair(const std::string& file, const YAML::Node& node, const Ends& ends,
                   double weight) {
   if (!node.IsSequence() || node.size() < 2 || node.size() > 3) {
@@ -147,7 +142,8 @@ Synapse read_pair(const std::string& file, const YAML::Node& node, const Ends& e
                              "pairs: an entry is not a pair; write [source, target] or [source, "
                              "target, factor], for example [0, 1] or [0, 1, -0.5]");
   }
-  Synapse synapse{read_index(file, node[0], ends.from), read_index(file, node[1], ends.to), weight};
+  Synapse synapse{read_index(file, "pairs", node[0], ends.from),
+                  read_index(file, "pairs", node[1], ends.to), weight};
   if (node.size() == 3) {
     const std::string factor = scalar(file, "pairs", node[2]);
     try {
@@ -260,6 +256,44 @@ void group_by_source(const std::vector<Synapse>& synapses, std::uint32_t sources
 
 }  // namespace
 
+std::string unit_of_weight(NeuronModel target) {
+  switch (target) {
+    case NeuronModel::iaf_psc_delta:
+      return "mV";
+    case NeuronModel::iaf_psc_exp:
+      return "pA";
+    default:
+      return "1";
+  }
+}
+
+void check_delay(const std::string& what, TimeNs delay, TimeNs resolution, const Location& where) {
+  if (delay < resolution) {
+    throw ConfigurationError(
+        where, fmt::format("{} {} is below the resolution {}; write at least {}", what,
+                           format_time(delay), format_time(resolution), format_time(resolution)));
+  }
+  check_on_grid(what, delay, resolution, where);
+}
+
+std::uint32_t read_index(const std::string& file, const std::string& what, const YAML::Node& node,
+                         const NetworkPopulation& population) {
+  const std::string text = scalar(file, what, node);
+  const std::uint64_t largest = population.size - 1;
+  std::uint64_t value = 0;
+  const bool digits = text.find_first_not_of("0123456789") == std::string::npos && text.size() < 11;
+  if (digits) {
+    value = std::stoull(text);
+  }
+  if (!digits || value > largest) {
+    throw ConfigurationError(
+        place(file, node),
+        fmt::format("{}: '{}' is no member of '{}'; write a whole number from 0 to {}", what, text,
+                    population.name, largest));
+  }
+  return static_cast<std::uint32_t>(value);
+}
+
 std::size_t find_population(const NetworkFile& network, const std::string& name,
                             const Location& where, const std::string& what) {
   std::vector<std::string> names;
@@ -276,7 +310,7 @@ std::size_t find_population(const NetworkFile& network, const std::string& name,
 NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
                                   const YAML::Node& node, const NetworkWeightLoader& load_weights) {
   const Section section(network.path, fmt::format("connection {}", index + 1), node,
-                        {"from", "to", "rule", "weight", "delay", "pairs"});
+                        {"from", "to", "rule", "weight", "delay", "pairs", "plasticity"});
   NetworkProjection projection;
   projection.where = section.where();
   projection.from = find_population(network, section.text("from", "input"), section.where("from"),
@@ -284,17 +318,15 @@ NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
   projection.to =
       find_population(network, section.text("to", "relay"), section.where("to"), section.what());
   const Ends ends{network.populations[projection.from], network.populations[projection.to]};
-  if (ends.to.model == NeuronModel::input) {
-    throw ConfigurationError(
-        section.where("to"),
-        fmt::format("{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
-                    "population of neurons or repeaters",
-                    section.what(), ends.to.name));
-  }
+  check_target(section, ends);
   projection.delay = read_delay(section, ends, network.resolution);
   projection.rule = section.text("rule", "one_to_one");
   group_by_source(apply_rule(projection.rule, section, ends, load_weights), ends.from.size,
                   projection);
+  if (section.has("plasticity")) {
+    projection.plasticity =
+        read_plasticity(network, projection, section.what(), section.at("plasticity", ""));
+  }
   return projection;
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <optional>
 
 #include "json_text.hpp"
@@ -271,6 +273,34 @@ WeightLoader weight_loader(WeightOptions options) {
     options.named_in = written.where;
     return read_weights(written.text, options);
   };
+}
+
+void write_weights(const std::filesystem::path& path, const WeightTable& table) {
+  const WeightTable rows = table.compressed();
+  if (path.extension() != ".json") {
+    std::vector<double> values(std::size_t{rows.rows} * rows.columns, 0.0);
+    for (std::uint32_t row = 0; row < rows.rows; ++row) {
+      for (std::uint64_t k = rows.row_start[row]; k < rows.row_start[row + 1]; ++k) {
+        values[std::size_t{row} * rows.columns + rows.column[k]] = rows.values[k];
+      }
+    }
+    write_npy(path, rows.rows, rows.columns, values);
+    return;
+  }
+  errno = 0;
+  std::ofstream file(path);
+  file << fmt::format("{{\"rows\": {}, \"columns\": {}, \"entries\": [", rows.rows, rows.columns);
+  for (std::uint32_t row = 0; row < rows.rows; ++row) {
+    for (std::uint64_t k = rows.row_start[row]; k < rows.row_start[row + 1]; ++k) {
+      file << fmt::format("{}[{}, {}, {}]", k == 0 ? "" : ",\n ", row, rows.column[k],
+                          rows.values[k]);
+    }
+  }
+  file << "]}\n";
+  file.close();
+  if (!file) {
+    throw FileError("write", path.string(), errno);
+  }
 }
 
 }  // namespace spikeloop

@@ -224,4 +224,19 @@ Location Section::where(const std::string& key) const {
   return found->second.IsNull() ? key_places_.at(key) : place(file_, found->second);
 }
 
+Parameters resolve_section(const Section& section,
+                           const std::vector<ParameterDescription>& declared) {
+  for (const ParameterDescription& parameter : declared) {
+    if (!parameter.default_value) {  // resolve() would not know the place
+      const bool text = parameter.type == ParameterType::text;
+      section.at(parameter.name, text ? "NAME" : fmt::format("10 {}", parameter.unit));
+    }
+  }
+  WrittenValues written;
+  for (const std::string& key : section.keys()) {
+    written[key] = {section.text(key, ""), section.where(key)};
+  }
+  return resolve(declared, written, {});
+}
+
 }  // namespace spikeloop::yaml_text

@@ -67,4 +67,8 @@ class Section {
   std::map<std::string, Location> key_places_;
 };
 
+/// The keys of a section as declared parameters. @throws ConfigurationError as resolve().
+Parameters resolve_section(const Section& section,
+                           const std::vector<ParameterDescription>& declared);
+
 }  // namespace spikeloop::yaml_text

@@ -330,4 +330,16 @@ std::vector<Counter> Graph::counters() const {
   return all;
 }
 
+std::vector<Result> Graph::results() {
+  std::vector<Result> all;
+  for (Element& element : impl_->elements) {
+    if (element.node) {
+      for (Result& result : element.node->results()) {
+        all.push_back({fmt::format("{}.{}", element.name, result.file), std::move(result.table)});
+      }
+    }
+  }
+  return all;
+}
+
 }  // namespace spikeloop

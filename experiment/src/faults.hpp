@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/config/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"
@@ -60,6 +61,16 @@ struct Checked {
 /// A node's class, keys and files.
 Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
                      Experiment& experiment, Faults& faults);
+/// What `simulator: NAME` stands for, if it is not a class of the registry.
+/// @throws ConfigurationError with "did you mean".
+std::string simulator_kind(const ExperimentNode& node, const WrittenValue& written);
+/// A node that is a simulator: `part` has its name, kind and place. It has no class, and so no
+/// ports, before with_simulator_ports().
+Checked resolve_simulator(const ExperimentNode& node, Part part, const std::string& directory,
+                          Experiment& experiment, Faults& faults);
+/// Gives simulators the ports that the connections name; these are named in full in the result.
+ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& experiment,
+                                    Faults& faults);
 /// Ends, kinds, cycles, delays; widths along every connection; makes every node once that `whole`
 /// names, if `trial` wants it.
 struct Trial {
@@ -100,9 +111,6 @@ std::string in_directory(const std::string& directory, const std::string& path);
 inline bool is_in_place(std::string_view text) {
   return text.starts_with('[') || text.starts_with('{');
 }
-
-/// What a message says behind its place.
-std::string reason_of(const Error& error);
 
 /// Mapping files and experiments have the same fields; their errors speak of the file's.
 template <typename Work>

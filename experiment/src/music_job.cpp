@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "faults.hpp"
+#include "job_writer.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -39,15 +41,14 @@ std::string kinds_of(const NodeClass& node_class) {
   return in + "->" + out;
 }
 
-class Writer {
+class Writer : JobWriter {
  public:
-  Writer(const Experiment& experiment, const std::string& folder)
-      : experiment_(experiment), folder_(folder) {}
+  Writer(const Experiment& experiment, const std::string& folder) : JobWriter(experiment, folder) {}
 
   MusicJob write() {
     write_globals();
     for (const Part& part : experiment_.parts) {
-      job_.file.sections.push_back({part.name, {}, part.where});
+      begin_section(part.name, part.where);
       write_section(part);
     }
     for (const Link& link : experiment_.links) {
@@ -57,34 +58,6 @@ class Writer {
   }
 
  private:
-  void write_globals() {
-    const auto add = [this](const char* name, const std::string& value) {
-      set_key(job_.file.globals, name, value);
-    };
-    if (experiment_.duration) {
-      add("stoptime", seconds(*experiment_.duration));
-    }
-    add("music_timestep", seconds(experiment_.tick));
-    add("seed", std::to_string(experiment_.seed));
-    add("strict", "true");
-    add("barrier", "false");
-    add("rtf", fmt::format("{}", experiment_.real_time_factor));
-    add("sync", experiment_.sync == Sync::unpaced ? "unpaced" : "realtime");
-  }
-
-  static std::string seconds(TimeNs time) {
-    return fmt::format("{}.{:09}", time / kNsPerSecond, time % kNsPerSecond);
-  }
-
-  /// `key`: the experiment's, when it has another name there.
-  void add(const Part& part, const std::string& name, const std::string& value,
-           const std::string& key = "") {
-    auto& keys = job_.file.sections.back().keys;
-    set_key(keys, name, value);
-    const auto written = part.written.find(key.empty() ? name : key);
-    keys.back().where = written == part.written.end() ? part.where : written->second.where;
-  }
-
   /// Makes it a file of its own when it stands in place.
   std::string as_file(const Part& part, const std::string& key, const std::string& text,
                       const char* extension) {
@@ -98,8 +71,10 @@ class Writer {
 
   void write_section(const Part& part) {
     add(part, "np", "1");
-    add(part, "wd", std::filesystem::absolute(directory_of(experiment_.origin)).string());
-    if (part.kind == kRosSensor) {
+    add_directory(part.where);
+    if (is_simulator(part)) {
+      add_script(part);
+    } else if (part.kind == kRosSensor) {
       write_sensor(part);
     } else if (part.kind == kRosCommand) {
       write_command(part);
@@ -203,10 +178,6 @@ class Writer {
                                link.where};
     job_.file.connections.push_back(std::move(connection));
   }
-
-  const Experiment& experiment_;
-  std::string folder_;
-  MusicJob job_;
 };
 
 /// Programs know a port's width from its connection alone.

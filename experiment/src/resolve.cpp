@@ -310,7 +310,11 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     check_bag(*bag, whole, experiment, all);
   }
   if (joined) {
-    resolve_links(file, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+    const std::size_t before = all.count();
+    const ExperimentFile named = with_simulator_ports(file, experiment, all);
+    if (all.count() == before) {
+      resolve_links(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+    }
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

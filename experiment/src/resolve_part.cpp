@@ -7,6 +7,7 @@
 #include "faults.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_file.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/neurons/network.hpp"
@@ -16,9 +17,6 @@ namespace spikeloop::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Simulators that issues to come bring; their names are no slips.
-constexpr const char* kLater[] = {"nest", "neuron", "brian2", "music"};
 
 /// Tables that are written in place, or stand in a file.
 WeightLoader table_loader(const std::string& directory, const NodeClass& node_class) {
@@ -149,8 +147,8 @@ void read_network(Part& part, const std::string& directory, Experiment& experime
   const bool in_place = written.starts_with('{');
   if (!in_place) {
     const std::string path = in_directory(directory, written);
-    if (!std::filesystem::exists(path)) {
-      refuse_file("network", where, "network file", path);
+    if (!std::filesystem::exists(network_source(path))) {
+      refuse_file("network", where, "network file", network_source(path));
     }
     part.parameters.set("network", path, true, where);
   }
@@ -182,7 +180,8 @@ void read_recording(Part& part, const std::string& directory, Experiment& experi
   experiment.own_classes.push_back(std::move(own));
 }
 
-/// The node's class: `node: NAME`, or `simulator: builtin` for the built-in network.
+/// The node's class: `node: NAME`, or the simulator of `simulator: NAME`, of which builtin is the
+/// built-in network.
 std::string kind_of(const ExperimentNode& node, Part& part) {
   const auto take = [&](const char* key) {
     const WrittenValue value = node.keys.at(key);
@@ -200,17 +199,7 @@ std::string kind_of(const ExperimentNode& node, Part& part) {
   if (node.keys.contains("node")) {
     return take("node").text;
   }
-  const WrittenValue simulator = take("simulator");
-  if (simulator.text == "builtin") {
-    return kNetwork;
-  }
-  const bool later = std::ranges::find(kLater, simulator.text) != std::end(kLater);
-  throw ConfigurationError(
-      simulator.where,
-      fmt::format("node '{}': simulator '{}' is {}; write  simulator: builtin, or couple it by a "
-                  ".music file",
-                  node.name, simulator.text,
-                  later ? "not in this version of experiment files" : "unknown"));
+  return simulator_kind(node, take("simulator"));
 }
 
 }  // namespace
@@ -227,20 +216,18 @@ void refuse_file(const char* key, const Location& where, const char* what,
                          key, what, path));
 }
 
-std::string reason_of(const Error& error) {
-  const std::string text = error.what();
-  const std::size_t place = error.located() ? error.where().text().size() + 2 : 0;
-  return text.substr(std::min(place, text.size()));
-}
-
 Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
                      Experiment& experiment, Faults& faults) {
   Part part;
   part.name = node.name;
   part.where = node.where;
   part.written = node.keys;
+  const bool by_class = node.keys.contains("node");
   const bool found = faults.attempt(node.where, [&] {
     part.kind = kind_of(node, part);
+    if (!by_class && part.kind != kNetwork) {
+      return;
+    }
     const auto written = node.keys.find("node");
     const Location where = written == node.keys.end() ? node.where : written->second.where;
     if (kinds.may_lack(part.kind)) {
@@ -250,6 +237,9 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
     part.role = kinds.role(part.kind);
     part.plugin = kinds.plugin_of(part.kind);
   });
+  if (found && !by_class && part.kind != kNetwork) {
+    return resolve_simulator(node, std::move(part), directory, experiment, faults);
+  }
   if (!found || part.node_class == nullptr) {
     return {};
   }

@@ -9,12 +9,14 @@
 
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/core/units.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kSimulator = "a simulator";  // no class can be named so
 constexpr const char* kDigits = R"((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)";
 
 Json reference(const std::string& name) {
@@ -161,8 +163,10 @@ Json network() {
            {{"resolution", {{"type", {"string", "number", "boolean"}}}},
             {"populations", map},
             {"connections", list_of(map)},
-            {"output", list_of({{"type", "string"}})}}},
-          {"required", {"populations", "output"}},
+            {"output", list_of({{"type", "string"}})},
+            {"potential", list_of({{"type", "string"}})},
+            {"record", map}}},
+          {"required", {"populations"}},
           {"additionalProperties", false}};
 }
 
@@ -196,6 +200,13 @@ Json kind(const NodeDescription& description) {
   return schema;
 }
 
+/// A script's parameters are its own.
+Json simulator() {
+  Json schema = object_of(simulator_description().parameters);
+  schema["additionalProperties"] = true;
+  return schema;
+}
+
 Json if_then(const char* key, const std::string& value, const std::string& definition) {
   return {{"if", {{"properties", {{key, {{"const", value}}}}}, {"required", {key}}}},
           {"then", reference(definition)}};
@@ -204,14 +215,21 @@ Json if_then(const char* key, const std::string& value, const std::string& defin
 /// `node` or `simulator` decides what else there may be.
 Json node(const std::vector<std::string>& names) {
   Json cases = Json::array();
+  Json simulating{"builtin"};
   cases.push_back(if_then("simulator", "builtin", kNetwork));
+  for (const Simulator& simulator : simulators()) {
+    simulating.push_back(simulator.name);
+    cases.push_back(if_then("simulator", simulator.name, kSimulator));
+  }
   for (const std::string& name : names) {
     cases.push_back(if_then("node", name, name));
   }
   return {{"type", "object"},
           {"properties",
            {{"node", {{"enum", names}, {"description", "Its class: spikeloop describe"}}},
-            {"simulator", {{"enum", {"builtin"}}, {"description", "In place of  node: network"}}}}},
+            {"simulator",
+             {{"enum", simulating},
+              {"description", "builtin: node: network; or what a script of yours runs"}}}}},
           {"oneOf", {{{"required", {"node"}}}, {{"required", {"simulator"}}}}},
           {"allOf", cases}};
 }
@@ -262,6 +280,7 @@ std::string json_schema(const Kinds& kinds) {
   Json& definitions = schema["definitions"];
   definitions["node"] = node(names);
   definitions["weights"] = weights();
+  definitions[kSimulator] = simulator();
   for (const std::string& name : names) {
     definitions[name] = kind(kinds.find(name).description);
   }

@@ -10,6 +10,8 @@
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/record/recorder.hpp"
 
@@ -58,8 +60,8 @@ bool is_recording(std::string_view element) {
 
 std::string name_in_file(std::string_view element) {
   std::string name(element);
-  if (const auto sender = name.find(kSender); sender != std::string::npos) {
-    name.erase(sender, kSender.size());
+  if (const auto blank = name.find(' '); blank != std::string::npos) {
+    name.erase(blank, name.find('.', blank) - blank);
   }
   return name;
 }
@@ -92,8 +94,11 @@ std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::
   }
 }
 
-Assembly::Assembly(const Experiment& experiment, Transport& transport, const std::string& folder)
-    : experiment_(experiment), transport_(transport) {
+Assembly::Assembly(const Experiment& experiment, const Surroundings& surroundings,
+                   const std::string& folder)
+    : experiment_(experiment),
+      transport_(surroundings.transport),
+      simulators_(surroundings.simulators) {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
   if (!folder.empty()) {
@@ -127,6 +132,9 @@ void Assembly::add_part(const Part& part) {
     }
     case Role::sink:
       add_command(part);
+      return;
+    case Role::simulator:
+      return;  // its connections are what there is of it here
   }
 }
 
@@ -175,9 +183,35 @@ Keep Assembly::keep_messages(const Part& part) {
 
 void Assembly::add_links() {
   for (const Link& link : experiment_.links) {
-    description_.connections.push_back(
-        {link.from, link.to, link.width, link.delay_ticks.value_or(0), link.where});
+    if (is_simulator_end(experiment_, link.from) || is_simulator_end(experiment_, link.to)) {
+      add_link_outside(link);
+    } else {
+      description_.connections.push_back(
+          {link.from, link.to, link.width, link.delay_ticks.value_or(0), link.where});
+    }
   }
+}
+
+void Assembly::add_link_outside(const Link& link) {
+  const bool from_outside = is_simulator_end(experiment_, link.from);
+  const bool to_outside = is_simulator_end(experiment_, link.to);
+  if (from_outside && to_outside) {
+    return;  // they have it between them
+  }
+  // An element a port, so that each is an end of MUSIC's of its own: "brain out.out".
+  const std::string& outside = from_outside ? link.from : link.to;
+  const std::string element =
+      fmt::format("{} {}", experiment::node_of(outside), experiment::port_of(outside));
+  const std::string end = fmt::format("{}.{}", element, experiment::port_of(outside));
+  if (to_outside) {
+    sinks_.push_back(simulators_->input(link));
+    description_.sinks.push_back({element, sinks_.back().get()});
+  } else if (simulator_outputs_.insert(element).second) {
+    sources_.push_back(simulators_->output(link));
+    description_.sources.push_back({element, sources_.back().get()});
+  }
+  description_.connections.push_back({from_outside ? end : link.from, to_outside ? end : link.to,
+                                      link.width, fused_edge_delay(experiment_, link), link.where});
 }
 
 record::Recorder& Assembly::recorder_of(const Part& part, const std::string& folder) {
@@ -204,8 +238,8 @@ void Assembly::record(const std::string& folder) {
     return fmt::format("{}{} {}", kRecord, part, stream);
   };
   for (const experiment::Output& output : experiment_.outputs) {
-    if (output.width == 0) {
-      continue;
+    if (output.width == 0 || is_simulator(experiment_.part(output.part))) {
+      continue;  // a simulator's process records what it puts out
     }
     record::Recorder& recorder = recorder_of(experiment_.part(output.part), folder);
     add_recording(fmt::format("{}.{}", output.part, output.port), name_of(output.part, output.port),

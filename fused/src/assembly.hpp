@@ -4,12 +4,14 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/fused/simulators.hpp"
 #include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::bag {
@@ -21,11 +23,17 @@ class Recorder;
 
 namespace spikeloop::fused {
 
+/// What the graph meets at its rim.
+struct Surroundings {
+  Transport& transport;
+  Simulators* simulators = nullptr;  ///< none: the experiment has none
+};
+
 class Assembly {
  public:
   /// @param folder where what nodes put out is recorded, and messages; empty: nowhere
   /// @throws Error: an endpoint cannot be made, a recording cannot be written.
-  Assembly(const experiment::Experiment& experiment, Transport& transport,
+  Assembly(const experiment::Experiment& experiment, const Surroundings& surroundings,
            const std::string& folder);
   ~Assembly();
 
@@ -41,6 +49,8 @@ class Assembly {
   void add_part(const experiment::Part& part);
   void add_command(const experiment::Part& part);
   void add_links();
+  /// A connection from a simulator, or to one.
+  void add_link_outside(const experiment::Link& link);
   void open_bag(const std::string& folder);
   Keep keep_messages(const experiment::Part& part);
   void record(const std::string& folder);
@@ -50,9 +60,12 @@ class Assembly {
 
   const experiment::Experiment& experiment_;
   Transport& transport_;
+  Simulators* simulators_;
   GraphDescription description_;
   std::unique_ptr<bag::Recorder> messages_;  ///< before those who keep messages in it
   std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::unique_ptr<Sink>> sinks_;  ///< that lead to simulators
+  std::set<std::string> simulator_outputs_;   ///< elements that have their source
   std::vector<std::unique_ptr<CommandEnd>> commands_;
   std::vector<std::unique_ptr<NodeClass>> classes_;
   std::map<std::string, std::unique_ptr<record::Recorder>> recorders_;  ///< by node
@@ -62,7 +75,8 @@ class Assembly {
 
 /// Whether an element of the graph is one of those that record.
 bool is_recording(std::string_view element);
-/// "wheels.commands" of "wheels sender.commands": a command's two elements have one name in a file.
+/// "wheels.commands" of "wheels sender.commands", "brain.out" of "brain out.out": a node's several
+/// elements have its name in a file.
 std::string name_in_file(std::string_view element);
 
 /// The sensor whose data reach a node by the least delay, and that delay in ticks.

@@ -6,13 +6,16 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 
 #include "assembly.hpp"
 #include "bag_transport.hpp"
 #include "memory_transport.hpp"
 #include "spikeloop/config/files_read.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::fused {
 namespace {
@@ -44,6 +47,13 @@ void copy_experiment(const Experiment& experiment, const std::string& folder) {
   }
 }
 
+/// What nodes leave behind: learned weights.
+void write_results(Graph& graph, const std::string& folder) {
+  for (const Result& result : graph.results()) {
+    write_weights(std::filesystem::path(folder) / result.file, result.table);
+  }
+}
+
 std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, Transport& transport) {
   if (experiment.sync == Sync::sim_time) {
     return transport.clock();
@@ -56,16 +66,20 @@ std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, Transport& trans
 class Loop {
  public:
   Loop(const Experiment& experiment, Transport& transport, Assembly& assembly,
-       const RunEvents& events)
+       Simulators* simulators, const RunEvents& events)
       : experiment_(experiment),
         transport_(transport),
         assembly_(assembly),
+        simulators_(simulators),
         events_(events),
         pacer_(make_pacer(experiment, transport)) {}
 
   void run() {
     const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
     Graph& graph = assembly_.graph();
+    if (simulators_ != nullptr) {
+      simulators_->meet();
+    }
     pacer_->start();
     while (graph.time() < duration) {
       pacer_->wait_until(graph.time());
@@ -74,6 +88,9 @@ class Loop {
         return;  // perhaps while it waited
       }
       graph.step();
+      if (simulators_ != nullptr) {
+        simulators_->exchange();
+      }
       transport_.end(graph.time());
       if (events_.ticked) {
         events_.ticked(graph.time());
@@ -98,6 +115,7 @@ class Loop {
   const Experiment& experiment_;
   Transport& transport_;
   Assembly& assembly_;
+  Simulators* simulators_;
   const RunEvents& events_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs next_ = 0;
@@ -117,7 +135,7 @@ json counters_of(const Graph& graph) {
   }
   for (const ConnectionReport& connection : graph.connections()) {
     if (connection.spikes > 0 && !is_recording(connection.to)) {
-      const std::string name = connection.from + "->" + connection.to;
+      const std::string name = name_in_file(connection.from) + "->" + name_in_file(connection.to);
       counters[name + ".spikes"] = connection.spikes;
       counters[name + ".late"] = connection.late;
     }
@@ -135,6 +153,20 @@ void add_sum(const Experiment& experiment, const char* counter, const char* key,
       summary[key] = summary.value(key, std::uint64_t{0}) +
                      summary["counters"][name].template get<std::uint64_t>();
     }
+  }
+}
+
+/// What reached nodes here, however many of them.
+void add_spikes_of_simulators(const Experiment& experiment, const Graph& graph, json& summary) {
+  std::map<std::string, std::uint64_t> spikes;
+  for (const ConnectionReport& connection : graph.connections()) {
+    const std::string from = name_in_file(connection.from);
+    if (experiment::is_simulator_end(experiment, from)) {
+      spikes[from] = std::max(spikes[from], connection.spikes);
+    }
+  }
+  for (const auto& [from, count] : spikes) {
+    summary["spikes"] = summary.value("spikes", std::uint64_t{0}) + count;
   }
 }
 
@@ -161,6 +193,7 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
   };
   add_sum(experiment, "spikes", "spikes", is_network, summary);
   add_sum(experiment, "messages", "scans", is_laser, summary);
+  add_spikes_of_simulators(experiment, graph, summary);
   return summary;
 }
 
@@ -194,7 +227,7 @@ void warn_of_silence(const Experiment& experiment, const json& summary) {
 json resolved_json(const Experiment& experiment) {
   json nodes = json::object();
   for (const auto& part : experiment.parts) {
-    json keys{{"node", part.kind}};
+    json keys{{experiment::is_simulator(part) ? "simulator" : "node", part.kind}};
     for (const auto& [name, value] : part.parameters.all()) {
       if (const auto* number = std::get_if<double>(&value)) {
         keys[name] = *number;
@@ -241,17 +274,18 @@ json resolved_json(const Experiment& experiment) {
   return result;
 }
 
-RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events) {
+RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events,
+              Simulators* simulators) {
   if (experiment.robot && !experiment.robot->bag.empty()) {
     BagTransport transport(experiment.robot->bag);
-    return run(experiment, transport, options, events);
+    return run(experiment, transport, options, events, simulators);
   }
   MemoryTransport transport(experiment.robot, options.folder);
-  return run(experiment, transport, options, events);
+  return run(experiment, transport, options, events, simulators);
 }
 
 RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
-              const RunEvents& events) {
+              const RunEvents& events, Simulators* simulators) {
   if (!options.folder.empty()) {
     json resolved = resolved_json(experiment);
     resolved["recorded"] = options.record;
@@ -261,8 +295,8 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     write_json(options.folder + "/resolved.json", resolved);
     copy_experiment(experiment, options.folder);
   }
-  Assembly assembly(experiment, transport, options.record ? options.folder : "");
-  Loop loop(experiment, transport, assembly, events);
+  Assembly assembly(experiment, {transport, simulators}, options.record ? options.folder : "");
+  Loop loop(experiment, transport, assembly, simulators, events);
   RunResult result;
   result.summary = json::object();
   attempt(result, [&] { loop.run(); });
@@ -286,6 +320,7 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   result.summary["exit_code"] = result.exit_code;
   result.summary["exit_reason"] = result.reason;
   if (!options.folder.empty()) {
+    attempt(result, [&] { write_results(assembly.graph(), options.folder); });
     write_json(options.folder + "/summary.json", result.summary);
   }
   return result;

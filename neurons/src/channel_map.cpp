@@ -4,7 +4,8 @@
 
 namespace spikeloop::neurons {
 
-ChannelMap::ChannelMap(const NetworkFile& network) : output_base_(network.populations.size(), -1) {
+ChannelMap::ChannelMap(const NetworkFile& network)
+    : output_base_(network.populations.size(), -1), recorded_(network.populations.size(), 0) {
   std::uint32_t end = 0;
   for (std::size_t i = 0; i < network.populations.size(); ++i) {
     if (network.populations[i].model == NeuronModel::input) {
@@ -18,6 +19,10 @@ ChannelMap::ChannelMap(const NetworkFile& network) : output_base_(network.popula
     output_base_[population] = base;
     base += static_cast<std::int32_t>(network.populations[population].size);
   }
+  std::size_t lists = 0;
+  for (const NetworkRecord& record : network.record) {
+    recorded_[record.population] = record.spikes ? ++lists : 0;
+  }
 }
 
 ChannelMap::Member ChannelMap::input(std::int32_t channel) const {
@@ -27,10 +32,12 @@ ChannelMap::Member ChannelMap::input(std::int32_t channel) const {
   return {input_population_[k], wanted - (k == 0 ? 0 : input_end_[k - 1])};
 }
 
-std::vector<std::vector<const NetworkProjection*>> outgoing(const NetworkFile& network) {
-  std::vector<std::vector<const NetworkProjection*>> lists(network.populations.size());
-  for (const NetworkProjection& projection : network.projections) {
-    lists[projection.from].push_back(&projection);
+std::vector<std::vector<std::size_t>> outgoing(const NetworkFile& network) {
+  std::vector<std::vector<std::size_t>> lists(network.populations.size());
+  for (std::size_t i = 0; i < network.projections.size(); ++i) {
+    if (!is_current(network.populations[network.projections[i].from].model)) {
+      lists[network.projections[i].from].push_back(i);
+    }
   }
   return lists;
 }

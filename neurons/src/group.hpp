@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,6 +25,10 @@ class Group {
                        std::span<const double> weights) = 0;
   /// Advances to the end of `step`; appends who fired, once a spike.
   virtual void update(std::int64_t step, std::vector<std::uint32_t>& fired) = 0;
+  /// What flows into each neuron beside I_e, pA, from the next step on; for models with a membrane.
+  virtual std::span<double> current() { return {}; }
+  /// Membrane potential at the end of the last step, mV; NaN for models without a membrane.
+  virtual double potential(std::uint32_t) const { return std::numeric_limits<double>::quiet_NaN(); }
 };
 
 /// Spikes on their way, summed by target: a row of `size` weights for every step up to the longest

@@ -21,9 +21,21 @@ class Membranes : public Group {
         reset_(p_.V_reset - p_.E_L),
         refractory_steps_(refractory_steps(p_, resolution)),
         decay_(decay(h_, p_.tau_m)),
-        driven_(p_.I_e * constant_to_membrane(h_, p_.tau_m, p_.C_m)),
+        constant_to_membrane_(constant_to_membrane(h_, p_.tau_m, p_.C_m)),
+        driven_(p_.I_e * constant_to_membrane_),
         potential_(population.size, p_.V_m - p_.E_L),
         refractory_(population.size, 0) {}
+
+  std::span<double> current() override {
+    current_.resize(potential_.size(), 0.0);
+    return current_;
+  }
+  double potential(std::uint32_t i) const override { return potential_[i] + p_.E_L; }
+
+  // What constant currents add to a membrane potential over the step.
+  double driven(std::uint32_t i) const {
+    return current_.empty() ? driven_ : driven_ + constant_to_membrane_ * current_[i];
+  }
 
   void fire_above_threshold(std::uint32_t i, std::vector<std::uint32_t>& fired) {
     if (potential_[i] >= threshold_) {
@@ -39,7 +51,9 @@ class Membranes : public Group {
   const double reset_;
   const long refractory_steps_;
   const double decay_;
+  const double constant_to_membrane_;
   const double driven_;
+  std::vector<double> current_;  // pA; empty while nothing flows
   std::vector<double> potential_;
   std::vector<long> refractory_;  // steps left
 };
@@ -64,7 +78,7 @@ class DeltaNeurons final : public Membranes {
     const std::span<double> row = arriving_.row(step);
     for (std::uint32_t i = 0; i < potential_.size(); ++i) {
       if (refractory_[i] == 0) {
-        potential_[i] = std::max(decay_ * potential_[i] + driven_ + row[i], lowest_);
+        potential_[i] = std::max(decay_ * potential_[i] + driven(i) + row[i], lowest_);
       } else {
         --refractory_[i];
       }
@@ -108,7 +122,7 @@ class ExpNeurons final : public Membranes {
     for (std::uint32_t i = 0; i < potential_.size(); ++i) {
       if (refractory_[i] == 0) {
         potential_[i] = decay_ * potential_[i] + ex_to_membrane_ * current_ex_[i] +
-                        in_to_membrane_ * current_in_[i] + driven_;
+                        in_to_membrane_ * current_in_[i] + driven(i);
       } else {
         --refractory_[i];
       }
@@ -163,16 +177,15 @@ class Repeaters final : public Group {
 std::unique_ptr<Group> make_group(const NetworkPopulation& population, TimeNs resolution,
                                   std::int64_t longest_delay) {
   switch (population.model) {
-    case NeuronModel::input:
-      break;
     case NeuronModel::repeater:
       return std::make_unique<Repeaters>(longest_delay);
     case NeuronModel::iaf_psc_delta:
       return std::make_unique<DeltaNeurons>(population, resolution, longest_delay);
     case NeuronModel::iaf_psc_exp:
       return std::make_unique<ExpNeurons>(population, resolution, longest_delay);
+    default:
+      return nullptr;  // what drives the others
   }
-  return nullptr;
 }
 
 }  // namespace spikeloop::neurons

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sources.hpp"
 #include "spikeloop/config/network_file.hpp"
 #include "spikeloop/core/signal.hpp"
 
@@ -17,15 +18,24 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
   virtual ~Simulation() = default;
 
+  /// Values of port `signal` from the next interval's begin on, which is `now`.
+  virtual void set_signal(std::span<const double> values, TimeNs now) = 0;
   /// Advances over `interval`, which adjoins the last one; `input` is sorted by (time, channel).
-  /// Appends the spikes of port `out`. A spike whose time plus delay has passed acts as early in
-  /// the interval as it can.
+  /// Appends the spikes of port `out` to output[0], and those of the recorded populations behind
+  /// it, in the order of NetworkFile::record. A spike whose time plus delay has passed acts as
+  /// early in the interval as it can.
   virtual void advance(Interval interval, std::span<const Spike> input,
-                       std::vector<Spike>& output) = 0;
+                       std::vector<std::vector<Spike>>& output) = 0;
+  /// Membrane potential at the end of the last interval, mV.
+  virtual double potential(std::size_t population, std::uint32_t member) const = 0;
+  /// The weights of a learning projection at the end of the last interval; empty for another.
+  virtual std::span<const double> learned(std::size_t projection) = 0;
 };
 
-std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network);
-std::unique_ptr<Simulation> make_offgrid_simulation(const NetworkFile& network);
+std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network,
+                                                 const Seeding& seeding);
+std::unique_ptr<Simulation> make_offgrid_simulation(const NetworkFile& network,
+                                                    const Seeding& seeding);
 
 /// Where the channels of the ports lie.
 class ChannelMap {
@@ -40,15 +50,18 @@ class ChannelMap {
   Member input(std::int32_t channel) const;
   /// The first channel of a population on port `out`, -1 when it is not on it.
   std::int32_t output_base(std::size_t population) const { return output_base_[population]; }
+  /// The list of recorded spikes that a population has, behind that of port `out`; 0: none.
+  std::size_t recorded(std::size_t population) const { return recorded_[population]; }
 
  private:
   std::vector<std::uint32_t> input_end_;  // behind the last channel of each input population
   std::vector<std::size_t> input_population_;
   std::vector<std::int32_t> output_base_;
+  std::vector<std::size_t> recorded_;
 };
 
-/// The projections that leave each population, by its index.
-std::vector<std::vector<const NetworkProjection*>> outgoing(const NetworkFile& network);
+/// The projections that spikes of each population take, by its index: indices of projections.
+std::vector<std::vector<std::size_t>> outgoing(const NetworkFile& network);
 
 /// The synapses of source `index`.
 inline std::span<const std::uint32_t> targets(const NetworkProjection& p, std::uint32_t index) {

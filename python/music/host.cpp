@@ -10,7 +10,8 @@
 namespace spikeloop::python {
 namespace {
 
-constexpr const char* kScript = "script";
+constexpr const char* kScript = "script";     // the script's end of the graphs
+constexpr const char* kScriptKey = "script";  // of sections that spikeloop-script runs
 
 /// Setup changes them, and MPI keeps pointers to them: they live as long as the program.
 struct CommandLine {
@@ -43,6 +44,7 @@ Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
       line->count, line->values,
       music::CommonDefaults{.many_processes = many_processes, .takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
+  process_->written({kScriptKey});  // spikeloop-script's, and no slip of the pen
   try {
     parameters_ = process_->read(parameters);
     open(std::move(ports));
@@ -59,6 +61,7 @@ Host::Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> po
   for (const auto& [name, value] : process_->written({"args"})) {
     arguments_ = {value.text};
   }
+  process_->written({kScriptKey});
   parameters_ = process_->read(parameters);
   open(std::move(ports));
   process_->check();

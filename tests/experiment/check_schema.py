@@ -15,6 +15,7 @@ nodes:
   odom: {node: ros_sensor, topic: /odom, message: Odometry, fields: [pose.pose.position.x]}
   encoder: {node: rate_encoder, rate_max: 0.2 kHz, rate_min: 0}
   brain: {simulator: builtin, network: net.yaml}
+  cells: {simulator: neuron, script: brain.py, weight: 0.05, gains: [1, 2]}
   other: {node: network, network: {populations: {n: {model: repeater, size: 3}}, output: [n]}}
   decoder: {node: linear_readout, tau: 30 ms, weights: [[1, 0, 0.5], [0, 1, -2]]}
   sparse: {node: connect, weights: {rows: 1, columns: 3, entries: [[0, 2, 0.5]]}}
@@ -49,6 +50,9 @@ WRONG = [
     ("node: rate_encoder, ", ""),
     ("simulator: builtin", "simulator: builtin, node: network"),
     ("simulator: builtin", "simulator: nest"),
+    ("simulator: neuron", "simulator: nueron"),
+    ("script: brain.py, ", ""),
+    ("script: brain.py", "script: brain.py, np: 0"),
     ("topic: /scan, ", ""),
     ("topic: /scan", "tpoic: /scan"),
     ("rate_max: 0.2 kHz", "rate_max: 200"),

@@ -104,13 +104,14 @@ TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
                          "Source: Weidel et al. 2016, section 2.2\n\nPorts:\n  out  output  "
                          "continuous  any width  The message's numbers\n\nParameters:\n  topic "));
   EXPECT_THAT(sensor.out, testing::EndsWith("\nWrite  node: ros_sensor  in an experiment file.\n"));
-  for (const char* name : {"ros_command", "spike_playback", "signal_playback", "network"}) {
+  for (const char* name :
+       {"ros_command", "spike_playback", "signal_playback", "network", "simulator"}) {
     EXPECT_THAT(spikeloop({"describe", name}, directory).out, StartsWith(name + std::string(": ")));
   }
   EXPECT_THAT(spikeloop({"describe", "network"}, directory).out,
               HasSubstr("Write  simulator: builtin  in an experiment file; "));
   EXPECT_THAT(spikeloop({"describe"}, directory).out,
-              HasSubstr("In experiment files alone: topics, recordings, the network\n"
+              HasSubstr("In experiment files alone: topics, recordings, the network, simulators\n"
                         "  network  "));
   EXPECT_EQ(spikeloop({"describe", "ros_senser"}, directory).err,
             "spikeloop: unknown node class 'ros_senser'; did you mean 'ros_sensor'?\n");

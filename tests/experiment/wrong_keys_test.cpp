@@ -80,14 +80,14 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"unknown class",
                   {{"rate_encoder", "rate_encodr"}},
                   {"x.yaml:7:19: unknown node class 'rate_encodr'; did you mean 'rate_encoder'?"}},
-        WrongFile{"simulator to come",
-                  {{"simulator: builtin", "simulator: nest"}},
-                  {"x.yaml:8:22: node 'brain': simulator 'nest' is not in this version of "
-                   "experiment files; write  simulator: builtin, or couple it by a .music file"}},
         WrongFile{"unknown simulator",
-                  {{"simulator: builtin", "simulator: nist"}},
-                  {"x.yaml:8:22: node 'brain': simulator 'nist' is unknown; write  simulator: "
-                   "builtin, or couple it by a .music file"}},
+                  {{"simulator: builtin", "simulator: nueron"}},
+                  {"x.yaml:8:22: node 'brain': simulator 'nueron' is unknown; did you mean "
+                   "'neuron'?"}},
+        WrongFile{"simulator nobody has",
+                  {{"simulator: builtin", "simulator: spice"}},
+                  {"x.yaml:8:22: node 'brain': simulator 'spice' is unknown; known: builtin, nest, "
+                   "neuron, brian2, python"}},
         WrongFile{
             "node without a name",
             {{"nodes:\n", "nodes:\n  : {node: sigmoid}\n  \"\": {node: sigmoid}\n"}},

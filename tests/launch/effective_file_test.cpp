@@ -1,21 +1,15 @@
 // The file that a job really runs.
 #include "spikeloop/launch/effective_file.hpp"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <regex>
-
 #include "spikeloop/launch/programs.hpp"
-#include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::launch {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// The paper's chain, upstream-first, with a foreign network in its middle.
@@ -406,72 +400,6 @@ TEST(Programs, ANodeOfAnUnknownClassIsOurs) {
   const MusicFile foreign = effective(
       "[a]\nnp=1\nbinary=spikeloop-node\nnode=mine\n[b]\nnp=1\nbinary=x\na.out -> b.in [1]\n");
   EXPECT_EQ(value(foreign, "a", "stamp_guard"), "-");
-}
-
-/// The effective file of kLoop beside a brain.py of this text.
-MusicFile with_brain(const std::string& script) {
-  const test::TemporaryDirectory directory;
-  const std::string text =
-      std::regex_replace(kLoop, std::regex("np=2\nbinary=brain.py"), "np=1\nbinary=./brain.py");
-  const std::string path = directory.write("loop.music", text);
-  std::filesystem::permissions(directory.write("brain.py", script),
-                               std::filesystem::perms::owner_all);
-  RunOptions options;
-  options.record = true;
-  return make_effective(parse_music(text, path), options).file;
-}
-
-TEST(Programs, AScriptThatImportsOurPackageIsOurs) {
-  for (const char* import :
-       {"import spikeloop", "import numpy, spikeloop", "import spikeloop.neuron",
-        "    from spikeloop.brian import music", "from spikeloop import music"}) {
-    const MusicFile file =
-        with_brain(fmt::format("#!/usr/bin/python3\n\"\"\"Text\"\"\"\n{}\n", import));
-    EXPECT_EQ(value(file, "brain", "record"), "true") << import;
-    EXPECT_EQ(value(file, "encoder", "stamp_guard"), "false") << import;
-    EXPECT_EQ(value(file, "brain", "pace"), "-") << import;
-  }
-}
-
-/// The warnings of a cycle of two scripts with these keys.
-std::vector<std::string> warnings_of_scripts(const std::string& keys) {
-  const test::TemporaryDirectory directory;
-  const std::string script = directory.write("a.py", "#!/usr/bin/python3\nimport spikeloop\n");
-  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
-  const std::string section = "np=1\nbinary=./a.py\n" + keys;
-  const std::string text =
-      "[a]\n" + section + "[b]\n" + section + "a.out -> b.in [1]\nb.out -> a.in [1]\n";
-  const std::string path = directory.write("loop.music", text);
-  const EffectiveFile made = make_effective(parse_music(text, path), {});
-  EXPECT_EQ(value(made.file, "a", "accept_latency"), keys.empty() ? "-" : "1 ms");
-  return made.warnings;
-}
-
-TEST(Programs, WhatScriptsAcceptInACycleCounts) {
-  EXPECT_THAT(warnings_of_scripts("accept_latency=1 ms\n"), IsEmpty());
-  EXPECT_THAT(warnings_of_scripts(""), ElementsAre(HasSubstr("the cycle a -> b -> a lacks 2 ms")));
-}
-
-// NEST with MUSIC rounds times to 1 us: a spike just after a tick's begin would be before it.
-TEST(Programs, SpikesForAScriptOfNestKeepAwayFromTheTick) {
-  for (const char* import :
-       {"import spikeloop.nest", "import spikeloop, spikeloop.nest", "from spikeloop import nest",
-        "  from spikeloop.nest import music", "import spikeloop\nimport spikeloop.nest as n"}) {
-    const MusicFile file = with_brain(fmt::format("#!/usr/bin/python3\n{}\n", import));
-    EXPECT_EQ(value(file, "brain", "record"), "true") << import;
-    EXPECT_EQ(value(file, "encoder", "stamp_guard"), "-") << import;
-  }
-}
-
-TEST(Programs, AnotherScriptIsForeign) {
-  for (const char* text :
-       {"#!/usr/bin/python3\nimport nest\n", "#!/usr/bin/python3\nimport spikeloops\n",
-        "#!/usr/bin/python3\nprint('import spikeloop')\n", "import spikeloop\n",
-        "#!/usr/bin/python3\n# import spikeloop\n"}) {
-    const MusicFile file = with_brain(text);
-    EXPECT_EQ(value(file, "brain", "record"), "-") << text;
-    EXPECT_EQ(value(file, "encoder", "stamp_guard"), "-") << text;
-  }
 }
 
 TEST(Programs, TellWhetherAConnectionIsContinuous) {

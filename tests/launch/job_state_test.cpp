@@ -60,6 +60,29 @@ TEST_F(State, ExpectsNewsOfOurProgramsAndOfThoseThatGaveSome) {
   EXPECT_EQ(state_.pids(), std::vector<pid_t>{4321});
 }
 
+TEST_F(State, NobodyIsLateWhileTheFirstWaitsForARobot) {
+  for (const char* label : {"a", "b", "c"}) {
+    tell(label, "started");
+  }
+  tell("a", "first_tick");
+  beat("b", "exchanging", 0);
+  beat("c", "exchanging", 0);
+  beat("a", "meeting", 0);
+  EXPECT_NE(state_.what_is_late(now_), "");
+  beat("a", "waiting", 0);
+  EXPECT_EQ(state_.what_is_late(now_), "");
+  EXPECT_NE(state_.what_is_late(now_ + 4s), "") << "it has been silent since";
+  beat("a", "waiting", 0.001);
+  EXPECT_EQ(state_.what_is_late(now_),
+            "waiting for the others: 'b' (brain.py), 'c' (linear_readout_decoder)");
+}
+
+TEST_F(State, AScriptIsNamedByItsFile) {
+  const MusicFile file = parse_music(
+      "[a]\nnp=1\nbinary=spikeloop-script\nscript=models/brain.py\n", "job.music");
+  EXPECT_EQ(JobState(file).summary()["processes"]["a"]["program"], "brain.py");
+}
+
 TEST_F(State, SaysWhyNobodyStarts) {
   EXPECT_EQ(state_.why_nobody_starts({}), "mpirun has not started any program");
   EXPECT_EQ(state_.why_nobody_starts({{"a", false}, {"c", true}}),

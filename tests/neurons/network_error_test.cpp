@@ -140,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(
              "'iaf_psc_delta'?"},
         Case{"foreign_model", with_population("{model: hodgkin_huxley, size: 1}"),
              "net.yaml:2:14: population 'a': unknown model 'hodgkin_huxley'; known: input, "
-             "repeater, "
-             "iaf_psc_delta, iaf_psc_exp"},
+             "repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
+             "sine_current, noise_current"},
         Case{"size_zero", with_population("{model: repeater, size: 0}"),
              "net.yaml:2:30: population 'a': size 0 is not a whole number from 1 to 10000000; "
              "larger "
@@ -191,8 +191,8 @@ INSTANTIATE_TEST_SUITE_P(
             with_population("{model: iaf_psc_delta, size: 1, parameters: {V_min: -60 mV}}"),
             "net.yaml:2:58: population 'a': V_min -60 mV is above V_reset -70 mV; write a V_min at "
             "or below V_reset"},
-        Case{"needs_grid", "resolution: off\n" + with_population("{model: iaf_psc_delta, size: 1}"),
-             "net.yaml:3:14: population 'a': model iaf_psc_delta is computed on a grid, but the "
+        Case{"needs_grid", "resolution: off\n" + with_population("{model: iaf_psc_exp, size: 1}"),
+             "net.yaml:3:14: population 'a': model iaf_psc_exp is computed on a grid, but the "
              "resolution is off; write  resolution: 0.1 ms"}),
     [](const auto& test) { return std::string(test.param.name); });
 

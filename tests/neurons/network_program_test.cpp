@@ -165,6 +165,31 @@ TEST_F(NetworkProgram, EndsTheJobWithPlaceAndRemedy) {
                         "population; write  in: {model: input, size: 20}"));
 }
 
+TEST_F(NetworkProgram, SaysWhatAPortWithoutChannelsWants) {
+  directory_.write("one.yaml",
+                   "populations:\n  cell: {model: iaf_psc_exp, size: 3}\nrecord: {cell: {spikes: "
+                   "true}}\n");
+  const auto told = [&](const char* connection) {
+    directory_.write("job.music", fmt::format("music_timestep=0.001\nstoptime=1\n[network]\n"
+                                              "binary=spikeloop-network\nnp=1\nnetwork=one.yaml\n"
+                                              "[peer]\nbinary=peer\nnp=1\n{}\n",
+                                              connection));
+    const Outcome outcome = run_program({"--check-section", "job.music", "network"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    return outcome.text();
+  };
+  const std::string begin = " is connected, but the network one.yaml has no ";
+  EXPECT_THAT(told("peer.out -> network.signal [2]"),
+              HasSubstr("'network.signal'" + begin +
+                        "population of model signal_input; write  signal: {model: signal_input, "
+                        "size: 2}"));
+  EXPECT_THAT(told("network.out -> peer.in [3]"),
+              HasSubstr("'network.out'" + begin + "key 'output'; write  output: [NAME]"));
+  EXPECT_THAT(
+      told("network.potential -> peer.in [3]"),
+      HasSubstr("'network.potential'" + begin + "key 'potential'; write  potential: [NAME]"));
+}
+
 TEST_F(NetworkProgram, NamesTheKeyAndTheFileThatAreMissing) {
   write_spikes({});
   Outcome outcome = run(music_job(directory_, 3, job("", 0.001, 0.1)));
@@ -198,13 +223,43 @@ TEST_F(NetworkProgram, ChecksAFileStandingAlone) {
             "input            motor            w.json                  3     1.6 ms  -20..10 pA\n");
 }
 
+TEST_F(NetworkProgram, ChecksSourcesLearningAndRecords) {
+  directory_.write("net.yaml",
+                   "populations:\n"
+                   "  drive: {model: signal_input, size: 2}\n"
+                   "  noise: {model: poisson, size: 5, parameters: {rate: 8 Hz}}\n"
+                   "  motor: {model: iaf_psc_exp, size: 2}\n"
+                   "connections:\n"
+                   "  - {from: drive, to: motor, rule: one_to_one, weight: 200 pA}\n"
+                   "  - {from: noise, to: motor, rule: all_to_all, weight: 30, delay: 1.5,\n"
+                   "     plasticity: {rule: stdp}}\n"
+                   "potential: [motor]\n"
+                   "record: {motor: {spikes: true, V_m: [1]}, noise: {spikes: true}}\n");
+  const Outcome outcome = run_program({"--check", "net.yaml"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(
+      outcome.out,
+      "net.yaml: resolution 100 us, port in [0], port out [0], port signal [2], port potential "
+      "[2]\n"
+      "\n"
+      "population       model                size  port\n"
+      "drive            signal_input            2  signal\n"
+      "noise            poisson                 5  noise_spikes\n"
+      "motor            iaf_psc_exp             2  potential, motor_spikes, motor_V_m\n"
+      "\n"
+      "from             to               rule             synapses      delay  weight\n"
+      "drive            motor            one_to_one              2          -  200 pA\n"
+      "noise            motor            all_to_all             10     1.5 ms  30 pA, stdp\n");
+}
+
 TEST_F(NetworkProgram, CheckRefusesWhatIsWrong) {
   directory_.write("net.yaml", "populations:\n  a: {model: parrot, size: 1}\noutput: [a]\n");
   Outcome outcome = run_program({"--check", "net.yaml"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
             "spikeloop-network: net.yaml:2:14: population 'a': unknown model 'parrot'; known: "
-            "input, repeater, iaf_psc_delta, iaf_psc_exp\n");
+            "input, repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
+            "sine_current, noise_current\n");
   outcome = run_program({"--check"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,

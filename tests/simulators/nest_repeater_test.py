@@ -38,7 +38,7 @@ class Repeaters(unittest.TestCase):
                 self.assertGreater(len(times), 0.9 * width * 20 * duration_s)
                 tick = round(tick_s * 1e9)
                 repeated, in_time = nest_jobs.expected(
-                    times, begins_of(times, tick), step_ns=STEP, delay_ns=max(1_000_000, tick),
+                    times, begins_of(times, tick), step_ns=STEP, delay_ns=tick,
                     guarded=True, end_ns=duration_s * 10**9)
                 got, got_channels, begins = job.received()
                 jobs.assert_same((repeated[in_time], channels[in_time]), (got, got_channels), "NEST")
@@ -68,6 +68,19 @@ class Repeaters(unittest.TestCase):
                 guarded=guarded, end_ns=end)
             self.assertGreater(np.count_nonzero(in_time), 6 * 48)
             jobs.assert_same((repeated[in_time], channels[in_time]), job.received()[:2], "NEST")
+
+    def test_delays_that_are_not_the_tick(self):
+        """NEST then stops between the steps in which it hands on its own spikes."""
+        times, channels = around_borders(1_000_000, 50_000_000)
+        for delay_ms in (1.3, 5) if nest_jobs.WITH_MUSIC else (0.1, 0.3, 1.3, 5):
+            with self.subTest(delay_ms=delay_ms), \
+                    nest_jobs.NestJob("repeat_nest.py", 6, (times, channels), duration_s=0.05,
+                                      keys=f"delay={delay_ms}") as job:
+                job.run("--quiet")
+                repeated, in_time = nest_jobs.expected(
+                    times, begins_of(times, 1_000_000), step_ns=STEP,
+                    delay_ns=round(delay_ms * 1e6), guarded=True, end_ns=50_000_000)
+                jobs.assert_same((repeated[in_time], channels[in_time]), job.received()[:2], "NEST")
 
     def test_in_a_cycle(self):
         """A spike of 2.345 ms goes round between NEST (delays of 1 and 3 ms) and a script that sends

@@ -9,6 +9,7 @@
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -157,7 +158,7 @@ std::uint32_t NodeImporter::width(const MusicSection& section, std::string_view 
 
 /// Where a file lies, seen from the experiment.
 std::string NodeImporter::path(const MusicSection& section, const std::string& written,
-                               const Location& where, const char* what) {
+                               const Location& where, const char* what, const std::string& behind) {
   const std::string base = launch::directory_of(file_.path);
   auto found = find_data_file(written, base);
   if (!found) {
@@ -168,9 +169,10 @@ std::string NodeImporter::path(const MusicSection& section, const std::string& w
         where, fmt::format("there is no {} '{}' in '{}'; write its path", what, written,
                            fs::absolute(base).lexically_normal().string()));
   }
-  return yaml_text(fs::path(written).is_absolute()
-                       ? written
-                       : fs::proximate(fs::absolute(*found), options_.directory).string());
+  return yaml_text((fs::path(written).is_absolute()
+                        ? written
+                        : fs::proximate(fs::absolute(*found), options_.directory).string()) +
+                   behind);
 }
 
 void NodeImporter::import_sensor(const MusicSection& section) {
@@ -364,7 +366,9 @@ void NodeImporter::import_network(const MusicSection& section) {
   node_.description = &kinds_.find(experiment::kNetwork).description;
   add("simulator", "builtin");
   const std::string name = required(section, "network", "brain.yaml");
-  add("network", path(section, name, find(section, "network")->where, "network file"));
+  const std::string file = network_source(name);
+  add("network", path(section, file, find(section, "network")->where, "network file",
+                      name.substr(file.size())));
 }
 
 void NodeImporter::import_playback(const MusicSection& section) {

@@ -49,8 +49,9 @@ class NodeImporter {
                     bool grid);
   std::string fitted_table(const MusicSection& section, const std::string& written,
                            const Location& where);
+  /// Of a file, seen from the experiment; with what stands `behind` it.
   std::string path(const MusicSection& section, const std::string& written, const Location& where,
-                   const char* what);
+                   const char* what, const std::string& behind = "");
   std::uint32_t width(const MusicSection& section, std::string_view port) const;
   bool strict(const MusicSection& section) const;
   Dialect dialect(const MusicSection& section) const;

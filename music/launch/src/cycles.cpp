@@ -65,12 +65,6 @@ bool takes_events(const MusicFile& file, const std::string& label) {
   return program != nullptr && program->input == Kind::events;
 }
 
-/// A script's user knows what may come late, and writes it.
-bool is_script(const MusicFile& file, const std::string& label) {
-  const Program* program = find_program(file, label);
-  return program != nullptr && program->script;
-}
-
 std::optional<TimeNs> written_latency(const MusicFile& file, const MusicSection& section) {
   const auto latency_s = number_of(file, section, "accept_latency", "s");
   try {
@@ -96,13 +90,14 @@ void serve(const MusicFile& file, const Cycle& cycle, Latencies& latencies) {
     const MusicConnection& connection = file.connections[i];
     const MusicSection& receiver = file.section(connection.to_app);
     lacking += tick_of(file, file.section(connection.from_app));
-    const bool script = is_script(file, connection.to_app);
-    if (is_continuous(file, connection) || !(script || takes_events(file, connection.to_app))) {
+    const Program* program = find_program(file, receiver);
+    if (is_continuous(file, connection) || program == nullptr) {
       continue;
     }
+    // A script's user knows what may come late, and writes it.
     if (const auto written = written_latency(file, receiver)) {
       lacking -= *written;
-    } else if (!script) {
+    } else if (program->input == Kind::events) {
       free.push_back(connection.to_app);
     }
   }

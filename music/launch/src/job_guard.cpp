@@ -16,7 +16,7 @@ constexpr const char* kUnguarded =
 bool commands_robot(const MusicFile& file) {
   return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
     const Program* program = find_program(file, section);
-    return program != nullptr && program->ros && program->input;
+    return program != nullptr && program->ros && (program->input || program->commands_robot);
   });
 }
 

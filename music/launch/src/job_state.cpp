@@ -52,7 +52,7 @@ JobState::JobState(const MusicFile& file, bool all_here)
     : file_(file), pacer_(label_that_paces(file)) {
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
-    process.program = program_of(section);
+    process.program = what_runs(file, section);
     process.ours = all_here && find_program(file, section) != nullptr;
     order_.push_back(section.label);
   }

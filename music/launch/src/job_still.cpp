@@ -39,6 +39,10 @@ std::string JobState::what_is_late(Clock::time_point now) const {
   std::array<std::vector<std::string>, kWhat.size()> labels;
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
+    if (process.ticked && process.phase == Phase::waiting && process.simulated_s == 0 &&
+        now - process.heard < kSilence) {
+      return "";  // has begun, and waits for a clock or a robot: the others wait for it
+    }
     if (process.program.empty() || process.ticked) {
       continue;
     }

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/config/script_file.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 
@@ -158,34 +158,50 @@ constexpr Program kAnyNode{.name = "spikeloop-node", .any_class = true};
 constexpr Program kScript{.name = "script", .any_class = true, .script = true};
 constexpr Program kNestScript{
     .name = "script", .any_class = true, .script = true, .rounds_times = true};
+/// Runs the script of its key `script`.
+constexpr std::string_view kScriptProgram = "spikeloop-script";
 
-/// The kind of a script that uses our package; null: it does not. Read as text: nobody's script is
-/// started to be looked at.
-const Program* program_of_script(const MusicFile& file, const MusicSection& section) {
-  static const std::regex import(R"(\s*(from\s+spikeloop[\s.]|import\s+(.*[\s,])?spikeloop\b).*)");
-  static const std::regex nest(
-      R"(\s*(from\s+spikeloop(\.nest\s|\s+import\s+(.*[\s,])?nest\b)|import\s+(.*[\s,])?spikeloop\.nest\b).*)");
+/// The nodes of an experiment that has simulators beside it; `ros=true` when topics are ROS's.
+constexpr std::string_view kFusedProgram = "spikeloop-fused-music";
+constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true};
+constexpr Program kFusedOverRos{
+    .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};
+
+/// The kind of a script that uses our package; null: it does not.
+const Program* program_of_script(const std::string& path) {
+  switch (host_in_script(path)) {
+    case ScriptHost::nest:
+      return &kNestScript;
+    case ScriptHost::other:
+      return &kScript;
+    case ScriptHost::none:
+      break;
+  }
+  return nullptr;
+}
+
+const Program* program_of_binary(const MusicFile& file, const MusicSection& section) {
   const MusicKey* binary = file.find_key(section, "binary");
   if (binary == nullptr) {
     return nullptr;
   }
   const std::string directory = working_directory(file, section, directory_of(file.path));
-  std::ifstream script(find_executable(binary->value, directory, program_environment().at("PATH")));
+  const std::string path =
+      find_executable(binary->value, directory, program_environment().at("PATH"));
+  std::ifstream script(path);
   std::string line;
-  if (!std::getline(script, line) || !line.starts_with("#!")) {
-    return nullptr;
-  }
-  const Program* found = nullptr;
-  while (std::getline(script, line)) {
-    if (line.size() < 200 && line.find("spikeloop") != std::string::npos &&
-        std::regex_match(line, import)) {
-      if (std::regex_match(line, nest)) {
-        return &kNestScript;
-      }
-      found = &kScript;
-    }
-  }
-  return found;
+  return std::getline(script, line) && line.starts_with("#!") ? program_of_script(path) : nullptr;
+}
+
+/// A program of ours, whatever it runs.
+const Program* program_of_key(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* script = file.find_key(section, "script");
+  const std::string directory = working_directory(file, section, directory_of(file.path));
+  const Program* found =
+      script == nullptr
+          ? nullptr
+          : program_of_script((std::filesystem::path(directory) / script->value).string());
+  return found == nullptr ? &kScript : found;
 }
 
 template <typename Table>
@@ -234,6 +250,12 @@ std::string_view node_of_program(std::string_view name) {
   return found == kPrograms.end() ? "" : found->node;
 }
 
+std::string what_runs(const MusicFile& file, const MusicSection& section) {
+  const std::string program = program_of(section);
+  const MusicKey* script = program == kScriptProgram ? file.find_key(section, "script") : nullptr;
+  return script == nullptr ? program : std::filesystem::path(script->value).filename().string();
+}
+
 std::string working_directory(const MusicFile& file, const MusicSection& section,
                               const std::string& directory) {
   const MusicKey* wd = file.find_key(section, "wd");
@@ -242,6 +264,13 @@ std::string working_directory(const MusicFile& file, const MusicSection& section
 
 const Program* find_program(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
+  if (name == kScriptProgram) {
+    return program_of_key(file, section);
+  }
+  if (name == kFusedProgram) {
+    const MusicKey* ros = file.find_key(section, "ros");
+    return ros != nullptr && ros->value == "true" ? &kFusedOverRos : &kFused;
+  }
   if (name == kAnyNode.name) {
     const MusicKey* node = file.find_key(section, "node");
     return program_of_node(file, section, node == nullptr ? "" : node->value);
@@ -250,7 +279,7 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
       found != kPrograms.end()) {
     return found;
   }
-  return program_of_script(file, section);
+  return program_of_binary(file, section);
 }
 
 const Program* find_program(const MusicFile& file, std::string_view label) {

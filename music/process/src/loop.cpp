@@ -21,8 +21,11 @@ using status::Phase;
 // Tells the launcher how far we are: often from the process that paces, else once a second.
 class Progress {
  public:
-  Progress(const status::Sender& sender, const Pacer& pacer, bool pacing)
-      : sender_(sender), pacer_(pacer), period_(pacing ? kNsPerSecond / 4 : kNsPerSecond) {}
+  using Report = std::function<Pacer::Report()>;
+  Progress(const status::Sender& sender, Report pace, bool pacing)
+      : sender_(sender),
+        pace_(std::move(pace)),
+        period_(pacing ? kNsPerSecond / 4 : kNsPerSecond) {}
 
   void at(TimeNs time) {
     if (first_) {
@@ -38,13 +41,13 @@ class Progress {
 
   // The run's length is what the last word says.
   void tell(TimeNs time) const {
-    const auto report = pacer_.report();
+    const auto report = pace_();
     sender_.progress(time, report.wall_time, report.overruns);
   }
 
  private:
   const status::Sender& sender_;
-  const Pacer& pacer_;
+  Report pace_;
   TimeNs period_;
   TimeNs next_ = 0;
   bool first_ = true;
@@ -129,7 +132,10 @@ struct Process::Loop::State {
         graphs(std::move(stepped)),
         hooks(std::move(given)),
         pacer(of.ranks.rank == 0 ? make_pacer(its_keys) : make_unpaced_pacer()),
-        progress(*of.status, *pacer, its_keys.pace) {}
+        progress(
+            *of.status, [this] { return pace(); }, its_keys.pace) {}
+
+  Pacer::Report pace() const { return hooks.pace ? hooks.pace() : pacer->report(); }
 
   void meet() {
     process.heartbeat->enter(Phase::meeting);
@@ -146,10 +152,12 @@ struct Process::Loop::State {
     process.running = true;
   }
 
-  void report(const Pacer::Report& pace) const {
+  void report(const Pacer::Report& its_pace) const {
     process.status->report(
-        final_counters(graphs, summed_counters(graphs, process.label, process.ranks), pace,
-                       keys.pace),
+        hooks.counters
+            ? hooks.counters()
+            : final_counters(graphs, summed_counters(graphs, process.label, process.ranks),
+                             its_pace, keys.pace),
         hooks.summary ? hooks.summary() : json::object(), time);
   }
 };
@@ -199,12 +207,15 @@ void Process::Loop::exchange() {
   }
   own.process.heartbeat->at(own.time);
   own.progress.at(own.time);
+  if (own.hooks.pace) {
+    own.process.heartbeat->enter(Phase::computing);
+  }
 }
 
 void Process::Loop::finish() {
   State& own = *state_;
   own.process.heartbeat->enter(Phase::finalizing);
-  const auto pace = own.pacer->report();  // now: files may take their time
+  const auto pace = own.pace();  // now: files may take their time
   own.progress.tell(own.time);
   if (own.hooks.after_loop) {
     own.hooks.after_loop();

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "recording.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/process/idle_ports.hpp"
 
 namespace spikeloop::music {
@@ -144,6 +146,13 @@ class NodeProgram {
   GraphDescription description_;
 };
 
+// What the node leaves behind: learned weights.
+void write_results(Graph& graph) {
+  for (const Result& result : graph.results()) {
+    write_weights(output_folder() / result.file, result.table);
+  }
+}
+
 }  // namespace
 
 std::vector<ParameterDescription> sharing_parameters() {
@@ -161,7 +170,14 @@ int run_node(Process& process, const NodeClass& node_class, const Parameters& pa
   GraphDescription description = program.describe(node_class, parameters);
   process.attach_recorders(description);
   Graph graph(description);
-  return process.run(graph, hooks);
+  Process::LoopHooks all = hooks;
+  all.after_loop = [&] {
+    if (hooks.after_loop) {
+      hooks.after_loop();
+    }
+    write_results(graph);
+  };
+  return process.run(graph, all);
 }
 
 }  // namespace spikeloop::music

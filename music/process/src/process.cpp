@@ -223,6 +223,14 @@ std::function<void(TimeNs, double)> Process::value_recorder(const std::string& s
   return impl_->recording == nullptr ? nullptr : impl_->recording->value_writer(stream, unit);
 }
 
+void Process::enter(status::Phase phase) const {
+  impl_->heartbeat->enter(phase);
+}
+
+void Process::say_begun() const {
+  impl_->status->first_tick();
+}
+
 void Process::check() const {
   impl_->check_ports();
   impl_->check_keys(common().strict);

@@ -14,12 +14,6 @@
 namespace spikeloop::music {
 namespace {
 
-std::string file_for(const std::string& label) {
-  const char* directory = std::getenv("SPIKELOOP_OUT");
-  const std::filesystem::path folder = directory == nullptr ? "." : directory;
-  return (folder / (label + ".h5")).string();
-}
-
 // A port of one of the graph's sinks, and what leads to it.
 struct Recorded {
   std::string from;
@@ -49,8 +43,8 @@ std::vector<Recorded> recorded_ports(const GraphDescription& description) {
 class FileRecording : public Recording {
  public:
   FileRecording(GraphDescription& description, const std::string& label)
-      : path_(file_for(label)),
-        recorder_(path_, label, {description.seed, description.tick}),
+      : recorder_((output_folder() / (label + ".h5")).string(), label,
+                  {description.seed, description.tick}),
         on_termination_([this] { recorder_.flush_and_close_from_signal(); }) {
     for (const auto& recorded : recorded_ports(description)) {
       add(description, recorded);
@@ -85,7 +79,6 @@ class FileRecording : public Recording {
     description.connections.push_back({from, name, port.width, 0, {}});
   }
 
-  std::string path_;
   record::Recorder recorder_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   status::TerminationHook on_termination_;  // gone before what it touches
@@ -93,6 +86,11 @@ class FileRecording : public Recording {
 };
 
 }  // namespace
+
+std::filesystem::path output_folder() {
+  const char* directory = std::getenv("SPIKELOOP_OUT");
+  return directory == nullptr || *directory == '\0' ? "." : directory;
+}
 
 std::unique_ptr<Recording> attach_recorders(GraphDescription& description,
                                             const std::string& label) {

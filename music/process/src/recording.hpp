@@ -1,6 +1,7 @@
 // Recorders for whatever a process puts out.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -20,8 +21,11 @@ class Recording {
                                                            const std::string& unit) = 0;
 };
 
+/// $SPIKELOOP_OUT, or the working directory when that is not set.
+std::filesystem::path output_folder();
+
 /// For every connection into a sink of the graph: a recorder of the same output. The file is
-/// $SPIKELOOP_OUT/LABEL.h5 (the working directory when that is not set).
+/// LABEL.h5 in output_folder().
 std::unique_ptr<Recording> attach_recorders(GraphDescription& description,
                                             const std::string& label);
 

@@ -3,9 +3,9 @@ import spikeloop.nest
 import nest
 
 with spikeloop.nest.music(spikes_in={"in": None}, spikes_out={"out": None},
-                          resolution=0.1, delay=1.0) as host:
+                          resolution=0.1, delay=0.0) as host:
     nest.resolution = host.parameters["resolution"]
-    delay = max(host.parameters["delay"], host.tick_s * 1e3)
+    delay = host.parameters["delay"] or host.tick_s * 1e3
     cells = nest.Create("parrot_neuron", host.widths["in"])
     nest.Connect(host.input("in"), cells, "one_to_one", {"delay": delay})
     host.output("out", cells)

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,13 +17,30 @@
 
 namespace spikeloop {
 
-enum class NeuronModel { input, repeater, iaf_psc_delta, iaf_psc_exp };
+enum class NeuronModel {
+  input,
+  repeater,
+  iaf_psc_delta,
+  iaf_psc_exp,
+  poisson,
+  signal_input,
+  step_current,
+  sine_current,
+  noise_current
+};
 
-/// "input", "repeater", "iaf_psc_delta", "iaf_psc_exp".
+/// "input", "repeater", ..., as the key `model` has them.
 std::string_view model_name(NeuronModel model);
 
-/// Parameters of a model as data, with NEST's names, units and defaults; empty for input and
-/// repeater.
+/// Integrate-and-fire: it has a membrane potential, and synapses with weights.
+bool has_membrane(NeuronModel model);
+/// It sends a current in place of spikes.
+bool is_current(NeuronModel model);
+/// Nothing can be connected to it.
+bool is_source(NeuronModel model);
+
+/// Parameters of a model as data, with NEST's names, units and defaults; empty for a model without
+/// any. `rate` of poisson and `values` of step_current, which may be lists, are not among them.
 std::vector<ParameterDescription> model_parameters(NeuronModel model);
 
 /// Parameters of the integrate-and-fire models; the defaults are NEST's.
@@ -40,11 +58,59 @@ struct NeuronParameters {
   double V_min = -std::numeric_limits<double>::infinity();  ///< iaf_psc_delta: lower bound, mV
 };
 
+/// A value that holds from a time on, until the next one's.
+struct TimedValue {
+  TimeNs time = 0;
+  double value = 0.0;
+};
+
+/// Parameters of what drives a network from inside.
+struct SourceParameters {
+  std::vector<TimedValue> steps{};  ///< poisson: rates, Hz; step_current: pA. 0 before the first
+  double amplitude = 0.0;           ///< sine_current, pA
+  double frequency = 0.0;           ///< sine_current, Hz
+  double phase = 0.0;               ///< sine_current, rad
+  double offset = 0.0;              ///< sine_current, pA
+  double mean = 0.0;                ///< noise_current, pA
+  double std = 0.0;                 ///< noise_current, pA
+  TimeNs dt = 0;                    ///< noise_current: each value holds that long
+};
+
 struct NetworkPopulation {
   std::string name;
   NeuronModel model = NeuronModel::input;
   std::uint32_t size = 0;
   NeuronParameters parameters{};
+  SourceParameters source{};
+  Location where{};
+};
+
+enum class PlasticityRule { stdp, stdp_dopamine };
+
+/// "stdp", "stdp_dopamine".
+std::string_view rule_name(PlasticityRule rule);
+
+/// Spike-timing dependent plasticity; names, units and defaults are those of NEST's `stdp_synapse`
+/// and `stdp_dopamine_synapse`. The delay is the dendrite's.
+struct NetworkPlasticity {
+  PlasticityRule rule = PlasticityRule::stdp;
+  bool nearest = false;     ///< every spike pairs with the one before it alone (symmetric)
+  double tau_plus = 20.0;   ///< trace of the source, ms
+  double tau_minus = 20.0;  ///< trace of the target, ms
+  double lambda = 0.01;     ///< stdp: step of a potentiation, in Wmax
+  double alpha = 1.0;       ///< stdp: depression over potentiation
+  double mu_plus = 1.0;     ///< stdp: exponent of the weight's dependence, 0 additive
+  double mu_minus = 1.0;
+  double Wmax = 100.0;      ///< mV or pA
+  double A_plus = 1.0;      ///< stdp_dopamine: what a pair adds to the eligibility
+  double A_minus = 1.5;     ///< stdp_dopamine: what a pair takes from it
+  double tau_c = 1000.0;    ///< stdp_dopamine: of the eligibility, ms
+  double tau_n = 200.0;     ///< stdp_dopamine: of the dopamine, ms
+  double b = 0.0;           ///< stdp_dopamine: baseline of the dopamine
+  double Wmin = 0.0;        ///< stdp_dopamine: mV or pA
+  std::size_t reward = 0;   ///< stdp_dopamine: index of the population
+  TimeNs reward_delay = 0;  ///< stdp_dopamine: from its spikes to the synapses
+  std::string save{};       ///< file for the weights of the end; empty: none
   Location where{};
 };
 
@@ -53,11 +119,21 @@ struct NetworkPopulation {
 struct NetworkProjection {
   std::size_t from = 0;  ///< index of the population
   std::size_t to = 0;
-  TimeNs delay = 0;
+  TimeNs delay = 0;                      ///< 0: of a current, which acts at once
   std::string rule;                      ///< as written
   std::vector<std::uint64_t> row_start;  ///< size of `from` + 1 entries
   std::vector<std::uint32_t> target;
-  std::vector<double> weight;  ///< mV (iaf_psc_delta), pA (iaf_psc_exp), 1 (repeater)
+  std::vector<double> weight;  ///< mV (iaf_psc_delta), pA (iaf_psc_exp), 1 (repeater, currents)
+  std::optional<NetworkPlasticity> plasticity{};
+  Location where{};
+};
+
+/// What is recorded of a population, each on an output port of its own.
+struct NetworkRecord {
+  std::size_t population = 0;
+  bool spikes = false;                     ///< port NAME_spikes
+  std::vector<std::uint32_t> potential{};  ///< port NAME_V_m: of these members, in this order
+  TimeNs interval = 0;                     ///< between two rows of potentials; 0: every tick
   Location where{};
 };
 
@@ -67,13 +143,19 @@ struct NetworkFile {
   Location resolution_where{};  ///< the file alone when the default holds
   std::vector<NetworkPopulation> populations;
   std::vector<NetworkProjection> projections;
-  std::vector<std::size_t> output;  ///< populations whose spikes leave by port `out`, in order
+  std::vector<std::size_t> output;       ///< populations whose spikes leave by port `out`, in order
+  std::vector<std::size_t> potential{};  ///< whose membrane potentials leave by port `potential`
+  std::vector<NetworkRecord> record{};
 
-  std::uint32_t input_width() const;   ///< channels of port `in`: sum of the input populations
-  std::uint32_t output_width() const;  ///< channels of port `out`
-  /// A tick must be a whole number of resolutions.
+  std::uint32_t input_width() const;      ///< channels of port `in`: sum of the input populations
+  std::uint32_t signal_width() const;     ///< channels of port `signal`: of the signal_inputs
+  std::uint32_t output_width() const;     ///< channels of port `out`
+  std::uint32_t potential_width() const;  ///< channels of port `potential`
+  /// A tick must be a whole number of resolutions, and an interval of recording of ticks.
   /// @throws ConfigurationError with both lengths and what to write.
   void check_tick(TimeNs tick) const;
+  /// A time must be a whole number of resolutions. @throws as check_tick.
+  void check_grid(TimeNs time) const;
 };
 
 /// Reads a weight file named in `rule`; gets its path relative to the working directory.
@@ -85,7 +167,8 @@ using NetworkWeightLoader = std::function<WeightTable(const std::string& path)>;
 NetworkFile parse_network(const std::string& text, const std::string& path,
                           const NetworkWeightLoader& load_weights);
 
-/// Reads and parses a network file and the weight files it names.
+/// Reads and parses a network file and the weight files it names; a Python function (network_script.hpp)
+/// is run.
 /// @throws FileError when it cannot be read, ConfigurationError as parse_network.
 NetworkFile read_network_file(const std::string& path);
 

@@ -2,8 +2,9 @@
 //
 //   uniform            every weight is 1 / inputs         uniform:0.01      every weight is 0.01
 //   one_to_one         output i reads input i             one_to_one:2      ... with weight 2
-//   blocks             output i is the mean of the i-th block of neighbouring inputs; blocks:2  twice it
-//   even               a table without size and numbers: what the node makes of its widths, where
+//   blocks             output i is the mean of the i-th block of neighbouring inputs; blocks:2
+//   twice it even               a table without size and numbers: what the node makes of its
+//   widths, where
 //                      it knows such a rule (population_vector)
 //   readout.json       [[0.1, 0.2], [0.3, 0.4]]: one row an output, one column an input
 //                      {"rows": 2, "columns": 1000, "entries": [[0, 17, 0.5], [1, 999, -1]]}:
@@ -53,6 +54,11 @@ WeightTable parse_weights(std::string_view text, const std::string& file,
 /// @throws ConfigurationError as `parse_weights`, and when there is no such file; FileError when it
 /// cannot be read.
 WeightTable read_weights(const std::string& written, const WeightOptions& options = {});
+
+/// Writes a dense or sparse table so that read_weights() gives it back: a path that ends in .json
+/// gets the entries, with their zeros; any other one an array of NumPy.
+/// @throws FileError when it cannot be written.
+void write_weights(const std::filesystem::path& path, const WeightTable& table);
 
 /// `read_weights` for `resolve`, which adds key and place to the messages.
 WeightLoader weight_loader(WeightOptions options);

@@ -83,6 +83,8 @@ class Graph {
   std::vector<ConnectionReport> connections() const;
   /// Counters of nodes and endpoints, named "node.counter".
   std::vector<Counter> counters() const;
+  /// What its nodes leave behind; the files are named NODE.FILE.
+  std::vector<Result> results();
 
  private:
   struct Impl;

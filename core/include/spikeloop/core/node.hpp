@@ -12,6 +12,7 @@
 
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/signal.hpp"
+#include "spikeloop/core/weights.hpp"
 
 namespace spikeloop {
 
@@ -82,6 +83,13 @@ struct Counter {
   std::uint64_t value = 0;
 };
 
+/// What a node leaves behind when the run is over: a table, and the name of the file that the
+/// process writes it to.
+struct Result {
+  std::string file;
+  WeightTable table;
+};
+
 class Node {
  public:
   Node() = default;
@@ -95,6 +103,9 @@ class Node {
 
   /// Totals since the beginning of the run.
   virtual std::vector<Counter> counters() const { return {}; }
+
+  /// Called once, when the run is over.
+  virtual std::vector<Result> results() { return {}; }
 };
 
 using NodeFactory = std::function<std::unique_ptr<Node>(const NodeSetup&)>;

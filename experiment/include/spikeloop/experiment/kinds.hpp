@@ -11,7 +11,8 @@
 
 namespace spikeloop::experiment {
 
-enum class Role { source, node, sink };
+/// `simulator`: a process of its own, which simulators.hpp knows.
+enum class Role { source, node, sink, simulator };
 
 inline constexpr const char* kRosSensor = "ros_sensor";
 inline constexpr const char* kRosCommand = "ros_command";

@@ -1,11 +1,12 @@
-// An experiment in one process, without MPI: the fused layout. All nodes are one graph, and the
-// loop is
+// An experiment in one process, without MPI: the fused layout. All nodes but simulators are one
+// graph, and the loop is
 //
 //     for t = 0, h, 2h, ... < duration:
 //       wait until the clock shows t        sync: realtime, sim_time; the others do not wait
 //       messages of t arrive                from the robot in this process, or from ROS
 //       step the graph over (t, t+h]
 //       commands of t+h leave
+//       simulators in processes of their own take the spikes of (t, t+h], and give theirs
 //       the robot advances to t+h, on the commands of t      in this process, or sync: lockstep
 //
 // With sync: lockstep nothing else happens, so that a run can be repeated to the bit, as fast as
@@ -18,6 +19,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/fused/simulators.hpp"
 #include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::fused {
@@ -57,12 +59,14 @@ struct RunResult {
 /// Runs to the end of the duration, or until `stop`. What goes wrong meanwhile is in the result;
 /// the robot is stopped in every case.
 /// @throws Error when it cannot begin: a file, a world, a ROS master.
+/// @param simulators none: the experiment has none
 RunResult run(const experiment::Experiment& experiment, const RunOptions& options,
-              const RunEvents& events = {});
+              const RunEvents& events = {}, Simulators* simulators = nullptr);
 
 /// The same with messages that come and go elsewhere.
 RunResult run(const experiment::Experiment& experiment, Transport& transport,
-              const RunOptions& options, const RunEvents& events = {});
+              const RunOptions& options, const RunEvents& events = {},
+              Simulators* simulators = nullptr);
 
 /// Every key with its value, every connection with its width and delay, what files it was made of.
 nlohmann::json resolved_json(const experiment::Experiment& experiment);

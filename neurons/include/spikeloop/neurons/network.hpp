@@ -15,18 +15,19 @@
 
 namespace spikeloop {
 
-/// The node class `network`: port `in` (spikes), port `out` (spikes), parameter `network` (path of
-/// the network file). Its factory reads the file.
+/// The node class `network`: ports `in` and `out` (spikes), `signal` and `potential` (continuous),
+/// parameter `network` (path of the network file). Its factory reads the file.
 NodeClass network_class();
 
-/// The same for a network that was read before: its ports have the file's widths, and there is no
-/// port `in` when it has no input population.
+/// The same for a network that was read before: its ports have the file's widths, those that
+/// nothing uses are not there, and what is recorded has ports of its own, NAME_spikes and NAME_V_m.
 NodeClass network_class(const NetworkFile& network);
 
-/// Makes the node of a network that was read before.
+/// Makes the node of a network that was read before; `name` and `seed` key its random numbers.
 /// Counters: spikes (that left by port `out`), late_spikes (that came in at or before the begin of
-/// their interval).
-std::unique_ptr<Node> make_network(NetworkFile network);
+/// their interval). Results: the weights that `save` names.
+std::unique_ptr<Node> make_network(NetworkFile network, const std::string& name = "network",
+                                   std::uint64_t seed = 1);
 
 /// Adds the node classes of this room.
 void register_neurons(Registry& registry);

@@ -29,6 +29,7 @@ struct Program {
   bool tells_age = false;        ///< has the output `pace`
   bool measures_age = false;     ///< has the input `pace`
   Outside outside{};             ///< has no key: meets nobody
+  bool commands_robot = false;   ///< whatever its ports are
   bool any_class = false;        ///< runs a class that the launcher does not know: any ports
   bool script = false;           ///< a user's, that takes part by our Python package
   bool rounds_times = false;     ///< of the spikes it gets, to microseconds
@@ -47,6 +48,9 @@ std::string_view node_of_program(std::string_view name);
 const Program* find_program(const MusicFile& file, const MusicSection& section);
 /// Null for a foreign program or a label that no section has.
 const Program* find_program(const MusicFile& file, std::string_view label);
+
+/// The name under which a user knows what a section runs: its program's, or its script's.
+std::string what_runs(const MusicFile& file, const MusicSection& section);
 
 /// Where the section's program runs: its `wd`, seen from `directory`.
 std::string working_directory(const MusicFile& file, const MusicSection& section,

@@ -20,7 +20,9 @@
 #include <vector>
 
 #include "spikeloop/core/graph.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/process/common_keys.hpp"
+#include "spikeloop/status/status.hpp"
 
 namespace spikeloop::music {
 
@@ -46,6 +48,9 @@ class Process {
     std::function<void(TimeNs begin, TimeNs end)> after_step;   ///< after MUSIC's tick
     std::function<void()> after_loop;  ///< before MUSIC's finalize, which may wait for the others
     std::function<nlohmann::json()> summary;  ///< an object for the run's summary.json
+    /// Of a loop whose wait is somebody else's: then Loop::begin() is not called.
+    std::function<Pacer::Report()> pace;
+    std::function<nlohmann::json()> counters;  ///< an object in place of the graphs' counters
   };
 
   /// MUSIC's Setup (and MPI_Init). Afterwards argc and argv are what the section's `args` says.
@@ -149,6 +154,11 @@ class Process {
   /// finalizes, sends the final report. Returns 0. May be called once. For a SectionCheck only the
   /// checks. @throws as check().
   int run(Graph& graph, const LoopHooks& hooks = {});
+
+  /// Tells the launcher what the process does, where Loop does not.
+  void enter(status::Phase phase) const;
+  /// Tells it that the loop has begun, before the first tick: what comes first may take any time.
+  void say_begun() const;
 
   /// What run() does, in pieces, for a program whose own code stands between receiving and sending:
   ///

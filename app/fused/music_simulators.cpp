@@ -1,0 +1,81 @@
+#include "music_simulators.hpp"
+
+#include <utility>
+
+#include "spikeloop/experiment/music_job.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<EndpointPort> named(std::vector<EndpointPort> ports, const std::string& name) {
+  ports.front().name = name;
+  return ports;
+}
+
+/// A port of MUSIC's under the name that the simulator has for it.
+class NamedSource : public Source {
+ public:
+  NamedSource(std::unique_ptr<Source> source, std::string name)
+      : source_(std::move(source)), name_(std::move(name)) {}
+  std::vector<EndpointPort> ports() const override { return named(source_->ports(), name_); }
+  void receive(const Step& step) override { source_->receive(step); }
+  std::vector<Counter> counters() const override { return source_->counters(); }
+
+ private:
+  std::unique_ptr<Source> source_;
+  std::string name_;
+};
+
+class NamedSink : public Sink {
+ public:
+  NamedSink(std::unique_ptr<Sink> sink, std::string name)
+      : sink_(std::move(sink)), name_(std::move(name)) {}
+  std::vector<EndpointPort> ports() const override { return named(sink_->ports(), name_); }
+  void send(const Step& step) override { sink_->send(step); }
+  std::vector<Counter> counters() const override { return sink_->counters(); }
+
+ private:
+  std::unique_ptr<Sink> sink_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> MusicSimulators::output(const experiment::Link& link) {
+  const std::string port = experiment::fused_port(link.from);
+  return std::make_unique<NamedSource>(
+      link.kind == PortKind::spikes ? process_.spike_input(port) : process_.signal_input(port),
+      experiment::port_of(link.from));
+}
+
+std::unique_ptr<Sink> MusicSimulators::input(const experiment::Link& link) {
+  const std::string port = experiment::fused_port(link.to);
+  return std::make_unique<NamedSink>(
+      link.kind == PortKind::spikes ? process_.spike_output(port) : process_.signal_output(port),
+      experiment::port_of(link.to));
+}
+
+void MusicSimulators::meet() {
+  music::Process::LoopHooks hooks;
+  hooks.pace = [this] {
+    Pacer::Report report;
+    report.wall_time = progress_.wall;
+    report.overruns = progress_.overruns;
+    return report;
+  };
+  hooks.counters = [this] { return summary_.value("counters", nlohmann::json::object()); };
+  hooks.summary = [this] {
+    auto rest = summary_;
+    rest.erase("counters");
+    return rest;
+  };
+  loop_ = std::make_unique<music::Process::Loop>(process_, std::vector<const Graph*>{}, hooks);
+  process_.enter(status::Phase::computing);
+}
+
+void MusicSimulators::finish(const nlohmann::json& summary) {
+  summary_ = summary;
+  loop_->finish();
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,60 @@
+#include "simulator_check.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "doctor/children.hpp"
+#include "python_package.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+using experiment::Part;
+using experiment::Simulator;
+
+constexpr const char* kFindModule =
+    "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)";
+
+/// What is wrong with it; empty: nothing.
+std::string trouble_with(const Simulator& simulator) {
+  const std::string python = python_program();
+  if (python.empty()) {
+    return "there is no Python to run its script; install it (Debian: apt install python3), or set "
+           "PYTHON";
+  }
+  if (std::string_view(simulator.module).empty()) {
+    return "";
+  }
+  const auto answer = doctor::ask({{{python, "-c", kFindModule, simulator.module}, {}, "", ""}});
+  return answer.front().exit_code == 0 && answer.front().in_time
+             ? ""
+             : fmt::format("{} finds no module '{}'; {}", python, simulator.module,
+                           simulator.install);
+}
+
+}  // namespace
+
+void check_simulators(const experiment::Experiment& experiment,
+                      std::vector<experiment::Fault>& faults) {
+  std::map<std::string, std::string> known;
+  for (const Part& part : experiment.parts) {
+    if (!experiment::is_simulator(part)) {
+      continue;
+    }
+    const auto [trouble, is_new] = known.emplace(part.kind, "");
+    if (is_new) {
+      trouble->second = trouble_with(*experiment::find_simulator(part.kind));
+    }
+    if (!trouble->second.empty()) {
+      const TransportError error(fmt::format("{}: node '{}': simulator '{}' is not installed: {}",
+                                             part.where.text(), part.name, part.kind,
+                                             trouble->second));
+      faults.push_back({error.what(), part.where, error.exit_code()});
+    }
+  }
+}
+
+}  // namespace spikeloop::app

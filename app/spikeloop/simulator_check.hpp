@@ -1,0 +1,15 @@
+// Whether the simulators of an experiment are installed.
+#pragma once
+
+#include <vector>
+
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::app {
+
+/// Adds a fault for every node whose simulator the Python of scripts does not find. Looks for the
+/// module, and does not import it.
+void check_simulators(const experiment::Experiment& experiment,
+                      std::vector<experiment::Fault>& faults);
+
+}  // namespace spikeloop::app

@@ -1,0 +1,222 @@
+#include "network_plasticity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "network_connections.hpp"
+#include "network_populations.hpp"
+
+namespace spikeloop {
+
+std::string_view rule_name(PlasticityRule rule) {
+  return rule == PlasticityRule::stdp ? "stdp" : "stdp_dopamine";
+}
+
+namespace yaml_text {
+
+namespace {
+
+ParameterDescription number(const char* name, const std::string& unit, const char* value,
+                            double minimum = -std::numeric_limits<double>::infinity()) {
+  ParameterDescription parameter;
+  parameter.name = name;
+  parameter.unit = unit;
+  parameter.default_value = value;
+  parameter.minimum = minimum;
+  return parameter;
+}
+
+ParameterDescription text(const char* name, std::optional<std::string> value) {
+  ParameterDescription parameter;
+  parameter.name = name;
+  parameter.type = ParameterType::text;
+  parameter.default_value = std::move(value);
+  return parameter;
+}
+
+std::vector<ParameterDescription> parameters_of(PlasticityRule rule, const std::string& unit) {
+  constexpr double kSmallest = 0.001;
+  std::vector<ParameterDescription> list = {
+      text("rule", std::nullopt), text("pairing", "all_to_all"), text("save", ""),
+      number("tau_plus", "ms", "20", kSmallest), number("tau_minus", "ms", "20", kSmallest)};
+  const bool stdp = rule == PlasticityRule::stdp;
+  const std::vector<ParameterDescription> own =
+      stdp ? std::vector{number("lambda", "1", "0.01", 0), number("alpha", "1", "1", 0),
+                         number("mu_plus", "1", "1", 0), number("mu_minus", "1", "1", 0),
+                         number("Wmax", unit, "100")}
+           : std::vector{number("A_plus", "1", "1"),
+                         number("A_minus", "1", "1.5"),
+                         number("tau_c", "ms", "1000", kSmallest),
+                         number("tau_n", "ms", "200", kSmallest),
+                         number("b", "1", "0"),
+                         number("Wmin", unit, "0"),
+                         number("Wmax", unit, "200"),
+                         text("reward", std::nullopt),
+                         number("reward_delay", "ms", "1", 0)};
+  list.insert(list.end(), own.begin(), own.end());
+  return list;
+}
+
+PlasticityRule read_rule(const Section& section) {
+  const std::string name = section.text("rule", "stdp");
+  for (const PlasticityRule rule : {PlasticityRule::stdp, PlasticityRule::stdp_dopamine}) {
+    if (name == rule_name(rule)) {
+      return rule;
+    }
+  }
+  throw ConfigurationError(section.where("rule"),
+                           fmt::format("{}: unknown rule '{}'{}", section.what(), name,
+                                       did_you_mean(name, {"stdp", "stdp_dopamine"})));
+}
+
+bool read_pairing(const Section& section, const Parameters& given) {
+  const std::string& pairing = given.text("pairing");
+  if (pairing != "all_to_all" && pairing != "nearest") {
+    throw ConfigurationError(given.where("pairing"),
+                             fmt::format("{}: unknown pairing '{}'{}", section.what(), pairing,
+                                         did_you_mean(pairing, {"all_to_all", "nearest"})));
+  }
+  return pairing == "nearest";
+}
+
+void read_reward(const NetworkFile& network, const Section& section, const Parameters& given,
+                 NetworkPlasticity& plasticity) {
+  const Location where = given.where("reward");
+  plasticity.reward = find_population(network, given.text("reward"), where, section.what());
+  const NetworkPopulation& population = network.populations[plasticity.reward];
+  const bool signal = population.model == NeuronModel::signal_input;
+  if (is_current(population.model) && !signal) {
+    throw ConfigurationError(
+        where, fmt::format("{}: reward '{}' is a {}; write a population with spikes, or a "
+                           "signal_input",
+                           section.what(), population.name, model_name(population.model)));
+  }
+  if (signal && given.given("reward_delay")) {
+    throw ConfigurationError(given.where("reward_delay"),
+                             fmt::format("{}: the signal '{}' acts at once; leave reward_delay out",
+                                         section.what(), population.name));
+  }
+  if (signal) {
+    return;
+  }
+  plasticity.reward_delay =
+      section.has("reward_delay") ? section.time("reward_delay", "1 ms") : 1'000'000;
+  const Location here = given.given("reward_delay") ? given.where("reward_delay") : section.where();
+  check_delay(section.what() + ": reward_delay", plasticity.reward_delay, network.resolution, here);
+}
+
+void check_bounds(const NetworkPlasticity& plasticity, const NetworkProjection& projection,
+                  const Section& section, const std::string& unit) {
+  const bool stdp = plasticity.rule == PlasticityRule::stdp;
+  const double low = stdp ? std::min(0.0, plasticity.Wmax) : plasticity.Wmin;
+  const double high = stdp ? std::max(0.0, plasticity.Wmax) : plasticity.Wmax;
+  if (low >= high) {
+    throw ConfigurationError(
+        section.has("Wmax") ? section.where("Wmax") : section.where(),
+        stdp ? fmt::format("{}: Wmax 0 leaves weights no room; write  Wmax: 100 {}", section.what(),
+                           unit)
+             : fmt::format("{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
+                           section.what(), low, unit, high, unit));
+  }
+  for (const double weight : projection.weight) {
+    if (weight < low || weight > high) {
+      throw ConfigurationError(
+          projection.where,
+          fmt::format("{}: the weight {} {} is not from {} to {} {}; write a weight in these "
+                      "bounds, or other bounds",
+                      section.what(), weight, unit, low, high, unit));
+    }
+  }
+}
+
+// A table has one place for every pair of a source and a target.
+void check_save(const NetworkProjection& projection, const Section& section,
+                const std::string& save) {
+  if (!save.ends_with(".npy") && !save.ends_with(".json")) {
+    throw ConfigurationError(
+        section.where("save"),
+        fmt::format("{}: save '{}' ends in neither .npy nor .json; write for example  save: "
+                    "learned.npy",
+                    section.what(), save));
+  }
+  if (save.find('/') != std::string::npos) {
+    throw ConfigurationError(
+        section.where("save"),
+        fmt::format("{}: save '{}' is a path; write the name of a file alone, which comes to lie "
+                    "in the run folder",
+                    section.what(), save));
+  }
+  for (std::size_t i = 0; i + 1 < projection.row_start.size(); ++i) {
+    std::set<std::uint32_t> seen;
+    for (std::uint64_t k = projection.row_start[i]; k < projection.row_start[i + 1]; ++k) {
+      if (!seen.insert(projection.target[k]).second) {
+        throw ConfigurationError(
+            section.where("save"),
+            fmt::format("{}: there are two synapses from {} to {}, which a table of weights cannot "
+                        "hold; leave 'save' out, or write the pair once",
+                        section.what(), i, projection.target[k]));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProjection& projection,
+                                  const std::string& what, const YAML::Node& node) {
+  const Section section(network.path, what + ": plasticity", node, {});
+  const NetworkPopulation& to = network.populations[projection.to];
+  if (!has_membrane(to.model)) {
+    throw ConfigurationError(
+        section.where(), fmt::format("{}: a {} does not learn; leave 'plasticity' out, or connect "
+                                     "an iaf_psc_delta or iaf_psc_exp",
+                                     section.what(), model_name(to.model)));
+  }
+  if (is_current(network.populations[projection.from].model)) {
+    throw ConfigurationError(
+        section.where(),
+        fmt::format("{}: a current does not learn; leave 'plasticity' out", section.what()));
+  }
+  if (network.resolution == 0) {
+    throw ConfigurationError(section.where(),
+                             fmt::format("{}: learning is computed on a grid, but the resolution is "
+                                         "off; write  resolution: 0.1 ms",
+                                         section.what()));
+  }
+  const std::string unit = unit_of_weight(to.model);
+  NetworkPlasticity p;
+  p.where = section.where();
+  p.rule = read_rule(section);
+  const Parameters given = resolve_section(section, parameters_of(p.rule, unit));
+  p.nearest = read_pairing(section, given);
+  p.tau_plus = given.number("tau_plus");
+  p.tau_minus = given.number("tau_minus");
+  p.Wmax = given.number("Wmax");
+  if (p.rule == PlasticityRule::stdp) {
+    p.lambda = given.number("lambda");
+    p.alpha = given.number("alpha");
+    p.mu_plus = given.number("mu_plus");
+    p.mu_minus = given.number("mu_minus");
+  } else {
+    p.A_plus = given.number("A_plus");
+    p.A_minus = given.number("A_minus");
+    p.tau_c = given.number("tau_c");
+    p.tau_n = given.number("tau_n");
+    p.b = given.number("b");
+    p.Wmin = given.number("Wmin");
+    read_reward(network, section, given, p);
+  }
+  check_bounds(p, projection, section, unit);
+  p.save = given.text("save");
+  if (!p.save.empty()) {
+    check_save(projection, section, p.save);
+  }
+  return p;
+}
+
+}  // namespace yaml_text
+
+}  // namespace spikeloop

@@ -1,0 +1,46 @@
+// Nodes that are simulators: a script of the user's in a process of its own, joined by MUSIC.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "spikeloop/core/node.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::experiment {
+
+/// What `simulator:` can be, beside builtin.
+struct Simulator {
+  const char* name;
+  const char* host;     ///< the module of ours that its script imports
+  const char* module;   ///< the simulator's own; empty: none
+  const char* install;  ///< how to get it
+};
+std::span<const Simulator> simulators();
+/// Null for any other name.
+const Simulator* find_simulator(std::string_view name);
+
+/// The keys and ports of such a node, for the reference and the schema: a class of no name that
+/// could be written behind `node:`.
+const NodeDescription& simulator_description();
+/// Names that a parameter of a script cannot have: keys of every MUSIC program, and of MUSIC.
+std::span<const char* const> reserved_keys();
+
+bool is_simulator(const Part& part);
+/// Of the end of a connection, "brain.out".
+bool is_simulator_end(const Experiment& experiment, const std::string& end);
+bool has_simulator(const Experiment& experiment);
+
+/// The section of the process that has all other nodes; no simulator is named so.
+std::string own_label(const Experiment& experiment);
+
+/// Whole ticks that a connection into a simulator takes at least in the fused layout.
+std::uint32_t least_input_delay(PortKind kind);
+/// Whole ticks that a connection takes at least in the fused layout, and takes when none are
+/// written.
+std::uint32_t least_delay(const Experiment& experiment, const Link& link);
+/// Every connection with the delay that it has in the fused layout.
+/// @throws ConfigurationError for a delay that a simulator cannot meet.
+Experiment with_fused_delays(const Experiment& experiment);
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,59 @@
+#include "job_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "faults.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::experiment {
+
+void JobWriter::write_globals() {
+  const auto global = [this](const char* name, const std::string& value) {
+    set_key(job_.file.globals, name, value);
+  };
+  if (experiment_.duration) {
+    global("stoptime", seconds(*experiment_.duration));
+  }
+  global("music_timestep", seconds(experiment_.tick));
+  global("seed", std::to_string(experiment_.seed));
+  global("strict", "true");
+  global("barrier", "false");
+  global("rtf", fmt::format("{}", experiment_.real_time_factor));
+  global("sync", experiment_.sync == Sync::realtime ? "realtime" : "unpaced");
+}
+
+void JobWriter::begin_section(const std::string& label, const Location& where) {
+  job_.file.sections.push_back({label, {}, where});
+}
+
+void JobWriter::add(const char* name, const std::string& value, const Location& where) {
+  auto& keys = job_.file.sections.back().keys;
+  set_key(keys, name, value);
+  keys.back().where = where;
+}
+
+void JobWriter::add(const Part& part, const std::string& name, const std::string& value,
+                    const std::string& key) {
+  const auto written = part.written.find(key.empty() ? name : key);
+  add(name.c_str(), value, written == part.written.end() ? part.where : written->second.where);
+}
+
+void JobWriter::add_directory(const Location& where) {
+  add("wd", std::filesystem::absolute(directory_of(experiment_.origin)).string(), where);
+}
+
+void JobWriter::add_script(const Part& part) {
+  add(part, "binary", "spikeloop-script");
+  for (const auto& [name, value] : part.written) {
+    add(part, name, value.text);
+  }
+  add(part, "script", std::filesystem::absolute(part.parameters.text("script")).string());
+}
+
+std::string JobWriter::seconds(TimeNs time) {
+  return fmt::format("{}.{:09}", time / kNsPerSecond, time % kNsPerSecond);
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,197 @@
+// Nodes that are simulators: their script, their parameters, and their ports, which the connections
+// say.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "faults.hpp"
+#include "spikeloop/config/files_read.hpp"
+#include "spikeloop/config/script_file.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+constexpr const char* kScript = "script";
+constexpr const char* kProcesses = "np";
+
+constexpr const char* kParallel = "neuron";
+
+bool is_own(const std::string& key) {
+  return key == kScript || key == kProcesses;
+}
+
+void read_script(Part& part, const Simulator& simulator, const std::string& directory) {
+  const Location where = part.parameters.where(kScript);
+  const std::string path = in_directory(directory, part.parameters.text(kScript));
+  if (!std::filesystem::is_regular_file(path)) {
+    refuse_file(kScript, where, "script", path);
+  }
+  if (host_in_script(path) == ScriptHost::none) {
+    throw ConfigurationError(
+        where, fmt::format("key 'script': '{}' does not take part in an experiment; write  import "
+                           "{}  into it (docs/simulators.md)",
+                           path, simulator.host));
+  }
+  FilesRead::note(path);
+  part.parameters.set(kScript, path, true, where);
+}
+
+/// Whatever else is written goes to the script, which knows its own parameters.
+void take_parameters(const ExperimentNode& node, Part& part, Faults& faults) {
+  for (const auto& [name, value] : part.written) {
+    if (is_own(name)) {
+      continue;
+    }
+    const auto place = node.places.find(name);
+    if (std::ranges::find(reserved_keys(), std::string_view(name)) != reserved_keys().end()) {
+      faults.add(place == node.places.end() ? value.where : place->second,
+                 fmt::format("node '{}': '{}' is the name of a key of every program, and no "
+                             "parameter of a script; give it another name",
+                             part.name, name));
+    }
+    part.parameters.set(name, value.text, true, value.where);
+  }
+}
+
+/// What another node says of a port that a connection joins with one of ours; none: it is not
+/// known.
+const PortDescription* port_at(const Experiment& experiment, const std::string& end,
+                               Direction direction) {
+  const auto part = std::ranges::find(experiment.parts, node_of(end), &Part::name);
+  if (part == experiment.parts.end() || is_simulator(*part)) {
+    return nullptr;
+  }
+  const bool named = end.find('.') != std::string::npos;
+  const auto& ports = part->node_class->description.ports;
+  const auto found = std::ranges::find_if(ports, [&](const PortDescription& port) {
+    return port.direction == direction && (!named || port.name == port_of(end));
+  });
+  return found == ports.end() ? nullptr : &*found;
+}
+
+/// Ports from the connections: a name, a direction, and the kind that the other end has. Between
+/// two simulators nobody knows that: it is spikes.
+class PortFinder {
+ public:
+  PortFinder(const ExperimentFile& file, const Experiment& experiment, Faults& faults)
+      : file_(file), experiment_(experiment), faults_(faults) {}
+
+  std::vector<PortDescription> ports_of(const Part& part) {
+    ports_.clear();
+    for (const ExperimentConnection& connection : file_.connections) {
+      if (node_of(connection.to) == part.name) {
+        add(part, connection.to, Direction::input, connection.from, connection.where);
+      }
+      if (node_of(connection.from) == part.name) {
+        add(part, connection.from, Direction::output, connection.to, connection.where_from);
+      }
+    }
+    return ports_;
+  }
+
+ private:
+  void add(const Part& part, const std::string& end, Direction direction, const std::string& other,
+           const Location& where) {
+    const bool input = direction == Direction::input;
+    const std::string name = port_of(end);
+    const auto* const beyond =
+        port_at(experiment_, other, input ? Direction::output : Direction::input);
+    const auto known = std::ranges::find(ports_, name, &PortDescription::name);
+    if (known == ports_.end()) {
+      ports_.push_back(
+          {name, beyond == nullptr ? PortKind::spikes : beyond->kind, direction, {}, ""});
+      unknown_ = beyond == nullptr;
+    } else if (known->direction != direction) {
+      faults_.add(where, fmt::format("'{0}.{1}' is an input here and an output there, and MUSIC "
+                                     "has one port of a name; give the script's two ports two "
+                                     "names",
+                                     part.name, name));
+    } else if (unknown_ && beyond != nullptr) {
+      known->kind = beyond->kind;
+    }
+  }
+
+  const ExperimentFile& file_;
+  const Experiment& experiment_;
+  Faults& faults_;
+  std::vector<PortDescription> ports_;
+  bool unknown_ = false;
+};
+
+/// "brain" as the end of a connection is "brain.in", or "brain.out".
+void complete(std::string& end, const char* port, const Experiment& experiment) {
+  const auto part = std::ranges::find(experiment.parts, end, &Part::name);
+  if (part != experiment.parts.end() && is_simulator(*part)) {
+    end += fmt::format(".{}", port);
+  }
+}
+
+}  // namespace
+
+std::string simulator_kind(const ExperimentNode& node, const WrittenValue& written) {
+  constexpr const char* kBuiltin = "builtin";
+  if (written.text == kBuiltin) {
+    return kNetwork;
+  }
+  if (find_simulator(written.text) != nullptr) {
+    return written.text;
+  }
+  std::vector<std::string> names{kBuiltin};
+  for (const Simulator& simulator : simulators()) {
+    names.emplace_back(simulator.name);
+  }
+  throw ConfigurationError(
+      written.where, fmt::format("node '{}': simulator '{}' is unknown{}", node.name, written.text,
+                                 did_you_mean(written.text, names)));
+}
+
+Checked resolve_simulator(const ExperimentNode& node, Part part, const std::string& directory,
+                          Experiment& experiment, Faults& faults) {
+  const Simulator& simulator = *find_simulator(part.kind);
+  part.role = Role::simulator;
+  part.node_class = nullptr;
+  const std::size_t before = faults.count();
+  WrittenValues own = part.written;
+  std::erase_if(own, [](const auto& key) { return !is_own(key.first); });
+  part.parameters = resolve_keys(
+      simulator_description().parameters,
+      {own, fmt::format("node '{}'", node.name), node.where, node.unread, node.places}, {}, faults);
+  if (faults.count() == before && node.unread.empty()) {
+    faults.attempt(node.where, [&] { read_script(part, simulator, directory); });
+  }
+  if (part.parameters.integer(kProcesses) > 1 && part.kind != kParallel) {
+    faults.add(part.parameters.where(kProcesses),
+               fmt::format("key 'np': {} processes are for NEURON's ParallelContext; a script with "
+                           "simulator: {} has one: leave the key out",
+                           part.parameters.integer(kProcesses), part.kind));
+  }
+  take_parameters(node, part, faults);
+  const bool good = faults.count() == before && node.unread.empty();
+  experiment.parts.push_back(std::move(part));
+  return {true, good};
+}
+
+ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& experiment,
+                                    Faults& faults) {
+  ExperimentFile result = file;
+  for (ExperimentConnection& connection : result.connections) {
+    complete(connection.from, "out", experiment);
+    complete(connection.to, "in", experiment);
+  }
+  PortFinder finder(result, experiment, faults);
+  for (Part& part : experiment.parts) {
+    if (is_simulator(part)) {
+      NodeClass own{simulator_description(), {}};
+      own.description.name = part.kind;
+      own.description.ports = finder.ports_of(part);
+      experiment.own_classes.push_back(std::make_shared<NodeClass>(std::move(own)));
+      part.node_class = experiment.own_classes.back().get();
+    }
+  }
+  return result;
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""However a simulator ends the run, it is said, the robot stands, and nothing recorded is lost."""
+
+import csv
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import experiments
+
+BRAIN = "simulator: python\nscript: echo.py"
+
+
+def with_script(scratch, text, **keys):
+    file = experiments.explorer(scratch, BRAIN, **keys)
+    (scratch / "echo.py").write_text(text)
+    return file
+
+
+def said(scratch, name, text, code, *parts, **keys):
+    """What a run says whose script is this one."""
+    file = with_script(scratch, text, **{"duration": "20 s", "sync": "lockstep", **keys})
+    summary, printed = experiments.run(file, scratch / name, code=code)
+    for part in parts:
+        assert part in printed, f"'{part}' is not said:\n{printed}"
+    assert summary["exit_code"] == code, summary
+    return summary
+
+
+LOOP = """import spikeloop
+with spikeloop.music(spikes_in={"in": None}, spikes_out={"out": None}) as host:
+    for tick in host:
+        %s
+"""
+
+
+def failures(scratch):
+    summary = said(scratch, "raised", LOOP % 'assert tick.end_s < 1, "the battery is empty"', 5,
+                   "AssertionError: the battery is empty", "echo.py:4: AssertionError",
+                   "Traceback (most recent call last)")
+    assert "the battery is empty" in summary["exit_reason"], summary
+    said(scratch, "left", "import spikeloop\nimport sys\nsys.exit(3)\n", 3,
+         "'brain' (echo.py) ended with exit code 3")
+    said(scratch, "no_module", "import spikeloop, nonsense\n", 1,
+         "'brain' (echo.py) ended with exit code 1", "No module named 'nonsense'")
+    said(scratch, "ports", LOOP.replace('"in"', '"im"') % "pass", 2,
+         "explorer.yaml:", "'brain' has no port 'in'; did you mean 'im'?")
+    said(scratch, "width", LOOP.replace('{"in": None}', '{"in": 3}') % "pass", 2,
+         "explorer.yaml:", "the connection of 'brain.in' has the width 10, but echo.py asks for 3")
+    said(scratch, "killed", LOOP % "import os; tick.end_s < 1 or os.kill(os.getpid(), 9)", 137,
+         "'brain' (echo.py) was killed by signal 9 (Killed)")
+
+
+def unknown_parameter(scratch):
+    file = experiments.explorer(scratch, BRAIN + "\nhesitatin: true", sync="lockstep")
+    _, printed = experiments.run(file, scratch / "unknown", code=2)
+    assert "unknown key 'hesitatin'; did you mean 'hesitating'?" in printed, printed
+    assert "explorer.yaml:" in printed, printed
+
+
+def speeds(folder):
+    """Of the robot, m/s, as far as they are on disk: the last line may be half there."""
+    path = folder / "trajectory.csv"
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
+    whole = [line for line in lines if line.endswith("\n")]
+    return [float(row["v_m_s"]) for row in csv.DictReader(whole)]
+
+
+def wait_until_it_drives(folder, process):
+    while process.poll() is None:
+        if any(speed > 0.1 for speed in speeds(folder)):
+            return
+        time.sleep(0.05)
+    raise AssertionError(process.communicate())
+
+
+def started(file, folder):
+    return subprocess.Popen([experiments.SPIKELOOP, "run", str(file), "--out", str(folder)],
+                            stderr=subprocess.PIPE, text=True)
+
+
+def interrupted(scratch):
+    file = experiments.explorer(scratch, BRAIN, sync="realtime", duration="60 s")
+    process = started(file, scratch / "interrupted")
+    wait_until_it_drives(scratch / "interrupted", process)
+    process.send_signal(signal.SIGINT)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    summary = json.loads((scratch / "interrupted/summary.json").read_text())
+    assert 0 < summary["simulated_s"] < 60, summary
+    sent = experiments.spikes(scratch / "interrupted", "encoder")
+    answered = experiments.spikes(scratch / "interrupted", "brain")
+    until = answered[0].max()
+    experiments.assert_same(sent[:, sent[0] <= until], answered, "what was recorded")
+    counters = summary["processes"]["experiment"]["counters"]
+    assert counters["wheels.stops_ended"] == 1, counters
+
+
+def script_of(launcher):
+    """The process of the script that this launcher's run has."""
+    found = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True,
+                           check=True).stdout.splitlines()[1:]
+    table = {int(line.split()[0]): (int(line.split()[1]), line) for line in found}
+    def below(pid):
+        while pid in table and pid != launcher:
+            pid = table[pid][0]
+        return pid == launcher
+    scripts = [pid for pid, (_, line) in table.items() if "echo.py" in line and below(pid)]
+    assert len(scripts) == 1, found
+    return scripts[0]
+
+
+def killed_over_ros(scratch):
+    """The robot of a simulator that is gone stands."""
+    file = experiments.explorer(scratch, BRAIN, sync="realtime", ros="1", duration="60 s")
+    process = started(file, scratch / "dead")
+    wait_until_it_drives(scratch / "dead", process)
+    os.kill(script_of(process.pid), signal.SIGKILL)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == 137, printed
+    assert "'brain' (echo.py) was killed by signal 9 (Killed)" in printed, printed
+    assert abs(speeds(scratch / "dead")[-1]) < 0.05, speeds(scratch / "dead")[-5:]
+
+
+def hanging_over_ros(scratch):
+    """A robot whose simulator does not answer is stopped by the watchdog, long before the run ends."""
+    file = with_script(scratch, LOOP % (
+        'tick.send("out", *tick.spikes("in"))\n'
+        "        import time; tick.end_s < 3 or time.sleep(60)"),
+                       sync="realtime", ros="1", duration="60 s")
+    folder = scratch / "hung"
+    _, printed = experiments.run(file, folder, "--stall-timeout", "4", code=3)
+    assert "the job has stood still for 4 s" in printed and "'brain' (echo.py)" in printed, printed
+    with open(folder / "trajectory.csv", encoding="utf-8") as table:
+        rows = [(float(row["t_s"]), abs(float(row["v_m_s"]))) for row in csv.DictReader(table)]
+    driving = [t for t, speed in rows if speed > 0.1]
+    # It stood for most of the four seconds in which nothing came any more.
+    assert driving and rows[-1][0] - max(driving) > 1.5, (driving[-1:], rows[-1])
+
+
+def main():
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        failures(scratch)
+        unknown_parameter(scratch)
+        interrupted(scratch)
+        killed_over_ros(scratch)
+        hanging_over_ros(scratch)
+    print("eleven ways to end, each with its reason")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,66 @@
+"""Experiments with a simulator among their nodes, and what they leave; for the tests beside this file."""
+
+import os
+import pathlib
+import shutil
+import sys
+
+import h5py
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "fused"))
+import runs  # noqa: E402
+
+SPIKELOOP = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
+
+BUILTIN = """\
+    simulator: builtin
+    network:
+      populations:
+        input: {model: input, size: 10}
+        relay: {model: repeater, size: 10}
+      connections:
+        - {from: input, to: relay, rule: one_to_one, delay: 1 ms}
+      output: [relay]
+"""
+
+
+def explorer(folder, brain, **keys):
+    """What `spikeloop new` prints, with these lines in the built-in network's place."""
+    file = runs.new_experiment(SPIKELOOP, folder / "explorer.yaml", **keys)
+    text = file.read_text()
+    assert BUILTIN in text, text
+    file.write_text(text.replace(BUILTIN, "".join(f"    {line}\n" for line in brain.splitlines())))
+    for script in (HERE / "scripts").glob("*.py"):
+        shutil.copy(script, folder)
+    return file
+
+
+def run(experiment, folder, *more, code=0):
+    """As runs.run."""
+    return runs.run(SPIKELOOP, experiment, folder, *more, code=code)
+
+
+def spikes(folder, node):
+    """(times in ns, channels) of the output `out`, in order of time and channel."""
+    with h5py.File(folder / f"{node}.h5") as file:
+        group = file["spikes/out"]
+        assert group.attrs["dropped"] == 0
+        times, channels = group["timestamps_ns"][:], group["node_ids"][:].astype(int)
+    order = np.lexsort((channels, times))
+    return np.stack([times[order], channels[order]])
+
+
+def delayed(found, by_ns, until_ns):
+    """These spikes later, those that are later than the end of the run left out."""
+    moved = found + np.array([[by_ns], [0]])
+    return moved[:, moved[0] <= until_ns]
+
+
+def assert_same(expected, found, what):
+    assert expected.shape == found.shape, \
+        f"{what}: {expected.shape[1]} spikes expected, {found.shape[1]} found"
+    wrong = np.flatnonzero(np.any(expected != found, axis=0))
+    assert not len(wrong), (f"{what}: {len(wrong)} of {found.shape[1]} spikes differ; the first: "
+                            f"{expected[:, wrong[0]]} expected, {found[:, wrong[0]]} found")

@@ -1,0 +1,124 @@
+#!/usr/bin/python3
+"""The same delays and recorded input give the same spikes in both layouts with a simulator in
+between, and those that its rules say: of a script (spikes and continuous values), and of NEURON."""
+
+import itertools
+import pathlib
+import shutil
+import sys
+import tempfile
+
+import experiments
+
+SIMULATORS = pathlib.Path(__file__).resolve().parents[1] / "simulators/scripts"
+DURATION = 2 * 10**9
+HEAD = """\
+experiment: both
+duration: 2 s
+tick: {tick_us} us
+sync: unpaced
+plugins: [pass_on.py]
+nodes:
+  beams: {{node: spike_playback, file: recorded/encoder.h5}}
+  level: {{node: signal_playback, file: recorded/sectors.h5}}
+"""
+SCRIPT = HEAD + """\
+  brain: {{simulator: python, script: half.py}}
+  came: {{node: pass_on}}
+  other: {{node: pass_on}}
+  encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+connections:
+  - beams -> brain [10, delay 2 ticks] -> came [10, delay 3 ticks]
+  - brain.out -> other [10, delay 1 tick]
+  - level -> brain.level [10, delay 4 ticks]
+  - brain.half -> encoder [10, delay 5 ticks]
+"""
+ALONE = HEAD.replace("  beams: {{node: spike_playback, file: recorded/encoder.h5}}\n", "") + """\
+  half: {{node: connect, weights: "one_to_one:0.5"}}
+  encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+connections:
+  - level -> half [10, delay 4 ticks] -> encoder [10, delay 5 ticks]
+"""
+CELLS = HEAD + """\
+  brain: {{simulator: neuron, script: repeat_neuron.py, delay: 2.5 ms}}
+  came: {{node: pass_on}}
+  encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+connections:
+  - beams -> brain [10, delay 1 tick] -> came [10, delay 2 ticks]
+  - level -> encoder
+"""
+# Two scripts, one behind the other, and back: a cycle of three processes.
+CHAIN = HEAD + """\
+  first: {{simulator: python, script: echo.py}}
+  second: {{simulator: python, script: echo.py}}
+  came: {{node: pass_on}}
+  encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+connections:
+  - beams -> first [10, delay 1 tick] -> second [10, delay 2 ticks] -> came [10, delay 1 tick]
+  - level -> encoder
+"""
+
+
+def written(scratch, name, text, tick_us):
+    file = scratch / f"{name}.yaml"
+    file.write_text(text.format(tick_us=tick_us))
+    return file
+
+
+def both(scratch, name, text, tick_us):
+    """The folders of a run in each layout."""
+    file = written(scratch, name, text, tick_us)
+    folders = [scratch / f"{name}-{tick_us}-{layout}" for layout in ("fused", "separate")]
+    for folder, layout in zip(folders, ("fused", "separate")):
+        experiments.run(file, folder, "--layout", layout)
+    return folders
+
+
+def check(folder, node, expected):
+    experiments.assert_same(expected, experiments.spikes(folder, node), f"{folder.name}, {node}")
+
+
+def script(scratch, beams, tick_us):
+    tick = tick_us * 1000
+    alone = scratch / f"alone-{tick_us}"
+    experiments.run(written(scratch, "alone", ALONE, tick_us), alone)
+    for folder in both(scratch, "script", SCRIPT, tick_us):
+        answers = experiments.delayed(beams, 2 * tick, DURATION)
+        check(folder, "brain", answers)
+        check(folder, "came", experiments.delayed(answers, 3 * tick, DURATION))
+        check(folder, "other", experiments.delayed(answers, tick, DURATION))
+        check(folder, "encoder", experiments.spikes(alone, "encoder"))
+
+
+def cells(scratch, beams, tick_us):
+    tick = tick_us * 1000
+    for folder in both(scratch, "cells", CELLS, tick_us):
+        answers = experiments.delayed(beams, tick + 2_500_000, DURATION)
+        check(folder, "brain", answers)
+        check(folder, "came", experiments.delayed(answers, 2 * tick, DURATION))
+
+
+def chain(scratch, beams, tick_us):
+    tick = tick_us * 1000
+    for folder in both(scratch, "chain", CHAIN, tick_us):
+        check(folder, "first", experiments.delayed(beams, tick, DURATION))
+        check(folder, "second", experiments.delayed(beams, 3 * tick, DURATION))
+        check(folder, "came", experiments.delayed(beams, 4 * tick, DURATION))
+
+
+def main():
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        file = experiments.explorer(scratch, experiments.BUILTIN.replace("    ", "", 1).replace(
+            "\n    ", "\n"), sync="lockstep", duration="2 s")
+        shutil.copy(SIMULATORS / "repeat_neuron.py", scratch)
+        experiments.run(file, scratch / "recorded")
+        beams = experiments.spikes(scratch / "recorded", "encoder")
+        assert beams.shape[1] > 300, beams.shape
+        for test, tick_us in itertools.product((script, cells, chain), (1000, 5000)):
+            test(scratch, beams, tick_us)
+    print("both layouts give the spikes that the delays say")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

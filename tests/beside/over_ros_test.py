@@ -1,0 +1,55 @@
+#!/usr/bin/python3
+"""A script steers a robot over ROS 1: in real time, which a replay repeats; in lockstep, to the bit as
+in the process; by /clock; and without waiting."""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import experiments
+
+BRAIN = "simulator: python\nscript: echo.py"
+
+
+def over_ros(scratch, name, **keys):
+    file = experiments.explorer(scratch, BRAIN, ros="1", **keys)
+    summary, _ = experiments.run(file, scratch / name)
+    assert summary["layout"] == "fused" and summary["exit_reason"] == "finished", summary
+    counters = summary["processes"]["experiment"]["counters"]
+    assert counters["wheels.stops_ended"] == 1, counters
+    assert summary["scans"] > 0 and summary["spikes"] > 100, summary
+    return summary
+
+
+def real_time(scratch):
+    summary = over_ros(scratch, "real", sync="realtime", duration="5 s")
+    assert summary["scans"] > 40 and summary["distance_m"] > 0.3, summary
+    done = subprocess.run([experiments.SPIKELOOP, "replay", str(scratch / "real")],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "the same in both runs" in done.stdout, done
+
+
+def lockstep(scratch):
+    over_ros(scratch, "stepped", sync="lockstep", duration="5 s")
+    inside = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="5 s")
+    experiments.run(inside, scratch / "inside")
+    for node in ("encoder", "brain"):
+        experiments.assert_same(experiments.spikes(scratch / "inside", node),
+                                experiments.spikes(scratch / "stepped", node), node)
+    paths = [(scratch / name / "trajectory.csv").read_bytes() for name in ("inside", "stepped")]
+    assert paths[0] == paths[1]
+
+
+def main():
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        real_time(scratch)
+        lockstep(scratch)
+        over_ros(scratch, "clock", sync="sim_time", duration="2 s")
+        over_ros(scratch, "unpaced", sync="unpaced", duration="20 s")
+    print("a script steers over ROS 1 with every sync")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

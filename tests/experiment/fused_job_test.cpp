@@ -1,0 +1,157 @@
+// The job that the fused layout makes of an experiment with simulators.
+#include <gmock/gmock.h>
+
+#include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+#include "tests/experiment/experiment_text.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kHead = R"(experiment: cells
+duration: 1 s
+tick: 1 ms
+sync: unpaced
+nodes:
+  a: {node: rate_encoder}
+  b: {node: linear_readout}
+  c: {node: sigmoid}
+  one: {simulator: python, script: brain.py, gain: 3}
+  two: {simulator: nest, script: brain.py}
+connections:
+  - c -> a [2]
+  - b -> c [2, delay 1 tick]
+)";
+
+class FusedJob : public testing::Test {
+ protected:
+  experiment::Experiment experiment(const std::string& connections) {
+    files_ = std::make_unique<Files>(kHead + connections, std::map<std::string, std::string>{
+                                                              {"brain.py", "import spikeloop\n"}});
+    Read result = read(*files_, kinds_);
+    EXPECT_THAT(result.faults, testing::IsEmpty());
+    return result.experiment;
+  }
+  MusicFile job(const std::string& connections) {
+    return experiment::fused_job(experiment::with_fused_delays(experiment(connections)), "out",
+                                 {{"about", "{}"}})
+        .file;
+  }
+  /// What is said of connections that cannot be.
+  std::string refusal(const std::string& connections) {
+    try {
+      job(connections);
+    } catch (const ConfigurationError& error) {
+      return files_->plain(error.what());
+    }
+    return "nothing";
+  }
+  static std::string key(const MusicFile& file, const char* section, const char* name) {
+    const MusicKey* found = file.find_key(file.section(section), name);
+    return found == nullptr ? "none" : found->value;
+  }
+
+  experiment::Kinds kinds_;
+  std::unique_ptr<Files> files_;
+};
+
+TEST_F(FusedJob, HasASectionASimulatorAndOneForTheOthers) {
+  const MusicFile file = job("  - a -> one [2] -> two [2] -> b [2]\n");
+  EXPECT_THAT(file.labels(), testing::ElementsAre("experiment", "one", "two"));
+  EXPECT_NO_THROW(check_structure(file));
+  EXPECT_THAT(to_text(file), HasSubstr("experiment.one__in -> one.in [2]\n"));
+  EXPECT_THAT(to_text(file), HasSubstr("one.out -> two.in [2]\n"));
+  EXPECT_THAT(to_text(file), HasSubstr("two.out -> experiment.two__out [2]\n"));
+  EXPECT_EQ(key(file, "one", "binary"), "spikeloop-script");
+  EXPECT_EQ(key(file, "one", "gain"), "3");
+  EXPECT_EQ(key(file, "one", "barrier"), "false");
+  EXPECT_EQ(key(file, "experiment", "about"), "{}");
+}
+
+// MUSIC wants acceptable latencies that add up to a tick a process around every cycle, and delays
+// by whole ticks of them alone.
+TEST_F(FusedJob, LatenciesAddUpToATickAProcess) {
+  const MusicFile file = job("  - a -> one [2] -> two [2] -> b [2]\n");
+  const auto latency = [&](const char* section) {
+    return from_seconds(std::stod(key(file, section, "accept_latency")));
+  };
+  EXPECT_GE(latency("one") + latency("two") + latency("experiment"), 3'000'000);
+  EXPECT_LT(latency("one"), 1'000'000);
+  EXPECT_LT(latency("two"), 1'000'000);
+  EXPECT_LT(latency("experiment"), 2'000'000);
+  EXPECT_EQ(key(file, "experiment", "spike_delay"), "1");
+  EXPECT_EQ(key(file, "one", "spike_delay"), "none");
+  EXPECT_EQ(key(file, "one", "signal_delay"), "none");
+}
+
+TEST_F(FusedJob, DelaysBetweenSimulatorsAreMusics) {
+  const auto cells = experiment(
+      "  - a -> one [2, delay 2 ticks]\n  - one -> two [2, delay 3 "
+      "ticks] -> b [2, delay 4 ticks]\n  - a -> two.more [2, delay 5 "
+      "ticks]\n");
+  const auto delayed = experiment::with_fused_delays(cells);
+  const MusicFile file = experiment::fused_job(delayed, "out", {}).file;
+  EXPECT_EQ(key(file, "two", "spike_delay"), "3");
+  std::vector<std::uint32_t> edges;
+  for (const experiment::Link& link : delayed.links) {
+    if (link.from != "one.out" && link.to != "c.in" && link.to != "a.in") {
+      edges.push_back(experiment::fused_edge_delay(delayed, link));
+    }
+  }
+  EXPECT_THAT(edges, testing::ElementsAre(2, 3, 2));
+}
+
+TEST_F(FusedJob, NestNeedsTheStampGuard) {
+  EXPECT_EQ(key(job("  - a -> two [2] -> b [2]\n  - a -> one [2]\n"), "experiment", "stamp_guard"),
+            "true");
+}
+
+TEST_F(FusedJob, TheOthersSectionHasANameOfItsOwn) {
+  files_ = std::make_unique<Files>(
+      "nodes:\n  a: {node: rate_encoder}\n  c: {node: sigmoid}\n  experiment: {simulator: python, "
+      "script: brain.py}\n  b: {node: linear_readout}\nconnections:\n  - c -> a [1] -> experiment "
+      "[1] -> b [1] -> c [1, delay 1 tick]\n",
+      std::map<std::string, std::string>{{"brain.py", "import spikeloop\n"}});
+  const Read result = read(*files_, kinds_);
+  ASSERT_THAT(result.faults, testing::IsEmpty());
+  EXPECT_THAT(
+      experiment::fused_job(experiment::with_fused_delays(result.experiment), "", {}).file.labels(),
+      testing::ElementsAre("experiment_", "experiment"));
+}
+
+TEST_F(FusedJob, RefusesWhatCannotBe) {
+  EXPECT_EQ(
+      refusal("  - a -> one [2] -> b [2, delay 0]\n  - a -> two [2]\n"),
+      "x.yaml:14:21: spikes from 'one.out' to 'b.in' take at least 1 tick in the fused layout, "
+      "and here it is 0 ticks; write  delay 1 tick, leave it out, or use --layout separate");
+  EXPECT_EQ(refusal("  - a -> one [2] -> b [2]\n  - a -> two [2]\n  - c -> one.level [2, delay 1 "
+                    "tick]\n"),
+            "x.yaml:16:10: continuous values from 'c.out' to 'one.level' take at least 2 ticks in "
+            "the fused layout, and here it is 1 tick; write  delay 2 ticks, leave it out, or use "
+            "--layout separate");
+  EXPECT_EQ(
+      refusal("  - a -> one [2] -> two [2, delay 2 ticks] -> b [2]\n  - a -> two.more [2]\n"),
+      "x.yaml:15:10: the inputs 'two.in' and 'two.more' have different delays, and a simulator "
+      "waits for all of its inputs as long as for those from another one; write at least "
+      "[delay 2 ticks]");
+  EXPECT_EQ(
+      refusal("  - a -> b [2]\n  - one -> two [2]\n"),
+      "x.yaml:6:3: no connection joins the simulators with the other nodes, which one process "
+      "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "
+      "separate");
+}
+
+TEST_F(FusedJob, TheSeparateLayoutHasASectionMore) {
+  const auto cells = experiment("  - a -> one [2, delay 2 ticks] -> two [2] -> b [2]\n");
+  const MusicFile file = experiment::music_job(cells, "out").file;
+  EXPECT_THAT(file.labels(), testing::ElementsAre("a", "b", "c", "one", "two"));
+  EXPECT_EQ(key(file, "one", "binary"), "spikeloop-script");
+  EXPECT_EQ(key(file, "one", "spike_delay"), "2");
+  EXPECT_EQ(key(file, "one", "gain"), "3");
+  EXPECT_NO_THROW(check_structure(file));
+}
+
+}  // namespace
+}  // namespace spikeloop::test

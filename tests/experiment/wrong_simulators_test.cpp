@@ -1,0 +1,92 @@
+// Experiment files whose simulators are wrong, and every word that is said about them.
+#include "tests/experiment/wrong_file.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+constexpr const char* kBuiltin = "{simulator: builtin, network: net.yaml}";
+constexpr const char* kBrain = "{simulator: python, script: brain.py}";
+constexpr const char* kScript = "import spikeloop\n";
+
+class WrongSimulators : public testing::TestWithParam<WrongFile> {};
+
+TEST_P(WrongSimulators, AreExplained) {
+  expect_faults(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, WrongSimulators,
+    testing::Values(
+        WrongFile{"nothing", {{kBuiltin, kBrain}}, {}, {{"brain.py", kScript}}},
+        WrongFile{"no script",
+                  {{kBuiltin, "{simulator: nest}"}},
+                  {"x.yaml:8:3: node 'brain': key 'script' is missing (A Python file; other keys "
+                   "are its parameters); write  script: ..."}},
+        WrongFile{"script that is not there",
+                  {{kBuiltin, kBrain}},
+                  {"x.yaml:8:38: key 'script': there is no script 'brain.py'; write its path, from "
+                   "where this file lies"}},
+        WrongFile{"script that takes no part",
+                  {{kBuiltin, "{simulator: brian2, script: brain.py}"}},
+                  {"x.yaml:8:38: key 'script': 'brain.py' does not take part in an experiment; "
+                   "write  import spikeloop.brian  into it (docs/simulators.md)"},
+                  {{"brain.py", "import brian2\n"}}},
+        WrongFile{
+            "parameter with the name of a key of all programs",
+            {{kBuiltin, "{simulator: python, script: brain.py, seed: 3, wd: x}"}},
+            {"x.yaml:8:48: node 'brain': 'seed' is the name of a key of every program, and no "
+             "parameter of a script; give it another name",
+             "x.yaml:8:57: node 'brain': 'wd' is the name of a key of every program, and no "
+             "parameter of a script; give it another name"},
+            {{"brain.py", kScript}}},
+        WrongFile{"processes",
+                  {{kBuiltin, "{simulator: brian2, script: brain.py, np: 2}"}},
+                  {"x.yaml:8:52: key 'np': 2 processes are for NEURON's ParallelContext; a script "
+                   "with simulator: brian2 has one: leave the key out"},
+                  {{"brain.py", kScript}}},
+        WrongFile{"class of a simulator",
+                  {{kBuiltin, "{node: neuron, script: brain.py}"}},
+                  {"x.yaml:8:17: unknown node class 'neuron'; known: argmax, clip, connect, delay, "
+                   "discretize, function, linear_readout, low_pass, nef_encoder, network, "
+                   "normalise, poisson_encoder, population_encoder, population_vector, "
+                   "rate_encoder, rate_window, ros_command, ros_sensor, sigmoid, signal_playback, "
+                   "spike_playback, step_forward_encoder, temporal_contrast_encoder, threshold, "
+                   "time_to_first_spike_encoder, winner_take_all"},
+                  {{"brain.py", kScript}}},
+        WrongFile{"port in both directions",
+                  {{kBuiltin, kBrain},
+                   {"brain [3] -> decoder [3]", "brain.x [3]\n  - brain.x -> decoder [3]"}},
+                  {"x.yaml:13:5: 'brain.x' is an input here and an output there, and MUSIC has one "
+                   "port of a name; give the script's two ports two names"},
+                  {{"brain.py", kScript}}},
+        WrongFile{"output of two kinds",
+                  {{kBuiltin, kBrain},
+                   {"-> wheels [2]", "-> wheels [2]\n  - brain.out -> other"},
+                   {"  decoder:", "  other: {node: sigmoid}\n  decoder:"}},
+                  {"x.yaml:14:18: 'brain.out' is spikes, but 'other.in' is continuous; put an "
+                   "encoder or a decoder between them"},
+                  {{"brain.py", kScript}}},
+        WrongFile{"width that nobody says",
+                  {{kBuiltin, kBrain},
+                   {"encoder [3] -> brain [3] -> decoder [3]",
+                    "encoder -> "
+                    "brain -> decoder"},
+                   {"weights: w.json", "tau: 30 ms"},
+                   {"tau: 30 ms, ", ""}},
+                  {"x.yaml:12:13: the width of 'scan.out' -> 'encoder.in' is unknown; write it as "
+                   "[10]",
+                   "x.yaml:12:24: the width of 'encoder.out' -> 'brain.in' is unknown; write it as "
+                   "[10]",
+                   "x.yaml:12:33: the width of 'brain.out' -> 'decoder.in' is unknown; write it as "
+                   "[10]"},
+                  {{"brain.py", kScript}}},
+        WrongFile{
+            "simulator that is not connected",
+            {{"  decoder:", "  cells: {simulator: python, script: brain.py}\n  decoder:"}},
+            {"x.yaml:9:3: node 'cells' is not connected; write it into 'connections', or leave "
+             "it out"},
+            {{"brain.py", kScript}}}),
+    [](const auto& row) { return "row" + std::to_string(row.index); });
+
+}  // namespace
+}  // namespace spikeloop::test
