@@ -156,6 +156,19 @@ class Showing(Folder):
                  for line in axes.lines if "paper" in str(line.get_label())]
         self.assertEqual(marks, [(1, 10_000)] * 2)
 
+    def test_upper_bounds_are_hollow(self):
+        kept = self.results()
+        for layout in ("fused", "separate"):
+            one = setting(layout)
+            kept.add_trial(kept.point(one.keys()), {**trial(0.5), "stopped": True})
+        figure = pictures._part_a(kept.document())  # noqa: SLF001
+        hollow = {axes.get_title("left"): [line.get_xdata()[0] for line in axes.lines
+                                           if line.get_markerfacecolor() == "white"
+                                           and len(line.get_xdata())]
+                  for axes in figure.axes}
+        self.assertEqual(hollow["rate, separate"], [1000])
+        self.assertEqual(hollow["rate, fused"], [])
+
     def test_nothing_is_drawn_of_nothing(self):
         document = self.results().document()
         self.assertEqual(pictures.draw(document, self.folder), [])
