@@ -43,9 +43,20 @@ std::string existing(const std::string& path) {
   return fs::exists(path) || directory == nullptr ? path : (fs::path(directory) / path).string();
 }
 
+/// With the places of the user's file, when the launcher says from which it made this one.
+MusicFile read_job(const std::string& path) {
+  MusicFile job = read_music_file(path);
+  const char* const origin = std::getenv("SPIKELOOP_FILE");
+  const char* const name = std::getenv("SPIKELOOP_FILE_NAME");
+  if (origin != nullptr && name != nullptr && fs::exists(origin)) {
+    adopt_locations(job, read_music_file(origin, name));
+  }
+  return job;
+}
+
 /// From where the process is: in the section's directory.
 std::string script_of(const std::string& file, const std::string& label) {
-  const MusicFile job = read_music_file(file);
+  const MusicFile job = read_job(file);
   const MusicSection& section = job.section(label);
   const MusicKey* script = job.find_key(section, "script");
   if (script == nullptr) {

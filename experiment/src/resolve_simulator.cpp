@@ -18,6 +18,7 @@ constexpr const char* kScript = "script";
 constexpr const char* kProcesses = "np";
 
 constexpr const char* kParallel = "neuron";
+constexpr const char* kRounding = "nest";
 
 bool is_own(const std::string& key) {
   return key == kScript || key == kProcesses;
@@ -29,7 +30,14 @@ void read_script(Part& part, const Simulator& simulator, const std::string& dire
   if (!std::filesystem::is_regular_file(path)) {
     refuse_file(kScript, where, "script", path);
   }
-  if (host_in_script(path) == ScriptHost::none) {
+  const ScriptHost host = host_in_script(path);
+  if (host == ScriptHost::nest && part.kind != kRounding) {
+    throw ConfigurationError(
+        where, fmt::format("key 'script': '{}' imports spikeloop.nest, whose times are rounded; "
+                           "write  simulator: {}",
+                           path, kRounding));
+  }
+  if (host == ScriptHost::none) {
     throw ConfigurationError(
         where, fmt::format("key 'script': '{}' does not take part in an experiment; write  import "
                            "{}  into it (docs/simulators.md)",

@@ -128,7 +128,7 @@ class Showing(Folder):
         self.assertIn("rate of 50,000 neurons in real time, fused 40 Hz 800 Hz 40 Hz".split(), rows)
         self.assertIn("rate neurons in real time at a tick of 1 ms, separate 50,000 20,000 "
                       "10,000".split(), rows)
-        self.assertIn("NEST in a job, over NEST alone 0.95 0.9".split(), rows)
+        self.assertIn("NEST in a job over NEST alone, separate 0.95 0.9".split(), rows)
         self.assertIn("latency, fused, tick 1 ms: median 1.00 ms, 99 % 2.00 ms, 3 of 3 answered", lines)
         self.assertEqual(lines[-1], "not measured: rate, NEST, fused, tick 50 ms: why")
 
@@ -155,6 +155,19 @@ class Showing(Folder):
         marks = [(*line.get_xdata(), *line.get_ydata()) for axes in pictures._part_d(document).axes
                  for line in axes.lines if "paper" in str(line.get_label())]
         self.assertEqual(marks, [(1, 10_000)] * 2)
+
+    def test_upper_bounds_are_hollow(self):
+        kept = self.results()
+        for layout in ("fused", "separate"):
+            one = setting(layout)
+            kept.add_trial(kept.point(one.keys()), {**trial(0.5), "stopped": True})
+        figure = pictures._part_a(kept.document())  # noqa: SLF001
+        hollow = {axes.get_title("left"): [line.get_xdata()[0] for line in axes.lines
+                                           if line.get_markerfacecolor() == "white"
+                                           and len(line.get_xdata())]
+                  for axes in figure.axes}
+        self.assertEqual(hollow["rate, separate"], [1000])
+        self.assertEqual(hollow["rate, fused"], [])
 
     def test_nothing_is_drawn_of_nothing(self):
         document = self.results().document()

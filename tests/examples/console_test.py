@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """What console.py takes for the same, and what it does not; which pages page_test.py refuses."""
 
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 from console import PageError, as_seen, commands_of, difference
 
@@ -125,6 +127,12 @@ class WholePages(unittest.TestCase):
         self.assertEqual(self.follow("    $ echo $GREETING\n    hello\n    $ echo x >&2\n    x\n"), (0, ""))
         self.assertEqual(self.follow("![x](old.svg)\n\n    $ echo '<svg></svg>' > old.svg\n"), (0, ""))
         self.assertEqual(self.follow("<!-- exit code 1 -->\n\n    $ false\n"), (0, ""))
+
+    def test_a_page_that_needs_nest_is_not_followed_without(self):
+        with tempfile.TemporaryDirectory() as directory:
+            (pathlib.Path(directory) / "nest.py").write_text("raise ImportError('broken')\n")
+            with unittest.mock.patch.dict(os.environ, SPIKELOOP_NEST=directory):
+                self.assertEqual(self.follow("<!-- needs NEST -->\n\n    $ false\n"), (77, ""))
 
     def test_pages_that_are_not(self):
         self.refused("    $ echo 41\n    42\n", "README.md:1: $ echo 41\n  line 1 of its output is '42'")

@@ -150,7 +150,8 @@ def main():
         for name in pictures:
             (folder / name).unlink()
         variables = environment(clone, home, uuid.uuid4().hex)
-        variables["PYTHONPATH"] += f":{nest}" if nest else ""
+        if nest:
+            variables["PYTHONPATH"] += f":{nest}"
         for command in commands:
             fault = fault_of(command, folder, variables)
             if fault:

@@ -31,6 +31,11 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:8:38: key 'script': 'brain.py' does not take part in an experiment; "
                    "write  import spikeloop.brian  into it (docs/simulators.md)"},
                   {{"brain.py", "import brian2\n"}}},
+        WrongFile{"NEST's script",
+                  {{kBuiltin, kBrain}},
+                  {"x.yaml:8:38: key 'script': 'brain.py' imports spikeloop.nest, whose times are "
+                   "rounded; write  simulator: nest"},
+                  {{"brain.py", "import spikeloop.nest\n"}}},
         WrongFile{
             "parameter with the name of a key of all programs",
             {{kBuiltin, "{simulator: python, script: brain.py, seed: 3, wd: x}"}},

@@ -84,6 +84,21 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
+/// An experiment has such nodes, but their answers take a tick more in its one process: other
+/// spikes than the job's.
+void NodeImporter::refuse_script(const MusicSection& section,
+                                 const launch::Program* program) const {
+  if (program != nullptr && program->script) {
+    const std::string script = launch::what_runs(file_, section);
+    throw ConfigurationError(
+        section.where,
+        fmt::format("[{0}] runs the script {1}, whose delays are others in an experiment; write  "
+                    "{0}: {{simulator: python, script: {1}}}  into one by hand "
+                    "(docs/simulators.md), or keep  spikeloop run {2}",
+                    section.label, script, fs::path(file_.path).filename().string()));
+  }
+}
+
 ImportedNode NodeImporter::import(const MusicSection& section) {
   node_ = {};
   used_.clear();
@@ -102,7 +117,9 @@ ImportedNode NodeImporter::import(const MusicSection& section) {
   } else if (program == experiment::kSpikePlayback || program == experiment::kSignalPlayback) {
     import_playback(section);
   } else {
-    const bool ours = launch::find_program(file_, section) != nullptr;
+    const launch::Program* known = launch::find_program(file_, section);
+    refuse_script(section, known);
+    const bool ours = known != nullptr;
     throw ConfigurationError(
         section.where,
         fmt::format("[{}] runs {}, {}; keep  spikeloop run {}", section.label, program,

@@ -10,6 +10,7 @@
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
 
@@ -32,6 +33,7 @@ class NodeImporter {
   ImportedNode import(const MusicSection& section);
 
  private:
+  void refuse_script(const MusicSection& section, const launch::Program* program) const;
   void import_sensor(const MusicSection& section);
   void import_command(const MusicSection& section, const RosProgram& program);
   void import_class(const MusicSection& section, const NodeProgram* program);

@@ -170,8 +170,10 @@ def _encoder_keys(setting):
 def _write_experiment(setting, folder, words):
     keys = ", ".join(f"{key}: {value}" for key, value in _encoder_keys(setting).items())
     brain, through = "", ""
-    if setting.simulator == "builtin":
-        brain = "  brain: {simulator: builtin, network: network.yaml}\n"
+    if setting.simulator != "none":
+        what = (f"script: {_copy_script(setting.simulator, folder)}"
+                if setting.simulator in SCRIPTS else "network: network.yaml")
+        brain = f"  brain: {{simulator: {setting.simulator}, {what}}}\n"
         through = f"brain [{setting.neurons}] -> "
     (folder / "job.yaml").write_text(EXPERIMENT.format(experiment_keys=keys, brain=brain,
                                                        through=through, **words))

@@ -53,6 +53,11 @@ def spread(point):
     return min(factors), max(factors)
 
 
+def is_bound(point):
+    """Whether its factor is an upper bound only: a job of several processes that was stopped."""
+    return point["layout"] != "fused" and any(trial.get("stopped") for trial in point["trials"])
+
+
 def goal(layout, name, simulator="none"):
     """A goal of this project, or None: they hold without a simulator."""
     return paper.GOALS.get(layout, {}).get(name) if simulator == "none" else None

@@ -49,7 +49,7 @@ def _curves(document, axes, layout, encoder, tick_ms):
             _factors(axes, [point["neurons"] for point in points], points, colour,
                      MARKERS[simulator], simulators.NAMES[simulator])
     alone = figures.curve(document, "alone", "rate", "nest", tick_ms)
-    if alone and (layout, encoder) == ("separate", "rate"):
+    if alone and encoder == "rate":
         _factors(axes, [point["neurons"] for point in alone], alone, style.GREEN, "x",
                  "NEST alone", dashed=True)
     _real_time(axes)
@@ -63,6 +63,12 @@ def _factors(axes, xs, points, colour, marker, label, dashed=False):
     axes.errorbar(xs, medians, yerr=[medians - low, high - medians], color=colour, marker=marker,
                   markersize=4.5, linewidth=1.1, capsize=2, label=label,
                   linestyle="--" if dashed else "-")
+    bounds = [i for i, point in enumerate(points) if figures.is_bound(point)]
+    if bounds:
+        axes.plot(np.array(xs)[bounds], medians[bounds], linestyle="", marker=marker, markersize=4.5,
+                  markeredgecolor=colour, markerfacecolor="white", zorder=3)
+        axes.plot([], [], linestyle="", marker="o", markersize=4.5, markeredgecolor=style.INK,
+                  markerfacecolor="white", label="at most: was stopped")
     axes.set_yscale("log")
 
 

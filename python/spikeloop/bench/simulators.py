@@ -1,27 +1,42 @@
 """Which simulators can take part here."""
 
+import functools
+import pathlib
 import subprocess
 import sys
+import tempfile
+
+from . import chain
 
 NAMES = {"none": "no simulator", "builtin": "built-in", "nest": "NEST", "neuron": "NEURON",
          "brian2": "Brian2"}
 _MODULES = {"nest": "nest", "neuron": "neuron", "brian2": "brian2"}
-NOT_FUSED = "simulators take part as programs of the separate layout in this version"
-_known = {}
 
 
-def lacks(simulator, layout):
-    """Why it cannot be measured in this layout; empty when it can."""
+def lacks(simulator, layout, programs):
+    """Why it cannot be measured in this layout; empty when it can. programs: the folder of ours."""
     if simulator not in _MODULES:
         return ""
-    if layout == "fused":
-        return NOT_FUSED
-    if simulator not in _known:
-        _known[simulator] = _lacks(simulator)
-    return _known[simulator]
+    return _refused(simulator, layout, programs) or _not_installed(simulator)
 
 
-def _lacks(simulator):
+@functools.cache
+def _refused(simulator, layout, programs):
+    """What Spikeloop itself says of it: not every layout has every simulator."""
+    if layout == "alone":
+        return ""
+    setting = chain.Setting(layout, "rate", simulator, chain.SCAN_MS, 1, 1, 2, 1.0)
+    with tempfile.TemporaryDirectory() as name:
+        file = chain.write(setting, pathlib.Path(name))
+        done = subprocess.run([programs / "spikeloop", "check", file], cwd=name, text=True,
+                              capture_output=True, check=False, stdin=subprocess.DEVNULL)
+    errors = [line for line in (done.stdout + done.stderr).splitlines()
+              if line.startswith("error: ")]
+    return errors[0].split("node 'brain': ")[-1] if done.returncode and errors else ""
+
+
+@functools.cache
+def _not_installed(simulator):
     name, module = NAMES[simulator], _MODULES[simulator]
     try:
         done = subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True,

@@ -99,7 +99,7 @@ class Sweeps:
                     self._results.lacks(setting.keys(), *said(error))
 
     def _curve(self, setting):
-        reason = simulators.lacks(setting.simulator, setting.layout)
+        reason = simulators.lacks(setting.simulator, setting.layout, self._programs)
         if reason:
             self._results.lacks(curve_of(setting), reason, False)
         else:

@@ -67,10 +67,11 @@ def _nest(document):
     alone = figures.largest(document, "alone", "rate", "nest", sweeps.COARSE_TICK_MS)
     if alone is not None:
         yield ("parrot neurons in real time, NEST alone", reached(alone), "", "")
-    coupled = figures.largest(document, "separate", "rate", "nest", sweeps.COARSE_TICK_MS)
-    if alone and coupled and alone["neurons"]:
-        yield ("NEST in a job, over NEST alone", f"{coupled['neurons'] / alone['neurons']:.2f}",
-               f"{paper.NEST_SHARE:g}", "")
+    for layout in ("fused", "separate"):
+        coupled = figures.largest(document, layout, "rate", "nest", sweeps.COARSE_TICK_MS)
+        if alone and coupled and alone["neurons"]:
+            yield (f"NEST in a job over NEST alone, {layout}",
+                   f"{coupled['neurons'] / alone['neurons']:.2f}", f"{paper.NEST_SHARE:g}", "")
 
 
 def _latencies(document):

@@ -161,16 +161,21 @@ def _trial(build_s, run_s, factor, spikes):
 def _evaluated(setting, summary, total_s):
     counters = summary.get("counters", {})
     run_s = summary["wall_s"]
-    if setting.layout == "separate":
+    if "processes" in summary:
         processes = summary["processes"].values()
-        walls = [process["counters"].get("wall_ns", 0) for process in processes]
-        run_s = max(walls) / 1e9  # the source alone may be far ahead of the others
+        # The source alone may be far ahead of the others.
+        run_s = max(wall_s(process) for process in processes)
         counters = {key: value for process in processes
                     for key, value in process["counters"].items()}
     encoded, decoded = counters["encoder.spikes"], counters["decoder.spikes"]
     trial = _trial(total_s - run_s, run_s, setting.duration_s / run_s, decoded)
     check_spikes(setting, encoded, decoded)
     return trial
+
+
+def wall_s(process):
+    """Of a process's loop, as it reported it; 0 for one that does not report."""
+    return process["counters"].get("wall_ns", 0) / 1e9 or process["summary"].get("wall_s", 0)
 
 
 def check_spikes(setting, encoded, decoded):

@@ -74,7 +74,9 @@ TEST_F(SimulatorsMusicTest, TurnsToTheEndWithoutARuntimeAndRecords) {
   process.attach_recorders(description);
   Graph graph(description);
   int ticks = 0;
-  EXPECT_EQ(process.run(graph, {.before_step = [&](TimeNs, TimeNs) { ++ticks; }}), 0);
+  Process::LoopHooks hooks;
+  hooks.before_step = [&](TimeNs, TimeNs) { ++ticks; };
+  EXPECT_EQ(process.run(graph, hooks), 0);
   unsetenv("SPIKELOOP_OUT");
   EXPECT_EQ(ticks, 5);
   EXPECT_EQ(graph.connections().front().spikes, 5U);
