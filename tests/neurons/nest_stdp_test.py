@@ -42,7 +42,7 @@ class AgainstNest(Case):
             task["dopamine"] = list(trains[2][0])
         (self.folder / "task.json").write_text(json.dumps(task))
         script = pathlib.Path(__file__).with_name("nest_stdp_alone.py")
-        done = subprocess.run([nest_jobs.PYTHON, "-B", str(script), str(self.folder / "task.json"),
+        done = subprocess.run(["/usr/bin/python3", "-B", str(script), str(self.folder / "task.json"),
                                str(self.folder / "nest.npy")], capture_output=True, text=True,
                               timeout=120, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
