@@ -131,8 +131,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "path, from where this file lies"}},
         WrongFile{"network key missing",
                   {{", network: net.yaml", ""}},
-                  {"x.yaml:8:3: node 'brain': key 'network' is missing (Network file (YAML)); "
-                   "write  network: ..."}},
+                  {"x.yaml:8:3: node 'brain': key 'network' is missing (Network file (YAML), "
+                   "or FILE.py:FUNCTION); write  network: ..."}},
         WrongFile{
             "network file wrong",
             {},
