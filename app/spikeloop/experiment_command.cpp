@@ -280,14 +280,11 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   return exit_code;
 }
 
-int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
-  ExperimentFolder folder = folder_for(arguments, experiment);
-  const WrittenJob music = write_music_job(experiment, folder.path());
-  nlohmann::json resolved = fused::resolved_json(experiment);
-  resolved.update(about_run(partners_of(experiment, true)));
-  launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
+/// A job that lies in its run folder.
+int run_music_job(const ExperimentArguments& arguments, const Experiment& experiment,
+                  ExperimentFolder& folder, const WrittenJob& music, const char* layout) {
   RunLog log(folder.path());
-  begin_log(log, experiment, "separate");
+  begin_log(log, experiment, layout);
   folder.release();
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
@@ -298,6 +295,15 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   });
   tell_folder(arguments.volume, folder);
   return exit_code;
+}
+
+int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
+  ExperimentFolder folder = folder_for(arguments, experiment);
+  const WrittenJob music = write_music_job(experiment, folder.path());
+  nlohmann::json resolved = fused::resolved_json(experiment);
+  resolved.update(about_run(partners_of(experiment, true)));
+  launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
+  return run_music_job(arguments, experiment, folder, music, "separate");
 }
 
 /// What is wrong with the file comes first.
@@ -387,18 +393,7 @@ int run_with_simulators(const ExperimentArguments& arguments, const Experiment& 
   }
   const WrittenJob music =
       write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
-  RunLog log(folder.path());
-  begin_log(log, experiment, "fused");
-  folder.release();
-  launch::JobOptions options = job_options(arguments, experiment, folder.path());
-  options.run.record = arguments.record;
-  options.translate = music.places;
-  const int exit_code = logged(log, [&] {
-    launch::Job job(read_music_file(music.path), options);
-    return run_job(job, arguments.volume, &log);
-  });
-  tell_folder(arguments.volume, folder);
-  return exit_code;
+  return run_music_job(arguments, experiment, folder, music, "fused");
 }
 
 WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
