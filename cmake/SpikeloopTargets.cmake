@@ -31,8 +31,8 @@ if(SPIKELOOP_SANITIZE)
 endif()
 
 # spikeloop_compile_alone(file...)
-# Sanitizer builds compile eight files of a target at once, in a third of the time. These have names that
-# others of their target have, too.
+# All presets but dev compile eight files of a target at once, in half the time or less. These have names
+# that others of their target have, too.
 function(spikeloop_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

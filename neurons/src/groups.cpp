@@ -7,10 +7,6 @@ namespace spikeloop::neurons {
 
 namespace {
 
-double in_ms(TimeNs time) {
-  return static_cast<double>(time) * 1e-6;
-}
-
 // What both integrate-and-fire models share. Potentials are kept relative to E_L, as in NEST.
 class Membranes : public Group {
  protected:

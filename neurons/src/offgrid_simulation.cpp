@@ -12,10 +12,6 @@ namespace {
 constexpr double kLatest = 4e18;     // ns: later than any run
 constexpr std::uint64_t kSpike = 0;  // in place of a crossing's number
 
-double in_ms(TimeNs time) {
-  return static_cast<double>(time) * 1e-6;
-}
-
 // iaf_psc_delta between events: its membrane potential relaxes towards that of I_e, in closed form,
 // and when that lies above the threshold, the time of the crossing is known, too.
 class ExactNeurons {

@@ -11,6 +11,10 @@
 
 namespace spikeloop::neurons {
 
+inline double in_ms(TimeNs time) {
+  return static_cast<double>(time) * 1e-6;
+}
+
 class Simulation {
  public:
   Simulation() = default;

@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kText =
+constexpr const char* kJob =
     "stoptime=0.005\nmusic_timestep=0.001\nbarrier=false\n"
     "[sensor]\n  np=1\n  binary=s\n"
     "[brain]\n  np=1\n  binary=./brain.py\n  gain=3\n  record=true\n"
@@ -34,7 +34,7 @@ class Clock : public Source {
 
 class SimulatorsMusicTest : public testing::Test {
  protected:
-  SimulatorsMusic section(const std::string& text = kText) const {
+  SimulatorsMusic section(const std::string& text = kJob) const {
     return {directory_.write("job.music", text), "brain"};
   }
   test::TemporaryDirectory directory_;
@@ -85,7 +85,7 @@ TEST_F(SimulatorsMusicTest, TurnsToTheEndWithoutARuntimeAndRecords) {
 
 TEST_F(SimulatorsMusicTest, AFileThatIsNotThereAndSeveralProcessesAreErrors) {
   EXPECT_THROW(Process(SimulatorsMusic{"/nowhere/job.music", "brain"}, {}), FileError);
-  std::string text = kText;
+  std::string text = kJob;
   text.replace(text.find("np=1\n  binary=./brain.py"), 4, "np=2");
   try {
     const Process process(section(text), {});
