@@ -13,6 +13,20 @@ DURATION_S = 10
 END = DURATION_S * 10**9
 
 
+NETWORK = f"""resolution: 0.1 ms
+populations:
+  input: {{model: input, size: {WIDTH}}}
+  relay: {{model: repeater, size: {WIDTH}}}
+connections:
+  - {{from: input, to: relay, rule: one_to_one, delay: 1 ms}}
+output: [relay]
+"""
+
+
+def on_the_grid(times, channels, grid=100_000, delay=1_000_000):
+    return before_the_end(-(-times // grid) * grid + delay, channels)
+
+
 def before_the_end(times, channels):
     return times[times <= END], channels[times <= END]
 
@@ -29,8 +43,8 @@ def brian_spikes(times, channels, step=500_000):
 
 
 class Repeaters(unittest.TestCase):
-    def check(self, script, tick_s, expected, keys=""):
-        with jobs.Job(script, WIDTH, tick_s=tick_s, duration_s=DURATION_S, keys=keys) as job:
+    def check(self, script, tick_s, expected, keys="", text=None):
+        with jobs.Job(script, WIDTH, tick_s=tick_s, duration_s=DURATION_S, keys=keys, text=text) as job:
             job.run("--quiet")
             times, channels, begins = job.received()
             sent = job.sent()
@@ -45,6 +59,12 @@ class Repeaters(unittest.TestCase):
         for tick_s in (0.001, 0.01):
             with self.subTest(tick_s=tick_s):
                 self.check("repeat_python.py", tick_s, lambda times, channels: (times, channels))
+
+    def test_the_built_in_network_repeats_on_its_grid(self):
+        for tick_s in (0.001, 0.01):
+            with self.subTest(tick_s=tick_s):
+                self.check("brain.yaml", tick_s, on_the_grid, text=NETWORK,
+                           keys="binary=spikeloop-network\n  network=brain.yaml")
 
     def test_neuron_repeats_after_the_delay(self):
         for tick_s in (0.001, 0.01):
