@@ -7,7 +7,7 @@
         source = host.input("in")
         neurons = NeuronGroup(100, "dv/dt = -v / (10*ms) : 1", threshold="v > 1", reset="v = 0",
                               method="exact")
-        synapses = Synapses(source, neurons, on_pre="v += 0.3")
+        synapses = Synapses(source, neurons, on_pre="v += 1.2")
         synapses.connect(j="i")
         host.output("out", neurons)
         host.run()

@@ -139,7 +139,7 @@ class Host:
         ports = _declared_ports({("spikes", True): spikes_in, ("spikes", False): spikes_out,
                                  ("signal", True): signals_in, ("signal", False): signals_out})
         declared = _declared_parameters(parameters)
-        self._begun = self._finished = False
+        self._begun = self._complete = self._finished = False
         self._end = End.begin()
         self.label = self._end.label
         with self._end.fatal():
@@ -178,8 +178,10 @@ class Host:
             with self._end.fatal():
                 interval = self._library.begin()
             if interval is None:
+                self._complete = True
                 break
             tick = self._tick_type(self, *interval)
+            self._at_s = tick.begin_s
             yield tick
             tick._close()
             with self._end.fatal():
@@ -188,6 +190,10 @@ class Host:
 
     def _finish(self):
         if not self._finished:
+            if not self._complete and self._library.processes() > 1:
+                self._end.stop(EXIT_SCRIPT, f"one of its {self._library.processes()} processes has "
+                               f"left the loop at {self._at_s:g} s of simulated time, and the others "
+                               "wait for it; leave no loop before its end")
             self._finished = True
             with self._end.fatal():
                 self._library.finish()

@@ -7,7 +7,8 @@
         soma = h.Section(name="soma")
         soma.insert("hh")
         synapse = h.ExpSyn(soma(0.5))
-        host.connect_input("in", 0, synapse, weight=0.01, delay_ms=1)
+        synapse.tau = 2
+        host.connect_input("in", 0, synapse, weight=1, delay_ms=1)
         host.connect_output("out", 0, soma(0.5)._ref_v, sec=soma, threshold_mV=0)
         host.run(v_init_mV=-65)
 
@@ -59,6 +60,7 @@ class NeuronHost(Host):
         self._inputs = {port: collections.defaultdict(list)
                         for port in self._ports["spikes", True]}
         self._outputs = {}
+        self._kept = []
         self._context = None
 
     def connect_input(self, port, channel, target, *, weight=0.0, delay_ms=0.0):
@@ -68,6 +70,7 @@ class NeuronHost(Host):
         processes every one gets all spikes of the input, and connects those that its own cells need.
         """
         self._check_channel(port, channel, True)
+        self._keep(target)
         connection = h.NetCon(None, target)
         connection.delay = delay_ms
         connection.weight[0] = weight
@@ -82,6 +85,7 @@ class NeuronHost(Host):
         cell calls this; a channel is connected in one of them.
         """
         self._check_channel(port, channel, False)
+        self._keep(source, sec)
         connection = h.NetCon(source, None) if sec is None else h.NetCon(source, None, sec=sec)
         if threshold_mV is not None:
             connection.threshold = threshold_mV
@@ -90,6 +94,12 @@ class NeuronHost(Host):
         connection.record(times, channels, channel)
         connections[channel].append(connection)
         return connection
+
+    def _keep(self, end, sec=None):
+        """NEURON deletes a cell, or a section, that no variable holds: what is connected stays."""
+        segment = end.get_segment() if sec is None and hasattr(end, "get_segment") else None
+        section = segment.sec if segment is not None else sec
+        self._kept.append((end, section.wholetree() if section is not None else None))
 
     def run(self, v_init_mV=-65):
         """h.finitialize(v_init_mV), and the loop to the end of the run."""

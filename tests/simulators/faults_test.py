@@ -99,6 +99,12 @@ class Faults(unittest.TestCase):
                           f"RuntimeError: nothing in process {process}", code=5,
                           keys=f"fail_in={process}")
 
+    def test_one_of_several_processes_leaves_its_loop(self):
+        for process in ("0", "1"):
+            self.parallel("one of its 2 processes has left the loop at 0.1 s of simulated time, and "
+                          "the others wait for it; leave no loop before its end", code=5,
+                          keys=f"leave_in={process}")
+
     def test_cells_that_every_process_makes(self):
         self.parallel("channel 0 of 'out' is connected in the processes 0 and 1, and would send "
                       "each spike twice; make a cell in one process:  for gid in "

@@ -4,7 +4,7 @@ import spikeloop.neuron
 from neuron import h
 
 with spikeloop.neuron.music(spikes_in={"in": None}, spikes_out={"out": None},
-                            processes=2, fail_in=-1, twice=False) as host:
+                            processes=2, fail_in=-1, leave_in=-1, twice=False) as host:
     pc = h.ParallelContext()
     rank, processes, width = int(pc.id()), int(pc.nhost()), host.widths["in"]
     assert processes == host.parameters["processes"], processes
@@ -30,4 +30,8 @@ with spikeloop.neuron.music(spikes_in={"in": None}, spikes_out={"out": None},
             host.connect_output("out", channel, cell)
     if rank == host.parameters["fail_in"]:
         raise RuntimeError(f"nothing in process {rank}")
-    host.run()
+    h.finitialize()
+    for tick in host:
+        if rank == host.parameters["leave_in"] and tick.begin_s >= 0.1:
+            break
+        host.advance(tick)
