@@ -103,20 +103,20 @@ TEST(Doctor, DoesNotWaitForWhatHangs) {
   const std::string python = fakes.add("python3", "sleep 1000");
   const Examination seen = examine({{"PATH", fakes.before()}, {"PYTHON", python}});
   EXPECT_EQ(seen.outcome.exit_code, 3);
-  EXPECT_LT(seen.outcome.seconds, 20);  // on a loaded machine; 4 s and some are usual
+  EXPECT_LT(seen.outcome.seconds, 40);  // on a loaded machine; 10 s and some are usual
   EXPECT_EQ(seen.outcome.left_behind, 0);
   EXPECT_EQ(seen.line("Open MPI"),
-            "missing | " + fakes.path() + "/mpirun: no answer within 4 s" + kInstallMpi);
+            "missing | " + fakes.path() + "/mpirun: no answer within 10 s" + kInstallMpi);
   EXPECT_EQ(
       seen.line("mpirun"),
-      "missing | cannot start programs: no answer within 4 s | see what it says: mpirun -np 2 "
+      "missing | cannot start programs: no answer within 10 s | see what it says: mpirun -np 2 "
       "--oversubscribe hostname");
   EXPECT_EQ(seen.line("MUSIC launcher"),
-            "missing | " + fakes.path() + "/music: no answer within 4 s" + kInstallMusic);
+            "missing | " + fakes.path() + "/music: no answer within 10 s" + kInstallMusic);
   EXPECT_EQ(seen.line("Python"), "missing | " + python +
-                                     ": no answer within 4 s | apt-get install python3, or set "
+                                     ": no answer within 10 s | apt-get install python3, or set "
                                      "PYTHON to another one");
-  EXPECT_EQ(seen.line("numpy"), "missing | no answer within 4 s | apt-get install python3-numpy");
+  EXPECT_EQ(seen.line("numpy"), "missing | no answer within 10 s | apt-get install python3-numpy");
 }
 
 TEST(Doctor, KnowsOtherProgramsOfTheSameNames) {

@@ -11,7 +11,7 @@
 namespace spikeloop::app::doctor {
 
 /// Everything has answered, or is given up, after this time.
-inline constexpr std::chrono::milliseconds kPatience{4000};
+inline constexpr std::chrono::milliseconds kPatience{10000};
 
 struct Answer {
   int exit_code = 0;
