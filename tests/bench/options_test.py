@@ -68,8 +68,8 @@ class Options(unittest.TestCase):
             self.assertEqual(error, "spikeloop: cannot make '/proc/none': No such file or directory\n")
             (pathlib.Path(folder) / "results.json").write_text("{}")
             _, error = bench("--draw", "--out", folder, code=4)
-            self.assertIn("is not what spikeloop bench writes; move it away, or write another folder",
-                          error)
+            self.assertIn("is not what spikeloop bench writes: the file has no 'duration_s'; move it "
+                          "away, or write another folder", error)
             _, error = bench("--out", "", code=2)
             self.assertIn("the name of the folder is empty; write one", error)
 
