@@ -140,6 +140,16 @@ class Showing(Folder):
             self.assertEqual(path.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
             self.assertGreater(path.stat().st_size, 10_000)
 
+    def test_pictures_that_cannot_be_written(self):
+        document = self.everything()
+        (self.folder / "b.png").symlink_to("/dev/full")
+        with self.assertRaisesRegex(results.ResultsError,
+                                    f"^cannot write '{self.folder}/b.png': No space left on device$"):
+            pictures.draw(document, self.folder)
+        with self.assertRaisesRegex(results.ResultsError,
+                                    "^cannot write '/proc/a.png': No such file or directory$"):
+            pictures.draw(document, pathlib.Path("/proc"))
+
     def test_the_papers_values_are_in_the_pictures(self):
         """As a line or point at their places."""
         document = self.everything()
