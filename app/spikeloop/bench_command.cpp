@@ -84,6 +84,37 @@ struct BenchArguments {
   bool again = false;
 };
 
+/// What --quick puts in the place of options that are not written.
+struct Quick {
+  const char* option;
+  std::string BenchArguments::*value;
+  const char* text;
+};
+constexpr Quick kQuick[] = {{"--simulators", &BenchArguments::simulators, "none"},
+                            {"--ticks", &BenchArguments::ticks, "1,50"},
+                            {"--rates", &BenchArguments::rates, "40,800"},
+                            {"--trials", &BenchArguments::trials, "1"},
+                            {"--steps", &BenchArguments::steps, "3"},
+                            {"--most", &BenchArguments::most, "1000000"},
+                            {"--duration", &BenchArguments::duration, "1 s"}};
+
+void make_quick(const CLI::App& command, BenchArguments& given) {
+  for (const Quick& quick : kQuick) {
+    if (command.count(quick.option) == 0) {
+      given.*quick.value = quick.text;
+    }
+  }
+}
+
+std::string quick_help() {
+  std::vector<std::string> words;
+  for (const Quick& quick : kQuick) {
+    words.push_back(fmt::format("{} {}", quick.option, quick.text));
+  }
+  return fmt::format("Two minutes at the most: {}, each unless it is written; few points",
+                     fmt::join(words, ", "));
+}
+
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream stream(text);
@@ -232,12 +263,14 @@ void add_bench_command(CLI::App& app, std::function<int()>& action) {
       ->add_option("--out", given->out,
                    "Folder of results.json and the pictures [bench, bench-quick]")
       ->check(named("folder"));
-  command->add_flag("--quick", given->quick,
-                    "Two minutes at the most: few points, one trial of 1 s, no simulators");
+  command->add_flag("--quick", given->quick, quick_help());
   command->add_flag("--again", given->again, "Measure what is in results.json once more");
   command->add_flag("--draw", given->draw, "Measure nothing: table and pictures of results.json");
   command->footer(kFooter);
-  command->callback([given, &action] {
+  command->callback([given, command, &action] {
+    if (given->quick) {
+      make_quick(*command, *given);
+    }
     action = [given]() -> int {
       become_python("spikeloop.bench", checked(*given), "which measures and draws",
                     "python3-matplotlib python3-h5py");

@@ -68,8 +68,8 @@ class Options(unittest.TestCase):
             self.assertEqual(error, "spikeloop: cannot make '/proc/none': No such file or directory\n")
             (pathlib.Path(folder) / "results.json").write_text("{}")
             _, error = bench("--draw", "--out", folder, code=4)
-            self.assertIn("is not what spikeloop bench writes; move it away, or write another folder",
-                          error)
+            self.assertIn("is not what spikeloop bench writes: the file has no 'duration_s'; move it "
+                          "away, or write another folder", error)
             _, error = bench("--out", "", code=2)
             self.assertIn("the name of the folder is empty; write one", error)
 
@@ -92,6 +92,9 @@ class Options(unittest.TestCase):
         for text in ("Weidel, Djurfeldt, Duarte & Morrison 2016", "spikeloop bench --quick",
                      "--layouts LIST:{fused,separate}", "Exit codes: 0 measured"):
             self.assertIn(text, said)
+        self.assertIn("Two minutes at the most: --simulators none, --ticks 1,50, --rates 40,800, "
+                      "--trials 1, --steps 3, --most 1000000, --duration 1 s, each unless it is "
+                      "written; few points", " ".join(said.split()))
 
     def test_completion(self):
         script = ("source <(\"$0\" completion bash); COMP_WORDS=(spikeloop bench \"$@\"); "

@@ -84,6 +84,20 @@ class Program(unittest.TestCase):
         self.assertEqual({point["simulator"] for point in found["points"]}, {"none"})
         self.assertIn("bench-quick/b.png", said.splitlines())
 
+    def test_what_is_written_beside_quick_counts(self):
+        bench("--quick", "--part", "a,b", "--encoders", "rate", "--layouts", "fused", "--simulators",
+              "builtin", "--rates", "5,80", "--trials", "2", "--duration", "2", "--neurons", "100",
+              "--most", "1000", "--out", self.out)
+        found = results(self.out)
+        self.assertEqual(found["duration_s"], 2)
+        of_b = [point for point in found["points"] if point["rate_min_hz"] == point["rate_max_hz"]]
+        self.assertEqual([(point["rate_max_hz"], len(point["trials"])) for point in of_b],
+                         [(5, 2), (80, 2)])
+        self.assertEqual({point["simulator"] for point in found["points"] if point not in of_b},
+                         {"builtin"})
+        _, error = bench("--quick", "--part", "d", "--ticks", "3", "--out", self.out, code=2)
+        self.assertIn("--duration 1 is no whole number of ticks of 3 ms", error)
+
     def test_what_fails_is_told(self):
         """The readout cannot be reached: an encoder without a first scan sends nothing."""
         said, _ = bench("--part", "a", "--encoders", "nef", "--layouts", "separate", "--simulators",

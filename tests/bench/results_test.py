@@ -57,7 +57,8 @@ class Keeping(Folder):
         for text, said in (("{", "is not what spikeloop bench writes; move it away, or write another "
                                  "folder with --out"),
                            ("[]", "is not what spikeloop bench writes"),
-                           ('{"points": []}', "is not what spikeloop bench writes"),
+                           ('{"points": []}', "is not what spikeloop bench writes: the file has no "
+                                              "'duration_s'; move it away, or write another folder"),
                            ('{"format": 2}', "was written by a newer Spikeloop; write another folder "
                                              "with --out")):
             with self.subTest(text=text):
@@ -139,6 +140,16 @@ class Showing(Folder):
             self.assertEqual(path.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
             self.assertGreater(path.stat().st_size, 10_000)
 
+    def test_pictures_that_cannot_be_written(self):
+        document = self.everything()
+        (self.folder / "b.png").symlink_to("/dev/full")
+        with self.assertRaisesRegex(results.ResultsError,
+                                    f"^cannot write '{self.folder}/b.png': No space left on device$"):
+            pictures.draw(document, self.folder)
+        with self.assertRaisesRegex(results.ResultsError,
+                                    "^cannot write '/proc/a.png': No such file or directory$"):
+            pictures.draw(document, pathlib.Path("/proc"))
+
     def test_the_papers_values_are_in_the_pictures(self):
         """As a line or point at their places."""
         document = self.everything()
@@ -168,6 +179,49 @@ class Showing(Folder):
                   for axes in figure.axes}
         self.assertEqual(hollow["rate, separate"], [1000])
         self.assertEqual(hollow["rate, fused"], [])
+
+    def test_what_was_edited_is_told_before_anything_is_drawn(self):
+        self.everything()
+        file = self.folder / results.NAME
+        whole = file.read_text()
+
+        def refused(change, said):
+            known = json.loads(whole)
+            change(known)
+            file.write_text(json.dumps(known))
+            with self.assertRaises(results.ResultsError) as caught:
+                self.results()
+            self.assertEqual(str(caught.exception),
+                             f"'{file}' is not what spikeloop bench writes: {said}; move it away, or "
+                             "write another folder with --out")
+            self.assertEqual(caught.exception.code, 4)
+        refused(lambda known: known["points"][2].pop("neurons"), "points[2] has no 'neurons'")
+        refused(lambda known: known["points"][1]["trials"][0].clear(),
+                "points[1].trials[0] has no 'real_time_factor'")
+        refused(lambda known: known["points"][0].update(tick_ms="50"),
+                "'tick_ms' of points[0] is '50', not a number")
+        refused(lambda known: known["points"][0].update(neurons=True),
+                "'neurons' of points[0] is True, not a number")
+        refused(lambda known: known["points"][0].update(real_time_factor=None),
+                "'real_time_factor' of points[0] is None, not a number")
+        refused(lambda known: known["points"][0].update(trials={}),
+                "'trials' of points[0] is {}, not a list")
+        refused(lambda known: known["points"].append(3), f"points[{self.points(whole)}] is not an object")
+        refused(lambda known: known["largest"][0].update(simulator="neuro"),
+                "'simulator' of largest[0] is 'neuro', not one of none, builtin, nest, neuron, brian2")
+        refused(lambda known: known["largest"][0].update(next="6"),
+                "'next' of largest[0] is '6', not a number or null")
+        refused(lambda known: known["latencies"][1].pop("median_ms"), "latencies[1] has no 'median_ms'")
+        refused(lambda known: known["latencies"][0].update(network=0),
+                "'network' of latencies[0] is 0, not true or false")
+        refused(lambda known: known["not_measured"][0].update(reason=["no"] * 20),
+                "'reason' of not_measured[0] is " + str(["no"] * 20)[:37] + "..., not text")
+        refused(lambda known: known.pop("duration_s"), "the file has no 'duration_s'")
+        refused(lambda known: known.update(machine=None), "'machine' of the file is None, not an object")
+
+    @staticmethod
+    def points(text):
+        return len(json.loads(text)["points"])
 
     def test_nothing_is_drawn_of_nothing(self):
         document = self.results().document()

@@ -4,6 +4,7 @@ import numpy as np
 
 from .. import style
 from . import chain, figures, paper, simulators, sweeps
+from .results import ResultsError
 
 LAYOUT_COLOURS = {"fused": style.BLUE, "separate": style.VERMILLION}
 MARKERS = {"none": "o", "builtin": "s", "nest": "^", "neuron": "D", "brian2": "v"}
@@ -11,16 +12,23 @@ LEAST_FACTOR = 0.01  # below, nobody looks
 
 
 def draw(document, folder):
-    """Draws every part that has something; gives the paths."""
+    """Draws every part that has something; gives the paths. Raises ResultsError."""
     drawn = []
     for name, paint in (("a", _part_a), ("b", _part_b), ("c", _part_c), ("d", _part_d)):
         with style.styled():
             figure = paint(document)
             if figure is not None:
                 path = folder / f"{name}.png"
-                style.save(figure, path)
+                _save(figure, path)
                 drawn.append(path)
     return drawn
+
+
+def _save(figure, path):
+    try:
+        style.save(figure, path)
+    except OSError as error:  # of a full disk: without the file's name; Pillow's own: without strerror
+        raise ResultsError(f"cannot write '{path}': {error.strerror or error}") from None
 
 
 def _part_a(document):

@@ -6,6 +6,8 @@ import os
 import platform
 import statistics
 
+from . import entries
+
 NAME = "results.json"
 FORMAT = 1
 
@@ -46,6 +48,7 @@ class Results:
             if known.get("format", 0) > FORMAT:
                 raise ResultsError(f"'{self.path}' was written by a newer Spikeloop; write another "
                                    "folder with --out")
+            entries.check(known)
             for name in ("points", "latencies", "largest", "not_measured"):
                 getattr(self, name).extend(known[name])
             return known
@@ -53,7 +56,10 @@ class Results:
             return {}
         except OSError as error:
             raise ResultsError(f"cannot read '{self.path}': {error.strerror}") from None
-        except (ValueError, KeyError, AttributeError, TypeError):
+        except entries.EntryError as error:
+            raise ResultsError(f"'{self.path}' is not what spikeloop bench writes: {error}; move it "
+                               "away, or write another folder with --out") from None
+        except (ValueError, AttributeError, TypeError):
             raise ResultsError(f"'{self.path}' is not what spikeloop bench writes; move it away, or "
                                "write another folder with --out") from None
 
