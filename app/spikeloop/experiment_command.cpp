@@ -316,6 +316,27 @@ std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file
   return loaded;
 }
 
+/// What MUSIC asks of simulators beside the one process of the fused layout.
+void check_fused(experiment::Loaded& loaded) {
+  if (!loaded.faults.empty() || !experiment::has_simulator(*loaded.experiment)) {
+    return;
+  }
+  try {
+    experiment::fused_job(experiment::with_fused_delays(*loaded.experiment), "", {});
+  } catch (const Error& error) {
+    loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
+  }
+}
+
+/// All of them, each with its line. Returns the exit code.
+int tell_faults(const std::string& file, const std::vector<Fault>& faults) {
+  for (const Fault& fault : faults) {
+    put(stderr, text_of("error", fault));
+  }
+  put(stderr, fmt::format("spikeloop: {}: {}\n", file, count_of(faults.size(), "error")));
+  return faults.front().exit_code;
+}
+
 }  // namespace
 
 bool is_experiment(const std::string& file) {
@@ -351,7 +372,7 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
 
 int run_experiment(const ExperimentArguments& arguments) {
   const auto all = load_experiment(arguments.file, arguments.overrides);
-  const experiment::Loaded& loaded = *all;
+  experiment::Loaded& loaded = *all;
   if (!loaded.faults.empty()) {
     return loaded.faults.front().exit_code;
   }
@@ -362,8 +383,11 @@ int run_experiment(const ExperimentArguments& arguments) {
     return run_separate(arguments, experiment);
   }
   if (experiment::has_simulator(experiment)) {
-    // What cannot be is refused before there is a folder.
-    experiment::fused_job(experiment::with_fused_delays(experiment), arguments.folder, {});
+    check_fused(loaded);  // what cannot be is refused before there is a folder
+    if (!loaded.faults.empty()) {
+      put(stderr, text_of("spikeloop", loaded.faults.front()));
+      return loaded.faults.front().exit_code;
+    }
     ExperimentFolder folder = folder_for(arguments, experiment);
     return run_with_simulators(arguments, experiment, folder);
   }
@@ -410,27 +434,23 @@ WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder)
 }
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
-  const auto all = load_with_simulators(file, {});
-  const experiment::Loaded& loaded = *all;
-  for (const Fault& fault : loaded.faults) {
-    put(stderr, text_of("error", fault));
-  }
-  if (!loaded.faults.empty()) {
-    put(stderr, fmt::format("spikeloop: {}: {}\n", file, count_of(loaded.faults.size(), "error")));
-    return loaded.faults.front().exit_code;
-  }
-  return use(*loaded.experiment);
+  const auto loaded = load_with_simulators(file, {});
+  return loaded->faults.empty() ? use(*loaded->experiment) : tell_faults(file, loaded->faults);
 }
 
 int check_experiment(const std::string& file) {
-  return use_experiment(file, [&](const Experiment& experiment) {
-    put_result(fmt::format(
-        "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
-        count_of(experiment.parts.size(), "node"), count_of(experiment.links.size(), "connection"),
-        format_time(experiment.tick),
-        experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
-    return 0;
-  });
+  const auto loaded = load_with_simulators(file, {});
+  check_fused(*loaded);
+  if (!loaded->faults.empty()) {
+    return tell_faults(file, loaded->faults);
+  }
+  const Experiment& experiment = *loaded->experiment;
+  put_result(fmt::format(
+      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
+      count_of(experiment.parts.size(), "node"), count_of(experiment.links.size(), "connection"),
+      format_time(experiment.tick),
+      experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
+  return 0;
 }
 
 }  // namespace spikeloop::app

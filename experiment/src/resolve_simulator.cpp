@@ -24,13 +24,23 @@ bool is_own(const std::string& key) {
   return key == kScript || key == kProcesses;
 }
 
+ScriptHost host_of(const std::string& path, const Location& where) {
+  try {
+    return host_in_script(path);
+  } catch (const FileError& error) {
+    throw FileError(where, fmt::format("key 'script': {}; write the path of a file that you can "
+                                       "read, or let yourself read it (chmod u+r)",
+                                       error.what()));
+  }
+}
+
 void read_script(Part& part, const Simulator& simulator, const std::string& directory) {
   const Location where = part.parameters.where(kScript);
   const std::string path = in_directory(directory, part.parameters.text(kScript));
   if (!std::filesystem::is_regular_file(path)) {
     refuse_file(kScript, where, "script", path);
   }
-  const ScriptHost host = host_in_script(path);
+  const ScriptHost host = host_of(path, where);
   if (host == ScriptHost::nest && part.kind != kRounding) {
     throw ConfigurationError(
         where, fmt::format("key 'script': '{}' imports spikeloop.nest, whose times are rounded; "

@@ -75,6 +75,26 @@ TEST(Check, RunSaysTheFirstFaultAndHowManyMore) {
               testing::EndsWith("spikeloop: 2 errors more; see  spikeloop check x.yaml\n"));
 }
 
+// What `run` would refuse of simulators beside the fused layout, `check` does: in the same words.
+TEST(Check, TellsWhatTheFusedLayoutRefusesOfSimulators) {
+  const TemporaryDirectory directory;
+  directory.write("brain.py", "import spikeloop\n");
+  directory.write("x.yaml",
+                  "nodes:\n  a: {simulator: python, script: brain.py}\n"
+                  "  b: {simulator: python, script: brain.py}\nconnections:\n  - a -> b [10]\n");
+  const std::string said =
+      ": x.yaml:2:3: no connection joins the simulators with the other nodes, which one process "
+      "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "
+      "separate\n    2 |   a: {simulator: python, script: brain.py}\n          ^\n";
+  const Outcome checked = spikeloop({"check", "x.yaml"}, directory);
+  EXPECT_EQ(checked.exit_code, 2);
+  EXPECT_EQ(checked.out, "");
+  EXPECT_EQ(checked.err, "error" + said + "spikeloop: x.yaml: 1 error\n");
+  const Outcome ran = spikeloop({"run", "x.yaml"}, directory);
+  EXPECT_EQ(ran.exit_code, 2);
+  EXPECT_EQ(ran.err, "spikeloop" + said);
+}
+
 TEST(Check, FilesThatCannotBeRead) {
   const TemporaryDirectory directory;
   const Outcome missing = spikeloop({"check", "x.yaml"}, directory);

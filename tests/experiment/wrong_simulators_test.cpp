@@ -26,6 +26,20 @@ INSTANTIATE_TEST_SUITE_P(
                   {{kBuiltin, kBrain}},
                   {"x.yaml:8:38: key 'script': there is no script 'brain.py'; write its path, from "
                    "where this file lies"}},
+        WrongFile{"script that Windows wrote",
+                  {{kBuiltin, kBrain}},
+                  {},
+                  {{"brain.py", "\xEF\xBB\xBFimport spikeloop\r\nimport numpy\r\n"}}},
+        WrongFile{"lines that Windows ended",
+                  {{kBuiltin, kBrain}},
+                  {},
+                  {{"brain.py", "import numpy\r\nimport numpy, spikeloop\r\n"}}},
+        // Not even the superuser reads what lies at its begin.
+        WrongFile{"script that cannot be read",
+                  {{kBuiltin, "{simulator: python, script: /proc/self/mem}"}},
+                  {"x.yaml:8:38: key 'script': cannot read '/proc/self/mem': Input/output error; "
+                   "write the path of a file that you can read, or let yourself read it (chmod "
+                   "u+r)"}},
         WrongFile{"script that takes no part",
                   {{kBuiltin, "{simulator: brian2, script: brain.py}"}},
                   {"x.yaml:8:38: key 'script': 'brain.py' does not take part in an experiment; "

@@ -48,7 +48,8 @@ brain.out -> decoder.in [2]
 TEST(Programs, AScriptThatImportsOurPackageIsOurs) {
   for (const char* import :
        {"import spikeloop", "import numpy, spikeloop", "import spikeloop.neuron",
-        "    from spikeloop.brian import music", "from spikeloop import music"}) {
+        "    from spikeloop.brian import music", "from spikeloop import music",
+        "import spikeloop\r", "import spikeloop.neuron\r"}) {
     const MusicFile file =
         with_brain(fmt::format("#!/usr/bin/python3\n\"\"\"Text\"\"\"\n{}\n", import));
     EXPECT_EQ(value(file, "brain", "record"), "true") << import;

@@ -167,15 +167,19 @@ constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = tru
 constexpr Program kFusedOverRos{
     .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};
 
-/// The kind of a script that uses our package; null: it does not.
+/// The kind of a script that uses our package; null: it does not, or cannot be read, which is said
+/// when it is started.
 const Program* program_of_script(const std::string& path) {
-  switch (host_in_script(path)) {
-    case ScriptHost::nest:
-      return &kNestScript;
-    case ScriptHost::other:
-      return &kScript;
-    case ScriptHost::none:
-      break;
+  try {
+    switch (host_in_script(path)) {
+      case ScriptHost::nest:
+        return &kNestScript;
+      case ScriptHost::other:
+        return &kScript;
+      case ScriptHost::none:
+        break;
+    }
+  } catch (const FileError&) {
   }
   return nullptr;
 }

@@ -7,10 +7,11 @@ namespace spikeloop {
 
 /// What a script takes part by: lines that import the package spikeloop.
 enum class ScriptHost {
-  none,   ///< no line does, or the file cannot be read
+  none,   ///< no line does
   other,  ///< spikeloop, spikeloop.neuron, spikeloop.brian
   nest    ///< spikeloop.nest, whose times are rounded
 };
+/// @throws FileError for a file that cannot be read.
 ScriptHost host_in_script(const std::string& path);
 
 }  // namespace spikeloop
