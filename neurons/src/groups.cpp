@@ -2,6 +2,7 @@
 
 #include "group.hpp"
 #include "propagators.hpp"
+#include "simulation.hpp"
 
 namespace spikeloop::neurons {
 
