@@ -138,6 +138,22 @@ class SameNetwork(Case):
         self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
         self.assertEqual(list(temporary.iterdir()), [])
 
+    def test_a_replay_from_another_directory_has_no_doubts(self):
+        self.write("import spikeloop.network\n\ndef make():\n"
+                   "    net = spikeloop.network.Network()\n"
+                   "    net.population('p', 'poisson', 2, rate='50 Hz')\n    net.output('p')\n"
+                   "    return net\n")
+        self.write(json.dumps({"experiment": "e", "duration": "0.2 s", "sync": "unpaced", "nodes": {
+            "brain": {"simulator": "builtin", "network": "brain.py:make"},
+            "rate": {"node": "rate_window"}}, "connections": ["brain -> rate [2]"]}), "e.yaml")
+        for arguments, folder in ((("run", "e.yaml", "--out", "run"), self.folder),
+                                  (("replay", str(self.folder / "run")), "/")):
+            done = subprocess.run([built_in.SPIKELOOP, *arguments], capture_output=True, text=True,
+                                  timeout=60, cwd=folder, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("warning", done.stderr)
+            self.assertNotIn("differ", done.stderr)
+
     def test_warnings_and_prints_are_shown(self):
         self.prepare()
         text = SCRIPT.replace("def make():", "import warnings\ndef make():\n    print('hello')\n"
