@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "spikeloop/config/files_read.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/run.hpp"
@@ -137,7 +138,7 @@ bool same_value(const json& before, const json& now) {
   }
   std::error_code error;
   const fs::path file = now.get<std::string>();
-  return fs::exists(file, error) &&
+  return fs::exists(network_source(file), error) &&  // brain.py:make is of brain.py
          file.filename() == fs::path(before.get<std::string>()).filename();
 }
 

@@ -1,9 +1,7 @@
 #include "spikeloop/config/network_script.hpp"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 #include <cerrno>
 #include <cstdlib>
@@ -11,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "python_process.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/reason.hpp"
 #include "spikeloop/config/weight_file.hpp"
@@ -47,59 +46,6 @@ class Folder {
  private:
   fs::path path_;
 };
-
-// The package `spikeloop`: beside the programs, as installed and in the build tree, or in the
-// sources.
-std::string package() {
-  std::error_code ignored;
-  const fs::path programs = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  const fs::path installed = programs.parent_path() / "share/spikeloop/python";
-  return fs::exists(installed / "spikeloop") ? installed.string() : SPIKELOOP_PYTHON;
-}
-
-std::vector<std::string> environment() {
-  std::vector<std::string> variables;
-  std::string path = package();
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    const std::string variable = *entry;
-    constexpr std::string_view kPath = "PYTHONPATH=";
-    if (!variable.starts_with(kPath)) {
-      variables.push_back(variable);
-    } else if (variable.size() > kPath.size()) {
-      path = variable.substr(kPath.size()) + ":" + path;  // what the user has put there goes first
-    }
-  }
-  variables.push_back("PYTHONPATH=" + path);
-  return variables;
-}
-
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> list;
-  for (std::string& word : words) {
-    list.push_back(word.data());
-  }
-  list.push_back(nullptr);
-  return list;
-}
-
-// Its exit code; 128 + the signal that ended it. What it prints goes to the error stream.
-int run_python(std::vector<std::string> words) {
-  std::vector<std::string> variables = environment();
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-  pid_t child = 0;
-  const int failure = ::posix_spawnp(&child, words[0].c_str(), &actions, nullptr,
-                                     pointers(words).data(), pointers(variables).data());
-  posix_spawn_file_actions_destroy(&actions);
-  if (failure != 0) {
-    throw FileError("start", words[0], failure);
-  }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 std::string python() {
   const char* const named = std::getenv("PYTHON");
@@ -183,9 +129,10 @@ NetworkFile run_network_script(const std::string& written) {
   if (!fs::exists(file)) {
     throw FileError("read the network's function from", file, ENOENT);
   }
+  const HeldSignals held;  // the folder is gone before one of them ends this process
   const Folder folder;
-  const int exit_code =
-      run_python({python(), "-m", "spikeloop.network", file, function, folder.path().string()});
+  const int exit_code = run_python(
+      {python(), "-m", "spikeloop.network", file, function, folder.path().string()}, held);
   if (exit_code != 0) {
     refuse(file, function, folder, exit_code);
   }

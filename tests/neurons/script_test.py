@@ -1,11 +1,14 @@
 """Networks from a Python function: the same as from a file, and what is wrong with one is told."""
 
+import contextlib
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 import unittest.mock
 
@@ -135,6 +138,22 @@ class SameNetwork(Case):
         self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
         self.assertEqual(list(temporary.iterdir()), [])
 
+    def test_a_replay_from_another_directory_has_no_doubts(self):
+        self.write("import spikeloop.network\n\ndef make():\n"
+                   "    net = spikeloop.network.Network()\n"
+                   "    net.population('p', 'poisson', 2, rate='50 Hz')\n    net.output('p')\n"
+                   "    return net\n")
+        self.write(json.dumps({"experiment": "e", "duration": "0.2 s", "sync": "unpaced", "nodes": {
+            "brain": {"simulator": "builtin", "network": "brain.py:make"},
+            "rate": {"node": "rate_window"}}, "connections": ["brain -> rate [2]"]}), "e.yaml")
+        for arguments, folder in ((("run", "e.yaml", "--out", "run"), self.folder),
+                                  (("replay", str(self.folder / "run")), "/")):
+            done = subprocess.run([built_in.SPIKELOOP, *arguments], capture_output=True, text=True,
+                                  timeout=60, cwd=folder, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("warning", done.stderr)
+            self.assertNotIn("differ", done.stderr)
+
     def test_warnings_and_prints_are_shown(self):
         self.prepare()
         text = SCRIPT.replace("def make():", "import warnings\ndef make():\n    print('hello')\n"
@@ -175,6 +194,49 @@ class Page(Case):
         done = self.check("brain.yaml")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("port in [100], port out [102]", done.stdout)
+
+
+class Stopped(Case):
+    """Neither Python nor its folder outlives the program that waits for it."""
+
+    def setUp(self):
+        super().setUp()
+        (self.folder / "tmp").mkdir()
+        self.write("import pathlib\nimport time\n\ndef make():\n"
+                   "    pathlib.Path('runs').touch()\n    time.sleep(1000)\n")
+        self.write(json.dumps({"experiment": "e", "duration": "1 s", "nodes": {
+            "brain": {"simulator": "builtin", "network": "brain.py"}}, "connections": []}), "e.yaml")
+
+    def stop(self, arguments, number):
+        """Sends the signal when the function runs; what the program ended with."""
+        program = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, start_new_session=True,
+                                   env={**os.environ, "TMPDIR": str(self.folder / "tmp")})
+        try:
+            while not (self.folder / "runs").exists():
+                self.assertIsNone(program.poll(), "it ended by itself")
+                time.sleep(0.01)
+            (self.folder / "runs").unlink()
+            program.send_signal(number)
+            output = program.communicate(timeout=30)[0].decode()  # whose end is Python's, too
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(program.pid, signal.SIGKILL)
+            program.wait()
+        return program.returncode, output
+
+    def test_by_a_signal(self):
+        for arguments in ([built_in.SPIKELOOP, "run", "e.yaml"],
+                          [built_in.SPIKELOOP, "check", "e.yaml"], [NETWORK, "--check", "brain.py"]):
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+                with self.subTest(arguments=arguments[1:], number=number):
+                    code, output = self.stop(arguments, number)
+                    self.assertEqual(code, -number, output)
+                    self.assertEqual(list((self.folder / "tmp").iterdir()), [])
+
+    def test_by_the_signal_that_nobody_can_hold(self):
+        code, output = self.stop([NETWORK, "--check", "brain.py"], signal.SIGKILL)
+        self.assertEqual((code, output), (-signal.SIGKILL, ""))
 
 
 class Faults(Case):

@@ -2,8 +2,10 @@
 pairs on random trains, without any trace."""
 
 import json
+import os
 import pathlib
 import shutil
+import subprocess
 import tempfile
 import unittest
 
@@ -267,6 +269,32 @@ class Kept(Case):
             shutil.rmtree(run.folder.parent)
         np.testing.assert_array_equal(*tables)
         self.assertGreater(np.ptp(tables[0]), 1)
+
+    def test_a_music_file_keeps_them_without_a_run_folder_too(self):
+        job = self.folder / "job"
+        job.mkdir()
+        net = {"populations": {"noise": {"model": "poisson", "size": 3,
+                                         "parameters": {"rate": "200 Hz"}},
+                               "cell": {"model": "iaf_psc_delta", "size": 2}},
+               "connections": [{"from": "noise", "to": "cell", "rule": "all_to_all",
+                                "weight": "9 mV", "delay": "1 ms",
+                                "plasticity": {"rule": "stdp", "save": "w.npy"}}],
+               "output": ["cell"]}
+        (job / "net.yaml").write_text(json.dumps(net))
+        (job / "job.music").write_text(
+            "stoptime=0.5\nseed=4\n[brain]\nnp=1\nbinary=spikeloop-network\nnetwork=net.yaml\n"
+            "record=true\n[rate]\nnp=1\nbinary=spikeloop-node\nnode=rate_window\n"
+            "brain.out -> rate.in [2]\n")
+        for arguments in ((), ("--out", str(self.folder / "out"))):
+            done = subprocess.run([built_in.SPIKELOOP, "run", "job/job.music", *arguments],
+                                  cwd=self.folder, capture_output=True, text=True, timeout=120,
+                                  env={**os.environ, "SPIKELOOP_OUT": ""}, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(sorted(path.name for path in job.iterdir()),
+                             ["brain.h5", "brain.w.npy", "job.music", "net.yaml"])
+        self.assertGreater(np.ptp(np.load(job / "brain.w.npy")), 0.1)
+        np.testing.assert_array_equal(np.load(job / "brain.w.npy"),
+                                      np.load(self.folder / "out" / "brain.w.npy"))
 
     def test_a_file_that_cannot_be_written_is_told(self):
         rule = {"rule": "stdp", "save": "w.npy"}

@@ -108,7 +108,8 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
   start.environment = origin_environment(effective_.file.path);
   start.environment.insert(ros_environment_.begin(), ros_environment_.end());
   start.environment["SPIKELOOP_STATUS"] = scratch_.path() + "/status";
-  start.environment["SPIKELOOP_OUT"] = folder_;
+  // Recordings and learned weights would be gone with the scratch folder.
+  start.environment["SPIKELOOP_OUT"] = options_.folder.empty() ? directory_ : folder_;
   start.scratch = scratch_.path();
   return start;
 }
