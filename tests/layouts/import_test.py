@@ -166,7 +166,7 @@ def older_families(spikeloop, folder, drive):
         assert "resolution: 0.5 ms" in text and "rate_max: 0.2 kHz" in text, text
         assert "weights: uniform\n" in text and "weights: data/readout.json\n" in text, text
         assert "warning:" in said and "missing.json" in said and "some.json" in said, said
-        assert "brain -> each [10, delay 0 ticks]" in text, text
+        assert "brain.out -> each [10, delay 0 ticks]" in text, text
         assert "scan -> some [100, delay 3 ticks]" in text, text
         assert "nef -> readout [20, delay 3 ticks]" in text, text
     assert counts[0] != counts[1] and min(counts) > 1000, counts
