@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".py";
+constexpr const char* kResult = "network.json";
 constexpr std::uint64_t kMostBytes = 1'000'000'000;
 
 // A folder that is gone with the object.
@@ -97,7 +98,7 @@ void set_places(NetworkFile& network, const Location& where) {
 
 NetworkFile read_result(const std::string& file, const Folder& folder) {
   const std::string text =
-      read_text_file(folder.file("network.json").string(), kMostBytes, "network file");
+      read_text_file(folder.file(kResult).string(), kMostBytes, "network file");
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});
@@ -133,7 +134,7 @@ NetworkFile run_network_script(const std::string& written) {
   const Folder folder;
   const int exit_code = run_python(
       {python(), "-m", "spikeloop.network", file, function, folder.path().string()}, held);
-  if (exit_code != 0) {
+  if (exit_code != 0 || !fs::exists(folder.file(kResult))) {
     refuse(file, function, folder, exit_code);
   }
   std::set<std::string> files{file};

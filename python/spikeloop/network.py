@@ -234,22 +234,24 @@ def _told(path, error):
     if isinstance(error, _Fault):
         return error.line, str(error)
     what = traceback.format_exception_only(type(error), error)[-1].strip()
+    what = (f"Python was ended before the function was over: {what}"
+            if isinstance(error, SystemExit) else f"Python says: {what}")
     own = os.path.realpath(path)
     frames = [(os.path.realpath(frame.filename), frame)
               for frame in traceback.extract_tb(error.__traceback__)]
     inside = [i for i, (file, _) in enumerate(frames) if file == own]
     if not inside:
-        return getattr(error, "lineno", None) or 0, f"Python says: {what}"
+        return getattr(error, "lineno", None) or 0, what
     calls = [f"line {frame.lineno}" + ("" if file == own else f" of {file}") + f" in {frame.name}"
              for file, frame in frames[inside[0]:] if file != os.path.realpath(__file__)]
-    return frames[inside[-1]][1].lineno, f"Python says: {what}; at {', called at '.join(calls[::-1])}"
+    return frames[inside[-1]][1].lineno, f"{what}; at {', called at '.join(calls[::-1])}"
 
 
 def _main(path, name, folder):
     try:
         _run(path, name, folder)
         return 0
-    except Exception as error:  # pylint: disable=broad-except
+    except (Exception, SystemExit) as error:  # pylint: disable=broad-except
         line, text = _told(path, error)
         pathlib.Path(folder, "fault").write_text(f"{line}\n{text}", encoding="utf-8")
         return 3

@@ -307,11 +307,18 @@ class Faults(Case):
         self.assertIn("/nowhere/python3", text)
 
     def test_a_python_that_ends(self):
-        text = self.refused("import os\nimport sys\nprint('bye', file=sys.stderr, flush=True)\n"
-                            "os._exit(7)")
-        self.assertTrue(text.startswith("bye\n"))
-        self.assertIn("brain.py: Python ended with exit code 7 before the function 'make' "
-                      "was over; what it said stands above\n", text)
+        for code in (7, 0):
+            text = self.refused("import os\nimport sys\nprint('bye', file=sys.stderr, flush=True)\n"
+                                f"os._exit({code})")
+            self.assertTrue(text.startswith("bye\n"))
+            self.assertIn(f"brain.py: Python ended with exit code {code} before the function 'make' "
+                          "was over; what it said stands above\n", text)
+
+    def test_a_function_that_ends_python(self):
+        for value, said in (("0", "SystemExit: 0"), ("", "SystemExit"), ("'no'", "SystemExit: no")):
+            self.assertEqual(self.refused(f"import sys\nsys.exit({value})"),
+                             "brain.py:6:1: Python was ended before the function was over: "
+                             f"{said}; at line 6 in make\n")
 
     def test_what_the_network_file_refuses_has_the_line_of_the_call(self):
         for line, wanted in (
