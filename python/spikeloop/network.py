@@ -208,6 +208,8 @@ def _function(path, name):
     spec = importlib.util.spec_from_file_location(pathlib.Path(path).stem, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
+    # A change that keeps the size of a file, within a second, would not be seen.
+    sys.dont_write_bytecode = True
     sys.path.insert(0, os.path.dirname(os.path.abspath(path)))
     spec.loader.exec_module(module)
     function = getattr(module, name, None)

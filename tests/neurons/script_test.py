@@ -138,6 +138,15 @@ class SameNetwork(Case):
         self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
         self.assertEqual(list(temporary.iterdir()), [])
 
+    def test_a_change_is_seen_at_once(self):
+        self.prepare()
+        for inputs in (5, 6, 7):
+            self.write(f"INPUTS = {inputs}\nLEARN = False\n", "helper.py")
+            self.write(SCRIPT.replace('"cell", "iaf_psc_exp", 4', f'"cell", "iaf_psc_exp", {inputs}')
+                       .replace("size=(4,", f"size=({inputs},").replace("np.ones((4", f"np.ones(({inputs}")
+                       .replace('    net.connect("jump", "cell", rule="file.npy", weight="100 pA", delay=1)\n', ""))
+            self.assertIn(f"port in [{inputs}], port out [{inputs + 3}]", self.check("brain.py").stdout)
+
     def test_a_replay_from_another_directory_has_no_doubts(self):
         self.write("import spikeloop.network\n\ndef make():\n"
                    "    net = spikeloop.network.Network()\n"
