@@ -30,7 +30,7 @@ def make():
     net.population("cell", "iaf_psc_exp", 4, tau_m="15 ms", I_e=np.float64(390))
     net.population("jump", "iaf_psc_delta", 3)
     net.population("noise", "poisson", 2, rate=[("0 ms", "50 Hz"), ("200 ms", 5)])
-    net.population("drive", "signal_input", 1)
+    net.population("drive", "signal_input", np.float64(1))
     weights = np.random.default_rng(3).uniform(-200, 400, size=(4, helper.INPUTS))
     net.connect("input", "cell", weights, delay="1.4 ms",
                 plasticity={"rule": "stdp", "Wmax": 401, "save": "w.npy"} if helper.LEARN else None)
@@ -351,6 +351,17 @@ class Faults(Case):
                  "make them (3, 2)"),
                 ("net.connect('a', 'b', np.full((3, 2), np.nan), delay=1)",
                  "a -> b: the weights hold nan; they must be finite"),
+                ("net.population('k', 'input', 2.5)", "the size of 'k' is 2.5; write a whole number"),
+                ("net.population('k', 'input', '3')", "the size of 'k' is 3; write a whole number"),
+                ("net.population('k', 'input', np.inf)", "the size of 'k' is inf; write a whole number"),
+                ("net.record('b', V_m=[0, np.float32(1.5)])",
+                 "a member of 'b' is 1.5; write a whole number"),
+                ("net.connect('a', 'b', ([0], [0.5], [1]), delay=1)",
+                 "a -> b: a target is 0.5; write a whole number"),
+                ("net.connect('a', 'b', np.full((3, 2), 1 + 2j), delay=1)",
+                 "a -> b: the weights are complex numbers; write real ones, such as weights.real"),
+                ("net.connect('a', 'b', ([0], [0], [1j]), delay=1)",
+                 "a -> b: the weights are complex numbers; write real ones, such as weights.real"),
                 ("net.connect('a', 'b', ([0], [0, 1], [1]), delay=1)",
                  "a -> b: weights are no triple of equally long lists; write (sources, targets, "
                  "weights)"),
