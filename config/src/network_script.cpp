@@ -82,14 +82,17 @@ Location behind(const Location& where, const std::string& file, const Folder& fo
   return {file, line, line > 0 ? 1 : 0};
 }
 
-// Places in the file that Python wrote would tell nobody anything.
-void set_places(NetworkFile& network, const Location& where) {
+// Places in the file that Python wrote would tell nobody anything, nor do the names of its weights.
+void set_places(NetworkFile& network, const Location& where, const Folder& folder) {
   network.resolution_where = where;
   for (auto& population : network.populations) {
     population.where = where;
   }
   for (auto& projection : network.projections) {
     projection.where = where;
+    if (projection.rule.starts_with(folder.path().string())) {
+      projection.rule = "array";
+    }
   }
   for (auto& record : network.record) {
     record.where = where;
@@ -103,7 +106,7 @@ NetworkFile read_result(const std::string& file, const Folder& folder) {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});
     });
-    set_places(network, {file, 0, 0});
+    set_places(network, {file, 0, 0}, folder);
     return network;
   } catch (const ConfigurationError& error) {
     throw ConfigurationError(behind(error.where(), file, folder), reason_of(error));

@@ -95,12 +95,15 @@ class SameNetwork(Case):
         for name in ("brain.py", "brain.py:make", "brain.yaml"):
             done = self.check(name)
             self.assertEqual(done.returncode, 0, done.stderr)
-            # Rules are files of other names, or pairs.
+            # Rules are arrays, files or pairs.
             lines = [line.split() for line in done.stdout.splitlines()[1:]]
-            tables.append([[word for word in line if "weights" not in word and word != "pairs"
-                            and word != "all_to_all"] for line in lines])
+            tables.append([[word for word in line if word not in (
+                "array", "weights.npy", "pairs", "all_to_all")] for line in lines])
         self.assertEqual(tables[0], tables[2])
         self.assertEqual(tables[1], tables[2])
+        rules = [line.split()[2] for line in
+                 self.check("brain.py").stdout.split("weight\n")[1].splitlines()]
+        self.assertEqual(rules, ["array", "pairs", "array", "array", "file.npy"])
         self.assertIn("[5], port out [7], port signal [1], port potential [4]",
                       self.check("brain.py").stdout.splitlines()[0])
 
