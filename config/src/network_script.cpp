@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".py";
+constexpr const char* kResult = "network.json";
 constexpr std::uint64_t kMostBytes = 1'000'000'000;
 
 // A folder that is gone with the object.
@@ -81,14 +82,17 @@ Location behind(const Location& where, const std::string& file, const Folder& fo
   return {file, line, line > 0 ? 1 : 0};
 }
 
-// Places in the file that Python wrote would tell nobody anything.
-void set_places(NetworkFile& network, const Location& where) {
+// Places in the file that Python wrote would tell nobody anything, nor do the names of its weights.
+void set_places(NetworkFile& network, const Location& where, const Folder& folder) {
   network.resolution_where = where;
   for (auto& population : network.populations) {
     population.where = where;
   }
   for (auto& projection : network.projections) {
     projection.where = where;
+    if (projection.rule.starts_with(folder.path().string())) {
+      projection.rule = "array";
+    }
   }
   for (auto& record : network.record) {
     record.where = where;
@@ -97,12 +101,12 @@ void set_places(NetworkFile& network, const Location& where) {
 
 NetworkFile read_result(const std::string& file, const Folder& folder) {
   const std::string text =
-      read_text_file(folder.file("network.json").string(), kMostBytes, "network file");
+      read_text_file(folder.file(kResult).string(), kMostBytes, "network file");
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});
     });
-    set_places(network, {file, 0, 0});
+    set_places(network, {file, 0, 0}, folder);
     return network;
   } catch (const ConfigurationError& error) {
     throw ConfigurationError(behind(error.where(), file, folder), reason_of(error));
@@ -133,7 +137,7 @@ NetworkFile run_network_script(const std::string& written) {
   const Folder folder;
   const int exit_code = run_python(
       {python(), "-m", "spikeloop.network", file, function, folder.path().string()}, held);
-  if (exit_code != 0) {
+  if (exit_code != 0 || !fs::exists(folder.file(kResult))) {
     refuse(file, function, folder, exit_code);
   }
   std::set<std::string> files{file};

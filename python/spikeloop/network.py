@@ -40,7 +40,7 @@ class Network:
         or text with a unit; rates and currents that change are lists of (time, value)."""
         if name in self._file["populations"]:
             raise ValueError(f"there are two populations '{name}'; give each a name of its own")
-        entry = {"model": model, "size": int(size)}
+        entry = {"model": model, "size": _whole(f"the size of '{name}'", size)}
         if parameters:
             entry["parameters"] = {key: _written(value) for key, value in parameters.items()}
         self._file["populations"][name] = entry
@@ -89,7 +89,8 @@ class Network:
         """Records spikes, and membrane potentials: "all", or a list of members, every `interval`."""
         entry = {"spikes": bool(spikes)}
         if V_m is not None:
-            entry["V_m"] = V_m if isinstance(V_m, str) else [int(member) for member in V_m]
+            entry["V_m"] = V_m if isinstance(V_m, str) else [
+                _whole(f"a member of '{population}'", member) for member in V_m]
         if interval is not None:
             entry["interval"] = _written(interval)
         self._file.setdefault("record", {})[population] = entry
@@ -148,25 +149,25 @@ class Network:
         if isinstance(weights, tuple):
             self._add_triple(entry, what, shape, weights)
             return
-        table = np.asarray(weights, dtype=float)
+        table = _real(what, weights)
         if table.shape != shape:
             raise ValueError(f"{what}: the weights have the shape {table.shape}, but there are "
                              f"{shape[0]} targets and {shape[1]} sources; make them {shape}")
-        _check_finite(what, table)
         self._tables.append((len(self._file["connections"]), table))
 
     def _add_triple(self, entry, what, shape, triple):
         if len(triple) != 3 or len({len(part) for part in triple}) != 1:
             raise ValueError(f"{what}: weights are no triple of equally long lists; write "
                              "(sources, targets, weights)")
-        sources, targets = (np.asarray(part, dtype=np.int64) for part in triple[:2])
-        values = np.asarray(triple[2], dtype=float)
+        sources, targets = (np.array([_whole(f"{what}: a {name}", member) for member in part],
+                                     dtype=np.int64)
+                            for name, part in zip(("source", "target"), triple))
+        values = _real(what, triple[2])
         for name, members, size in (("source", sources, shape[1]), ("target", targets, shape[0])):
             wrong = members[(members < 0) | (members >= size)]
             if len(wrong):
                 raise ValueError(f"{what}: there is no {name} {wrong[0]}; they count from 0 to "
                                  f"{size - 1}")
-        _check_finite(what, values)
         pairs = [[int(s), int(t), float(w)] for s, t, w in zip(sources, targets, values)]
         if len(np.unique(sources * shape[0] + targets)) < len(pairs):
             entry["rule"], entry["pairs"] = "pairs", pairs
@@ -183,10 +184,24 @@ def _line():
     return frame.f_lineno
 
 
-def _check_finite(what, values):
+def _whole(what, number):
+    """2, np.int32(2) or 2.0 as 2: nothing is rounded."""
+    if isinstance(number, (int, np.integer)) or (
+            isinstance(number, (float, np.floating)) and float(number).is_integer()):
+        return int(number)
+    raise ValueError(f"{what} is {number}; write a whole number")
+
+
+def _real(what, weights):
+    """The weights as finite numbers: no part of one is lost."""
+    if np.iscomplexobj(weights):
+        raise ValueError(f"{what}: the weights are complex numbers; write real ones, such as "
+                         "weights.real")
+    values = np.asarray(weights, dtype=float)
     if not np.isfinite(values).all():
         raise ValueError(f"{what}: the weights hold {values[~np.isfinite(values)][0]}; they must be "
                          "finite")
+    return values
 
 
 def _written(value):
@@ -208,6 +223,8 @@ def _function(path, name):
     spec = importlib.util.spec_from_file_location(pathlib.Path(path).stem, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
+    # A change that keeps the size of a file, within a second, would not be seen.
+    sys.dont_write_bytecode = True
     sys.path.insert(0, os.path.dirname(os.path.abspath(path)))
     spec.loader.exec_module(module)
     function = getattr(module, name, None)
@@ -234,22 +251,24 @@ def _told(path, error):
     if isinstance(error, _Fault):
         return error.line, str(error)
     what = traceback.format_exception_only(type(error), error)[-1].strip()
+    what = (f"Python was ended before the function was over: {what}"
+            if isinstance(error, SystemExit) else f"Python says: {what}")
     own = os.path.realpath(path)
     frames = [(os.path.realpath(frame.filename), frame)
               for frame in traceback.extract_tb(error.__traceback__)]
     inside = [i for i, (file, _) in enumerate(frames) if file == own]
     if not inside:
-        return getattr(error, "lineno", None) or 0, f"Python says: {what}"
+        return getattr(error, "lineno", None) or 0, what
     calls = [f"line {frame.lineno}" + ("" if file == own else f" of {file}") + f" in {frame.name}"
              for file, frame in frames[inside[0]:] if file != os.path.realpath(__file__)]
-    return frames[inside[-1]][1].lineno, f"Python says: {what}; at {', called at '.join(calls[::-1])}"
+    return frames[inside[-1]][1].lineno, f"{what}; at {', called at '.join(calls[::-1])}"
 
 
 def _main(path, name, folder):
     try:
         _run(path, name, folder)
         return 0
-    except Exception as error:  # pylint: disable=broad-except
+    except (Exception, SystemExit) as error:  # pylint: disable=broad-except
         line, text = _told(path, error)
         pathlib.Path(folder, "fault").write_text(f"{line}\n{text}", encoding="utf-8")
         return 3

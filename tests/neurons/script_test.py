@@ -30,7 +30,7 @@ def make():
     net.population("cell", "iaf_psc_exp", 4, tau_m="15 ms", I_e=np.float64(390))
     net.population("jump", "iaf_psc_delta", 3)
     net.population("noise", "poisson", 2, rate=[("0 ms", "50 Hz"), ("200 ms", 5)])
-    net.population("drive", "signal_input", 1)
+    net.population("drive", "signal_input", np.float64(1))
     weights = np.random.default_rng(3).uniform(-200, 400, size=(4, helper.INPUTS))
     net.connect("input", "cell", weights, delay="1.4 ms",
                 plasticity={"rule": "stdp", "Wmax": 401, "save": "w.npy"} if helper.LEARN else None)
@@ -95,12 +95,15 @@ class SameNetwork(Case):
         for name in ("brain.py", "brain.py:make", "brain.yaml"):
             done = self.check(name)
             self.assertEqual(done.returncode, 0, done.stderr)
-            # Rules are files of other names, or pairs.
+            # Rules are arrays, files or pairs.
             lines = [line.split() for line in done.stdout.splitlines()[1:]]
-            tables.append([[word for word in line if "weights" not in word and word != "pairs"
-                            and word != "all_to_all"] for line in lines])
+            tables.append([[word for word in line if word not in (
+                "array", "weights.npy", "pairs", "all_to_all")] for line in lines])
         self.assertEqual(tables[0], tables[2])
         self.assertEqual(tables[1], tables[2])
+        rules = [line.split()[2] for line in
+                 self.check("brain.py").stdout.split("weight\n")[1].splitlines()]
+        self.assertEqual(rules, ["array", "pairs", "array", "array", "file.npy"])
         self.assertIn("[5], port out [7], port signal [1], port potential [4]",
                       self.check("brain.py").stdout.splitlines()[0])
 
@@ -137,6 +140,15 @@ class SameNetwork(Case):
         names = sorted(pathlib.Path(path).name for path in resolved["files"])
         self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
         self.assertEqual(list(temporary.iterdir()), [])
+
+    def test_a_change_is_seen_at_once(self):
+        self.prepare()
+        for inputs in (5, 6, 7):
+            self.write(f"INPUTS = {inputs}\nLEARN = False\n", "helper.py")
+            self.write(SCRIPT.replace('"cell", "iaf_psc_exp", 4', f'"cell", "iaf_psc_exp", {inputs}')
+                       .replace("size=(4,", f"size=({inputs},").replace("np.ones((4", f"np.ones(({inputs}")
+                       .replace('    net.connect("jump", "cell", rule="file.npy", weight="100 pA", delay=1)\n', ""))
+            self.assertIn(f"port in [{inputs}], port out [{inputs + 3}]", self.check("brain.py").stdout)
 
     def test_a_replay_from_another_directory_has_no_doubts(self):
         self.write("import spikeloop.network\n\ndef make():\n"
@@ -307,11 +319,18 @@ class Faults(Case):
         self.assertIn("/nowhere/python3", text)
 
     def test_a_python_that_ends(self):
-        text = self.refused("import os\nimport sys\nprint('bye', file=sys.stderr, flush=True)\n"
-                            "os._exit(7)")
-        self.assertTrue(text.startswith("bye\n"))
-        self.assertIn("brain.py: Python ended with exit code 7 before the function 'make' "
-                      "was over; what it said stands above\n", text)
+        for code in (7, 0):
+            text = self.refused("import os\nimport sys\nprint('bye', file=sys.stderr, flush=True)\n"
+                                f"os._exit({code})")
+            self.assertTrue(text.startswith("bye\n"))
+            self.assertIn(f"brain.py: Python ended with exit code {code} before the function 'make' "
+                          "was over; what it said stands above\n", text)
+
+    def test_a_function_that_ends_python(self):
+        for value, said in (("0", "SystemExit: 0"), ("", "SystemExit"), ("'no'", "SystemExit: no")):
+            self.assertEqual(self.refused(f"import sys\nsys.exit({value})"),
+                             "brain.py:6:1: Python was ended before the function was over: "
+                             f"{said}; at line 6 in make\n")
 
     def test_what_the_network_file_refuses_has_the_line_of_the_call(self):
         for line, wanted in (
@@ -335,6 +354,17 @@ class Faults(Case):
                  "make them (3, 2)"),
                 ("net.connect('a', 'b', np.full((3, 2), np.nan), delay=1)",
                  "a -> b: the weights hold nan; they must be finite"),
+                ("net.population('k', 'input', 2.5)", "the size of 'k' is 2.5; write a whole number"),
+                ("net.population('k', 'input', '3')", "the size of 'k' is 3; write a whole number"),
+                ("net.population('k', 'input', np.inf)", "the size of 'k' is inf; write a whole number"),
+                ("net.record('b', V_m=[0, np.float32(1.5)])",
+                 "a member of 'b' is 1.5; write a whole number"),
+                ("net.connect('a', 'b', ([0], [0.5], [1]), delay=1)",
+                 "a -> b: a target is 0.5; write a whole number"),
+                ("net.connect('a', 'b', np.full((3, 2), 1 + 2j), delay=1)",
+                 "a -> b: the weights are complex numbers; write real ones, such as weights.real"),
+                ("net.connect('a', 'b', ([0], [0], [1j]), delay=1)",
+                 "a -> b: the weights are complex numbers; write real ones, such as weights.real"),
                 ("net.connect('a', 'b', ([0], [0, 1], [1]), delay=1)",
                  "a -> b: weights are no triple of equally long lists; write (sources, targets, "
                  "weights)"),

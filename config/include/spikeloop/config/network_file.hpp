@@ -120,7 +120,7 @@ struct NetworkProjection {
   std::size_t from = 0;  ///< index of the population
   std::size_t to = 0;
   TimeNs delay = 0;                      ///< 0: of a current, which acts at once
-  std::string rule;                      ///< as written
+  std::string rule;                      ///< as written; "array" from a Python function
   std::vector<std::uint64_t> row_start;  ///< size of `from` + 1 entries
   std::vector<std::uint32_t> target;
   std::vector<double> weight;  ///< mV (iaf_psc_delta), pA (iaf_psc_exp), 1 (repeater, currents)
