@@ -23,7 +23,7 @@ constexpr std::array kReserved{"binary",         "args",           "wd",        
                                "music_timestep", "barrier",        "seed",         "dialect",
                                "strict",         "pace",           "rtf",          "sync",
                                "stamp_guard",    "accept_latency", "signal_delay", "spike_delay",
-                               "record"};
+                               "record",         "experiment_file"};
 
 // What MUSIC takes around a cycle, whose latencies have to add up to a tick a process
 // (docs/architecture.md, "Simulators beside a fused process").
