@@ -31,10 +31,6 @@ constexpr std::uint32_t kSpikesBack = 1;
 constexpr std::uint32_t kSignalsThere = 2;
 constexpr std::uint32_t kSignalsBack = 3;
 
-std::string format_ticks(std::uint32_t ticks) {
-  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
-}
-
 NodeDescription description() {
   NodeDescription result;
   result.name = "simulator";
@@ -95,6 +91,10 @@ std::string own_label(const Experiment& experiment) {
     label += '_';
   }
   return label;
+}
+
+std::string format_ticks(std::uint32_t ticks) {
+  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
 }
 
 std::uint32_t least_input_delay(PortKind kind) {
