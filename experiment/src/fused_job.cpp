@@ -138,9 +138,8 @@ class FusedWriter : JobWriter {
       throw ConfigurationError(
           link.where,
           fmt::format("the inputs '{}' and '{}' have different delays, and a simulator waits for "
-                      "all of its inputs as long as for those from another one; write {} [delay {} "
-                      "ticks]",
-                      first->to, link.to, inside ? "at least" : "", least));
+                      "all of its inputs as long as for those from another one; write {}[delay {}]",
+                      first->to, link.to, inside ? "at least " : "", format_ticks(least)));
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "faults.hpp"
@@ -31,7 +32,7 @@ void JobWriter::begin_section(const std::string& label, const Location& where) {
 void JobWriter::add(const char* name, const std::string& value, const Location& where) {
   auto& keys = job_.file.sections.back().keys;
   set_key(keys, name, value);
-  keys.back().where = where;
+  std::ranges::find(keys, name, &MusicKey::name)->where = where;  // not always the last one
 }
 
 void JobWriter::add(const Part& part, const std::string& name, const std::string& value,
@@ -46,6 +47,7 @@ void JobWriter::add_directory(const Location& where) {
 
 void JobWriter::add_script(const Part& part) {
   add(part, "binary", "spikeloop-script");
+  add(part, "experiment_file", std::filesystem::absolute(experiment_.origin).string());
   for (const auto& [name, value] : part.written) {
     add(part, name, value.text);
   }

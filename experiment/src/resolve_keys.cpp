@@ -1,24 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "faults.hpp"
+#include "spikeloop/core/unit_demand.hpp"
 
 namespace spikeloop::experiment {
 namespace {
-
-/// Whether the text is a number and nothing else.
-bool is_bare_number(const std::string& text) {
-  char* end = nullptr;
-  std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0';
-}
-
-bool has_unit(const ParameterDescription& parameter) {
-  return parameter.type == ParameterType::number && !parameter.unit.empty() &&
-         parameter.unit != "1";
-}
 
 class KeyReader {
  public:
@@ -54,17 +42,12 @@ class KeyReader {
       take_default(parameter);
       return;
     }
-    const auto& [text, where] = value->second;
-    if (has_unit(parameter) && is_bare_number(text) && std::strtod(text.c_str(), nullptr) != 0) {
-      throw ConfigurationError(
-          where, fmt::format("{0}: key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
-                             keyed_.what, parameter.name, text, parameter.unit));
-    }
+    demand_unit(keyed_.what, parameter, value->second);
     try {
       keep(parameter, spikeloop::resolve({parameter}, {*value}, load_weights_));
     } catch (const FileError& error) {
-      throw FileError(where, fmt::format("key '{}': {}; write the path of a file", parameter.name,
-                                         error.what()));
+      throw FileError(value->second.where, fmt::format("key '{}': {}; write the path of a file",
+                                                       parameter.name, error.what()));
     }
   }
 

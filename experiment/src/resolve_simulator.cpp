@@ -147,6 +147,21 @@ void complete(std::string& end, const char* port, const Experiment& experiment) 
   }
 }
 
+/// MUSIC joins no program to itself.
+void refuse_itself(ExperimentConnection& connection, const Experiment& experiment, Faults& faults) {
+  if (node_of(connection.from) != node_of(connection.to) ||
+      !is_simulator_end(experiment, connection.to)) {
+    return;
+  }
+  faults.add(connection.where,
+             fmt::format("'{}' is connected to '{}' of the same script; connect its cells within "
+                         "the script, or put another node between its ports",
+                         connection.from, connection.to));
+  if (connection.delay.text.empty()) {
+    connection.delay = {"1 tick", connection.where};  // not told once more, as a cycle without
+  }
+}
+
 }  // namespace
 
 std::string simulator_kind(const ExperimentNode& node, const WrittenValue& written) {
@@ -198,6 +213,7 @@ ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& expe
   for (ExperimentConnection& connection : result.connections) {
     complete(connection.from, "out", experiment);
     complete(connection.to, "in", experiment);
+    refuse_itself(connection, experiment, faults);
   }
   PortFinder finder(result, experiment, faults);
   for (Part& part : experiment.parts) {

@@ -23,17 +23,13 @@ constexpr std::array kReserved{"binary",         "args",           "wd",        
                                "music_timestep", "barrier",        "seed",         "dialect",
                                "strict",         "pace",           "rtf",          "sync",
                                "stamp_guard",    "accept_latency", "signal_delay", "spike_delay",
-                               "record"};
+                               "record",         "experiment_file"};
 
 // What MUSIC takes around a cycle, whose latencies have to add up to a tick a process
 // (docs/architecture.md, "Simulators beside a fused process").
 constexpr std::uint32_t kSpikesBack = 1;
 constexpr std::uint32_t kSignalsThere = 2;
 constexpr std::uint32_t kSignalsBack = 3;
-
-std::string format_ticks(std::uint32_t ticks) {
-  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
-}
 
 NodeDescription description() {
   NodeDescription result;
@@ -95,6 +91,10 @@ std::string own_label(const Experiment& experiment) {
     label += '_';
   }
   return label;
+}
+
+std::string format_ticks(std::uint32_t ticks) {
+  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
 }
 
 std::uint32_t least_input_delay(PortKind kind) {

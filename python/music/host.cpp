@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
+#include "spikeloop/core/unit_demand.hpp"
 #include "spikeloop/process/idle_ports.hpp"
 
 namespace spikeloop::python {
 namespace {
 
-constexpr const char* kScript = "script";     // the script's end of the graphs
-constexpr const char* kScriptKey = "script";  // of sections that spikeloop-script runs
+constexpr const char* kScript = "script";                  // the script's end of the graphs
+constexpr const char* kScriptKey = "script";               // of sections that spikeloop-script runs
+constexpr const char* kExperimentKey = "experiment_file";  // of those made from an experiment
 
 /// Setup changes them, and MPI keeps pointers to them: they live as long as the program.
 struct CommandLine {
@@ -44,9 +47,8 @@ Host::Host(std::vector<std::string> arguments, std::vector<DeclaredPort> ports,
       line->count, line->values,
       music::CommonDefaults{.many_processes = many_processes, .takes_arguments = true});
   arguments_.assign(line->values + std::min(line->count, 1), line->values + line->count);
-  process_->written({kScriptKey});  // spikeloop-script's, and no slip of the pen
   try {
-    parameters_ = process_->read(parameters);
+    read(parameters);
     open(std::move(ports));
     process_->check();
   } catch (const Error&) {
@@ -61,13 +63,26 @@ Host::Host(std::unique_ptr<music::Process> process, std::vector<DeclaredPort> po
   for (const auto& [name, value] : process_->written({"args"})) {
     arguments_ = {value.text};
   }
-  process_->written({kScriptKey});
-  parameters_ = process_->read(parameters);
+  read(parameters);
   open(std::move(ports));
   process_->check();
 }
 
 Host::~Host() = default;
+
+void Host::read(const std::vector<ParameterDescription>& parameters) {
+  process_->written({kScriptKey});  // spikeloop-script's, and no slip of the pen
+  directory_ = process_->file_directory();
+  for (const auto& [name, file] : process_->written({kExperimentKey})) {
+    directory_ = std::filesystem::path(file.text).parent_path().lexically_normal().string();
+    for (const ParameterDescription& parameter : parameters) {
+      for (const auto& [key, value] : process_->written({parameter.name})) {
+        demand_unit(fmt::format("node '{}'", process_->label()), parameter, value);
+      }
+    }
+  }
+  parameters_ = process_->read(parameters);
+}
 
 void Host::open(std::vector<DeclaredPort> ports) {
   receiving_description_.tick = sending_description_.tick = process_->common().music_timestep;

@@ -33,6 +33,8 @@ class Host {
 
   const music::Process& process() const { return *process_; }
   const Parameters& parameters() const { return parameters_; }
+  /// Where the .music file lies, or the experiment from which it was made.
+  const std::string& directory() const { return directory_; }
   /// What the section's `args` says, split into words, after the program's name.
   const std::vector<std::string>& arguments() const { return arguments_; }
   /// Of the declared ports, in their order.
@@ -50,6 +52,7 @@ class Host {
   void finish();
 
  private:
+  void read(const std::vector<ParameterDescription>& parameters);
   void open(std::vector<DeclaredPort> ports);
   std::uint32_t settled_width(const DeclaredPort& port, bool connected) const;
   void open_input(const EndpointPort& port, bool connected);
@@ -59,6 +62,7 @@ class Host {
 
   std::unique_ptr<music::Process> process_;
   std::vector<std::string> arguments_;
+  std::string directory_;
   Parameters parameters_;
   std::vector<EndpointPort> inputs_;
   std::vector<EndpointPort> outputs_;

@@ -183,7 +183,7 @@ void bind_host(py::module_& module) {
       .def("communicator", [](const Host& host) { return host.process().communicator(); })
       .def("let_the_first_speak", &let_the_first_speak)
       .def("label", [](const Host& host) { return host.process().label(); })
-      .def("directory", [](const Host& host) { return host.process().file_directory(); })
+      .def("directory", &Host::directory)
       .def("tick", [](const Host& host) { return host.process().common().music_timestep; })
       .def("stoptime", [](const Host& host) { return host.process().common().stoptime; })
       .def("seed", [](const Host& host) { return host.process().common().seed; })

@@ -128,7 +128,7 @@ class Host:
 
     label: of the section. tick_s, duration_s: seconds; a duration of None is a run until it is
     stopped. seed: the key `seed`. parameters: values by name. widths: number of channels by port.
-    directory: where the .music file lies.
+    directory: where the .music file, or the experiment file, lies.
     """
 
     _tick_type = Tick

@@ -137,6 +137,11 @@ TEST_F(FusedJob, RefusesWhatCannotBe) {
       "waits for all of its inputs as long as for those from another one; write at least "
       "[delay 2 ticks]");
   EXPECT_EQ(
+      refusal("  - a -> one [2] -> two [2, delay 1 tick] -> b [2]\n  - a -> two.more [2]\n"),
+      "x.yaml:15:10: the inputs 'two.in' and 'two.more' have different delays, and a simulator "
+      "waits for all of its inputs as long as for those from another one; write at least "
+      "[delay 1 tick]");
+  EXPECT_EQ(
       refusal("  - a -> b [2]\n  - one -> two [2]\n"),
       "x.yaml:6:3: no connection joins the simulators with the other nodes, which one process "
       "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "

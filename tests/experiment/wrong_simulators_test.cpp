@@ -78,6 +78,12 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:13:5: 'brain.x' is an input here and an output there, and MUSIC has one "
                    "port of a name; give the script's two ports two names"},
                   {{"brain.py", kScript}}},
+        WrongFile{
+            "simulator connected to itself",
+            {{kBuiltin, kBrain}, {"-> wheels [2]", "-> wheels [2]\n  - brain -> brain.back [3]"}},
+            {"x.yaml:13:14: 'brain.out' is connected to 'brain.back' of the same script; "
+             "connect its cells within the script, or put another node between its ports"},
+            {{"brain.py", kScript}}},
         WrongFile{"output of two kinds",
                   {{kBuiltin, kBrain},
                    {"-> wheels [2]", "-> wheels [2]\n  - brain.out -> other"},

@@ -34,6 +34,8 @@ bool has_simulator(const Experiment& experiment);
 /// The section of the process that has all other nodes; no simulator is named so.
 std::string own_label(const Experiment& experiment);
 
+/// "1 tick", "2 ticks".
+std::string format_ticks(std::uint32_t ticks);
 /// Whole ticks that a connection into a simulator takes at least in the fused layout.
 std::uint32_t least_input_delay(PortKind kind);
 /// Whole ticks that a connection takes at least in the fused layout, and takes when none are

@@ -1,0 +1,15 @@
+// Numbers of experiment files carry their unit.
+#pragma once
+
+#include <string>
+
+#include "spikeloop/core/parameters.hpp"
+
+namespace spikeloop {
+
+/// @param what whose key it is, "node 'a'".
+/// @throws ConfigurationError for a bare number other than 0 in the place of one with a unit.
+void demand_unit(const std::string& what, const ParameterDescription& parameter,
+                 const WrittenValue& written);
+
+}  // namespace spikeloop
