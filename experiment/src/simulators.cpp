@@ -23,7 +23,8 @@ constexpr std::array kReserved{"binary",         "args",           "wd",        
                                "music_timestep", "barrier",        "seed",         "dialect",
                                "strict",         "pace",           "rtf",          "sync",
                                "stamp_guard",    "accept_latency", "signal_delay", "spike_delay",
-                               "record"};
+                               "record",         "spikes_in",      "spikes_out",   "signals_in",
+                               "signals_out"};
 
 // What MUSIC takes around a cycle, whose latencies have to add up to a tick a process
 // (docs/architecture.md, "Simulators beside a fused process").
