@@ -1,11 +1,16 @@
 #include "job_writer.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "faults.hpp"
+#include "spikeloop/core/script_keys.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::experiment {
@@ -52,6 +57,25 @@ void JobWriter::add_script(const Part& part) {
     add(part, name, value.text);
   }
   add(part, "script", std::filesystem::absolute(part.parameters.text("script")).string());
+  add_kinds(part);
+}
+
+void JobWriter::add_kinds(const Part& part) {
+  std::map<std::string, std::set<std::string>> ports;
+  const auto take = [&](const Link& link, const std::string& own, const std::string& other,
+                        Direction direction) {
+    // Between two simulators the kind is a guess.
+    if (node_of(own) == part.name && !is_simulator_end(experiment_, other)) {
+      ports[script_key(link.kind, direction)].insert(port_of(own));
+    }
+  };
+  for (const Link& link : experiment_.links) {
+    take(link, link.to, link.from, Direction::input);
+    take(link, link.from, link.to, Direction::output);
+  }
+  for (const auto& [key, names] : ports) {
+    add(part, key, fmt::format("{}", fmt::join(names, ",")));
+  }
 }
 
 std::string JobWriter::seconds(TimeNs time) {

@@ -24,6 +24,8 @@ class JobWriter {
   void add_directory(const Location& where);
   /// Of a simulator; the section has been begun.
   void add_script(const Part& part);
+  /// What its ports carry, as far as the nodes at their other ends say it.
+  void add_kinds(const Part& part);
 
   static std::string seconds(TimeNs time);
 

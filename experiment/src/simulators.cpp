@@ -18,12 +18,32 @@ constexpr std::array kSimulators{
     Simulator{"brian2", "spikeloop.brian", "brian2", "Debian: apt install python3-brian"},
     Simulator{"python", "spikeloop", "", ""}};
 
-constexpr std::array kReserved{"binary",         "args",           "wd",           "timebase",
-                               "node",           "simulator",      "script",       "stoptime",
-                               "music_timestep", "barrier",        "seed",         "dialect",
-                               "strict",         "pace",           "rtf",          "sync",
-                               "stamp_guard",    "accept_latency", "signal_delay", "spike_delay",
-                               "record",         "experiment_file"};
+constexpr std::array kReserved{"binary",
+                               "args",
+                               "wd",
+                               "timebase",
+                               "node",
+                               "simulator",
+                               "script",
+                               "stoptime",
+                               "music_timestep",
+                               "barrier",
+                               "seed",
+                               "dialect",
+                               "strict",
+                               "pace",
+                               "rtf",
+                               "sync",
+                               "stamp_guard",
+                               "accept_latency",
+                               "signal_delay",
+                               "spike_delay",
+                               "record",
+                               "experiment_file",
+                               "spikes_in",
+                               "spikes_out",
+                               "signals_in",
+                               "signals_out"};
 
 // What MUSIC takes around a cycle, whose latencies have to add up to a tick a process
 // (docs/architecture.md, "Simulators beside a fused process").

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "spikeloop/core/script_keys.hpp"
 #include "spikeloop/core/unit_demand.hpp"
 #include "spikeloop/process/idle_ports.hpp"
 
@@ -96,6 +97,9 @@ void Host::open(std::vector<DeclaredPort> ports) {
     const bool input = port.direction == Direction::input;
     const bool connected = input ? process_->connected_input(port.name, port.kind)
                                  : process_->connected_output(port.name, port.kind);
+    if (connected) {
+      check_kind(port);
+    }
     const EndpointPort settled{port.name, port.kind, settled_width(port, connected)};
     widths_.push_back(settled.width);
     connected_.push_back(connected);
@@ -106,6 +110,24 @@ void Host::open(std::vector<DeclaredPort> ports) {
 
 std::vector<std::uint32_t> Host::widths() const {
   return widths_;
+}
+
+/// Of the other kind MUSIC would wait for ever, and say nothing.
+void Host::check_kind(const DeclaredPort& port) const {
+  const bool spikes = port.kind == PortKind::spikes;
+  const char* const declared = script_key(port.kind, port.direction);
+  const char* const right =
+      script_key(spikes ? PortKind::signal : PortKind::spikes, port.direction);
+  const WrittenValues carried = process_->written({declared, right});
+  const auto found = carried.find(right);
+  if (found != carried.end() &&
+      ("," + found->second.text + ",").find("," + port.name + ",") != std::string::npos) {
+    throw ConfigurationError(
+        process_->where(port.name),
+        fmt::format("'{}.{}' carries {}, but {} declares it in {}; write {}", process_->label(),
+                    port.name, spikes ? "a continuous signal" : "spikes", process_->program(),
+                    declared, right));
+  }
 }
 
 std::uint32_t Host::settled_width(const DeclaredPort& port, bool connected) const {

@@ -54,6 +54,7 @@ class Host {
  private:
   void read(const std::vector<ParameterDescription>& parameters);
   void open(std::vector<DeclaredPort> ports);
+  void check_kind(const DeclaredPort& port) const;
   std::uint32_t settled_width(const DeclaredPort& port, bool connected) const;
   void open_input(const EndpointPort& port, bool connected);
   void open_output(const EndpointPort& port, bool connected);

@@ -71,7 +71,8 @@ def description(definition):
 def report(error, trace):
     """(message, lines): one line that says where and what, and the traceback's lines.
 
-    The place is the innermost line that is not of this package.
+    The place is the innermost line of the user's, beside or below the file that began; else the
+    innermost that is not of this package.
     """
     if isinstance(error, LoadError):
         return str(error), []
@@ -80,7 +81,7 @@ def report(error, trace):
     if isinstance(error, SyntaxError) and error.filename:
         place = f"{error.filename}:{error.lineno}: "
     elif frames:
-        last = frames[-1]
+        last = _users(frames)
         inside = "" if last.name == "<module>" else f"in {last.name}: "
         place = f"{last.filename}:{last.lineno}: {inside}"
     else:
@@ -95,6 +96,15 @@ def report(error, trace):
     if len(lines) > MOST_LINES:
         lines[MOST_LINES // 2:-MOST_LINES // 2] = ["  ..."]
     return _shortened(message), lines
+
+
+def _users(frames):
+    """The innermost frame of a file in the folder of the first one's, or below it."""
+    folder = os.path.dirname(os.path.realpath(frames[0].filename)) + os.sep
+    own = [frame for frame in frames
+           if os.path.realpath(frame.filename).startswith(folder)
+           and not {"site-packages", "dist-packages"} & set(frame.filename.split(os.sep))]
+    return (own or frames)[-1]
 
 
 def _what(error):

@@ -52,6 +52,12 @@ def failures(scratch):
          "explorer.yaml:", "'brain' has no port 'in'; did you mean 'im'?")
     said(scratch, "width", LOOP.replace('{"in": None}', '{"in": 3}') % "pass", 2,
          "explorer.yaml:", "the connection of 'brain.in' has the width 10, but echo.py asks for 3")
+    said(scratch, "kind_in", LOOP.replace('spikes_in={"in"', 'signals_in={"in"') % "pass", 2,
+         "explorer.yaml:", "'brain.in' carries spikes, but echo.py declares it in signals_in; write "
+         "spikes_in")
+    said(scratch, "kind_out", LOOP.replace('spikes_out={"out"', 'signals_out={"out"') % "pass", 2,
+         "explorer.yaml:", "'brain.out' carries spikes, but echo.py declares it in signals_out; write "
+         "spikes_out")
     said(scratch, "killed", LOOP % "import os; tick.end_s < 1 or os.kill(os.getpid(), 9)", 137,
          "'brain' (echo.py) was killed by signal 9 (Killed)")
 
@@ -151,7 +157,7 @@ def main():
         interrupted(scratch)
         killed_over_ros(scratch)
         hanging_over_ros(scratch)
-    print("eleven ways to end, each with its reason")
+    print("twelve ways to end, each with its reason")
 
 
 if __name__ == "__main__":

@@ -70,6 +70,21 @@ TEST_F(FusedJob, HasASectionASimulatorAndOneForTheOthers) {
   EXPECT_EQ(key(file, "experiment", "about"), "{}");
 }
 
+// Between two simulators nobody knows what a connection carries.
+TEST_F(FusedJob, SaysWhatAScriptsPortsCarryAsFarAsItIsKnown) {
+  const MusicFile file =
+      job("  - a -> one [2] -> two [2] -> b [2]\n"
+          "  - a -> one.more [2]\n"
+          "  - c -> one.level [2]\n");
+  EXPECT_EQ(key(file, "one", "spikes_in"), "in,more");
+  EXPECT_EQ(key(file, "one", "signals_in"), "level");
+  EXPECT_EQ(key(file, "one", "spikes_out"), "none");
+  EXPECT_EQ(key(file, "one", "signals_out"), "none");
+  EXPECT_EQ(key(file, "two", "spikes_in"), "none");
+  EXPECT_EQ(key(file, "two", "spikes_out"), "out");
+  EXPECT_EQ(key(file, "two", "signals_out"), "none");
+}
+
 // MUSIC wants acceptable latencies that add up to a tick a process around every cycle, and delays
 // by whole ticks of them alone.
 TEST_F(FusedJob, LatenciesAddUpToATickAProcess) {

@@ -57,6 +57,11 @@ class Faults(unittest.TestCase):
     def test_an_exception_before_the_loop(self):
         self.check(script(prepare="open('weights.npy')"), "brain.py:5: FileNotFoundError", code=5)
 
+    def test_an_exception_in_a_library_is_told_with_the_scripts_line(self):
+        said = self.check(script("import json; json.loads('{')"), "/json/decoder.py\", line ",
+                          "brain.py:7: JSONDecodeError: Expecting property name", code=5)
+        self.assertIn("brain.py:7: JSONDecodeError", said.splitlines()[-1])
+
     def test_an_exception_outside_with(self):
         text = script().replace("with ", "host = ").replace(" as host:", "").replace("\n    ", "\n")
         self.check(text.replace("pass", "raise OSError(\"lost\")", 1), "OSError: lost", code=5)
