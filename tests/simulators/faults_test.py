@@ -6,7 +6,6 @@ import pathlib
 import signal
 import subprocess
 import sys
-import time
 import unittest
 
 import jobs
@@ -203,20 +202,8 @@ class Faults(unittest.TestCase):
                                 "threading.Thread(target=time.sleep, args=(600,), daemon=True).start()")
         text += "print('saved', flush=True)\n" if code != 128 + signal.SIGTERM else ""
         with jobs.Job("brain.py", 4, text=text, duration_s=1000) as job:
-            job.file.write_text(job.file.read_text().replace("sync=unpaced", "sync=realtime"))
-            started = subprocess.Popen(job.command(), cwd=job.folder, stdout=subprocess.PIPE,
-                                       stderr=subprocess.STDOUT, text=True, bufsize=1)
-            try:
-                for line in started.stdout:  # the first word of progress comes with the first ticks
-                    if " of 1000 s" in line:
-                        break
-                time.sleep(0.5)
-                started.send_signal(number)
-                said = started.communicate(timeout=60)[0]
-            finally:
-                started.kill()
-                started.wait()
-            self.assertEqual(started.returncode, code, said)
+            returncode, said = job.stopped_by(number)
+            self.assertEqual(returncode, code, said)
             self.assertEqual(living(job.folder), [])
             return said
 

@@ -5,9 +5,11 @@
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
+import time
 
 import h5py
 import numpy as np
@@ -84,6 +86,23 @@ class Job:
         said = done.stdout + done.stderr
         assert done.returncode == code, f"exit code {done.returncode} instead of {code}:\n{said}"
         return said
+
+    def stopped_by(self, number):
+        """In real time, ended by this signal when it is under way: (exit code, what was printed)."""
+        self.file.write_text(self.file.read_text().replace("sync=unpaced", "sync=realtime"))
+        started = subprocess.Popen(self.command(), cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True, bufsize=1)
+        try:
+            for line in started.stdout:  # the first word of progress comes with the first ticks
+                if re.search(r" of \d+ s", line):
+                    break
+            time.sleep(0.5)
+            started.send_signal(number)
+            said = started.communicate(timeout=60)[0]
+        finally:
+            started.kill()
+            started.wait()
+        return started.returncode, said
 
     def sent(self):
         """(times in ns, channels) that the encoder recorded."""

@@ -2,8 +2,6 @@
 """However a script of NEST's goes wrong, the job ends, and says why."""
 
 import signal
-import subprocess
-import time
 import unittest
 
 import faults_test
@@ -105,20 +103,8 @@ class Faults(unittest.TestCase):
             with self.subTest(number), \
                     jobs.Job("brain.py", 4, text=script() + "print('saved', flush=True)\n",
                              duration_s=1000) as job:
-                job.file.write_text(job.file.read_text().replace("sync=unpaced", "sync=realtime"))
-                started = subprocess.Popen(job.command(), cwd=job.folder, stdout=subprocess.PIPE,
-                                           stderr=subprocess.STDOUT, text=True, bufsize=1)
-                try:
-                    for line in started.stdout:
-                        if " of 1000 s" in line:
-                            break
-                    time.sleep(0.5)
-                    started.send_signal(number)
-                    said = started.communicate(timeout=60)[0]
-                finally:
-                    started.kill()
-                    started.wait()
-                self.assertEqual(started.returncode, code, said)
+                returncode, said = job.stopped_by(number)
+                self.assertEqual(returncode, code, said)
                 self.assertIn("saved", said)  # the script comes to its own end
                 self.assertEqual(faults_test.living(job.folder), [])
 
