@@ -1,0 +1,85 @@
+// What a process needs of ROS, whichever it is: a node, topics out, topics in, as bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "spikeloop/messages/dialect.hpp"
+
+namespace spikeloop::topics {
+
+/// A topic out, message by message.
+class RawPublisher {
+ public:
+  RawPublisher() = default;
+  virtual ~RawPublisher() = default;
+  RawPublisher(const RawPublisher&) = delete;
+  RawPublisher& operator=(const RawPublisher&) = delete;
+
+  /// Copies one whole message, in the session's dialect. Does not wait for subscribers. Safe to
+  /// call from any thread, one at a time.
+  virtual void publish(std::span<const std::byte> message) = 0;
+  virtual bool has_subscribers() const = 0;
+  /// Returns when the system has what was published, and delivers it even when this process dies.
+  virtual void drain() const = 0;
+};
+
+/// A topic in. None of its functions is called any more once it is destroyed.
+class RawSubscriber {
+ public:
+  RawSubscriber() = default;
+  virtual ~RawSubscriber() = default;
+  RawSubscriber(const RawSubscriber&) = delete;
+  RawSubscriber& operator=(const RawSubscriber&) = delete;
+
+  virtual bool has_publishers() const = 0;
+};
+
+struct Subscription {
+  std::string topic;
+  std::string message_type;  ///< "sensor_msgs/LaserScan"
+  /// Messages that may wait for the session's thread; of more, the oldest are lost. 1: the newest
+  /// alone; 0: any number.
+  std::uint32_t queue = 1;
+  /// Called in a thread of the session the moment a message of this type has arrived; the bytes are
+  /// valid until it returns. Must not throw.
+  std::function<void(std::span<const std::byte> message)> take;
+  /// Told what is wrong when the topic carries another type, or another version of this one; may
+  /// come again. Called in a thread of the session; must not throw. May be empty.
+  std::function<void(const std::string& text)> refuse{};
+};
+
+/// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
+class Session {
+ public:
+  Session() = default;
+  virtual ~Session() = default;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  virtual messages::Dialect dialect() const = 0;
+  virtual std::string node_name() const = 0;  ///< "/spikeloop_explorer"
+  /// False once ROS has shut the node down: nothing comes and nothing leaves any more.
+  virtual bool alive() const = 0;
+  /// @throws TransportError that says why when it is not alive.
+  virtual void require_alive() const = 0;
+  /// "/scan" of "scan": with the namespace and what has been remapped.
+  virtual std::string whole_topic(const std::string& topic) const = 0;
+
+  /// @throws ConfigurationError for an unknown type or an impossible topic.
+  virtual std::unique_ptr<RawPublisher> publisher(const std::string& topic,
+                                                  const std::string& message_type,
+                                                  std::uint32_t queue = 10) = 0;
+  /// @throws ConfigurationError for an unknown type or an impossible topic.
+  virtual std::unique_ptr<RawSubscriber> subscriber(Subscription subscription) = 0;
+  /// Whether a topic has publishers, and each of them counts this node among its subscribers: what
+  /// they publish from now on comes.
+  /// @param topic as whole_topic() gives it
+  virtual bool publishers_know_us(const std::string& topic) const = 0;
+};
+
+}  // namespace spikeloop::topics
