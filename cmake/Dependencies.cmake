@@ -44,6 +44,6 @@ target_include_directories(spikeloop_mujoco_api SYSTEM INTERFACE ${MUJOCO_INCLUD
 target_link_libraries(spikeloop_mujoco_api INTERFACE ${MUJOCO_LIBRARY})
 
 # Pictures. EGL and GLFW are opened when a program draws; their headers alone are needed here.
-find_package(PNG REQUIRED)
+pkg_check_modules(PNG REQUIRED IMPORTED_TARGET GLOBAL libpng)
 find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
 find_path(GLFW_INCLUDE_DIR GLFW/glfw3.h REQUIRED)

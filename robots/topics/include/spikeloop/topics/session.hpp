@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -39,6 +40,12 @@ class RawSubscriber {
   virtual bool has_publishers() const = 0;
 };
 
+/// What a topic carries in place of what was subscribed to.
+struct OtherType {
+  std::string type;  ///< the topic's; empty: another version of ours
+  std::string text;  ///< "topic '/scan' carries geometry_msgs/Twist, not sensor_msgs/LaserScan"
+};
+
 struct Subscription {
   std::string topic;
   std::string message_type;  ///< "sensor_msgs/LaserScan"
@@ -48,9 +55,22 @@ struct Subscription {
   /// Called in a thread of the session the moment a message of this type has arrived; the bytes are
   /// valid until it returns. Must not throw.
   std::function<void(std::span<const std::byte> message)> take;
-  /// Told what is wrong when the topic carries another type, or another version of this one; may
-  /// come again. Called in a thread of the session; must not throw. May be empty.
-  std::function<void(const std::string& text)> refuse{};
+  /// Told when the topic carries another type, or another version of this one; may come again.
+  /// Called in a thread of the session; must not throw. May be empty.
+  std::function<void(const OtherType& other)> refuse{};
+};
+
+/// Where nodes meet, as variables of the environment say it: of ROS 1 ROS_MASTER_URI, of ROS 2
+/// ROS_DOMAIN_ID and those that say how far it looks for others.
+using Place = std::map<std::string, std::string>;
+
+struct SessionSettings {
+  std::string node_name;
+  bool unique_name = false;  ///< adds a suffix of its own to the name
+  /// NAME:=VALUE of a command line: a topic's other name, or what ROS calls `__name`, `__ns`...
+  /// `__name` wins over `node_name`.
+  std::map<std::string, std::string> arguments{};
+  Place place{};  ///< another session's; empty: what this process's environment says
 };
 
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
@@ -67,6 +87,8 @@ class Session {
   virtual bool alive() const = 0;
   /// @throws TransportError that says why when it is not alive.
   virtual void require_alive() const = 0;
+  /// With it another process meets the nodes that this one meets.
+  virtual Place place() const = 0;
   /// "/scan" of "scan": with the namespace and what has been remapped.
   virtual std::string whole_topic(const std::string& topic) const = 0;
 
