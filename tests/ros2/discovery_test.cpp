@@ -52,6 +52,15 @@ TEST(Ros2Discovery, reads_the_variables) {
             Range::system_default);
 }
 
+TEST(Ros2Discovery, static_peers_are_tried_after_this_machine) {
+  for (const char* range : {"SUBNET", "LOCALHOST"}) {
+    const Discovery found =
+        discovery({{"ROS_AUTOMATIC_DISCOVERY_RANGE", range}, {"ROS_STATIC_PEERS", "192.0.2.7"}});
+    EXPECT_THAT(cyclone_settings(found, kNetwork, 0),
+                HasSubstr("<Peer address=\"192.0.2.2\"/><Peer address=\"192.0.2.7\"/></Peers>"));
+  }
+}
+
 TEST(Ros2Discovery, localhost_only_wins) {
   const Discovery found = discovery({{"ROS_LOCALHOST_ONLY", "1"},
                                      {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"},
