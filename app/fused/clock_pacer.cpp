@@ -27,8 +27,8 @@ class ClockPacer : public Pacer {
         tick_(tick),
         waiting_(waiting),
         alive_(std::move(alive)),
-        seconds_(messages::Catalog::builtin(), kType, "clock.secs"),
-        nanoseconds_(messages::Catalog::builtin(), kType, "clock.nsecs"),
+        seconds_(messages::Catalog::builtin(messages::Dialect::ros1), kType, "clock.secs"),
+        nanoseconds_(messages::Catalog::builtin(messages::Dialect::ros1), kType, "clock.nsecs"),
         subscriber_(
             session, kTopic, kType, [this](auto message) { take(message); }, 0) {}
 

@@ -18,7 +18,7 @@ constexpr std::uint32_t kQueue = 1000;
 struct EventSensor::Impl {
   Impl(Session& session, const EventSensorSettings& wanted)
       : settings(wanted),
-        conversion(wanted.events),
+        conversion(wanted.events, messages::Dialect::ros1),
         playback(wanted.latency),
         intake(session, {.topic = wanted.topic, .type = "dvs_msgs/EventArray", .queue = kQueue},
                [this](std::span<const std::byte> bytes, TimeNs) { take(bytes); }) {}
@@ -74,7 +74,7 @@ EventSensor::~EventSensor() = default;
 
 void EventSensor::check(const EventSensorSettings& settings) {
   check_topic(settings.topic);
-  const messages::EventConversion conversion(settings.events);
+  const messages::EventConversion conversion(settings.events, messages::Dialect::ros1);
 }
 
 std::vector<EndpointPort> EventSensor::ports() const {

@@ -28,7 +28,7 @@ struct ByteSink {
 Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
     : session_(session),
       settings_(settings),
-      md5_(messages::Catalog::builtin().md5(settings.type)),
+      md5_(messages::Catalog::for_type(messages::Dialect::ros1, settings.type).md5(settings.type)),
       take_(std::move(take)) {
   check_topic(settings_.topic);
   subscriber_ = session.impl().node->subscribe<ShapeShifter>(

@@ -9,11 +9,14 @@ namespace spikeloop::ros1 {
 struct Publisher::Impl {
   Impl(Session& session, const std::string& topic, const std::string& message_type,
        const std::vector<std::string>& fields)
-      : writer(messages::Catalog::builtin(), message_type, fields),
-        one_array(fields.size() == 1 && !messages::compile_path(messages::Catalog::builtin(),
-                                                                message_type, fields.front())
-                                             .width()
-                                             .has_value()),
+      : writer(messages::Catalog::for_type(messages::Dialect::ros1, message_type), message_type,
+               fields),
+        one_array(fields.size() == 1 &&
+                  !messages::compile_path(
+                       messages::Catalog::for_type(messages::Dialect::ros1, message_type),
+                       message_type, fields.front())
+                       .width()
+                       .has_value()),
         publisher(session, topic, writer.type().name) {}
 
   void write(std::span<const double> numbers, std::vector<std::byte>& message) {
@@ -43,7 +46,8 @@ Publisher::~Publisher() = default;
 
 void Publisher::check(const std::string& topic, const std::string& message_type,
                       const std::vector<std::string>& fields) {
-  const messages::MessageWriter writer(messages::Catalog::builtin(), message_type, fields);
+  const messages::MessageWriter writer(
+      messages::Catalog::for_type(messages::Dialect::ros1, message_type), message_type, fields);
   check_topic(topic);
 }
 

@@ -68,7 +68,7 @@ RawPublisher::RawPublisher(Session& session, const std::string& topic,
                            const std::string& message_type, std::uint32_t queue)
     : impl_(std::make_unique<Impl>()) {
   check_topic(topic);
-  const auto& catalog = messages::Catalog::builtin();
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, message_type);
   const std::string type = catalog.full_name(message_type);
   ros::AdvertiseOptions options(
       topic, queue, catalog.md5(type), type, catalog.full_text(type),

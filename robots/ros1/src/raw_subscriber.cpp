@@ -46,7 +46,7 @@ RawSubscriber::RawSubscriber(Session& session, const std::string& topic,
       [receiver = impl_->receiver](const boost::shared_ptr<const RawMessage>& message) {
         receiver->take(*message);
       });
-  const auto& catalog = messages::Catalog::builtin();
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, message_type);
   options.datatype = catalog.full_name(message_type);
   options.md5sum = catalog.md5(options.datatype);
   options.transport_hints = ros::TransportHints().tcpNoDelay();

@@ -12,8 +12,8 @@ namespace spikeloop::ros1 {
 namespace {
 
 messages::SensorConversion conversion_of(const SensorSettings& settings) {
-  return {messages::Catalog::builtin(), settings.message_type, settings.fields, settings.width,
-          settings.strict};
+  return {messages::Catalog::for_type(messages::Dialect::ros1, settings.message_type),
+          settings.message_type, settings.fields, settings.width, settings.strict};
 }
 
 }  // namespace
