@@ -1,0 +1,110 @@
+#include "spikeloop/ros2/session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "announced.h"
+#include "publisher.hpp"
+#include "session_impl.hpp"
+#include "spikeloop/topics/catalog.hpp"
+#include "subscriber.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+std::string node_name(const topics::SessionSettings& settings) {
+  if (!settings.unique_name) {
+    return settings.node_name;
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("{}_{}_{}", settings.node_name, ::getpid(),
+                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+Variables place_of(const topics::SessionSettings& settings) {
+  return settings.place.empty() ? discovery_environment() : settings.place;
+}
+
+}  // namespace
+
+Session::Impl::Impl(const topics::SessionSettings& settings)
+    : place(place_of(settings)),
+      found(discovery(place)),
+      node(node_identity(ros2::node_name(settings), settings.arguments)),
+      names(node, settings.arguments),
+      domain(found),
+      participant(domain, found),
+      dispatcher(participant.entity()),
+      graph(participant.entity(), dispatcher),
+      node_topic(participant.entity(), NodeList::kTopic, NodeList::kType),
+      nodes(participant.entity(), node_topic, graph, node, found.distribution) {
+  place["ROS_DOMAIN_ID"] = fmt::to_string(found.domain);
+}
+
+Endpoint endpoint(const Session::Impl& session, const std::string& topic,
+                  const std::string& message_type) {
+  Endpoint result{
+      .topic = session.names.whole(topic),
+      .message_type =
+          topics::catalog_of(messages::Dialect::ros2, message_type).full_name(message_type),
+      .user_data = {}};
+  dds_topic(result.topic);  // not too long?
+  return result;
+}
+
+Session::Session(const topics::SessionSettings& settings)
+    : impl_(std::make_unique<Impl>(settings)) {}
+
+Session::~Session() = default;
+
+std::string Session::node_name() const {
+  return impl_->node.whole();
+}
+
+topics::Place Session::place() const {
+  return impl_->place;
+}
+
+std::string Session::whole_topic(const std::string& topic) const {
+  return impl_->names.whole(topic);
+}
+
+std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topic,
+                                                         const std::string& message_type,
+                                                         std::uint32_t queue) {
+  return std::make_unique<Publisher>(*impl_, endpoint(*impl_, topic, message_type), queue, false);
+}
+
+std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {
+  const Endpoint where = endpoint(*impl_, subscription.topic, subscription.message_type);
+  return std::make_unique<Subscriber>(*impl_, where, std::move(subscription));
+}
+
+bool Session::publishers_know_us(const std::string& topic) const {
+  const std::string name = dds_topic(topic);
+  std::set<std::string> types;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    const auto [begin, end] = impl_->subscribed.equal_range(name);
+    std::transform(begin, end, std::inserter(types, types.end()),
+                   [](const auto& entry) { return entry.second; });
+  }
+  dds_guid_t own{};
+  dds_get_guid(impl_->participant.entity(), &own);
+  const std::vector<Writer> writers = impl_->graph.writers(name);
+  return !writers.empty() && std::all_of(writers.begin(), writers.end(), [&](const Writer& writer) {
+    return types.contains(writer.type) &&
+           (is_same(writer.participant, own) ||
+            have_announced_subscribers(impl_->node_topic.type, &own, &writer.participant));
+  });
+}
+
+}  // namespace spikeloop::ros2
