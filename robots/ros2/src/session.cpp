@@ -46,11 +46,11 @@ Session::Impl::Impl(const topics::SessionSettings& settings)
 
 Endpoint endpoint(const Session::Impl& session, const std::string& topic,
                   const std::string& message_type) {
-  Endpoint result{
-      .topic = session.names.whole(topic),
-      .message_type =
-          topics::catalog_of(messages::Dialect::ros2, message_type).full_name(message_type),
-      .user_data = {}};
+  const messages::Catalog& catalog = topics::catalog_of(messages::Dialect::ros2, message_type);
+  const std::string type = catalog.full_name(message_type);
+  Endpoint result{.topic = session.names.whole(topic),
+                  .message_type = type,
+                  .user_data = fmt::format("typehash={};", catalog.type_hash(type))};
   dds_topic(result.topic);  // not too long?
   return result;
 }
