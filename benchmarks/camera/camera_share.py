@@ -27,8 +27,9 @@ ros: 1
 nodes:
   eye: {{node: ros_sensor, topic: /camera, message: sensor_msgs/Image, image: {{resize: [40, 30]}}}}
   encoder: {{node: temporal_contrast_encoder, threshold: 10}}
+  rates: {{node: rate_window}}
 connections:
-  - eye -> encoder [1200]
+  - eye -> encoder [1200] -> rates [2400]
 """
 
 PUBLISH = """
@@ -47,10 +48,13 @@ for seed in range(4):
                           data=data.tobytes()))
 rate = rospy.Rate(30)
 i = 0
-while True:
-    topic.publish(pictures[i % 4])
-    i += 1
-    rate.sleep()
+try:
+    while True:
+        topic.publish(pictures[i % 4])
+        i += 1
+        rate.sleep()
+except KeyboardInterrupt:
+    pass
 """
 
 
@@ -59,15 +63,23 @@ def processor_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def parent_of(pid):
+    return int(pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[1])
+
+
 def fused_process(launcher):
-    """The child that runs the graph."""
+    """The descendant that runs the graph."""
     for path in pathlib.Path("/proc").glob("[0-9]*"):
         try:
-            parent = int((path / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            if parent == launcher and (path / "comm").read_text().startswith("spikeloop-fused"):
+            if not (path / "cmdline").read_bytes().split(b"\0")[0].endswith(b"spikeloop-fused"):
+                continue
+            ancestor = int(path.name)
+            while ancestor not in (0, launcher):
+                ancestor = parent_of(ancestor)
+            if ancestor == launcher:
                 return int(path.name)
         except (OSError, ValueError):
-            pass
+            pass  # it has ended
     return None
 
 
