@@ -75,7 +75,8 @@ class RosCommandEnd : public fused::CommandEnd {
 RosTransport::RosTransport(const experiment::Experiment& experiment,
                            const LoopSurroundings& surroundings)
     : experiment_(experiment),
-      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true}})),
+      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true},
+                              experiment::dialect_of(experiment.ros)})),
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);

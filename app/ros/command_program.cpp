@@ -116,7 +116,7 @@ void record_latency(music::Process& process, bool with_pace, ros_command::RosCom
 music::ProgramText command_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "A continuous signal as command messages on a ROS 1 topic";
+  text.summary = "A continuous signal as command messages on a ROS topic";
   text.ports =
       "  in         input   continuous  the numbers to send\n"
       "  pace       input   continuous  [1] from ros_sensor_adapter: the age of the data\n";

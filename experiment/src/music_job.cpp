@@ -108,6 +108,7 @@ class Writer : JobWriter {
 
   void write_sensor(const Part& part) {
     add(part, "binary", "ros_sensor_adapter");
+    add(part, "ros", name_of(experiment_.ros));
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     add(part, "message_type", part.parameters.text("message"), "message");
     if (const auto fields = sensor_fields(part.parameters); !fields.empty()) {
@@ -118,6 +119,7 @@ class Writer : JobWriter {
 
   void write_command(const Part& part) {
     add(part, "binary", "ros_command_adapter");
+    add(part, "ros", name_of(experiment_.ros));
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     const std::string mapping = mapping_text(part.mapping);
     add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"), "fields");
@@ -215,7 +217,7 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(experiment.robot->where,
-                             "in the separate layout the robot is reached over ROS; write  ros: 1, "
+                             "in the separate layout the robot is reached over ROS; write  ros: 2, "
                              "or use the fused layout");
   }
   check_ends(experiment);

@@ -151,9 +151,9 @@ void check_part(const Part& part, const Experiment& experiment, const SensorWidt
     const bool fields = part.parameters.given("fields");
     located_at(part.parameters.where(fields ? "fields" : "message"), [&] {
       const std::string& type = part.parameters.text("message");
-      messages::SensorConversion(messages::Catalog::for_type(messages::Dialect::ros1, type), type,
-                                 sensor_fields(part.parameters), experiment.width(part.name, "out"),
-                                 true);
+      messages::SensorConversion(messages::Catalog::for_type(dialect_of(experiment.ros), type),
+                                 type, sensor_fields(part.parameters),
+                                 experiment.width(part.name, "out"), true);
       return 0;
     });
   } else if (part.kind == kRosCommand) {

@@ -104,7 +104,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
   }
 }
 
-void check_endpoint(Part& part) {
+void check_endpoint(Part& part, messages::Dialect ros) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
     const std::string type =
@@ -121,7 +121,7 @@ void check_endpoint(Part& part) {
   } else if (part.kind == kRosCommand) {
     canonical();
     part.mapping = command_mapping(part.parameters);
-    check_command_fields(part.mapping);
+    check_command_fields(part.mapping, ros);
   }
 }
 
@@ -250,7 +250,7 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
       table_loader(directory, *part.node_class), faults);
   bool good = faults.count() == before && node.unread.empty();
   good = good && faults.attempt(node.where, [&] {
-    check_endpoint(part);
+    check_endpoint(part, dialect_of(experiment.ros));
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
     } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {

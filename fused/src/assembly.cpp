@@ -8,11 +8,13 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/messages/translation.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::fused {
@@ -50,6 +52,12 @@ class NamedSource : public Source {
 /// A command is a node that maps, and what sends behind it.
 std::string sender_of(const Part& part) {
   return part.name + std::string(kSender);
+}
+
+/// Bags are those of ROS 1, whatever the robot speaks.
+messages::Translation translation_to_ros1(const std::string& type) {
+  return {type, messages::Catalog::for_type(messages::Dialect::ros2, type),
+          messages::Catalog::for_type(messages::Dialect::ros1, type)};
 }
 
 }  // namespace
@@ -174,10 +182,23 @@ Keep Assembly::keep_messages(const Part& part) {
   if (!messages_) {
     return {};
   }
-  const bag::Topic topic{part.parameters.text("topic"), part.parameters.text("message"), part.name};
-  return [recorder = messages_.get(), connection = messages_->add(topic)](
-             TimeNs time, std::span<const std::byte> message) {
+  const std::string& type = part.parameters.text("message");
+  const auto connection = messages_->add({part.parameters.text("topic"), type, part.name});
+  const auto keep = [recorder = messages_.get(), connection](TimeNs time,
+                                                             std::span<const std::byte> message) {
     recorder->take(connection, time, message);
+  };
+  if (experiment_.ros != experiment::Ros::ros2) {
+    return keep;
+  }
+  return [keep, translation = translation_to_ros1(type), bytes = std::vector<std::byte>()](
+             TimeNs time, std::span<const std::byte> message) mutable {
+    try {
+      translation.translate(message, bytes);
+    } catch (const TransportError&) {
+      return;  // the node counts it as malformed
+    }
+    keep(time, bytes);
   };
 }
 

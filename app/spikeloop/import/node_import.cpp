@@ -51,6 +51,7 @@ constexpr const char* kOfProcesses[] = {"np",
                                         "verbose",
                                         "pipeline_ticks",
                                         "host",
+                                        "ros",
                                         "ros_node_name",
                                         "sensor_update_rate",
                                         "master_timeout"};
