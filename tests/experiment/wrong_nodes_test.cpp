@@ -17,17 +17,17 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"no robot for a topic",
                   {{"robot: {simulator: mujoco}\n", ""}},
                   {"x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
-                   "ros: 1, or  robot: {simulator: mujoco}",
+                   "ros: 2, or  robot: {simulator: mujoco}",
                    "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
-                   " ros: 1, or  robot: {simulator: mujoco}"}},
+                   " ros: 2, or  robot: {simulator: mujoco}"}},
         WrongFile{"topic unknown to the robot",
                   {{"/scan", "/scann"}},
                   {"x.yaml:6:35: key 'topic': the robot has no topic /scann there; did you mean "
-                   "'/scan'?; with  ros: 1  any topic is possible"}},
+                   "'/scan'?; with  ros: 2  any topic is possible"}},
         WrongFile{"command topic unknown to the robot",
                   {{"/cmd_vel", "/motor"}},
                   {"x.yaml:10:38: key 'topic': the robot has no topic /motor there; known: "
-                   "/cmd_vel; with  ros: 1  any topic is possible"}},
+                   "/cmd_vel; with  ros: 2  any topic is possible"}},
         WrongFile{"unknown message type",
                   {{"LaserScan", "LaserScann"}},
                   {"x.yaml:6:51: unknown message type 'LaserScann'; did you mean 'LaserScan'?"}},
