@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "content.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/message_writer.hpp"
@@ -34,12 +37,19 @@ Content common_content(const std::string& type, unsigned seed) {
 Bytes written(const Catalog& catalog, const std::string& type, const Content& content) {
   std::vector<std::string> paths;
   std::vector<FieldValue> values;
+  const auto named = [&catalog](std::string path) {
+    if (catalog.dialect() == Dialect::ros2) {
+      std::ranges::transform(path, path.begin(),
+                             [](char c) { return static_cast<char>(std::tolower(c)); });
+    }
+    return path;
+  };
   for (const auto& [path, numbers] : content.numbers) {
-    paths.push_back(path);
+    paths.push_back(named(path));
     values.push_back({numbers, {}});
   }
   for (const auto& [path, text] : content.texts) {
-    paths.push_back(path);
+    paths.push_back(named(path));
     values.push_back({{}, text});
   }
   Bytes bytes;

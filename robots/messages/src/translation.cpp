@@ -41,9 +41,15 @@ Size size_of(Primitive primitive) {
   }
 }
 
-/// The field of this name; past the end when there is none.
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// The field of this name, which ROS 2 writes in small letters; past the end when there is none.
 std::size_t find_field(const TypeLayout& type, const std::string& name) {
-  const auto found = std::ranges::find(type.fields, name, &FieldLayout::name);
+  const auto found = std::ranges::find_if(type.fields, [&name](const FieldLayout& field) {
+    return std::ranges::equal(field.name, name, {}, lower, lower);
+  });
   return static_cast<std::size_t>(found - type.fields.begin());
 }
 

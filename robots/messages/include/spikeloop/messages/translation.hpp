@@ -11,8 +11,9 @@
 
 namespace spikeloop::messages {
 
-/// Keeps the bits of every value that both definitions of a type have. What only the result has,
-/// as the `seq` of a ROS 1 header, is zero or empty; what only the original has is left out.
+/// Keeps the bits of every value that both definitions of a type have, in whichever letters: what
+/// is D in ROS 1 is d in ROS 2. What only the result has, as the `seq` of a ROS 1 header, is zero
+/// or empty; what only the original has is left out.
 class Translation {
  public:
   /// @throws ConfigurationError as Catalog::layout, and when the two definitions have fields of one
