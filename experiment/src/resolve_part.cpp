@@ -10,6 +10,7 @@
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
 
@@ -104,18 +105,33 @@ CommandMapping command_mapping(const Parameters& parameters) {
   }
 }
 
-void check_endpoint(Part& part, messages::Dialect ros) {
+/// The whole name of a type that has a definition, or the whole path of its own.
+std::string whole_message_type(const std::string& written, const std::string& directory,
+                               messages::Dialect ros) {
+  std::string type = written;
+  try {
+    type = canonical_message_type(written, directory);
+  } catch (const ConfigurationError&) {
+    if (written.find_first_of("/.") != std::string::npos) {
+      throw;
+    }
+    // A name without its package; the error is that of who knows all of them.
+  }
+  const auto& catalog = messages::Catalog::for_type(ros, type);
+  const std::string name = catalog.full_name(type);
+  catalog.layout(name);
+  return is_definition_file(type) ? type : name;
+}
+
+void check_endpoint(Part& part, const std::string& directory, messages::Dialect ros) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
-    const std::string type =
-        located_at(where, [&] { return canonical_message_type(part.parameters.text("message")); });
+    const std::string type = located_at(
+        where, [&] { return whole_message_type(part.parameters.text("message"), directory, ros); });
     part.parameters.set("message", type, true, where);
   };
   if (part.kind == kRosSensor) {
-    const std::string& message = part.parameters.text("message");
-    if (part.parameters.text("fields").empty() || message.find('/') == std::string::npos) {
-      canonical();
-    }
+    canonical();
     sensor_initial(part.parameters);
     sensor_fields(part.parameters);
   } else if (part.kind == kRosCommand) {
@@ -250,7 +266,7 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
       table_loader(directory, *part.node_class), faults);
   bool good = faults.count() == before && node.unread.empty();
   good = good && faults.attempt(node.where, [&] {
-    check_endpoint(part, dialect_of(experiment.ros));
+    check_endpoint(part, directory, dialect_of(experiment.ros));
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
     } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
