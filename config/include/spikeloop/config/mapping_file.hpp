@@ -5,7 +5,8 @@
 // A field may be an object instead of a channel:
 //   "linear.x": {"channel": 0, "scale": 0.5, "offset": 0, "min": -0.5, "max": 0.5}
 // Its value is scale * channel + offset, then limited. The file's "min" and "max" hold for fields
-// that have none of their own; without any there is no limit.
+// that have none of their own; without any there is no limit. A field that ends with a slice,
+// "data[2:5]": 7, stands for its elements with channels from 7 on.
 #pragma once
 
 #include <cstdint>
