@@ -77,6 +77,9 @@ std::string field_text(const CommandField& field) {
   if (field.maximum) {
     add("max", *field.maximum);
   }
+  if (field.slew) {
+    add("slew", *field.slew);
+  }
   return fmt::format("\n      {}: {{{}}}", field.field, text);
 }
 
