@@ -10,7 +10,8 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/ros1/raw_subscriber.hpp"
+#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
 namespace {
@@ -22,15 +23,17 @@ constexpr TimeNs kNone = -1;
 
 class ClockPacer : public Pacer {
  public:
-  ClockPacer(ros1::Session& session, TimeNs tick, Waiting& waiting, std::function<void()> alive)
+  ClockPacer(topics::Session& session, TimeNs tick, Waiting& waiting, std::function<void()> alive)
       : session_(session),
         tick_(tick),
         waiting_(waiting),
         alive_(std::move(alive)),
-        seconds_(messages::Catalog::builtin(), kType, "clock.secs"),
-        nanoseconds_(messages::Catalog::builtin(), kType, "clock.nsecs"),
-        subscriber_(
-            session, kTopic, kType, [this](auto message) { take(message); }, 0) {}
+        seconds_(topics::catalog_of(session.dialect(), kType), kType, "clock.secs"),
+        nanoseconds_(topics::catalog_of(session.dialect(), kType), kType, "clock.nsecs"),
+        subscriber_(session.subscriber(
+            {.topic = kTopic, .message_type = kType, .queue = 0, .take = [this](auto message) {
+               take(message);
+             }})) {}
 
   void start() override { started_ = wall_now(); }
 
@@ -87,8 +90,9 @@ class ClockPacer : public Pacer {
     if (went_back_) {
       throw TransportError(fmt::format(
           "{} went back from {} to {}: the simulator was set back, or two programs publish it "
-          "('rostopic info {}'); run the experiment again from the simulator's new beginning",
-          kTopic, format_time(newest_), format_time(back_to_), kTopic));
+          "('{} info {}'); run the experiment again from the simulator's new beginning",
+          kTopic, format_time(newest_), format_time(back_to_),
+          topics::topic_command(session_.dialect()), kTopic));
     }
   }
 
@@ -103,15 +107,15 @@ class ClockPacer : public Pacer {
       log::warning(
           "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, "
           "and "
-          "does the simulator publish {}? 'rostopic hz {}' shows it",
-          kTopic, format_time(kSilence), kTopic, kTopic);
+          "does the simulator publish {}? '{} hz {}' shows it",
+          kTopic, format_time(kSilence), kTopic, topics::topic_command(session_.dialect()), kTopic);
     } else {
       log::warning("{} has stood still at {} for {}: is the simulator paused? The experiment waits",
                    kTopic, format_time(newest_), format_time(kSilence));
     }
   }
 
-  ros1::Session& session_;
+  topics::Session& session_;
   TimeNs tick_;
   Waiting& waiting_;
   std::function<void()> alive_;
@@ -124,12 +128,13 @@ class ClockPacer : public Pacer {
   std::atomic<TimeNs> newest_{kNone};
   std::atomic<TimeNs> back_to_{0};
   std::atomic<bool> went_back_{false};
-  ros1::RawSubscriber subscriber_;  // the last: what its callback uses is there before it
+  std::unique_ptr<topics::RawSubscriber>
+      subscriber_;  // the last: what its callback uses is there before it
 };
 
 }  // namespace
 
-std::unique_ptr<Pacer> make_clock_pacer(ros1::Session& session, TimeNs tick, Waiting& waiting,
+std::unique_ptr<Pacer> make_clock_pacer(topics::Session& session, TimeNs tick, Waiting& waiting,
                                         std::function<void()> alive) {
   return std::make_unique<ClockPacer>(session, tick, waiting, std::move(alive));
 }

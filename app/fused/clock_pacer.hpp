@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/topics/session.hpp"
 #include "waiting.hpp"
 
 namespace spikeloop {
@@ -14,7 +14,7 @@ namespace spikeloop {
 /// ahead of is an overrun. Says when no clock comes, and when it stands still. wait_until() throws
 /// a TransportError when the clock goes back.
 /// @param alive called every 20 ms while it waits
-std::unique_ptr<Pacer> make_clock_pacer(ros1::Session& session, TimeNs tick, Waiting& waiting,
+std::unique_ptr<Pacer> make_clock_pacer(topics::Session& session, TimeNs tick, Waiting& waiting,
                                         std::function<void()> alive);
 
 }  // namespace spikeloop

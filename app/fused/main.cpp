@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "ros1_transport.hpp"
+#include "ros_transport.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
@@ -41,7 +41,7 @@ int run(const Arguments& arguments, const status::Sender& sender) {
   const auto enter = [&](bool waits) {
     heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  Ros1Transport transport(experiment, {stop, enter, from_seconds(arguments.stall_timeout_s)});
+  RosTransport transport(experiment, {stop, enter, from_seconds(arguments.stall_timeout_s)});
   sender.started();
   heartbeat.enter(status::Phase::computing);
   bool first = true;

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "music_simulators.hpp"
-#include "ros1_transport.hpp"
+#include "ros_transport.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
@@ -82,7 +82,7 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
   const auto enter = [&](bool waits) {
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  Ros1Transport transport(experiment, {stop, enter, from_seconds(keys.number("stall_timeout"))});
+  RosTransport transport(experiment, {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }

@@ -7,7 +7,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/ros1/connections.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
 namespace {
@@ -20,14 +20,15 @@ constexpr std::uint32_t kAll = 0;
 
 }  // namespace
 
-SteppingLink::SteppingLink(ros1::Session& session, TimeNs tick, Waiting& waiting)
+SteppingLink::SteppingLink(topics::Session& session, TimeNs tick, Waiting& waiting)
     : session_(session),
       tick_(tick),
       waiting_(waiting),
-      steps_(session, stepping::kStepTopic, stepping::kType, kAll),
-      answers_(
-          session, stepping::kSteppedTopic, stepping::kType,
-          [this](auto message) { take(message); }, kAll) {}
+      steps_(session.publisher(stepping::kStepTopic, stepping::kType, kAll)),
+      answers_(session.subscriber({.topic = stepping::kSteppedTopic,
+                                   .message_type = stepping::kType,
+                                   .queue = kAll,
+                                   .take = [this](auto message) { take(message); }})) {}
 
 /// In the session's thread.
 void SteppingLink::take(std::span<const std::byte> message) {
@@ -43,7 +44,7 @@ void SteppingLink::take(std::span<const std::byte> message) {
 }
 
 void SteppingLink::send(const Request& request) {
-  steps_.publish(stepping::string_message(to_text(request)));
+  steps_->publish(stepping::string_message(to_text(request)));
 }
 
 void SteppingLink::require_sound() const {
@@ -55,7 +56,7 @@ void SteppingLink::require_sound() const {
 
 /// Once the publisher knows us, nothing is lost; until then our side alone may think so.
 bool SteppingLink::is_subscribed(bool connected, const std::string& topic) {
-  if (connected && unknown_.contains(topic) && ros1::publishers_know_us(session_, topic)) {
+  if (connected && unknown_.contains(topic) && session_.publishers_know_us(topic)) {
     unknown_.erase(topic);
   }
   return connected && !unknown_.contains(topic);
@@ -69,8 +70,8 @@ std::string SteppingLink::missing_connections() {
       missing.push_back(fmt::format("a {} of {}", who, topic));
     }
   };
-  look(steps_.has_subscribers(), "subscriber", stepping::kStepTopic);
-  look(is_subscribed(answers_.has_publishers(), stepping::kSteppedTopic), "publisher",
+  look(steps_->has_subscribers(), "subscriber", stepping::kStepTopic);
+  look(is_subscribed(answers_->has_publishers(), stepping::kSteppedTopic), "publisher",
        stepping::kSteppedTopic);
   for (const SteppedTopic& topic : sensors_) {
     look(is_subscribed(topic.connected(), topic.name), "publisher", topic.name);
@@ -174,8 +175,9 @@ void SteppingLink::check(const Answer& answer) const {
     if (topic.count() > published->second) {
       throw TransportError(fmt::format(
           "{} has brought {} messages, but the robot has published {}: does somebody else publish "
-          "it? 'rostopic info {}' shows it",
-          topic.name, topic.count(), published->second, topic.name));
+          "it? '{} info {}' shows it",
+          topic.name, topic.count(), published->second, topics::topic_command(session_.dialect()),
+          topic.name));
     }
   }
 }
@@ -215,7 +217,7 @@ void SteppingLink::ask(const Request& request) {
 void SteppingLink::end() {
   if (begun_) {
     send({.kind = Request::Kind::end});
-    steps_.drain();
+    steps_->drain();
   }
 }
 

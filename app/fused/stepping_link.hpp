@@ -1,17 +1,16 @@
-// sync: lockstep over ROS 1: the experiment's side of docs/stepping.md.
+// sync: lockstep over ROS: the experiment's side of docs/stepping.md.
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "spikeloop/ros1/raw_publisher.hpp"
-#include "spikeloop/ros1/raw_subscriber.hpp"
-#include "spikeloop/ros1/session.hpp"
 #include "spikeloop/stepping/protocol.hpp"
+#include "spikeloop/topics/session.hpp"
 #include "waiting.hpp"
 
 namespace spikeloop {
@@ -26,7 +25,7 @@ struct SteppedTopic {
 
 class SteppingLink {
  public:
-  SteppingLink(ros1::Session& session, TimeNs tick, Waiting& waiting);
+  SteppingLink(topics::Session& session, TimeNs tick, Waiting& waiting);
 
   void add_sensor(SteppedTopic topic) {
     unknown_.insert(topic.name);
@@ -57,7 +56,7 @@ class SteppingLink {
   void require_sound() const;
   void check(const stepping::Answer& answer) const;
 
-  ros1::Session& session_;
+  topics::Session& session_;
   TimeNs tick_;
   Waiting& waiting_;
   std::vector<SteppedTopic> sensors_;
@@ -68,8 +67,9 @@ class SteppingLink {
   std::mutex mutex_;
   std::optional<stepping::Answer> answer_;
   std::string unreadable_;
-  ros1::RawPublisher steps_;
-  ros1::RawSubscriber answers_;  // the last: what its callback uses is there before it
+  std::unique_ptr<topics::RawPublisher> steps_;
+  std::unique_ptr<topics::RawSubscriber>
+      answers_;  // the last: what its callback uses is there before it
 };
 
 }  // namespace spikeloop

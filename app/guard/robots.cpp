@@ -1,8 +1,14 @@
 #include "robots.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+#include <vector>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/session/open.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::guard {
 namespace {
@@ -10,24 +16,35 @@ namespace {
 /// The adapter waits 5 s for our answer.
 constexpr TimeNs kMasterTimeout = 3 * kNsPerSecond;
 
+/// "ROS_MASTER_URI=http://localhost:11311"
+std::string to_text(const topics::Place& place) {
+  std::vector<std::string> variables;
+  for (const auto& [name, value] : place) {
+    variables.push_back(fmt::format("{}={}", name, value));
+  }
+  return fmt::format("{}", fmt::join(variables, " "));
+}
+
 }  // namespace
 
-std::unique_ptr<ros1::RawPublisher> Robots::advertise(const Hello& hello) {
+std::unique_ptr<topics::RawPublisher> Robots::advertise(const Hello& hello) {
   const std::lock_guard lock(mutex_);
-  if (!session_) {
-    session_ =
-        std::make_unique<ros1::Session>(ros1::SessionSettings{.node_name = "spikeloop_guard",
-                                                              .unique_name = true,
-                                                              .master_uri = hello.master_uri,
-                                                              .master_timeout = kMasterTimeout});
-    master_uri_ = hello.master_uri;
+  Entered& entered = entered_[hello.ros];
+  if (!entered.session) {
+    session::Settings settings;
+    settings.node_name = "spikeloop_guard";
+    settings.unique_name = true;
+    settings.place = hello.place;
+    settings.ros = topics::dialect_of(hello.ros);
+    settings.master_timeout = kMasterTimeout;
+    entered = {hello.place, session::open(settings)};
   }
-  if (hello.master_uri != master_uri_) {
-    throw ConfigurationError(fmt::format(
-        "it is with the ROS master at {}, not with that at {}; start another guard for this one",
-        master_uri_, hello.master_uri));
+  if (hello.place != entered.place) {
+    throw ConfigurationError(
+        fmt::format("it meets robots at {}, not at {}; start another guard for this one",
+                    to_text(entered.place), to_text(hello.place)));
   }
-  return std::make_unique<ros1::RawPublisher>(*session_, hello.topic, hello.message_type);
+  return entered.session->publisher(hello.topic, hello.message_type);
 }
 
 }  // namespace spikeloop::guard

@@ -74,7 +74,7 @@ bool Ward::read_introduction() {
   return true;
 }
 
-std::unique_ptr<ros1::RawPublisher> Ward::advertise() {
+std::unique_ptr<topics::RawPublisher> Ward::advertise() {
   try {
     auto robot = robots_.advertise(hello_);
     send_packet(socket_.get(), make_packet("ready"));
@@ -91,7 +91,7 @@ void Ward::refuse(const std::string& reason) {
   send_packet(socket_.get(), packet);
 }
 
-void Ward::watch(ros1::RawPublisher& robot) {
+void Ward::watch(topics::RawPublisher& robot) {
   Vigil vigil(hello_.watchdog, wall_now());
   set_needed(true);
   while (!vigil.over() && (vigil.stopping() || !wait_readable(leave_.get(), 0))) {

@@ -9,6 +9,7 @@
 #include "robots.hpp"
 #include "spikeloop/guard/protocol.hpp"
 #include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::guard {
 
@@ -28,8 +29,8 @@ class Ward {
  private:
   void run();
   bool read_introduction();
-  std::unique_ptr<ros1::RawPublisher> advertise();
-  void watch(ros1::RawPublisher& robot);
+  std::unique_ptr<topics::RawPublisher> advertise();
+  void watch(topics::RawPublisher& robot);
   void listen(Vigil& vigil);
   void announce(const Vigil& vigil);
   void refuse(const std::string& reason);

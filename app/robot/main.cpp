@@ -34,7 +34,7 @@ int fail(const spikeloop::status::Sender& status, int exit_code, const std::stri
 
 int main(int argc, char** argv) {
   using namespace spikeloop;
-  ros1::CommandLine line = ros1::split_command_line(argc, argv);
+  topics::CommandLine line = topics::split_command_line(argc, argv);
   std::vector<char*> pointers;
   pointers.reserve(line.own.size() + 1);
   for (auto& argument : line.own) pointers.push_back(argument.data());

@@ -5,10 +5,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/ros1/master.hpp"
-#include "spikeloop/ros1/raw_publisher.hpp"
-#include "spikeloop/ros1/raw_subscriber.hpp"
-#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/session/open.hpp"
 
 namespace spikeloop::robot {
 namespace {
@@ -17,30 +14,31 @@ namespace {
 template <typename Message>
 class Topic {
  public:
-  Topic(ros1::Session& session, const std::string& name, const char* type)
-      : publisher_(session, name, type) {}
+  Topic(topics::Session& session, const std::string& name, const char* type)
+      : publisher_(session.publisher(name, type)) {}
 
   template <typename Value>
   void publish(const Value& value) {
-    if (publisher_.has_subscribers()) publisher_.publish(message_.write(value));
+    if (publisher_->has_subscribers()) publisher_->publish(message_.write(value));
   }
 
  private:
   Message message_;
-  ros1::RawPublisher publisher_;
+  std::unique_ptr<topics::RawPublisher> publisher_;
 };
 
 }  // namespace
 
 class RosLink::Impl {
  public:
-  Impl(const RunOptions& options, const ros1::SessionSettings& settings)
-      : session_(settings),
-        scan_(session_, options.topic(options.scan_topic), kScanType),
-        odometry_(session_, options.topic(options.odometry_topic), kOdometryType),
-        clock_(session_, options.topic(options.clock_topic), kClockType),
-        subscriber_(session_, options.topic(options.command_topic), kTwistType,
-                    [this](std::span<const std::byte> message) { receive(message); }) {}
+  Impl(const RunOptions& options, std::unique_ptr<topics::Session> session)
+      : session_(std::move(session)),
+        scan_(*session_, options.topic(options.scan_topic), kScanType),
+        odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
+        clock_(*session_, options.topic(options.clock_topic), kClockType),
+        subscriber_(session_->subscriber({.topic = options.topic(options.command_topic),
+                                          .message_type = kTwistType,
+                                          .take = [this](auto message) { receive(message); }})) {}
 
   void publish(const vehicle::LaserScan& scan) { scan_.publish(scan); }
   void publish(const vehicle::Odometry& odometry) { odometry_.publish(odometry); }
@@ -51,7 +49,7 @@ class RosLink::Impl {
     return std::exchange(newest_, std::nullopt);
   }
   std::uint64_t commands() const { return commands_; }
-  bool alive() const { return session_.alive(); }
+  bool alive() const { return session_->alive(); }
 
  private:
   void receive(std::span<const std::byte> message) {
@@ -65,7 +63,7 @@ class RosLink::Impl {
     }
   }
 
-  ros1::Session session_;
+  std::unique_ptr<topics::Session> session_;
   Topic<ScanMessage> scan_;
   Topic<OdometryMessage> odometry_;
   Topic<ClockMessage> clock_;
@@ -73,19 +71,24 @@ class RosLink::Impl {
   std::mutex mutex_;
   std::optional<Command> newest_;
   std::atomic<std::uint64_t> commands_ = 0;
-  ros1::RawSubscriber subscriber_;  // the last: what its callback uses is there before it
+  std::unique_ptr<topics::RawSubscriber>
+      subscriber_;  // the last: what its callback uses is there before it
 };
 
-RosLink::RosLink(const RunOptions& options, const ros1::RosArguments& arguments,
-                 const std::atomic<bool>& stop) {
-  const std::string uri = ros1::master_uri(arguments);
-  const TimeNs timeout = from_seconds(options.master_timeout_s);
-  if (!ros1::require_master(uri, timeout, &stop)) return;
-  impl_ = std::make_unique<Impl>(options, ros1::SessionSettings{.node_name = options.node_name,
-                                                                .master_uri = uri,
-                                                                .master_timeout = timeout,
-                                                                .arguments = arguments});
+std::unique_ptr<topics::Session> open_session(const RunOptions& options,
+                                              const topics::RosArguments& arguments,
+                                              const std::atomic<bool>& stop) {
+  session::Settings settings;
+  settings.node_name = options.node_name;
+  settings.arguments = arguments;
+  settings.master_timeout = from_seconds(options.master_timeout_s);
+  settings.cancelled = &stop;
+  return session::open(settings);
 }
+
+RosLink::RosLink(const RunOptions& options, std::unique_ptr<topics::Session> session)
+    : impl_(std::make_unique<Impl>(options, std::move(session))) {}
+
 RosLink::~RosLink() = default;
 
 void RosLink::publish(const vehicle::LaserScan& scan) {

@@ -1,4 +1,4 @@
-// The robot's end of ROS 1: three topics out, one in.
+// The robot's end of ROS: three topics out, one in.
 #pragma once
 
 #include <atomic>
@@ -7,17 +7,21 @@
 
 #include "options.hpp"
 #include "spikeloop/robot/messages.hpp"
-#include "spikeloop/ros1/arguments.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::robot {
 
+/// Waits for what ROS needs; null when `stop` became true before it was there.
+/// @throws TransportError when no master answers in time; ConfigurationError when ROS_MASTER_URI or
+/// the node's name is malformed.
+std::unique_ptr<topics::Session> open_session(const RunOptions& options,
+                                              const topics::RosArguments& arguments,
+                                              const std::atomic<bool>& stop);
+
 class RosLink {
  public:
-  /// Waits for the master, then advertises and subscribes; does neither once `stop` is true.
-  /// @throws TransportError when no master answers in time; ConfigurationError when
-  /// ROS_MASTER_URI, a topic or the node's name is malformed.
-  RosLink(const RunOptions& options, const ros1::RosArguments& arguments,
-          const std::atomic<bool>& stop);
+  /// Advertises and subscribes. @throws ConfigurationError when a topic is malformed.
+  RosLink(const RunOptions& options, std::unique_ptr<topics::Session> session);
   ~RosLink();
 
   void publish(const vehicle::LaserScan& scan);

@@ -121,11 +121,12 @@ class Loop {
 
 }  // namespace
 
-void run(const RunOptions& options, const ros1::RosArguments& arguments,
+void run(const RunOptions& options, const topics::RosArguments& arguments,
          const status::Sender& status, const std::atomic<bool>& stop) {
   vehicle::Vehicle vehicle(options.vehicle);
-  RosLink ros(options, arguments, stop);
-  if (stop) return;
+  auto session = open_session(options, arguments, stop);
+  if (session == nullptr) return;
+  RosLink ros(options, std::move(session));
   Loop loop(options, status, vehicle, ros);
   status.started();
   loop.run(stop);

@@ -4,18 +4,18 @@
 #include <atomic>
 
 #include "options.hpp"
-#include "spikeloop/ros1/arguments.hpp"
 #include "spikeloop/status/status.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace spikeloop::robot {
 
 /// Runs until the duration has passed or `stop` becomes true, writes the files and reports.
 /// @throws Error of every kind.
-void run(const RunOptions& options, const ros1::RosArguments& arguments,
+void run(const RunOptions& options, const topics::RosArguments& arguments,
          const status::Sender& status, const std::atomic<bool>& stop);
 
 /// The same with an experiment in place of the clock (docs/stepping.md): run by run, until `stop`.
-void run_stepped(const RunOptions& options, const ros1::RosArguments& arguments,
+void run_stepped(const RunOptions& options, const topics::RosArguments& arguments,
                  const status::Sender& status, const std::atomic<bool>& stop);
 
 }  // namespace spikeloop::robot

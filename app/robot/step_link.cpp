@@ -7,6 +7,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::robot {
 namespace {
@@ -18,18 +19,22 @@ constexpr std::chrono::seconds kPatience{50};
 
 }  // namespace
 
-StepLink::StepLink(const RunOptions& options, const ros1::SessionSettings& settings)
-    : session_(settings),
-      scan_(session_, options.topic(options.scan_topic), kScanType),
-      odometry_(session_, options.topic(options.odometry_topic), kOdometryType),
-      clock_(session_, options.topic(options.clock_topic), kClockType),
-      answers_(session_, stepping::kSteppedTopic, stepping::kType, 0),
-      command_topic_(ros1::whole_topic(options.topic(options.command_topic))),
-      command_subscriber_(
-          session_, command_topic_, kTwistType, [this](auto twist) { take(twist); }, 0),
+StepLink::StepLink(const RunOptions& options, std::unique_ptr<topics::Session> session)
+    : session_(std::move(session)),
+      scan_(*session_, options.topic(options.scan_topic), kScanType),
+      odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
+      clock_(session_->publisher(options.topic(options.clock_topic), kClockType)),
+      answers_(session_->publisher(stepping::kSteppedTopic, stepping::kType, 0)),
+      command_topic_(session_->whole_topic(options.topic(options.command_topic))),
+      command_subscriber_(session_->subscriber({.topic = command_topic_,
+                                                .message_type = kTwistType,
+                                                .queue = 0,
+                                                .take = [this](auto twist) { take(twist); }})),
       request_subscriber_(
-          session_, stepping::kStepTopic, stepping::kType,
-          [this](auto message) { take_request(message); }, 0) {}
+          session_->subscriber({.topic = stepping::kStepTopic,
+                                .message_type = stepping::kType,
+                                .queue = 0,
+                                .take = [this](auto message) { take_request(message); }})) {}
 
 void StepLink::take(std::span<const std::byte> twist) {
   {
@@ -105,27 +110,27 @@ std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& se
   if (commands_ != wanted && !ends) {
     problem = fmt::format(
         "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
-        commands_ > wanted
-            ? fmt::format("; somebody else drives, too: 'rostopic info {}'", command_topic_)
-            : "");
+        commands_ > wanted ? fmt::format("; somebody else drives, too: '{} info {}'",
+                                         topics::topic_command(session_->dialect()), command_topic_)
+                           : "");
   }
   return std::exchange(newest_, std::nullopt);
 }
 
 void StepLink::publish_clock(TimeNs time) {
-  if (clock_.has_subscribers()) {
-    clock_.publish(clock_message_.write(time));
+  if (clock_->has_subscribers()) {
+    clock_->publish(clock_message_.write(time));
   }
 }
 
 void StepLink::answer(TimeNs time) {
-  answers_.publish(stepping::string_message(to_text(stepping::Answer{
+  answers_->publish(stepping::string_message(to_text(stepping::Answer{
       .time = time, .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
 }
 
 void StepLink::refuse(const std::string& problem) {
   log::warning("{}", problem);
-  answers_.publish(stepping::string_message(to_text(stepping::Answer{.error = problem})));
+  answers_->publish(stepping::string_message(to_text(stepping::Answer{.error = problem})));
 }
 
 }  // namespace spikeloop::robot

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,11 +12,8 @@
 
 #include "options.hpp"
 #include "spikeloop/robot/messages.hpp"
-#include "spikeloop/ros1/arguments.hpp"
-#include "spikeloop/ros1/raw_publisher.hpp"
-#include "spikeloop/ros1/raw_subscriber.hpp"
-#include "spikeloop/ros1/session.hpp"
 #include "spikeloop/stepping/protocol.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::robot {
 
@@ -23,7 +21,7 @@ class StepLink {
  public:
   using Bytes = std::vector<std::byte>;
 
-  StepLink(const RunOptions& options, const ros1::SessionSettings& settings);
+  StepLink(const RunOptions& options, std::unique_ptr<topics::Session> session);
 
   /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
   /// cannot read.
@@ -42,19 +40,19 @@ class StepLink {
 
   std::uint64_t commands() const { return commands_; }
   std::uint64_t scans() const { return scan_.count; }
-  bool alive() const { return session_.alive(); }
+  bool alive() const { return session_->alive(); }
 
  private:
   struct Topic {
-    Topic(ros1::Session& session, const std::string& topic, const char* type)
-        : name(ros1::whole_topic(topic)), publisher(session, topic, type, 0) {}
+    Topic(topics::Session& session, const std::string& topic, const char* type)
+        : name(session.whole_topic(topic)), publisher(session.publisher(topic, type, 0)) {}
     void publish(std::span<const std::byte> message) {
-      publisher.publish(message);
+      publisher->publish(message);
       ++count;
     }
 
     std::string name;
-    ros1::RawPublisher publisher;
+    std::unique_ptr<topics::RawPublisher> publisher;
     std::uint64_t count = 0;
   };
 
@@ -64,20 +62,21 @@ class StepLink {
   void take(std::span<const std::byte> twist);
   void take_request(std::span<const std::byte> message);
 
-  ros1::Session session_;
+  std::unique_ptr<topics::Session> session_;
   Topic scan_;
   Topic odometry_;
   ClockMessage clock_message_;
-  ros1::RawPublisher clock_;
-  ros1::RawPublisher answers_;
+  std::unique_ptr<topics::RawPublisher> clock_;
+  std::unique_ptr<topics::RawPublisher> answers_;
   std::string command_topic_;
   std::mutex mutex_;
   std::condition_variable come_;
   std::deque<std::string> requests_;
   std::optional<Bytes> newest_;
   std::atomic<std::uint64_t> commands_{0};
-  ros1::RawSubscriber command_subscriber_;  // the last: what callbacks use is there before them
-  ros1::RawSubscriber request_subscriber_;
+  // The last: what callbacks use is there before them.
+  std::unique_ptr<topics::RawSubscriber> command_subscriber_;
+  std::unique_ptr<topics::RawSubscriber> request_subscriber_;
 };
 
 }  // namespace spikeloop::robot

@@ -1,11 +1,11 @@
 // spikeloop-robot --step: the loop belongs to the experiment.
 #include <fmt/format.h>
 
+#include "ros_link.hpp"
 #include "run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
-#include "spikeloop/ros1/master.hpp"
 #include "step_link.hpp"
 
 namespace spikeloop::robot {
@@ -104,17 +104,13 @@ void report(const SteppedRobot& robot, const StepLink& link, const status::Sende
 
 }  // namespace
 
-void run_stepped(const RunOptions& options, const ros1::RosArguments& arguments,
+void run_stepped(const RunOptions& options, const topics::RosArguments& arguments,
                  const status::Sender& status, const std::atomic<bool>& stop) {
-  const std::string uri = ros1::master_uri(arguments);
-  const TimeNs timeout = from_seconds(options.master_timeout_s);
-  if (!ros1::require_master(uri, timeout, &stop)) {
+  auto session = open_session(options, arguments, stop);
+  if (session == nullptr) {
     return;
   }
-  StepLink link(options, {.node_name = options.node_name,
-                          .master_uri = uri,
-                          .master_timeout = timeout,
-                          .arguments = arguments});
+  StepLink link(options, std::move(session));
   SteppedRun loop(options, link, stop);
   status.started();
   status.first_tick();

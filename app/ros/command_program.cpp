@@ -11,8 +11,8 @@
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/ros1/publisher.hpp"
-#include "spikeloop/ros1_command/ros1_command.hpp"
+#include "spikeloop/ros_command/ros_command.hpp"
+#include "spikeloop/topics/publisher.hpp"
 
 namespace spikeloop {
 namespace {
@@ -103,7 +103,7 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
 }
 
 /// Of the first command of each message, in simulated time and ms.
-void record_latency(music::Process& process, bool with_pace, ros1_command::Ros1Command& command) {
+void record_latency(music::Process& process, bool with_pace, ros_command::RosCommand& command) {
   if (auto write = with_pace ? process.value_recorder("latency", "ms") : nullptr) {
     command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);
@@ -157,20 +157,21 @@ int run_command(music::Process& process, const RosProgram& program) {
   const command::CommandSettings settings = command::command_settings(
       parameters, map, command_rate(parameters, program, keys.strict),
       {keys.music_timestep, keys.rtf}, process.connected_input("pace", PortKind::signal));
-  const ros1::SessionSettings node = session_settings(parameters);
+  const session::Settings node = session_settings(parameters);
   if (process.checking()) {
     for (const CommandField& field : mapping.fields) {
-      located_at(field.where,
-                 [&] { ros1::Publisher::check(topic, mapping.message_type, {field.field}); });
+      located_at(field.where, [&] {
+        topics::Publisher::check(node.ros, topic, mapping.message_type, {field.field});
+      });
     }
-    ros1::Publisher::check(topic, mapping.message_type, command::field_paths(mapping));
+    topics::Publisher::check(node.ros, topic, mapping.message_type, command::field_paths(mapping));
     process.check();
     return 0;
   }
-  ros1::Session session(node);
+  const auto session = session::open(node);
   const NodeClass fields = command::command_map_class(std::move(map));
-  ros1_command::Ros1Command sink(
-      session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
+  ros_command::RosCommand sink(
+      *session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
       settings);
 
   GraphDescription description;

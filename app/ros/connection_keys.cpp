@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "programs.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
 
@@ -21,10 +22,15 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
            .text = "How long to wait for the ROS master (ROS_MASTER_URI)"}};
 }
 
-ros1::SessionSettings session_settings(const Parameters& parameters) {
+messages::Dialect ros_of(const Parameters& /*parameters*/) {
+  return messages::Dialect::ros1;
+}
+
+session::Settings session_settings(const Parameters& parameters) {
+  session::Settings settings;
+  settings.ros = ros_of(parameters);
   located_at(parameters.where("ros_node_name"),
-             [&] { ros1::check_node_name(parameters.text("ros_node_name")); });
-  ros1::SessionSettings settings;
+             [&] { topics::check_node_name(settings.ros, parameters.text("ros_node_name")); });
   settings.node_name = parameters.text("ros_node_name");
   settings.unique_name = !parameters.given("ros_node_name");
   settings.master_timeout = from_seconds(parameters.number("master_timeout"));
@@ -39,7 +45,8 @@ std::string required_topic(const music::Process& process, const Parameters& para
         parameters.where("ros_topic"),
         fmt::format("section '{}' has no ros_topic; write ros_topic={}", process.label(), example));
   }
-  located_at(parameters.where("ros_topic"), [&] { ros1::check_topic(topic); });
+  located_at(parameters.where("ros_topic"),
+             [&] { topics::check_topic(ros_of(parameters), topic); });
   return topic;
 }
 

@@ -3,7 +3,7 @@
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/ros1/event_sensor.hpp"
+#include "spikeloop/topics/event_sensor.hpp"
 
 namespace spikeloop {
 namespace {
@@ -98,21 +98,21 @@ int run_events(music::Process& process, const RosProgram& program) {
   process.set_defaults({.pace = true, .accept_one_tick = false});
   process.declare_ports({"out"});
   const Parameters parameters = process.read(event_parameters(program));
-  ros1::EventSensorSettings settings;
+  topics::EventSensorSettings settings;
   settings.topic = required_topic(process, parameters, "/dvs/events");
   settings.events = event_settings(process, parameters);
   settings.latency = from_seconds(parameters.number("latency"));
 
   const auto out = process.spike_output("out");
-  const ros1::SessionSettings node = session_settings(parameters);
+  const session::Settings node = session_settings(parameters);
   if (process.checking()) {
-    ros1::EventSensor::check(settings);
+    topics::EventSensor::check(node.ros, settings);
     process.check();
     return 0;
   }
-  ros1::Session session(node);
-  ros1::EventSensor sensor(session, settings);
-  return run_topic(process, settings.topic, sensor, *out);
+  const auto session = session::open(node);
+  topics::EventSensor sensor(*session, settings);
+  return run_topic(process, {settings.topic, node.ros}, sensor, *out);
 }
 
 }  // namespace spikeloop

@@ -4,8 +4,9 @@
 #include <string_view>
 
 #include "spikeloop/config/older_programs.hpp"
+#include "spikeloop/messages/dialect.hpp"
 #include "spikeloop/process/music_main.hpp"
-#include "spikeloop/ros1/session.hpp"
+#include "spikeloop/session/open.hpp"
 
 namespace spikeloop {
 
@@ -20,12 +21,19 @@ int run_command(music::Process& process, const RosProgram& program);
 
 /// Keys that all have.
 std::vector<ParameterDescription> connection_parameters(const RosProgram& program);
+/// The version of ROS.
+messages::Dialect ros_of(const Parameters& parameters);
 /// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
 /// second adapter does not end the first one.
-ros1::SessionSettings session_settings(const Parameters& parameters);
+session::Settings session_settings(const Parameters& parameters);
+struct TopicIn {
+  std::string name;
+  messages::Dialect ros;
+};
+
 /// Puts a topic's port `out` into `out`, and runs: that much all sensors do. `more` has what this
 /// one does besides; the end warns when not one message has come.
-int run_topic(music::Process& process, const std::string& topic, Source& sensor, Sink& out,
+int run_topic(music::Process& process, const TopicIn& topic, Source& sensor, Sink& out,
               GraphDescription more = {}, music::Process::LoopHooks hooks = {});
 /// @throws ConfigurationError when the file gives no topic.
 std::string required_topic(const music::Process& process, const Parameters& parameters,

@@ -3,10 +3,11 @@
 
 #include "programs.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
 
-int run_topic(music::Process& process, const std::string& topic, Source& sensor, Sink& out,
+int run_topic(music::Process& process, const TopicIn& topic, Source& sensor, Sink& out,
               GraphDescription more, music::Process::LoopHooks hooks) {
   GraphDescription description = std::move(more);
   description.tick = process.common().music_timestep;
@@ -19,8 +20,8 @@ int run_topic(music::Process& process, const std::string& topic, Source& sensor,
   Graph graph(description);
   hooks.after_loop = [&] {
     if (sensor.counters().front().value == 0) {
-      log::warning("not one message came on topic '{}'; 'rostopic list' shows what there is",
-                   topic);
+      log::warning("not one message came on topic '{}'; '{} list' shows what there is", topic.name,
+                   topics::topic_command(topic.ros));
     }
   };
   return process.run(graph, hooks);

@@ -8,7 +8,7 @@
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/process/initial_key.hpp"
-#include "spikeloop/ros1/sensor.hpp"
+#include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop {
 namespace {
@@ -89,7 +89,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   process.set_defaults({.pace = true, .accept_one_tick = false});
   process.declare_ports({"out", "pace"});
   const Parameters parameters = process.read(sensor_parameters(program));
-  ros1::SensorSettings settings;
+  topics::SensorSettings settings;
   settings.topic = required_topic(process, parameters, "/scan");
   settings.message_type = message_type(parameters);
   settings.fields = split(parameters.text("fields"));
@@ -100,15 +100,15 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   const auto out = process.signal_output("out");
   const auto pace =
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
-  const ros1::SessionSettings node = session_settings(parameters);
+  const session::Settings node = session_settings(parameters);
   if (process.checking()) {
     located_at(settings.fields.empty() ? process.where("out") : parameters.where("fields"),
-               [&] { ros1::Sensor::check(settings); });
+               [&] { topics::Sensor::check(node.ros, settings); });
     process.check();
     return 0;
   }
-  ros1::Session session(node);
-  ros1::Sensor sensor(session, settings);
+  const auto session = session::open(node);
+  topics::Sensor sensor(*session, settings);
 
   GraphDescription more;
   if (pace) {
@@ -117,7 +117,8 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   }
   music::Process::LoopHooks hooks;
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
-  return run_topic(process, settings.topic, sensor, *out, std::move(more), std::move(hooks));
+  return run_topic(process, {settings.topic, node.ros}, sensor, *out, std::move(more),
+                   std::move(hooks));
 }
 
 }  // namespace spikeloop

@@ -29,7 +29,8 @@ Hello example() {
   hello.process = "command";
   hello.topic = "/cmd_vel";
   hello.message_type = "geometry_msgs/Twist";
-  hello.master_uri = "http://localhost:11311";
+  hello.ros = 2;
+  hello.place = {{"ROS_DOMAIN_ID", "7"}};
   hello.watchdog = 100'000'000;
   hello.zero = {std::byte{0}, std::byte{255}, std::byte{7}};
   return hello;
@@ -42,7 +43,8 @@ TEST(Protocol, a_hello_arrives_as_it_was) {
   EXPECT_EQ(hello->process, "command");
   EXPECT_EQ(hello->topic, "/cmd_vel");
   EXPECT_EQ(hello->message_type, "geometry_msgs/Twist");
-  EXPECT_EQ(hello->master_uri, "http://localhost:11311");
+  EXPECT_EQ(hello->ros, 2);
+  EXPECT_EQ(hello->place, example().place);
   EXPECT_EQ(hello->watchdog, 100'000'000);
   EXPECT_EQ(hello->zero, example().zero);
 }

@@ -48,7 +48,7 @@ class GuardErrorTest : public testing::Test {
     made.process = "command";
     made.topic = "/cmd_vel";
     made.message_type = "std_msgs/Empty";
-    made.master_uri = master_uri;
+    made.place = {{"ROS_MASTER_URI", master_uri}};
     made.watchdog = 100'000'000;
     return made;
   }
@@ -103,8 +103,8 @@ TEST_F(GuardErrorTest, a_second_master) {
   const guard::Link good(hello(first.uri()));
   EXPECT_TRUE(good.guarded()) << testing::PrintToString(said_);
   const guard::Link other(hello(second.uri()));
-  EXPECT_THAT(said_, ElementsAre("the guard refuses: it is with the ROS master at " + first.uri() +
-                                 ", not with that at " + second.uri() +
+  EXPECT_THAT(said_, ElementsAre("the guard refuses: it meets robots at ROS_MASTER_URI=" +
+                                 first.uri() + ", not at ROS_MASTER_URI=" + second.uri() +
                                  "; start another guard for this one" + kAlone));
 }
 

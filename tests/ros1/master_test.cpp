@@ -8,9 +8,9 @@
 #include <string_view>
 #include <thread>
 
+#include "settings.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/ros1/session.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace {
@@ -44,13 +44,6 @@ TEST(Master, address) {
               "ROS_MASTER_URI is '" + uri +
                   "', which is no address; write http://HOST:PORT, as in http://localhost:11311");
   }
-}
-
-TEST(CommandLine, arguments_for_ros_are_told_by_their_sign) {
-  const char* const argv[] = {"robot", "--seed", "3", "__name:=left", "/scan:=/left/scan", "x="};
-  const CommandLine line = split_command_line(6, argv);
-  EXPECT_THAT(line.own, ElementsAre("robot", "--seed", "3", "x="));
-  EXPECT_THAT(line.ros, ElementsAre(Pair("/scan", "/left/scan"), Pair("__name", "left")));
 }
 
 TEST(Master, uri_comes_from_the_arguments_or_the_environment) {
@@ -134,16 +127,17 @@ TEST(Session, names) {
     const std::string text =
         "'" + name +
         "' is no name of a ROS node; write a letter followed by letters, digits and '_'";
-    EXPECT_EQ(error_of([&] { Session({.node_name = name, .master_uri = core.uri()}); }), text);
-    const SessionSettings with_argument{
-        .node_name = "robot", .master_uri = core.uri(), .arguments = {{"__name", name}}};
+    EXPECT_EQ(error_of([&] { Session(test::node_at(core.uri(), name)); }), text);
+    SessionSettings with_argument = test::node_at(core.uri(), "robot");
+    with_argument.arguments = {{"__name", name}};
     EXPECT_EQ(error_of([&] { const Session session(with_argument); }), text);
   }
-  const Session session(
-      {.node_name = "ros_command_node", .unique_name = true, .master_uri = core.uri()});
+  const Session session(test::node_at(core.uri(), "ros_command_node"));
   EXPECT_THAT(session.node_name(), StartsWith("/ros_command_node_"));
   EXPECT_TRUE(session.alive());
-  EXPECT_THROW(Session({.node_name = "second", .master_uri = core.uri()}), std::logic_error);
+  EXPECT_THAT(session.place(), ElementsAre(Pair("ROS_MASTER_URI", core.uri())));
+  EXPECT_EQ(session.whole_topic("scan"), "/scan");
+  EXPECT_THROW(Session(test::node_at(core.uri(), "second")), std::logic_error);
 }
 
 }  // namespace

@@ -6,9 +6,8 @@
 #include <mutex>
 
 #include "ros_peer.hpp"
+#include "settings.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/ros1/raw_publisher.hpp"
-#include "spikeloop/ros1/raw_subscriber.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace {
@@ -25,11 +24,14 @@ std::vector<std::byte> bytes_of(const std::vector<double>& values) {
 
 class RawTopicTest : public testing::Test {
  protected:
-  RawSubscriber::Callback keep() {
+  std::function<void(std::span<const std::byte>)> keep() {
     return [this](std::span<const std::byte> message) {
       const std::lock_guard lock(mutex_);
       heard_.emplace_back(message.begin(), message.end());
     };
+  }
+  std::unique_ptr<topics::RawSubscriber> listen(const std::string& topic, const std::string& type) {
+    return session_.subscriber({.topic = topic, .message_type = type, .take = keep()});
   }
   std::vector<std::vector<std::byte>> heard() {
     const std::lock_guard lock(mutex_);
@@ -37,7 +39,7 @@ class RawTopicTest : public testing::Test {
   }
 
   test::RosCore core_;
-  Session session_{{.node_name = "raw", .unique_name = true, .master_uri = core_.uri()}};
+  Session session_{test::node_at(core_.uri(), "raw")};
   ros_peer::Peer robot_{core_.uri()};
   std::mutex mutex_;
   std::vector<std::vector<std::byte>> heard_;
@@ -46,19 +48,19 @@ class RawTopicTest : public testing::Test {
 const std::vector<double> kTwist{0.25, 0, 0, 0, 0, -0.5};
 
 TEST_F(RawTopicTest, sends_bytes) {
-  RawPublisher publisher(session_, "/cmd_vel", "geometry_msgs/Twist");
-  EXPECT_FALSE(publisher.has_subscribers());
+  const auto publisher = session_.publisher("/cmd_vel", "geometry_msgs/Twist");
+  EXPECT_FALSE(publisher->has_subscribers());
   robot_.listen_twist("/cmd_vel");
-  ASSERT_TRUE(eventually(20, [&] { return publisher.has_subscribers(); }));
-  publisher.publish(bytes_of(kTwist));
-  publisher.drain();
+  ASSERT_TRUE(eventually(20, [&] { return publisher->has_subscribers(); }));
+  publisher->publish(bytes_of(kTwist));
+  publisher->drain();
   ASSERT_TRUE(eventually(20, [&] { return !robot_.twists().empty(); }));
   EXPECT_EQ(robot_.twists().front().linear_x, 0.25);
   EXPECT_EQ(robot_.twists().front().angular_z, -0.5);
 }
 
 TEST_F(RawTopicTest, receives_bytes) {
-  const RawSubscriber subscriber(session_, "/in", "Twist", keep());
+  const auto subscriber = listen("/in", "Twist");
   ASSERT_TRUE(eventually(20, [&] {
     robot_.publish_twist("/in", 0.25, -0.5);
     return !heard().empty();
@@ -67,7 +69,7 @@ TEST_F(RawTopicTest, receives_bytes) {
 }
 
 TEST_F(RawTopicTest, refuses_another_type) {
-  const RawSubscriber arrays(session_, "/in", "std_msgs/Float64MultiArray", keep());
+  const auto arrays = listen("/in", "std_msgs/Float64MultiArray");
   robot_.publish_twist("/in", 1, 1);
   std::this_thread::sleep_for(std::chrono::seconds(1));
   robot_.publish_twist("/in", 1, 1);
@@ -76,7 +78,7 @@ TEST_F(RawTopicTest, refuses_another_type) {
 }
 
 TEST_F(RawTopicTest, is_silent_after_its_end) {
-  auto subscriber = std::make_unique<RawSubscriber>(session_, "/in", "Twist", keep());
+  auto subscriber = listen("/in", "Twist");
   ASSERT_TRUE(eventually(20, [&] {
     robot_.publish_twist("/in", 1, 1);
     return !heard().empty();
@@ -90,14 +92,35 @@ TEST_F(RawTopicTest, is_silent_after_its_end) {
   EXPECT_EQ(heard().size(), before);
 }
 
+TEST_F(RawTopicTest, another_type_is_told_to_who_wants_to_know) {
+  std::vector<topics::OtherType> others;
+  const auto arrays = session_.subscriber({.topic = "/in",
+                                           .message_type = "Float64MultiArray",
+                                           .take = keep(),
+                                           .refuse = [&](const topics::OtherType& other) {
+                                             const std::lock_guard lock(mutex_);
+                                             others.push_back(other);
+                                           }});
+  ASSERT_TRUE(eventually(20, [&] {
+    robot_.publish_twist("/in", 1, 1);
+    const std::lock_guard lock(mutex_);
+    return !others.empty();
+  }));
+  EXPECT_TRUE(heard().empty());
+  const std::lock_guard lock(mutex_);
+  EXPECT_EQ(others.front().type, "geometry_msgs/Twist");
+  EXPECT_EQ(others.front().text,
+            "topic '/in' carries geometry_msgs/Twist, not std_msgs/Float64MultiArray");
+}
+
 // The header begins with the number; the rest of a scan of zeros are 52 - 4 bytes.
 TEST_F(RawTopicTest, messages_with_a_header_are_numbered) {
-  RawPublisher publisher(session_, "/scan", "sensor_msgs/LaserScan");
-  const RawSubscriber subscriber(session_, "/scan", "sensor_msgs/LaserScan", keep());
-  ASSERT_TRUE(eventually(20, [&] { return publisher.has_subscribers(); }));
+  const auto publisher = session_.publisher("/scan", "sensor_msgs/LaserScan");
+  const auto subscriber = listen("/scan", "sensor_msgs/LaserScan");
+  ASSERT_TRUE(eventually(20, [&] { return publisher->has_subscribers(); }));
   const std::vector<std::byte> scan(52, std::byte{0});
   for (std::size_t i = 0; i < 3; ++i) {
-    publisher.publish(scan);
+    publisher->publish(scan);
     ASSERT_TRUE(eventually(20, [&] { return heard().size() > i; }));
     auto numbered = scan;
     numbered[0] = static_cast<std::byte>(i);
@@ -119,12 +142,11 @@ TEST_F(RawTopicTest, errors) {
       }
       return "no error";
     };
-    EXPECT_EQ(error_of([&] { RawPublisher(session_, topic, "geometry_msgs/Twist"); }), text);
-    EXPECT_EQ(error_of([&] { RawSubscriber(session_, topic, "geometry_msgs/Twist", keep()); }),
-              text);
+    EXPECT_EQ(error_of([&] { session_.publisher(topic, "geometry_msgs/Twist"); }), text);
+    EXPECT_EQ(error_of([&] { listen(topic, "geometry_msgs/Twist"); }), text);
   }
-  EXPECT_THROW(RawPublisher(session_, "/a", "geometry_msgs/Twits"), ConfigurationError);
-  EXPECT_THROW(RawSubscriber(session_, "/a", "geometry_msgs/Twits", keep()), ConfigurationError);
+  EXPECT_THROW(session_.publisher("/a", "geometry_msgs/Twits"), ConfigurationError);
+  EXPECT_THROW(listen("/a", "geometry_msgs/Twits"), ConfigurationError);
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ json to_packet(const Hello& hello) {
   packet["process"] = hello.process;
   packet["topic"] = hello.topic;
   packet["message_type"] = hello.message_type;
-  packet["master_uri"] = hello.master_uri;
+  packet["ros"] = hello.ros;
+  packet["place"] = hello.place;
   packet["watchdog"] = hello.watchdog;
   packet["zero"] = json::binary(std::move(zero));
   return packet;
@@ -38,7 +39,8 @@ std::optional<Hello> read_hello(const json& packet) {
     hello.process = packet.at("process").get<std::string>();
     hello.topic = packet.at("topic").get<std::string>();
     hello.message_type = packet.at("message_type").get<std::string>();
-    hello.master_uri = packet.at("master_uri").get<std::string>();
+    hello.ros = packet.at("ros").get<int>();
+    hello.place = packet.at("place").get<std::map<std::string, std::string>>();
     hello.watchdog = packet.at("watchdog").get<TimeNs>();
     for (const std::uint8_t byte : packet.at("zero").get_binary()) {
       hello.zero.push_back(std::byte{byte});

@@ -1,4 +1,4 @@
-#include "spikeloop/ros1/connections.hpp"
+#include "connections.hpp"
 
 #include <ros/master.h>
 #include <ros/network.h>
@@ -78,8 +78,7 @@ bool has_connection(XmlRpcValue connections, const std::string& subscriber,
 
 }  // namespace
 
-bool publishers_know_us(const Session& session, const std::string& topic) {
-  const std::string self = session.node_name();
+bool publishers_know(const std::string& self, const std::string& topic) {
   try {
     const std::vector<std::string> nodes = publishers_of(self, topic);
     for (const std::string& node : nodes) {

@@ -169,12 +169,12 @@ std::string no_answer(const std::string& host, const Probe& probe) {
 
 }  // namespace
 
-std::string master_uri(const RosArguments& arguments) {
+std::string master_uri(const topics::RosArguments& arguments) {
   const auto argument = arguments.find("__master");
   if (argument != arguments.end() && !argument->second.empty()) {
     return argument->second;
   }
-  const char* const uri = std::getenv("ROS_MASTER_URI");
+  const char* const uri = std::getenv(kMasterVariable);
   return uri != nullptr && *uri != '\0' ? uri : "http://localhost:11311";
 }
 

@@ -1,4 +1,4 @@
-#include "spikeloop/ros1/raw_publisher.hpp"
+#include "raw_publisher.hpp"
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -13,9 +13,8 @@
 #include <memory>
 #include <thread>
 
-#include "raw_message.hpp"
-#include "session_impl.hpp"
-#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
 namespace {
@@ -59,33 +58,25 @@ bool begins_with_header(const messages::TypeLayout& type) {
 
 }  // namespace
 
-struct RawPublisher::Impl {
-  RawMessage message;
-  ros::Publisher publisher;
-};
-
-RawPublisher::RawPublisher(Session& session, const std::string& topic,
-                           const std::string& message_type, std::uint32_t queue)
-    : impl_(std::make_unique<Impl>()) {
-  check_topic(topic);
-  const auto& catalog = messages::Catalog::builtin();
+RawPublisher::RawPublisher(ros::NodeHandle& node, const std::string& topic,
+                           const std::string& message_type, std::uint32_t queue) {
+  topics::check_topic(messages::Dialect::ros1, topic);
+  const auto& catalog = topics::catalog_of(messages::Dialect::ros1, message_type);
   const std::string type = catalog.full_name(message_type);
   ros::AdvertiseOptions options(
       topic, queue, catalog.md5(type), type, catalog.full_text(type),
       [](const ros::SingleSubscriberPublisher&) { send_without_delay(); });
   options.has_header = begins_with_header(*catalog.layout(type));
-  impl_->publisher = session.impl().node->advertise(options);
+  publisher_ = node.advertise(options);
 }
 
-RawPublisher::~RawPublisher() = default;
-
 void RawPublisher::publish(std::span<const std::byte> message) {
-  impl_->message.bytes.assign(message.begin(), message.end());
-  impl_->publisher.publish(impl_->message);
+  message_.bytes.assign(message.begin(), message.end());
+  publisher_.publish(message_);
 }
 
 bool RawPublisher::has_subscribers() const {
-  return impl_->publisher.getNumSubscribers() != 0;
+  return publisher_.getNumSubscribers() != 0;
 }
 
 // roscpp's network thread goes round: it takes what was published, then writes to the sockets that

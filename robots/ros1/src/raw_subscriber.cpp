@@ -1,65 +1,96 @@
-#include "spikeloop/ros1/raw_subscriber.hpp"
+#include "raw_subscriber.hpp"
+
+#include <fmt/format.h>
 
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "raw_message.hpp"
-#include "session_impl.hpp"
-#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
-namespace {
 
 /// roscpp shares it: after a shutdown of ROS, unsubscribing waits for no callback.
-struct Receiver {
-  void take(const RawMessage& message) {
-    const std::lock_guard lock(mutex);
-    if (callback) {
-      callback(message.bytes);
+class RawSubscriber::Receiver {
+ public:
+  explicit Receiver(topics::Subscription subscription) : wanted_(std::move(subscription)) {
+    const auto& catalog = topics::catalog_of(messages::Dialect::ros1, wanted_.message_type);
+    type_ = catalog.full_name(wanted_.message_type);
+    md5_ = catalog.md5(type_);
+  }
+
+  const topics::Subscription& wanted() const { return wanted_; }
+  const std::string& type() const { return type_; }
+  const std::string& md5() const { return md5_; }
+
+  void take(const ros::MessageEvent<const RawMessage>& event) {
+    const std::lock_guard lock(mutex_);
+    if (closed_) {
+      return;
+    }
+    if (wanted_.refuse && entry(event, "md5sum") != md5_) {
+      refuse(event);
+    } else {
+      wanted_.take(event.getConstMessage()->bytes);
     }
   }
   void close() {
-    const std::lock_guard lock(mutex);
-    callback = nullptr;
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
   }
 
-  std::mutex mutex;
-  RawSubscriber::Callback callback;
+ private:
+  /// What the publisher said when it was connected.
+  static std::string entry(const ros::MessageEvent<const RawMessage>& event, const char* key) {
+    const auto found = event.getConnectionHeader().find(key);
+    return found == event.getConnectionHeader().end() ? "" : found->second;
+  }
+
+  void refuse(const ros::MessageEvent<const RawMessage>& event) const {
+    const std::string type = entry(event, "type");
+    if (type == type_) {
+      wanted_.refuse({"", fmt::format("topic '{}' carries another version of {} (md5 sum {}, ours "
+                                      "is {}); its publisher must use the version of ROS Noetic",
+                                      wanted_.topic, type_, entry(event, "md5sum"), md5_)});
+    } else {
+      wanted_.refuse(
+          {type, fmt::format("topic '{}' carries {}, not {}", wanted_.topic, type, type_)});
+    }
+  }
+
+  topics::Subscription wanted_;
+  std::string type_;
+  std::string md5_;
+  std::mutex mutex_;
+  bool closed_ = false;
 };
 
-}  // namespace
-
-struct RawSubscriber::Impl {
-  std::shared_ptr<Receiver> receiver = std::make_shared<Receiver>();
-  ros::Subscriber subscriber;
-};
-
-RawSubscriber::RawSubscriber(Session& session, const std::string& topic,
-                             const std::string& message_type, Callback callback,
-                             std::uint32_t queue)
-    : impl_(std::make_unique<Impl>()) {
-  check_topic(topic);
-  impl_->receiver->callback = std::move(callback);
+RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscription) {
+  topics::check_topic(messages::Dialect::ros1, subscription.topic);
+  receiver_ = std::make_shared<Receiver>(std::move(subscription));
+  const topics::Subscription& wanted = receiver_->wanted();
   ros::SubscribeOptions options;
-  options.init<RawMessage>(
-      topic, queue,
-      [receiver = impl_->receiver](const boost::shared_ptr<const RawMessage>& message) {
-        receiver->take(*message);
+  options.initByFullCallbackType<const ros::MessageEvent<const RawMessage>&>(
+      wanted.topic, wanted.queue,
+      [receiver = receiver_](const ros::MessageEvent<const RawMessage>& event) {
+        receiver->take(event);
       });
-  const auto& catalog = messages::Catalog::builtin();
-  options.datatype = catalog.full_name(message_type);
-  options.md5sum = catalog.md5(options.datatype);
+  // Who does not refuse wants nothing of other types; who does must get to know them.
+  options.datatype = wanted.refuse ? "*" : receiver_->type();
+  options.md5sum = wanted.refuse ? "*" : receiver_->md5();
   options.transport_hints = ros::TransportHints().tcpNoDelay();
-  impl_->subscriber = session.impl().node->subscribe(options);
+  subscriber_ = node.subscribe(options);
 }
 
 RawSubscriber::~RawSubscriber() {
-  impl_->subscriber.shutdown();
-  impl_->receiver->close();
+  subscriber_.shutdown();
+  receiver_->close();
 }
 
 bool RawSubscriber::has_publishers() const {
-  return impl_->subscriber.getNumPublishers() != 0;
+  return subscriber_.getNumPublishers() != 0;
 }
 
 }  // namespace spikeloop::ros1

@@ -1,30 +1,29 @@
 #include "spikeloop/ros1/session.hpp"
 
 #include <fmt/format.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
 
 #include <atomic>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
-#include "session_impl.hpp"
+#include "connections.hpp"
+#include "raw_publisher.hpp"
+#include "raw_subscriber.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/ros1/master.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
-
 namespace {
-
-/// A '~' makes a name private to a node; roscpp wants none in these.
-bool is_name(const std::string& name, const char* unwanted) {
-  std::string reason;
-  return !name.empty() && name.find_first_of(unwanted) == std::string::npos &&
-         ros::names::validate(name, reason);
-}
 
 std::string checked_node_name(const SessionSettings& settings) {
   const auto argument = settings.arguments.find("__name");
   const std::string& name =
       argument == settings.arguments.end() ? settings.node_name : argument->second;
-  check_node_name(name);
+  topics::check_node_name(messages::Dialect::ros1, name);
   return name;
 }
 
@@ -40,30 +39,22 @@ void start_ros(const ros::M_string& arguments, const std::string& node_name,
 
 }  // namespace
 
-void check_node_name(const std::string& name) {
-  if (!is_name(name, "~/")) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
-  }
+std::string master_of(const SessionSettings& settings) {
+  const auto place = settings.place.find(kMasterVariable);
+  return place == settings.place.end() ? master_uri(settings.arguments) : place->second;
 }
 
-void check_topic(const std::string& topic) {
-  if (!is_name(topic, "~")) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with a "
-        "letter or '/', as in /cmd_vel",
-        topic));
-  }
-}
-
-std::string whole_topic(const std::string& topic) {
-  return ros::names::resolve(topic);
-}
+struct Session::Impl {
+  std::string master_uri;
+  ros::CallbackQueue queue;
+  std::unique_ptr<ros::NodeHandle> node;
+  std::atomic<bool> ending{false};
+  std::thread thread;
+};
 
 Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>()) {
   static std::atomic<bool> used{false};
-  const std::string uri =
-      settings.master_uri.empty() ? master_uri(settings.arguments) : settings.master_uri;
+  const std::string uri = master_of(settings);
   const std::string node_name = checked_node_name(settings);
   require_master(uri, settings.master_timeout);
   if (used.exchange(true)) {
@@ -78,6 +69,7 @@ Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>
   start_ros(arguments, node_name, options);
   // The master answered a moment ago; should it die now, calls fail rather than wait for ever.
   ros::master::setRetryTimeout(ros::WallDuration(to_seconds(settings.master_timeout)));
+  impl_->master_uri = uri;
   impl_->node = std::make_unique<ros::NodeHandle>();
   impl_->node->setCallbackQueue(&impl_->queue);
   impl_->thread = std::thread([this] {
@@ -109,6 +101,28 @@ void Session::require_alive() const {
         "(rosnode kill)",
         node_name()));
   }
+}
+
+topics::Place Session::place() const {
+  return {{kMasterVariable, impl_->master_uri}};
+}
+
+std::string Session::whole_topic(const std::string& topic) const {
+  return ros::names::resolve(topic);
+}
+
+std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topic,
+                                                         const std::string& message_type,
+                                                         std::uint32_t queue) {
+  return std::make_unique<RawPublisher>(*impl_->node, topic, message_type, queue);
+}
+
+std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {
+  return std::make_unique<RawSubscriber>(*impl_->node, std::move(subscription));
+}
+
+bool Session::publishers_know_us(const std::string& topic) const {
+  return publishers_know(node_name(), topic);
 }
 
 }  // namespace spikeloop::ros1

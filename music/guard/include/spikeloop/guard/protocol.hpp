@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -23,7 +24,7 @@ using status::Descriptor;
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 
 /// Both sides must be of the same.
-inline constexpr int kProtocol = 1;
+inline constexpr int kProtocol = 2;
 
 /// How a command adapter introduces itself.
 struct Hello {
@@ -31,7 +32,8 @@ struct Hello {
   std::string process;  ///< the section's label
   std::string topic;
   std::string message_type;  ///< "geometry_msgs/Twist"; the guard knows the same definitions
-  std::string master_uri;
+  int ros = 1;               ///< its version: 1 or 2
+  std::map<std::string, std::string> place;  ///< variables that say where the robot's nodes meet
   TimeNs watchdog = 0;          ///< wall time after which the adapter stops the robot itself
   std::vector<std::byte> zero;  ///< the message that stops the robot, as the adapter sends it
 };

@@ -6,9 +6,12 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
-#include "spikeloop/ros1/arguments.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace spikeloop::ros1 {
+
+/// The environment variable that says where it is.
+inline constexpr const char* kMasterVariable = "ROS_MASTER_URI";
 
 struct MasterAddress {
   std::string host;
@@ -16,7 +19,7 @@ struct MasterAddress {
 };
 
 /// The argument __master, ROS_MASTER_URI, or http://localhost:11311 as everywhere in ROS 1.
-std::string master_uri(const RosArguments& arguments = {});
+std::string master_uri(const topics::RosArguments& arguments = {});
 
 /// @throws ConfigurationError when it is no http://host:port.
 MasterAddress parse_master_uri(const std::string& uri);

@@ -5,48 +5,50 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
-#include "spikeloop/ros1/arguments.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
 
-struct SessionSettings {
-  std::string node_name;
-  /// Adds a suffix of its own to the name: ROS 1 ends the older one of two nodes with the same
-  /// name.
-  bool unique_name = false;
-  std::string master_uri{};  ///< empty: as master_uri() says
-  TimeNs master_timeout = 5 * kNsPerSecond;
-  RosArguments arguments{};  ///< `__name` wins over `node_name`
+struct SessionSettings : topics::SessionSettings {
+  TimeNs master_timeout = 5 * kNsPerSecond;  ///< how long to wait for the master
 };
+
+/// The URI in the settings' place, or what master_uri() says.
+std::string master_of(const SessionSettings& settings);
 
 /// Once a process: roscpp knows but one node. Its callbacks run in a thread of their own. Installs
 /// no signal handler. Block the signals you wait for before: roscpp starts threads.
-class Session {
+///
+/// ROS 1 ends the older one of two nodes with the same name. Topics have TCP_NODELAY on both sides.
+/// roscpp numbers the messages of a type that begins with a header.
+class Session : public topics::Session {
  public:
   /// @throws TransportError without a master (see require_master), ConfigurationError for an
   /// impossible name of a node or in the arguments, std::logic_error the second time.
   explicit Session(const SessionSettings& settings);
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
+  ~Session() override;
 
-  std::string node_name() const;  ///< "/ros_command_node_1700000000000000000"
-  /// False once ROS has shut the node down, as it does when another one takes its name.
-  bool alive() const;
-  /// @throws TransportError once it is not alive: nothing comes and nothing leaves any more.
-  void require_alive() const;
+  messages::Dialect dialect() const override { return messages::Dialect::ros1; }
+  std::string node_name() const override;
+  bool alive() const override;
+  void require_alive() const override;
+  topics::Place place() const override;
+  std::string whole_topic(const std::string& topic) const override;
 
-  struct Impl;
-  Impl& impl() { return *impl_; }
+  /// @param queue messages that may wait for roscpp's thread; of more, the oldest are lost; 0: any
+  /// number
+  std::unique_ptr<topics::RawPublisher> publisher(const std::string& topic,
+                                                  const std::string& message_type,
+                                                  std::uint32_t queue = 10) override;
+  /// Without `refuse`, roscpp refuses publishers of another type, in silence.
+  std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
+  /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so
+  /// some time before.
+  bool publishers_know_us(const std::string& topic) const override;
 
  private:
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// @throws ConfigurationError when roscpp would refuse the name.
-void check_node_name(const std::string& name);
-void check_topic(const std::string& topic);
-/// "/scan" of "scan", as ROS resolves it once there is a session.
-std::string whole_topic(const std::string& topic);
 
 }  // namespace spikeloop::ros1

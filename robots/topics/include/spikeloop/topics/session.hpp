@@ -10,6 +10,7 @@
 #include <string>
 
 #include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace spikeloop::topics {
 
@@ -67,10 +68,8 @@ using Place = std::map<std::string, std::string>;
 struct SessionSettings {
   std::string node_name;
   bool unique_name = false;  ///< adds a suffix of its own to the name
-  /// NAME:=VALUE of a command line: a topic's other name, or what ROS calls `__name`, `__ns`...
-  /// `__name` wins over `node_name`.
-  std::map<std::string, std::string> arguments{};
-  Place place{};  ///< another session's; empty: what this process's environment says
+  RosArguments arguments{};  ///< `__name` wins over `node_name`
+  Place place{};             ///< another session's; empty: what this process's environment says
 };
 
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.

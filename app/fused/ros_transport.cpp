@@ -1,0 +1,162 @@
+#include "ros_transport.hpp"
+
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "clock_pacer.hpp"
+#include "spikeloop/command/command_settings.hpp"
+#include "spikeloop/command/mapping.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/session/open.hpp"
+#include "spikeloop/topics/sensor.hpp"
+
+namespace spikeloop {
+namespace {
+
+using experiment::Sync;
+
+bool in_simulated_time(Sync sync) {
+  return sync == Sync::lockstep || sync == Sync::sim_time;
+}
+
+class RosCommandEnd : public fused::CommandEnd {
+ public:
+  RosCommandEnd(topics::Session& session, const ros_command::Address& address,
+                const command::CommandSettings& settings, fused::Keep keep)
+      : keep_(std::move(keep)), command_(session, address, settings, sent()) {}
+  std::vector<EndpointPort> ports() const override { return command_.ports(); }
+  void send(const Step& step) override {
+    command_.send(step);
+    now_ = step.interval().end;
+    keep_sent();
+  }
+  std::vector<Counter> counters() const override { return command_.counters(); }
+  void on_latency(command::TakeLatency take) override { command_.on_latency(std::move(take)); }
+  void stop(command::StopReason reason) override {
+    command_.stop(reason);
+    keep_sent();
+  }
+  nlohmann::json summary() const override { return command_.summary(); }
+  ros_command::RosCommand& ros() { return command_; }
+
+ private:
+  /// Commands leave in the thread that stops the robot, too, which must never wait for a disk.
+  ros_command::RosCommand::Sent sent() {
+    if (!keep_) {
+      return {};
+    }
+    return [this](std::span<const std::byte> message) {
+      const std::lock_guard lock(mutex_);
+      sent_.emplace_back(message.begin(), message.end());
+    };
+  }
+  void keep_sent() {
+    std::vector<std::vector<std::byte>> messages;
+    {
+      const std::lock_guard lock(mutex_);
+      messages.swap(sent_);
+    }
+    for (const auto& message : messages) {
+      keep_(now_, message);
+    }
+  }
+
+  fused::Keep keep_;
+  TimeNs now_ = 0;
+  std::mutex mutex_;
+  std::vector<std::vector<std::byte>> sent_;
+  ros_command::RosCommand command_;  // last: it may still send while it ends
+};
+
+}  // namespace
+
+RosTransport::RosTransport(const experiment::Experiment& experiment,
+                           const LoopSurroundings& surroundings)
+    : experiment_(experiment),
+      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true}})),
+      waiting_(surroundings) {
+  if (experiment.sync == Sync::lockstep) {
+    robot_.emplace(*session_, experiment.tick, waiting_);
+  }
+}
+
+std::unique_ptr<Source> RosTransport::sensor(const fused::SensorSpec& spec) {
+  const experiment::Part& part = spec.part;
+  topics::SensorSettings settings{.topic = part.parameters.text("topic"),
+                                  .message_type = part.parameters.text("message"),
+                                  .fields = experiment::sensor_fields(part.parameters),
+                                  .width = spec.width,
+                                  .strict = true,
+                                  .initial = experiment::sensor_initial(part.parameters)};
+  settings.keep = spec.keep;
+  settings.simulated_pace = in_simulated_time(experiment_.sync);
+  if (robot_) {
+    settings.queue = 0;  // every message counts
+    settings.arrived = [this] { waiting_.notify(); };
+  }
+  auto sensor = std::make_unique<topics::Sensor>(*session_, settings);
+  if (robot_) {
+    robot_->add_sensor({session_->whole_topic(settings.topic),
+                        [&sensor = *sensor] { return sensor.has_publishers(); },
+                        [&sensor = *sensor] { return sensor.received(); },
+                        [&sensor = *sensor] { sensor.require_sound(); }});
+  }
+  return sensor;
+}
+
+command::CommandSettings RosTransport::command_settings(const fused::CommandSpec& spec) const {
+  const Parameters& keys = spec.part.parameters;
+  if (in_simulated_time(experiment_.sync)) {
+    return command::simulated_settings(
+        keys, spec.map, robot_ ? command::CommandClock::lockstep : command::CommandClock::simulated,
+        spec.with_pace);
+  }
+  return command::command_settings(keys, spec.map, keys.number("command_rate"),
+                                   {experiment_.tick, experiment_.real_time_factor},
+                                   spec.with_pace);
+}
+
+std::unique_ptr<fused::CommandEnd> RosTransport::command(const fused::CommandSpec& spec) {
+  const ros_command::Address address{spec.part.name, spec.part.parameters.text("topic"),
+                                     spec.part.mapping.message_type,
+                                     command::field_paths(spec.part.mapping)};
+  auto end = std::make_unique<RosCommandEnd>(*session_, address, command_settings(spec), spec.keep);
+  commands_.push_back(&end->ros());
+  if (robot_) {
+    robot_->add_command({session_->whole_topic(address.topic),
+                         [&ros = end->ros()] { return ros.has_subscribers(); },
+                         [&ros = end->ros()] { return ros.sent(); },
+                         {}});
+  }
+  return end;
+}
+
+std::unique_ptr<Pacer> RosTransport::clock() {
+  return make_clock_pacer(*session_, experiment_.tick, waiting_, [this] {
+    for (ros_command::RosCommand* command : commands_) {
+      command->alive();
+    }
+  });
+}
+
+void RosTransport::begin(TimeNs time) {
+  if (robot_ && time == 0) {
+    robot_->begin();
+  }
+}
+
+void RosTransport::end(TimeNs time) {
+  if (robot_) {
+    robot_->advance(time);
+  }
+}
+
+void RosTransport::finish() {
+  if (robot_) {
+    robot_->end();
+  }
+}
+
+}  // namespace spikeloop

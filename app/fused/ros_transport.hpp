@@ -1,0 +1,38 @@
+// Topics of ROS for an experiment in one process.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "spikeloop/fused/transport.hpp"
+#include "spikeloop/ros_command/ros_command.hpp"
+#include "spikeloop/topics/session.hpp"
+#include "stepping_link.hpp"
+#include "waiting.hpp"
+
+namespace spikeloop {
+
+class RosTransport : public fused::Transport {
+ public:
+  /// @throws TransportError without a ROS master.
+  RosTransport(const experiment::Experiment& experiment, const LoopSurroundings& surroundings);
+
+  std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
+  std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;
+  std::unique_ptr<Pacer> clock() override;
+  void begin(TimeNs time) override;
+  void end(TimeNs time) override;
+  void finish() override;
+
+ private:
+  command::CommandSettings command_settings(const fused::CommandSpec& spec) const;
+
+  const experiment::Experiment& experiment_;
+  std::unique_ptr<topics::Session> session_;
+  Waiting waiting_;
+  std::optional<SteppingLink> robot_;               ///< with sync: lockstep
+  std::vector<ros_command::RosCommand*> commands_;  ///< the loop's, and alive as long as it runs
+};
+
+}  // namespace spikeloop

@@ -1,0 +1,65 @@
+// Commands over ROS, and everything that stops the robot: the sink's own watch, the guard, the
+// end of the process.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/guard/link.hpp"
+#include "spikeloop/status/signals.hpp"
+#include "spikeloop/topics/publisher.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop::ros_command {
+
+struct Address {
+  std::string process;  ///< how the guard calls this one
+  std::string topic;
+  std::string message_type;
+  std::vector<std::string> fields;  ///< as topics::Publisher has them
+};
+
+/// Ports as command::CommandSink.
+class RosCommand : public Sink {
+ public:
+  using Sent = std::function<void(std::span<const std::byte> message)>;
+
+  /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
+  /// both before the robot is driven. @throws ConfigurationError as topics::Publisher.
+  /// @param sent told of every message that has left, in whatever thread it did; may be empty
+  RosCommand(topics::Session& session, const Address& address,
+             const command::CommandSettings& settings, Sent sent = {});
+
+  std::vector<EndpointPort> ports() const override { return sink_.ports(); }
+  void send(const Step& step) override { sink_.send(step); }
+  std::vector<Counter> counters() const override { return sink_.counters(); }
+  /// As CommandSink.
+  void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
+  void stop(command::StopReason reason) { sink_.stop(reason); }
+  nlohmann::json summary() const { return sink_.summary(); }
+  void alive() { sink_.alive(); }
+
+  bool has_subscribers() const { return publisher_.has_subscribers(); }
+  /// Messages that have left, zeros included.
+  std::uint64_t sent() const { return count_; }
+
+ private:
+  void leave_to_guard_if_dead();
+
+  topics::Session& session_;
+  topics::Publisher publisher_;
+  Sent sent_;
+  std::atomic<std::uint64_t> count_{0};
+  guard::Link guard_;
+  command::CommandSink sink_;
+  status::TerminationHook on_termination_;
+};
+
+}  // namespace spikeloop::ros_command

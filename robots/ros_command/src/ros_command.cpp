@@ -1,0 +1,64 @@
+#include "spikeloop/ros_command/ros_command.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/topics/names.hpp"
+
+namespace spikeloop::ros_command {
+namespace {
+
+/// What the guard has to know to stop the robot in our place.
+guard::Hello guard_hello(const topics::Session& session, const Address& address,
+                         const command::CommandSettings& settings,
+                         const topics::Publisher& publisher) {
+  const std::vector<double> zero(settings.width, 0.0);
+  return {.process = address.process,
+          .topic = address.topic,
+          .message_type = address.message_type,
+          .ros = topics::version_of(session.dialect()),
+          .place = session.place(),
+          .watchdog = settings.watchdog,
+          .zero = publisher.message(zero)};
+}
+
+}  // namespace
+
+RosCommand::RosCommand(topics::Session& session, const Address& address,
+                       const command::CommandSettings& settings, Sent sent)
+    : session_(session),
+      publisher_(session, address.topic, address.message_type, address.fields),
+      sent_(std::move(sent)),
+      guard_(guard_hello(session, address, settings, publisher_)),
+      sink_(settings, {.publish =
+                           [this](auto values) {
+                             const auto message = publisher_.publish(values);
+                             if (sent_) {
+                               sent_(message);
+                             }
+                             ++count_;
+                           },
+                       .finish =
+                           [this] {
+                             leave_to_guard_if_dead();
+                             publisher_.drain();
+                             guard_.done();
+                           },
+                       .interrupted = [] { ::kill(::getpid(), SIGTERM); },
+                       .beat =
+                           [this](TimeNs now) {
+                             leave_to_guard_if_dead();
+                             return guard_.beat(now);
+                           },
+                       .require = [this] { session_.require_alive(); }}),
+      on_termination_([this] { sink_.stop(command::StopReason::terminated); }) {}
+
+void RosCommand::leave_to_guard_if_dead() {
+  if (!session_.alive()) {
+    guard_.abandon();
+  }
+}
+
+}  // namespace spikeloop::ros_command

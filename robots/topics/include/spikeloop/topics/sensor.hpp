@@ -1,0 +1,67 @@
+// A topic as a source: the newest message's channels, taken the moment it arrives.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop::topics {
+
+struct SensorSettings {
+  std::string topic;
+  std::string message_type;           ///< "sensor_msgs/LaserScan"
+  std::vector<std::string> fields{};  ///< see messages::SensorConversion; usually empty
+  std::uint32_t width = 0;
+  bool strict = false;
+  std::optional<double> initial{};  ///< every channel before the first message; none: no value
+  /// `pace` is the simulated time of the tick that first uses a message.
+  bool simulated_pace = false;
+  std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
+  std::function<void()> arrived{};  ///< in the session's thread, after every message
+  /// Told in receive() of every message that has arrived since the call before, in order: those
+  /// that made the values of this tick, whose begin is `time`. May be empty.
+  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
+};
+
+/// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
+/// this tick uses arrived, without value before the first.
+///
+/// Counters: messages, cropped, short_messages, invalid_readings, without_reading, malformed,
+/// wrong_type.
+class Sensor : public Source {
+ public:
+  /// Subscribes. @throws ConfigurationError as messages::SensorConversion, and
+  /// for an impossible topic.
+  Sensor(Session& session, const SensorSettings& settings);
+  ~Sensor() override;
+
+  /// Throws what the constructor would, without ROS.
+  static void check(messages::Dialect ros, const SensorSettings& settings);
+
+  std::vector<EndpointPort> ports() const override;
+  /// @throws TransportError when the topic has brought messages of another type or version and none
+  /// of the right one, or the session's node has been shut down; ConfigurationError when `strict`
+  /// and a message does not fit the port.
+  void receive(const Step& step) override;
+  std::vector<Counter> counters() const override;
+
+  bool has_publishers() const;
+  /// Messages that have come and are known to the next receive().
+  std::uint64_t received() const;
+  /// Throws what receive() would.
+  void require_sound() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::topics

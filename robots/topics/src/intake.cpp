@@ -1,0 +1,104 @@
+#include "intake.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/topics/names.hpp"
+
+namespace spikeloop::topics {
+namespace {
+
+constexpr TimeNs kPatience = 2 * kNsPerSecond;
+
+}  // namespace
+
+Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
+    : session_(session), settings_(settings), take_(std::move(take)) {
+  check_topic(session.dialect(), settings_.topic);
+  subscriber_ = session.subscriber({.topic = settings_.topic,
+                                    .message_type = settings_.type,
+                                    .queue = settings_.queue,
+                                    .take = [this](auto message) { receive(message); },
+                                    .refuse = [this](const auto& other) { refuse(other); }});
+}
+
+void Intake::receive(std::span<const std::byte> message) {
+  const TimeNs now = wall_now();
+  try {
+    take_(message, now);
+    const std::lock_guard lock(mutex_);
+    newest_at_ = now;
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+  }
+}
+
+void Intake::refuse(const OtherType& other) {
+  std::string text = other.text;
+  if (!other.type.empty()) {
+    text +=
+        fmt::format("; write {}another ros_topic",
+                    settings_.type_is_a_key ? fmt::format("message_type={} or ", other.type) : "");
+  }
+  bool warn = false;
+  {
+    const std::lock_guard lock(mutex_);
+    warn = ++wrong_type_ == 1 && newest_at_ != 0;
+    if (newest_at_ == 0) {
+      failure_ = std::make_exception_ptr(TransportError(text));
+    }
+  }
+  if (warn) {
+    log::warning("{}", text);
+  }
+}
+
+void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
+  started_ = started_ == 0 ? now : started_;
+  bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
+  if (told || now - std::max(started_, newest_at) < kPatience) {
+    return;
+  }
+  told = true;
+  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is",
+               settings_.topic, format_time(kPatience), topic_command(session_.dialect()));
+}
+
+void Intake::require_sound() const {
+  session_.require_alive();
+  const std::lock_guard lock(mutex_);
+  if (failure_) {
+    std::rethrow_exception(failure_);
+  }
+}
+
+void Intake::check(std::optional<TimeNs> simulated) {
+  require_sound();
+  TimeNs newest_at = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    newest_at = newest_at_;
+  }
+  if (!simulated) {
+    mind_silence(wall_now(), newest_at);
+    return;
+  }
+  const TimeNs now = *simulated + 1;  // 0: none has come
+  if (newest_at != noticed_) {
+    noticed_ = newest_at;
+    noticed_at_ = now;
+  }
+  mind_silence(now, noticed_at_);
+}
+
+std::uint64_t Intake::wrong_type() const {
+  const std::lock_guard lock(mutex_);
+  return wrong_type_;
+}
+
+}  // namespace spikeloop::topics

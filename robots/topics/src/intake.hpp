@@ -1,0 +1,70 @@
+// A topic of one type in: what the sources of this room share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop::topics {
+
+struct IntakeSettings {
+  std::string topic;
+  std::string type;  ///< "sensor_msgs/LaserScan"
+  std::uint32_t queue = 10;
+  bool type_is_a_key = false;  ///< message_type can be written
+};
+
+/// Subscribes and hands messages on; remembers what is wrong until the loop asks.
+class Intake {
+ public:
+  /// Called in the session's thread the moment a message has arrived, with the time of the
+  /// monotonic clock. What it throws ends the run.
+  using Take = std::function<void(std::span<const std::byte>, TimeNs now)>;
+
+  /// @throws ConfigurationError for an unknown type or an impossible topic.
+  Intake(Session& session, const IntakeSettings& settings, Take take);
+  Intake(const Intake&) = delete;
+  Intake& operator=(const Intake&) = delete;
+
+  /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more,
+  /// by the wall clock, or by the simulated time that is given.
+  /// @throws TransportError when the topic has brought messages of another type or version and none
+  /// of the right one, or the session's node has been shut down; what `take` threw.
+  void check(std::optional<TimeNs> simulated = std::nullopt);
+  /// The same without a word of silence.
+  void require_sound() const;
+  bool has_publishers() const { return subscriber_->has_publishers(); }
+  std::uint64_t wrong_type() const;
+
+ private:
+  void receive(std::span<const std::byte> message);
+  void refuse(const OtherType& other);
+  void mind_silence(TimeNs now, TimeNs newest_at);
+
+  Session& session_;
+  IntakeSettings settings_;
+  Take take_;
+
+  mutable std::mutex mutex_;  // held for a moment, never across a tick
+  TimeNs newest_at_ = 0;      // 0: none has come
+  std::uint64_t wrong_type_ = 0;
+  std::exception_ptr failure_;
+
+  TimeNs started_ = 0;  // used by the loop only
+  TimeNs noticed_ = 0;  // newest_at_ at the tick that began at noticed_at_
+  TimeNs noticed_at_ = 0;
+  bool told_nothing_came_ = false;
+  bool told_nothing_comes_ = false;
+  std::unique_ptr<RawSubscriber> subscriber_;  // last: what its callbacks use is there before it
+};
+
+}  // namespace spikeloop::topics

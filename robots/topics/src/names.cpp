@@ -1,0 +1,106 @@
+#include "spikeloop/topics/names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::topics {
+namespace {
+
+using messages::Dialect;
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+bool is_word(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
+}
+
+/// ROS 1 looks at the first letter of the whole, and at each letter alone.
+bool is_ros1_topic(std::string_view topic) {
+  return !topic.empty() && (is_letter(topic.front()) || topic.front() == '/') &&
+         std::ranges::all_of(topic, [](char c) {
+           return c == '/' || is_word({&c, 1});
+         });
+}
+
+/// ROS 2 looks at what stands between the slashes; "~/" in front is the node's own namespace.
+bool is_ros2_topic(std::string_view topic) {
+  if (topic.starts_with('~')) {
+    topic.remove_prefix(1);
+    if (!topic.starts_with('/')) {
+      return false;
+    }
+  }
+  if (topic.starts_with('/')) {
+    topic.remove_prefix(1);
+  }
+  while (true) {
+    const auto end = topic.find('/');
+    const std::string_view part = topic.substr(0, end);
+    if (part.empty() || is_digit(part.front()) || !is_word(part)) {
+      return false;
+    }
+    if (end == topic.npos) {
+      return true;
+    }
+    topic.remove_prefix(end + 1);
+  }
+}
+
+bool is_node_name(Dialect ros, std::string_view name) {
+  if (name.empty() || !is_word(name)) {
+    return false;
+  }
+  return ros == Dialect::ros1 ? is_letter(name.front()) : !is_digit(name.front());
+}
+
+}  // namespace
+
+int version_of(Dialect ros) {
+  return ros == Dialect::ros1 ? 1 : 2;
+}
+
+Dialect dialect_of(int version) {
+  return version == 2 ? Dialect::ros2 : Dialect::ros1;
+}
+
+const char* name_of(Dialect ros) {
+  return ros == Dialect::ros1 ? "ROS 1" : "ROS 2";
+}
+
+const char* topic_command(Dialect ros) {
+  return ros == Dialect::ros1 ? "rostopic" : "ros2 topic";
+}
+
+void check_topic(Dialect ros, const std::string& topic) {
+  if (ros == Dialect::ros1 && !is_ros1_topic(topic)) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with a "
+        "letter or '/', as in /cmd_vel",
+        topic));
+  }
+  if (ros == Dialect::ros2 && !is_ros2_topic(topic)) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS 2 topic; write letters, digits and '_', with a single '/' "
+        "between parts that begin with no digit, as in /cmd_vel",
+        topic));
+  }
+}
+
+void check_node_name(Dialect ros, const std::string& name) {
+  if (!is_node_name(ros, name)) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
+  }
+}
+
+}  // namespace spikeloop::topics

@@ -1,0 +1,154 @@
+#include "spikeloop/topics/sensor.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "intake.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
+#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/topics/names.hpp"
+
+namespace spikeloop::topics {
+namespace {
+
+messages::SensorConversion conversion_of(messages::Dialect ros, const SensorSettings& settings) {
+  return {catalog_of(ros, settings.message_type), settings.message_type, settings.fields,
+          settings.width, settings.strict};
+}
+
+}  // namespace
+
+struct Sensor::Impl {
+  Impl(Session& session, const SensorSettings& wanted)
+      : settings(wanted),
+        conversion(conversion_of(session.dialect(), wanted)),
+        newest(wanted.width, 0.0),
+        intake(session,
+               {.topic = wanted.topic,
+                .type = wanted.message_type,
+                .queue = wanted.queue,
+                .type_is_a_key = true},
+               [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
+
+  /// In the session's thread, the moment a message has arrived.
+  void take(std::span<const std::byte> bytes, TimeNs now) {
+    const bool good = conversion.convert(bytes);
+    const std::string warning = conversion.take_warning();
+    publish(bytes, good, now);
+    ++received;
+    if (settings.arrived) {
+      settings.arrived();
+    }
+    if (!warning.empty()) {
+      log::warning("topic '{}': {}", settings.topic, warning);
+    }
+  }
+
+  /// Values and message at once: a tick uses what is kept for it, and nothing else.
+  void publish(std::span<const std::byte> bytes, bool good, TimeNs now) {
+    const std::lock_guard lock(mutex);
+    if (settings.keep) {
+      arrivals.emplace_back(bytes.begin(), bytes.end());
+    }
+    counts = conversion.counts();
+    if (good) {
+      std::ranges::copy(conversion.channels(), newest.begin());
+      arrived = now;
+      ++revision;
+    }
+  }
+
+  SensorSettings settings;
+  messages::SensorConversion conversion;  // used in the session's thread only
+
+  mutable std::mutex mutex;  // held for a copy, never across a tick
+  std::vector<double> newest;
+  TimeNs arrived = 0;
+  std::uint64_t revision = 0;
+  std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
+  messages::SensorConversion::Counts counts;
+  std::atomic<std::uint64_t> received{0};
+
+  std::uint64_t seen = 0;  // used by the loop only
+  std::vector<std::vector<std::byte>> taken;
+  bool initial_sent = false;
+  Intake intake;  // last: no callback comes before there is all the rest, or after
+};
+
+Sensor::Sensor(Session& session, const SensorSettings& settings)
+    : impl_(std::make_unique<Impl>(session, settings)) {}
+
+void Sensor::check(messages::Dialect ros, const SensorSettings& settings) {
+  conversion_of(ros, settings);
+  check_topic(ros, settings.topic);
+}
+
+Sensor::~Sensor() = default;
+
+std::vector<EndpointPort> Sensor::ports() const {
+  return {{"out", PortKind::signal, impl_->settings.width}, {"pace", PortKind::signal, 1}};
+}
+
+void Sensor::receive(const Step& step) {
+  const bool simulated = impl_->settings.simulated_pace;
+  impl_->intake.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
+  const SignalOutput out = step.signal_output(0);
+  const std::optional<double>& initial = impl_->settings.initial;
+  if (initial && !impl_->initial_sent) {
+    std::ranges::fill(out.values(), *initial);
+    out.commit();
+    impl_->initial_sent = true;
+  }
+  TimeNs arrived = 0;
+  bool fresh = false;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    arrived = impl_->arrived;
+    fresh = impl_->revision != impl_->seen;
+    if (fresh) {
+      impl_->seen = impl_->revision;
+      std::ranges::copy(impl_->newest, out.values().begin());
+    }
+    impl_->taken.swap(impl_->arrivals);
+  }
+  for (const auto& message : impl_->taken) {
+    impl_->settings.keep(step.interval().begin, message);
+  }
+  impl_->taken.clear();
+  if (!fresh) {
+    return;
+  }
+  out.commit();
+  const SignalOutput pace = step.signal_output(1);
+  pace.values()[0] = to_seconds(simulated ? step.interval().begin : arrived);
+  pace.commit();
+}
+
+std::vector<Counter> Sensor::counters() const {
+  const std::uint64_t wrong_type = impl_->intake.wrong_type();
+  const std::lock_guard lock(impl_->mutex);
+  const auto& counts = impl_->counts;
+  return {{"messages", counts.messages},
+          {"cropped", counts.cropped},
+          {"short_messages", counts.short_messages},
+          {"invalid_readings", counts.invalid_readings},
+          {"without_reading", counts.without_reading},
+          {"malformed", counts.malformed},
+          {"wrong_type", wrong_type}};
+}
+
+bool Sensor::has_publishers() const {
+  return impl_->intake.has_publishers();
+}
+
+std::uint64_t Sensor::received() const {
+  return impl_->received;
+}
+
+void Sensor::require_sound() const {
+  impl_->intake.require_sound();
+}
+
+}  // namespace spikeloop::topics

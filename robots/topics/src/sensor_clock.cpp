@@ -1,0 +1,15 @@
+#include "spikeloop/topics/sensor_clock.hpp"
+
+namespace spikeloop::topics {
+
+void SensorClock::take(TimeNs newest, TimeNs now) {
+  const bool jumped = set_ && (newest < newest_ || simulated(newest) > now + kFarthest);
+  if (!set_ || jumped) {
+    offset_ = now - newest;
+  }
+  jumps_ += jumped ? 1 : 0;
+  newest_ = newest;
+  set_ = true;
+}
+
+}  // namespace spikeloop::topics

@@ -1,0 +1,76 @@
+#include "spikeloop/topics/names.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "spikeloop/core/error.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using namespace spikeloop::topics;
+using messages::Dialect;
+
+template <typename Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Names, topics_of_both) {
+  for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
+    for (const char* topic : {"/cmd_vel", "scan", "/a/b2/c_d", "/robot1/scan"}) {
+      EXPECT_EQ(error_of([&] { check_topic(ros, topic); }), "") << topic;
+    }
+  }
+}
+
+TEST(Names, topics_of_ros1) {
+  for (const std::string topic : {"", "1a", "_a", "a b", "~a", "/a-b", "/b\xc3\xbc"}) {
+    EXPECT_EQ(error_of([&] { check_topic(Dialect::ros1, topic); }),
+              "'" + topic +
+                  "' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with "
+                  "a letter or '/', as in /cmd_vel");
+  }
+  EXPECT_EQ(error_of([] { check_topic(Dialect::ros1, "/a/1b"); }), "");
+}
+
+TEST(Names, topics_of_ros2) {
+  EXPECT_EQ(error_of([] { check_topic(Dialect::ros2, "~/scan"); }), "");
+  EXPECT_EQ(error_of([] { check_topic(Dialect::ros2, "_a"); }), "");
+  for (const std::string topic : {"", "/", "~", "~a", "1a", "/a/1b", "/a//b", "/a/", "a b", "a~"}) {
+    EXPECT_EQ(error_of([&] { check_topic(Dialect::ros2, topic); }),
+              "'" + topic +
+                  "' is no name of a ROS 2 topic; write letters, digits and '_', with a single '/' "
+                  "between parts that begin with no digit, as in /cmd_vel");
+  }
+}
+
+TEST(Names, nodes) {
+  EXPECT_EQ(error_of([] { check_node_name(Dialect::ros1, "a_1"); }), "");
+  EXPECT_EQ(error_of([] { check_node_name(Dialect::ros2, "_a"); }), "");
+  for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
+    for (const std::string name : {"", "1a", "a/b", "~a", "a b"}) {
+      EXPECT_EQ(error_of([&] { check_node_name(ros, name); }),
+                "'" + name +
+                    "' is no name of a ROS node; write a letter followed by letters, digits and "
+                    "'_'");
+    }
+  }
+}
+
+TEST(Names, versions) {
+  for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
+    EXPECT_EQ(dialect_of(version_of(ros)), ros);
+  }
+  EXPECT_STREQ(name_of(Dialect::ros2), "ROS 2");
+  EXPECT_STREQ(topic_command(Dialect::ros1), "rostopic");
+  EXPECT_STREQ(topic_command(Dialect::ros2), "ros2 topic");
+}
+
+}  // namespace
