@@ -5,7 +5,7 @@
 namespace spikeloop::command {
 
 void Interventions::watch_publishers(std::function<bool()> has_publishers) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(asking_);
   has_publishers_ = std::move(has_publishers);
 }
 
@@ -20,13 +20,11 @@ void Interventions::override_with(std::span<const double> values) {
 }
 
 void Interventions::apply(TimeNs wall, TimeNs now) {
-  std::function<bool()> has_publishers;
+  bool published = false;
   {
-    const std::lock_guard lock(mutex_);
-    has_publishers = has_publishers_;
+    const std::lock_guard lock(asking_);
+    published = has_publishers_ && has_publishers_();
   }
-  // Not under the lock: it may wait for the thread that brings messages.
-  const bool published = has_publishers && has_publishers();
   const std::lock_guard lock(mutex_);
   channel_.hold(rule_.verdict(published, wall), now);
   if (manual_) {

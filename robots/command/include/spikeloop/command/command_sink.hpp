@@ -76,7 +76,7 @@ class CommandSink : public Sink {
   void alive();
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
-  /// Before the loop begins; as Interventions.
+  /// As Interventions.
   void watch_publishers(std::function<bool()> has_publishers) {
     interventions_.watch_publishers(std::move(has_publishers));
   }

@@ -27,7 +27,8 @@ class Interventions {
   Interventions(const EmergencyStop& settings, CommandChannel& channel)
       : rule_(settings), channel_(channel) {}
 
-  /// Before the loop begins: whether the emergency stop's topic has a publisher.
+  /// Whether the emergency stop's topic has a publisher. What was given before is not called any
+  /// more when it returns; empty: nobody knows.
   void watch_publishers(std::function<bool()> has_publishers);
   /// A message has come; it counts when apply() is called.
   void emergency(bool stop, TimeNs wall);
@@ -37,10 +38,11 @@ class Interventions {
   void apply(TimeNs wall, TimeNs now);
 
  private:
+  std::mutex asking_;  ///< held while has_publishers_ runs, which may wait for others
+  std::function<bool()> has_publishers_;
   std::mutex mutex_;
   EmergencyRule rule_;
   CommandChannel& channel_;
-  std::function<bool()> has_publishers_;
   std::optional<std::vector<double>> manual_;  ///< the newest that has not counted yet
 };
 
