@@ -1,0 +1,53 @@
+// Where a process of ROS 2 looks for others, as ROS's variables of the environment say it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace spikeloop::ros2 {
+
+/// Variables of the environment with their values; one that is not set is not there.
+using Variables = std::map<std::string, std::string>;
+
+/// How far automatic discovery goes.
+enum class Range : std::uint8_t {
+  subnet,         ///< this machine and its network: ROS 2's default
+  localhost,      ///< this machine
+  off,            ///< nobody, not on this machine either
+  system_default  ///< what Cyclone DDS and CYCLONEDDS_URI say
+};
+
+struct Discovery {
+  std::uint32_t domain = 0;  ///< ROS_DOMAIN_ID, 0 ... 232
+  Range range = Range::subnet;
+  std::vector<std::string> peers{};  ///< ROS_STATIC_PEERS: machines beyond that range
+  std::string cyclone{};             ///< CYCLONEDDS_URI: settings of Cyclone DDS, the last word
+};
+
+/// The environment's variables that discovery() reads.
+Variables discovery_environment();
+
+/// ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY and
+/// CYCLONEDDS_URI. As in ROS 2, ROS_LOCALHOST_ONLY=1 wins over range and peers, and only the ranges
+/// subnet and localhost have peers.
+/// @throws ConfigurationError for a value that is none.
+Discovery discovery(const Variables& variables);
+
+/// This machine as others see it.
+struct Interfaces {
+  std::string loopback = "lo";
+  std::vector<std::string> addresses{};  ///< IPv4, of the other interfaces that are up
+};
+Interfaces interfaces();
+
+/// Settings of Cyclone DDS (XML, then CYCLONEDDS_URI) that meet what the rmw layers of ROS 2 meet
+/// in the same range, whichever DDS they run on. For all but system_default this process's port is
+/// one of those that the others try.
+/// @param cyclone_domain the domain's number within this process; others meet it by
+/// `discovery.domain`
+std::string cyclone_settings(const Discovery& discovery, const Interfaces& machine,
+                             std::uint32_t cyclone_domain);
+
+}  // namespace spikeloop::ros2

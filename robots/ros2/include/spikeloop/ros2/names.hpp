@@ -1,0 +1,60 @@
+// Names in ROS 2: what a node calls a topic, what it has been remapped to, and what DDS sees.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace spikeloop::ros2 {
+
+/// NAME:=VALUE: a topic's other name, or `__node` (also `__name`), `__ns`.
+using Remappings = std::map<std::string, std::string>;
+
+struct NodeIdentity {
+  std::string name;         ///< "robot"
+  std::string space = "/";  ///< its namespace: "/", "/arena", "/arena/left"
+
+  /// "/arena/robot"
+  std::string whole() const;
+};
+
+/// @throws ConfigurationError when ROS 2 would refuse the name.
+void check_node_name(const std::string& name);
+/// @param topic "scan" (within the namespace), "/scan" or "~/scan" (private: below the node's name)
+/// @throws ConfigurationError when ROS 2 would refuse it.
+void check_topic(const std::string& topic);
+
+/// Name and namespace after `__node`, `__name` and `__ns`.
+/// @throws ConfigurationError for an impossible name.
+NodeIdentity node_identity(const std::string& name, const Remappings& arguments);
+
+/// A node's topics.
+class TopicNames {
+ public:
+  /// Arguments whose names begin with "__" are not for topics; NODE:NAME is for that node alone.
+  /// @throws ConfigurationError for an impossible topic in the arguments.
+  TopicNames(const NodeIdentity& node, const Remappings& arguments);
+
+  /// "/arena/scan" of "scan", with what has been remapped. @throws ConfigurationError as
+  /// check_topic.
+  std::string whole(const std::string& topic) const;
+
+ private:
+  std::string expanded(const std::string& topic) const;
+
+  NodeIdentity node_;
+  std::vector<std::pair<std::string, std::string>> remapped_;  ///< whole names
+};
+
+/// "rt/arena/scan": a topic's name in DDS. @throws ConfigurationError when it is too long for
+/// ROS 2.
+std::string dds_topic(const std::string& whole_topic);
+/// "/arena/scan" of "rt/arena/scan"; empty when it is none of ROS 2's.
+std::string ros_topic(const std::string& dds_topic);
+/// "sensor_msgs::msg::dds_::LaserScan_" of "sensor_msgs/LaserScan".
+std::string dds_type(const std::string& message_type);
+/// The way back; any other name as it is.
+std::string ros_type(const std::string& dds_type);
+
+}  // namespace spikeloop::ros2

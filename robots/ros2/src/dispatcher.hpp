@@ -1,0 +1,44 @@
+// The session's thread: it waits for conditions of DDS and does what belongs to them.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "closable.hpp"
+
+namespace spikeloop::ros2 {
+
+class Dispatcher {
+ public:
+  using Ticket = dds_attach_t;
+
+  explicit Dispatcher(dds_entity_t participant);
+  ~Dispatcher();
+  Dispatcher(const Dispatcher&) = delete;
+  Dispatcher& operator=(const Dispatcher&) = delete;
+
+  /// From now on `work` is done whenever `condition` holds; it has to end that.
+  Ticket add(dds_entity_t condition, std::function<void()> work);
+  /// Waits while the work is being done; it is not done any more afterwards.
+  void remove(Ticket ticket, dds_entity_t condition);
+
+ private:
+  void run();
+  std::shared_ptr<Closable<>> find(Ticket ticket);
+
+  dds_entity_t waitset_;
+  dds_entity_t end_;  ///< a guard condition
+  std::atomic<bool> ending_{false};
+  std::mutex mutex_;
+  Ticket last_ = 0;
+  std::map<Ticket, std::shared_ptr<Closable<>>> work_;
+  std::thread thread_;
+};
+
+}  // namespace spikeloop::ros2

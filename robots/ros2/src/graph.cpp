@@ -1,0 +1,139 @@
+#include "graph.hpp"
+
+#include <array>
+#include <utility>
+
+namespace spikeloop::ros2 {
+namespace {
+
+std::string user_data_of(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(qos, &data, &size) || data == nullptr) {
+    return {};
+  }
+  std::string text(static_cast<const char*>(data), size);
+  dds_free(data);
+  return text;
+}
+
+bool is_reliable(const dds_qos_t* qos) {
+  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
+  dds_duration_t blocking = 0;
+  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+}
+
+}  // namespace
+
+Graph::Graph(dds_entity_t participant, Dispatcher& dispatcher)
+    : dispatcher_(dispatcher),
+      reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)),
+      news_(dds_create_readcondition(reader_, DDS_ANY_STATE)),
+      fresh_(dds_create_guardcondition(participant)) {
+  news_ticket_ = dispatcher_.add(news_, [this] { take_news(); });
+  fresh_ticket_ = dispatcher_.add(fresh_, [this] { tell_fresh(); });
+}
+
+Graph::~Graph() {
+  dispatcher_.remove(news_ticket_, news_);
+  dispatcher_.remove(fresh_ticket_, fresh_);
+  dds_delete(fresh_);
+  dds_delete(reader_);
+}
+
+Graph::Listener Graph::listen(const std::string& dds_topic, Seen seen) {
+  const std::lock_guard lock(mutex_);
+  listeners_[++last_] = {.topic = dds_topic,
+                         .seen = std::make_shared<Closable<const Writer&>>(std::move(seen))};
+  dds_set_guardcondition(fresh_, true);
+  return last_;
+}
+
+void Graph::forget(Listener listener) {
+  std::shared_ptr<Closable<const Writer&>> seen;
+  {
+    const std::lock_guard lock(mutex_);
+    seen = listeners_.at(listener).seen;
+    listeners_.erase(listener);
+  }
+  seen->close();
+}
+
+std::vector<Writer> Graph::writers(const std::string& dds_topic) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Writer> found;
+  for (const auto& [handle, writer] : writers_) {
+    if (writer.topic == dds_topic) {
+      found.push_back(writer);
+    }
+  }
+  return found;
+}
+
+void Graph::take_news() {
+  std::array<void*, 16> samples{};
+  std::array<dds_sample_info_t, 16> infos{};
+  const dds_return_t count =
+      dds_take(reader_, samples.data(), infos.data(), samples.size(), samples.size());
+  for (dds_return_t i = 0; i < count; ++i) {
+    take_sample(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]), infos[i]);
+  }
+  if (count > 0) {
+    dds_return_loan(reader_, samples.data(), count);
+  }
+}
+
+void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
+                        const dds_sample_info_t& info) {
+  if (!info.valid_data || info.instance_state != DDS_IST_ALIVE) {
+    const std::lock_guard lock(mutex_);
+    writers_.erase(info.instance_handle);
+    return;
+  }
+  const Writer writer{.topic = endpoint.topic_name,
+                      .type = endpoint.type_name,
+                      .user_data = user_data_of(endpoint.qos),
+                      .reliable = is_reliable(endpoint.qos),
+                      .participant = endpoint.participant_key};
+  {
+    const std::lock_guard lock(mutex_);
+    writers_[info.instance_handle] = writer;
+  }
+  tell(writer);
+}
+
+void Graph::tell(const Writer& writer) {
+  std::vector<std::shared_ptr<Closable<const Writer&>>> told;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, listening] : listeners_) {
+      if (!listening.fresh && listening.topic == writer.topic) {
+        told.push_back(listening.seen);
+      }
+    }
+  }
+  for (const auto& seen : told) {
+    seen->call(writer);
+  }
+}
+
+void Graph::tell_fresh() {
+  dds_set_guardcondition(fresh_, false);
+  std::vector<std::pair<std::shared_ptr<Closable<const Writer&>>, Writer>> told;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, listening] : listeners_) {
+      for (const auto& [handle, writer] : writers_) {
+        if (listening.fresh && listening.topic == writer.topic) {
+          told.emplace_back(listening.seen, writer);
+        }
+      }
+      listening.fresh = false;
+    }
+  }
+  for (const auto& [seen, writer] : told) {
+    seen->call(writer);
+  }
+}
+
+}  // namespace spikeloop::ros2

@@ -1,0 +1,70 @@
+// Who publishes in this domain, and of which type.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "closable.hpp"
+#include "dispatcher.hpp"
+
+namespace spikeloop::ros2 {
+
+/// Somebody's writer, as discovery tells it.
+struct Writer {
+  std::string topic;      ///< in DDS
+  std::string type;       ///< in DDS
+  std::string user_data;  ///< ROS 2 since Iron: "typehash=RIHS01_...;"
+  bool reliable = false;
+  dds_guid_t participant{};
+};
+
+class Graph {
+ public:
+  using Seen = std::function<void(const Writer&)>;
+  using Listener = std::uint64_t;
+
+  Graph(dds_entity_t participant, Dispatcher& dispatcher);
+  ~Graph();
+  Graph(const Graph&) = delete;
+  Graph& operator=(const Graph&) = delete;
+
+  /// `seen` is told of every writer of a topic, those that are there already too, in the session's
+  /// thread.
+  Listener listen(const std::string& dds_topic, Seen seen);
+  /// Waits for a call that is running; none runs afterwards.
+  void forget(Listener listener);
+
+  std::vector<Writer> writers(const std::string& dds_topic) const;
+
+ private:
+  struct Listening {
+    std::string topic;
+    std::shared_ptr<Closable<const Writer&>> seen;
+    bool fresh = true;  ///< has not been told of those that were there before
+  };
+
+  void take_news();
+  void take_sample(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info);
+  void tell(const Writer& writer);
+  void tell_fresh();
+
+  Dispatcher& dispatcher_;
+  dds_entity_t reader_;
+  dds_entity_t news_;   ///< a read condition
+  dds_entity_t fresh_;  ///< a guard condition
+  mutable std::mutex mutex_;
+  std::map<dds_instance_handle_t, Writer> writers_;
+  Listener last_ = 0;
+  std::map<Listener, Listening> listeners_;
+  Dispatcher::Ticket news_ticket_;
+  Dispatcher::Ticket fresh_ticket_;
+};
+
+}  // namespace spikeloop::ros2

@@ -1,0 +1,168 @@
+#include "spikeloop/ros2/names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+constexpr std::size_t kLongestTopic = 248;  // of 256 in DDS, ROS 2 keeps 8 for prefixes
+constexpr std::size_t kLongestNodeName = 255;
+constexpr std::string_view kTopicPrefix = "rt";
+constexpr std::string_view kTypeMiddle = "::msg::dds_::";
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+bool is_token(std::string_view token) {
+  return !token.empty() && is_letter(token.front()) &&
+         std::all_of(token.begin(), token.end(),
+                     [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
+}
+
+/// Tokens with one '/' between them.
+bool are_tokens(std::string_view text) {
+  for (;;) {
+    const auto slash = text.find('/');
+    if (!is_token(text.substr(0, slash))) {
+      return false;
+    }
+    if (slash == std::string_view::npos) {
+      return true;
+    }
+    text.remove_prefix(slash + 1);
+  }
+}
+
+std::string below(const std::string& space, const std::string& name) {
+  return space == "/" ? "/" + name : space + "/" + name;
+}
+
+std::string checked_space(const std::string& written) {
+  std::string space = written.starts_with('/') ? written : "/" + written;
+  if (space != "/" && !are_tokens(std::string_view(space).substr(1))) {
+    throw ConfigurationError(
+        fmt::format("'{}' is no namespace of ROS 2; write letters, digits, '_' and '/', as in "
+                    "__ns:=/arena/left",
+                    written));
+  }
+  return space;
+}
+
+/// A rule for one node alone says so before a colon.
+bool is_for(const NodeIdentity& node, std::string& name) {
+  const auto colon = name.find(':');
+  if (colon == std::string::npos) {
+    return true;
+  }
+  const bool ours = name.substr(0, colon) == node.name;
+  name.erase(0, colon + 1);
+  return ours;
+}
+
+}  // namespace
+
+std::string NodeIdentity::whole() const {
+  return below(space, name);
+}
+
+void check_node_name(const std::string& name) {
+  if (!is_token(name) || name.size() > kLongestNodeName) {
+    throw ConfigurationError(
+        fmt::format("'{}' is no name of a ROS 2 node; write a letter followed by letters, digits "
+                    "and '_', {} at most",
+                    name, kLongestNodeName));
+  }
+}
+
+void check_topic(const std::string& topic) {
+  std::string_view rest = topic;
+  if (rest.starts_with("~/")) {
+    rest.remove_prefix(2);
+  } else if (rest.starts_with('/')) {
+    rest.remove_prefix(1);
+  }
+  if (!are_tokens(rest)) {
+    throw ConfigurationError(fmt::format(
+        "'{}' is no name of a ROS 2 topic; write letters, digits, '_' and '/', no part beginning "
+        "with a digit, as in /cmd_vel or ~/cmd_vel",
+        topic));
+  }
+}
+
+NodeIdentity node_identity(const std::string& name, const Remappings& arguments) {
+  NodeIdentity node{.name = name};
+  for (const char* key : {"__name", "__node"}) {
+    if (const auto found = arguments.find(key); found != arguments.end()) {
+      node.name = found->second;
+    }
+  }
+  check_node_name(node.name);
+  if (const auto found = arguments.find("__ns"); found != arguments.end()) {
+    node.space = checked_space(found->second);
+  }
+  return node;
+}
+
+TopicNames::TopicNames(const NodeIdentity& node, const Remappings& arguments) : node_(node) {
+  for (const auto& [from, to] : arguments) {
+    std::string name = from;
+    if (!name.starts_with("__") && is_for(node_, name)) {
+      remapped_.emplace_back(expanded(name), expanded(to));
+    }
+  }
+}
+
+std::string TopicNames::expanded(const std::string& topic) const {
+  check_topic(topic);
+  if (topic.starts_with('/')) {
+    return topic;
+  }
+  return topic.starts_with('~') ? below(node_.whole(), topic.substr(2)) : below(node_.space, topic);
+}
+
+std::string TopicNames::whole(const std::string& topic) const {
+  const std::string name = expanded(topic);
+  const auto rule = std::find_if(remapped_.begin(), remapped_.end(),
+                                 [&](const auto& entry) { return entry.first == name; });
+  return rule == remapped_.end() ? name : rule->second;
+}
+
+std::string dds_topic(const std::string& whole_topic) {
+  if (whole_topic.size() > kLongestTopic) {
+    throw ConfigurationError(fmt::format(
+        "the topic '{}' has {} characters; ROS 2 takes {} at most, so write a shorter name",
+        whole_topic, whole_topic.size(), kLongestTopic));
+  }
+  return std::string(kTopicPrefix) + whole_topic;
+}
+
+std::string ros_topic(const std::string& dds_topic) {
+  const bool ours = dds_topic.starts_with(kTopicPrefix) && dds_topic.size() > kTopicPrefix.size() &&
+                    dds_topic[kTopicPrefix.size()] == '/';
+  return ours ? dds_topic.substr(kTopicPrefix.size()) : std::string();
+}
+
+std::string dds_type(const std::string& message_type) {
+  const auto slash = message_type.find('/');
+  return fmt::format("{}{}{}_", message_type.substr(0, slash), kTypeMiddle,
+                     message_type.substr(slash + 1));
+}
+
+std::string ros_type(const std::string& dds_type) {
+  const auto middle = dds_type.find(kTypeMiddle);
+  if (middle == std::string::npos || !dds_type.ends_with('_')) {
+    return dds_type;
+  }
+  const auto name = middle + kTypeMiddle.size();
+  return fmt::format("{}/{}", dds_type.substr(0, middle),
+                     dds_type.substr(name, dds_type.size() - name - 1));
+}
+
+}  // namespace spikeloop::ros2

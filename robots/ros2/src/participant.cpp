@@ -1,0 +1,152 @@
+#include "participant.hpp"
+
+#include <dds/ddsrt/log.h>
+#include <fmt/format.h>
+
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "qos.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+/// What Cyclone DDS has to say goes to our log, or into the error that it is about.
+class CycloneLog {
+ public:
+  static CycloneLog& instance() {
+    static CycloneLog log;
+    return log;
+  }
+
+  /// Keeps what is said from now on.
+  void keep() {
+    const std::lock_guard lock(mutex_);
+    keeping_ = true;
+    kept_.clear();
+  }
+  /// Ends that. @return what was said
+  std::string release() {
+    const std::lock_guard lock(mutex_);
+    keeping_ = false;
+    return std::move(kept_);
+  }
+
+ private:
+  CycloneLog() { dds_set_log_sink(&CycloneLog::take, this); }
+
+  static void take(void* self, const dds_log_data_t* data) {
+    std::string_view text(data->message, data->size);
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) {
+      text.remove_suffix(1);
+    }
+    static_cast<CycloneLog*>(self)->take(data->priority, text);
+  }
+
+  void take(std::uint32_t priority, std::string_view text) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (keeping_ && (priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING)) != 0) {
+        kept_ += kept_.empty() ? "" : "; ";
+        kept_ += text;
+        return;
+      }
+    }
+    if ((priority & DDS_LC_INFO) != 0) {
+      log::debug("Cyclone DDS: {}", text);
+    } else {
+      log::warning("Cyclone DDS: {}", text);
+    }
+  }
+
+  std::mutex mutex_;
+  bool keeping_ = false;
+  std::string kept_;
+};
+
+/// Cyclone DDS has each domain once a process.
+class DomainNumbers {
+ public:
+  static DomainNumbers& instance() {
+    static DomainNumbers numbers;
+    return numbers;
+  }
+
+  /// The domain's own number, for which a user may have settings, unless this process has it
+  /// already.
+  dds_domainid_t take(dds_domainid_t wanted) {
+    const std::lock_guard lock(mutex_);
+    dds_domainid_t number = wanted;
+    while (taken_.contains(number)) {
+      number = (number + 1) % kNumbers;
+    }
+    taken_.insert(number);
+    return number;
+  }
+  void give_back(dds_domainid_t number) {
+    const std::lock_guard lock(mutex_);
+    taken_.erase(number);
+  }
+
+ private:
+  static constexpr dds_domainid_t kNumbers = 1000000;
+  std::mutex mutex_;
+  std::set<dds_domainid_t> taken_;
+};
+
+/// One at a time, so that an error gets what Cyclone DDS says of it.
+template <typename Create>
+dds_entity_t created(const char* what, const Discovery& discovery, Create&& create) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  CycloneLog::instance().keep();
+  const dds_entity_t entity = create();
+  const std::string said = CycloneLog::instance().release();
+  if (entity < 0) {
+    throw TransportError(fmt::format("Cyclone DDS makes no {} in domain {} ({}); look at {}", what,
+                                     discovery.domain, said.empty() ? dds_strretcode(entity) : said,
+                                     discovery.cyclone.empty()
+                                         ? "the network interfaces and ROS_STATIC_PEERS"
+                                         : "CYCLONEDDS_URI and ROS_STATIC_PEERS"));
+  }
+  if (!said.empty()) {
+    log::warning("Cyclone DDS: {}", said);
+  }
+  return entity;
+}
+
+}  // namespace
+
+Domain::Domain(const Discovery& discovery)
+    : number_(DomainNumbers::instance().take(discovery.domain)) {
+  const std::string settings = cyclone_settings(discovery, interfaces(), number_);
+  try {
+    entity_ =
+        created("domain", discovery, [&] { return dds_create_domain(number_, settings.c_str()); });
+  } catch (...) {
+    DomainNumbers::instance().give_back(number_);
+    throw;
+  }
+}
+
+Domain::~Domain() {
+  dds_delete(entity_);
+  DomainNumbers::instance().give_back(number_);
+}
+
+Participant::Participant(const Domain& domain, const Discovery& discovery) {
+  // ROS 2 files a participant without an enclave as foreign to ROS.
+  const Qos qos = user_data_qos("enclave=/;");
+  entity_ = created("participant", discovery,
+                    [&] { return dds_create_participant(domain.number(), qos.get(), nullptr); });
+}
+
+Participant::~Participant() {
+  dds_delete(entity_);
+}
+
+}  // namespace spikeloop::ros2

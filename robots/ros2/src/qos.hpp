@@ -1,0 +1,28 @@
+// Qualities of service as ROS 2 has them.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace spikeloop::ros2 {
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+/// Defaults, and this as user data unless it is empty.
+Qos user_data_qos(const std::string& user_data);
+
+/// Of a publisher: reliable, the newest `queue` messages (0: all) kept for reliable subscribers.
+/// @param latched kept for those that come later, too (ROS 2: transient local)
+Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
+
+/// Of a subscriber, for any publisher: best effort, the newest `queue` messages. 0: reliable, all
+/// of them.
+Qos reader_qos(std::uint32_t queue, const std::string& user_data);
+
+}  // namespace spikeloop::ros2

@@ -1,0 +1,85 @@
+#include "spikeloop/ros2/session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <utility>
+
+#include "publisher.hpp"
+#include "session_impl.hpp"
+#include "spikeloop/messages/catalog.hpp"
+#include "subscriber.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+std::string node_name(const topics::SessionSettings& settings) {
+  if (!settings.unique_name) {
+    return settings.node_name;
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("{}_{}_{}", settings.node_name, ::getpid(),
+                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+Variables place_of(const topics::SessionSettings& settings) {
+  return settings.place.empty() ? discovery_environment() : settings.place;
+}
+
+}  // namespace
+
+Session::Impl::Impl(const topics::SessionSettings& settings)
+    : place(place_of(settings)),
+      found(discovery(place)),
+      node(node_identity(ros2::node_name(settings), settings.arguments)),
+      names(node, settings.arguments),
+      domain(found),
+      participant(domain, found),
+      dispatcher(participant.entity()),
+      graph(participant.entity(), dispatcher) {
+  place["ROS_DOMAIN_ID"] = fmt::to_string(found.domain);
+}
+
+Endpoint endpoint(const Session::Impl& session, const std::string& topic,
+                  const std::string& message_type) {
+  Endpoint result{.topic = session.names.whole(topic),
+                  .message_type = messages::Catalog::builtin().full_name(message_type),
+                  .user_data = {}};
+  dds_topic(result.topic);  // not too long?
+  return result;
+}
+
+Session::Session(const topics::SessionSettings& settings)
+    : impl_(std::make_unique<Impl>(settings)) {}
+
+Session::~Session() = default;
+
+std::string Session::node_name() const {
+  return impl_->node.whole();
+}
+
+topics::Place Session::place() const {
+  return impl_->place;
+}
+
+std::string Session::whole_topic(const std::string& topic) const {
+  return impl_->names.whole(topic);
+}
+
+std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topic,
+                                                         const std::string& message_type,
+                                                         std::uint32_t queue) {
+  return std::make_unique<Publisher>(*impl_, endpoint(*impl_, topic, message_type), queue, false);
+}
+
+std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {
+  const Endpoint where = endpoint(*impl_, subscription.topic, subscription.message_type);
+  return std::make_unique<Subscriber>(*impl_, where, std::move(subscription));
+}
+
+bool Session::publishers_know_us(const std::string& topic) const {
+  return !impl_->graph.writers(dds_topic(topic)).empty();
+}
+
+}  // namespace spikeloop::ros2

@@ -1,0 +1,42 @@
+// What the parts of this room share of a session.
+#pragma once
+
+#include <string>
+
+#include "dispatcher.hpp"
+#include "graph.hpp"
+#include "participant.hpp"
+#include "spikeloop/ros2/discovery.hpp"
+#include "spikeloop/ros2/names.hpp"
+#include "spikeloop/ros2/session.hpp"
+
+namespace spikeloop::ros2 {
+
+struct Session::Impl {
+  explicit Impl(const topics::SessionSettings& settings);
+
+  Variables place;
+  Discovery found;
+  NodeIdentity node;
+  TopicNames names;
+  Domain domain;
+  Participant participant;
+  Dispatcher dispatcher;
+  Graph graph;
+};
+
+/// A topic's names and type as DDS knows them, and what its endpoints say to ROS 2.
+struct Endpoint {
+  std::string topic;         ///< "/scan"
+  std::string message_type;  ///< "sensor_msgs/LaserScan"
+  std::string user_data;     ///< "typehash=RIHS01_...;"
+
+  std::string dds_name() const { return dds_topic(topic); }
+  std::string dds_type_name() const { return dds_type(message_type); }
+};
+
+/// @throws ConfigurationError for an unknown type or an impossible topic.
+Endpoint endpoint(const Session::Impl& session, const std::string& topic,
+                  const std::string& message_type);
+
+}  // namespace spikeloop::ros2

@@ -1,0 +1,97 @@
+#include "subscriber.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "qos.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+/// Of one topic at a time, so that a busy one does not hold up the others.
+constexpr int kMostAtOnce = 16;
+
+bool is_plain_little_endian(std::span<const std::byte> message) {
+  return message[0] == std::byte{0} && message[1] == std::byte{1};
+}
+
+}  // namespace
+
+Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
+                       topics::Subscription subscription)
+    : session_(session),
+      endpoint_(endpoint),
+      subscription_(std::move(subscription)),
+      topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
+      reader_(dds_create_reader(session.participant.entity(), topic_.entity,
+                                reader_qos(subscription_.queue, endpoint.user_data).get(),
+                                nullptr)),
+      arrived_(dds_create_readcondition(reader_, DDS_ANY_STATE)) {
+  if (arrived_ < 0) {
+    throw TransportError(fmt::format("Cyclone DDS makes no reader of '{}': {}", endpoint_.topic,
+                                     dds_strretcode(reader_ < 0 ? reader_ : arrived_)));
+  }
+  ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });
+  listener_ = session_.graph.listen(endpoint_.dds_name(),
+                                    [this](const Writer& writer) { look_at(writer); });
+}
+
+Subscriber::~Subscriber() {
+  session_.graph.forget(listener_);
+  session_.dispatcher.remove(ticket_, arrived_);
+  dds_delete(reader_);
+}
+
+bool Subscriber::has_publishers() const {
+  dds_subscription_matched_status_t status{};
+  return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK &&
+         status.current_count > 0;
+}
+
+// One by one: what waits beyond the queue is lost, and nothing waits elsewhere.
+void Subscriber::take_some() {
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const TakenMessage taken(reader_);
+    if (!taken.any()) {
+      return;
+    }
+    if (taken.valid()) {
+      take(taken.message());
+    }
+  }
+}
+
+void Subscriber::take(std::span<const std::byte> message) {
+  if (is_plain_little_endian(message)) {
+    subscription_.take(message);
+  } else if (!std::exchange(complained_, true)) {
+    log::warning(
+        "messages on '{}' come in an encoding other than XCDR1, little endian (they begin with "
+        "{:02x} "
+        "{:02x}, not 00 01), and are ignored",
+        endpoint_.topic, std::to_integer<int>(message[0]), std::to_integer<int>(message[1]));
+  }
+}
+
+void Subscriber::look_at(const Writer& writer) {
+  if (writer.type != endpoint_.dds_type_name()) {
+    const std::string type = ros_type(writer.type);
+    if (subscription_.refuse) {
+      subscription_.refuse(
+          {.type = type,
+           .text = fmt::format("topic '{}' carries {}, not {}; write message: {}", endpoint_.topic,
+                               type, endpoint_.message_type, type)});
+    }
+  } else if (subscription_.queue == 0 && !writer.reliable) {
+    log::warning(
+        "a publisher of '{}' is best effort, so nothing of it comes: every message is wanted, "
+        "which "
+        "takes reliable publishers",
+        endpoint_.topic);
+  }
+}
+
+}  // namespace spikeloop::ros2
