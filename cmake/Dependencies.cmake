@@ -43,3 +43,8 @@ find_library(MUJOCO_LIBRARY mujoco REQUIRED)
 add_library(spikeloop_mujoco_api INTERFACE IMPORTED)
 target_include_directories(spikeloop_mujoco_api SYSTEM INTERFACE ${MUJOCO_INCLUDE_DIR})
 target_link_libraries(spikeloop_mujoco_api INTERFACE ${MUJOCO_LIBRARY})
+
+# Pictures. EGL and GLFW are opened when a program draws; their headers alone are needed here.
+pkg_check_modules(PNG REQUIRED IMPORTED_TARGET GLOBAL libpng)
+find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
+find_path(GLFW_INCLUDE_DIR GLFW/glfw3.h REQUIRED)

@@ -21,7 +21,8 @@ install(TARGETS spikeloop_flags EXPORT SpikeloopTargets)
 
 add_library(spikeloop_warnings INTERFACE)
 target_compile_options(spikeloop_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
   $<$<BOOL:${SPIKELOOP_WERROR}>:-Werror>)
 
 if(SPIKELOOP_SANITIZE)

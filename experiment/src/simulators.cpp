@@ -130,6 +130,23 @@ std::uint32_t least_delay(const Experiment& experiment, const Link& link) {
                                                   : kSignalsBack;
 }
 
+namespace {
+
+/// The delay that a connection takes when none is written: a simulator waits for all of its inputs
+/// of a kind as long as for those from another simulator.
+std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
+  std::uint32_t delay = least_delay(experiment, link);
+  for (const Link& other : experiment.links) {
+    if (is_simulator_end(experiment, link.to) && node_of(other.to) == node_of(link.to) &&
+        other.kind == link.kind && is_simulator_end(experiment, other.from)) {
+      delay = std::max(delay, other.delay_ticks.value_or(0));
+    }
+  }
+  return delay;
+}
+
+}  // namespace
+
 Experiment with_fused_delays(const Experiment& experiment) {
   Experiment result = experiment;
   for (Link& link : result.links) {
@@ -143,7 +160,7 @@ Experiment with_fused_delays(const Experiment& experiment) {
                       link.to, format_ticks(least), format_ticks(*link.delay_ticks),
                       format_ticks(least)));
     }
-    link.delay_ticks = link.delay_ticks.value_or(least);
+    link.delay_ticks = link.delay_ticks.value_or(usual_delay(experiment, link));
   }
   return result;
 }

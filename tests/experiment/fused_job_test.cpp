@@ -118,6 +118,21 @@ TEST_F(FusedJob, DelaysBetweenSimulatorsAreMusics) {
   EXPECT_THAT(edges, testing::ElementsAre(2, 3, 2));
 }
 
+TEST_F(FusedJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {
+  const auto delayed = experiment::with_fused_delays(
+      experiment("  - a -> one [2] -> two [2] -> b [2]\n  - two -> one.back [2, delay 3 ticks]\n"
+                 "  - c -> one.level [2]\n"));
+  std::map<std::string, std::uint32_t> delays;
+  for (const experiment::Link& link : delayed.links) {
+    delays[link.to] = link.delay_ticks.value();
+  }
+  EXPECT_EQ(delays["one.in"], 3U);
+  EXPECT_EQ(delays["one.back"], 3U);
+  EXPECT_EQ(delays["two.in"], 0U);
+  EXPECT_EQ(delays["one.level"], 2U) << "continuous values wait for their own kind";
+  EXPECT_NO_THROW(experiment::fused_job(delayed, "out", {}));
+}
+
 TEST_F(FusedJob, NestNeedsTheStampGuard) {
   EXPECT_EQ(key(job("  - a -> two [2] -> b [2]\n  - a -> one [2]\n"), "experiment", "stamp_guard"),
             "true");
@@ -147,12 +162,14 @@ TEST_F(FusedJob, RefusesWhatCannotBe) {
             "the fused layout, and here it is 1 tick; write  delay 2 ticks, leave it out, or use "
             "--layout separate");
   EXPECT_EQ(
-      refusal("  - a -> one [2] -> two [2, delay 2 ticks] -> b [2]\n  - a -> two.more [2]\n"),
+      refusal("  - a -> one [2] -> two [2, delay 2 ticks] -> b [2]\n  - a -> two.more [2, delay 1 "
+              "tick]\n"),
       "x.yaml:15:10: the inputs 'two.in' and 'two.more' have different delays, and a simulator "
       "waits for all of its inputs as long as for those from another one; write at least "
       "[delay 2 ticks]");
   EXPECT_EQ(
-      refusal("  - a -> one [2] -> two [2, delay 1 tick] -> b [2]\n  - a -> two.more [2]\n"),
+      refusal(
+          "  - a -> one [2] -> two [2, delay 1 tick] -> b [2]\n  - a -> two.more [2, delay 0]\n"),
       "x.yaml:15:10: the inputs 'two.in' and 'two.more' have different delays, and a simulator "
       "waits for all of its inputs as long as for those from another one; write at least "
       "[delay 1 tick]");

@@ -78,8 +78,8 @@ TEST_F(State, NobodyIsLateWhileTheFirstWaitsForARobot) {
 }
 
 TEST_F(State, AScriptIsNamedByItsFile) {
-  const MusicFile file = parse_music(
-      "[a]\nnp=1\nbinary=spikeloop-script\nscript=models/brain.py\n", "job.music");
+  const MusicFile file =
+      parse_music("[a]\nnp=1\nbinary=spikeloop-script\nscript=models/brain.py\n", "job.music");
   EXPECT_EQ(JobState(file).summary()["processes"]["a"]["program"], "brain.py");
 }
 
@@ -91,6 +91,16 @@ TEST_F(State, SaysWhyNobodyStarts) {
             "'a' (rate_encoder) has been stopped (SIGSTOP), and the others wait for it");
   EXPECT_EQ(state_.why_nobody_starts({{"a", false}, {"b", false}, {"c", false}}),
             "our programs wait in MUSIC's Setup, which these may not have called: 'b' (brain.py)");
+}
+
+TEST_F(State, AScriptMayHangBeforeItsHost) {
+  const MusicFile file = parse_music(
+      "[a]\nnp=1\nbinary=spikeloop-script\nscript=models/brain.py\n[b]\nnp=1\n"
+      "binary=rate_encoder\n",
+      "job.music");
+  EXPECT_EQ(JobState(file).why_nobody_starts({{"a", false}, {"b", false}}),
+            "programs wait in MUSIC's Setup, which these scripts call when they come to the host "
+            "(spikeloop.music and its like): 'a' (brain.py)");
 }
 
 TEST_F(State, SaysWhomEverybodyWaitsFor) {

@@ -311,6 +311,21 @@ TEST(Run, ASecondCtrlCKillsAtOnce) {
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
+// GNU timeout signals its child, and then the group that the child is in.
+TEST(Run, CtrlCTwiceAtOnceIsOne) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Child child(job.command());
+  ASSERT_TRUE(child.wait_for("a: first tick", 30s)) << child.output();
+  ASSERT_TRUE(child.wait_for("b: first tick", 30s)) << child.output();
+  child.signal(SIGINT);
+  std::this_thread::sleep_for(10ms);
+  child.signal(SIGINT);
+  EXPECT_EQ(child.wait().exit_code, 130);
+  auto summary = job.summary();
+  EXPECT_EQ(summary["processes"]["a"]["reported"], true) << "the programs finalized";
+  EXPECT_EQ(summary["processes"]["b"]["reported"], true);
+}
+
 TEST(Run, ForeignProgramsGetNoSignalTheyMayNotKnow) {
   const TwoPrograms job("stoptime=1000", "stoptime=1000\nsilent=yes\nbehaviour=stubborn",
                         "./foreign");
@@ -340,6 +355,7 @@ TEST(Run, LeavesNoSharedMemoryBehind) {
   const std::string scratch = scratch_of(child);
   ASSERT_TRUE(std::filesystem::exists(scratch)) << scratch;
   child.signal(SIGINT);
+  std::this_thread::sleep_for(300ms);
   child.signal(SIGINT);
   child.wait();
   EXPECT_FALSE(std::filesystem::exists(scratch));

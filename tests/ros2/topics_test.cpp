@@ -90,6 +90,18 @@ TEST_F(TopicsTest, knows_who_is_there) {
   EXPECT_TRUE(eventually(kLong, [&] { return !publisher->has_subscribers(); }));
 }
 
+TEST_F(TopicsTest, gets_what_is_published_once_the_publishers_know_us) {
+  for (int i = 0; i < 50; ++i) {
+    Heard heard;
+    const std::string topic = "/in" + std::to_string(i);
+    const auto publisher = robot_.publisher(topic, "std_msgs/String");
+    const auto subscriber = brain_.subscriber(heard.subscription(topic, "std_msgs/String", 1));
+    ASSERT_TRUE(eventually(kLong, [&] { return brain_.publishers_know_us(topic); }));
+    publisher->publish(message_of(pattern(8)));
+    ASSERT_TRUE(eventually(kLong, [&] { return heard.count() == 1; })) << "at attempt " << i;
+  }
+}
+
 TEST_F(TopicsTest, says_which_other_type_a_topic_carries) {
   const auto before = robot_.publisher("/in", "geometry_msgs/Twist");
   const auto subscriber = brain_.subscriber(heard_.subscription("/in", "sensor_msgs/LaserScan", 1));

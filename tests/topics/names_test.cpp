@@ -46,8 +46,8 @@ TEST(Names, topics_of_ros2) {
   for (const std::string topic : {"", "/", "~", "~a", "1a", "/a/1b", "/a//b", "/a/", "a b", "a~"}) {
     EXPECT_EQ(error_of([&] { check_topic(Dialect::ros2, topic); }),
               "'" + topic +
-                  "' is no name of a ROS 2 topic; write letters, digits and '_', with a single '/' "
-                  "between parts that begin with no digit, as in /cmd_vel");
+                  "' is no name of a ROS 2 topic; write letters, digits, '_' and '/', no part "
+                  "beginning with a digit, as in /cmd_vel or ~/cmd_vel");
   }
 }
 

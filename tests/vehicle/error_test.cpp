@@ -64,8 +64,8 @@ TEST(WorldErrors, MissingFile) {
   EXPECT_THAT(message<FileError>("arenna.xml"),
               AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
                     HasSubstr("share/spikeloop/worlds"),
-                    EndsWith("; write the path of an MJCF file, or arena.xml for the shipped "
-                             "world")));
+                    EndsWith("; write the path of an MJCF file, or arena, phototaxis or t_maze for "
+                             "a shipped world")));
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {
@@ -148,6 +148,49 @@ TEST(WorldErrors, Obstacles) {
             shapes);
   EXPECT_EQ(of(R"(<body name="obstacle_a"><joint/><geom type="box" size="1 1 1"/></body>)"),
             "obstacle 'obstacle_a' can move; make it a child of <worldbody> without joints");
+}
+
+TEST(WorldErrors, Lamps) {
+  const std::string intensity = "the lamp's luminous intensity (cd), above 0";
+  const std::string site = R"(<site name="lamp_1" pos="1 0 0.2"/>)";
+  EXPECT_EQ(
+      complaint(kArena + kStart, kFloor + site),
+      "has no numeric 'lamp_1'; write <custom><numeric name=\"lamp_1\" data=\"...\"/></custom> "
+      "with 1 numbers: " +
+          intensity);
+  EXPECT_EQ(complaint(kArena + kStart + R"(<numeric name="lamp_1" data="-2"/>)", kFloor + site),
+            "numeric 'lamp_1' is \"-2\"; write 1 number: " + intensity);
+}
+
+TEST(WorldErrors, PhotodiodesAreNeededWhereThereAreLamps) {
+  const std::filesystem::path shipped = find_world("spikeloop_vehicle.xml");
+  std::ifstream in(shipped);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  text.replace(text.find("light_right\""), 12, "eye\"");
+  const test::TemporaryDirectory directory;
+  directory.write("spikeloop_vehicle.xml", text);
+  const std::string numerics = kArena + kStart + R"(<numeric name="lamp_1" data="1"/>)";
+  const std::string world =
+      directory.write("world.xml", mjcf(numerics, kFloor + R"(<site name="lamp_1"/>)"));
+  EXPECT_THAT(
+      message<ConfigurationError>(world),
+      EndsWith("has no site 'light_right'; a world with lamps needs it: include the shipped "
+               "vehicle, or write <site name=\"light_left\"/> and \"light_right\" into body "
+               "'vehicle', x along the diode's normal"));
+}
+
+TEST(WorldErrors, Cues) {
+  const std::string remedy =
+      "body 'cue' is put in one of several places by the seed; write mocap=\"true\" in it, and "
+      "<custom><numeric name=\"cue_place_1\" data=\"X Y HEADING\"/></custom>, cue_place_2 and so "
+      "on";
+  const std::string place = R"(<numeric name="cue_place_1" data="1 0 0"/>)";
+  EXPECT_EQ(complaint(kArena + kStart,
+                      kFloor + R"(<body name="cue" mocap="true"><geom size="0.1"/></body>)"),
+            remedy);
+  EXPECT_EQ(complaint(kArena + kStart + place,
+                      kFloor + R"(<body name="cue" pos="1 1 0"><geom size="0.1"/></body>)"),
+            remedy);
 }
 
 TEST(WorldErrors, TooManyObstacles) {

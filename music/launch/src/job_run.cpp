@@ -19,6 +19,8 @@ namespace {
 
 using std::chrono::seconds;
 
+/// Within this while a second signal is the first one once more.
+constexpr std::chrono::milliseconds kSameSignal{100};
 /// How long programs may take to leave their loops and finalize.
 constexpr seconds kStopGrace{2};
 /// A program that fails takes the others with it by MPI_Abort; this is for those that could not.
@@ -87,9 +89,14 @@ void JobRun::take_message(const nlohmann::json& message) {
 }
 
 void JobRun::take_signal(int number) {
-  // Some batch systems repeat SIGUSR1: that is no impatience.
+  // Some batch systems repeat SIGUSR1, and GNU timeout sends every signal twice: no impatience.
+  const auto now = std::chrono::steady_clock::now();
+  if (stop_signals_ > 0 && now - last_signal_ < kSameSignal) {
+    return;
+  }
   const bool again = number != SIGUSR1 && stop_signals_ > 0;
   ++stop_signals_;
+  last_signal_ = now;
   fail(128 + number, stopped_by(number));
   if (mpirun_ != nullptr && again) {
     mpirun_->tree().kill();

@@ -91,6 +91,7 @@ class JobRun {
   std::unique_ptr<GuardProcess> guard_;
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;
+  std::chrono::steady_clock::time_point last_signal_{};
   Clock::time_point started_{};
   Clock::time_point prepared_{};  ///< when a program last said that it prepares itself
   std::optional<StartWatch> starting_;

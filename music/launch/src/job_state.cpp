@@ -53,7 +53,9 @@ JobState::JobState(const MusicFile& file, bool all_here)
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
     process.program = what_runs(file, section);
-    process.ours = all_here && find_program(file, section) != nullptr;
+    const Program* program = all_here ? find_program(file, section) : nullptr;
+    process.ours = program != nullptr;
+    process.script = program != nullptr && program->script;
     order_.push_back(section.label);
   }
   progress_.total_s = total_time(file);

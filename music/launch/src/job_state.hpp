@@ -74,6 +74,7 @@ class JobState {
   struct Process {
     std::string program;  ///< empty: not of this file
     bool ours = false;    ///< or has reported: we expect the other messages, too
+    bool script = false;  ///< a user's that takes part by our package
     bool started = false;
     bool ticked = false;
     bool reported = false;

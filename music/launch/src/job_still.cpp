@@ -68,6 +68,7 @@ std::string JobState::why_nobody_starts(const std::map<std::string, bool>& livin
   std::vector<std::string> ended;
   std::vector<std::string> stopped;
   std::vector<std::string> foreign;
+  std::vector<std::string> scripts;
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
     if (process.program.empty()) {
@@ -79,6 +80,8 @@ std::string JobState::why_nobody_starts(const std::map<std::string, bool>& livin
       stopped.push_back(shown(label));
     } else if (!process.ours) {
       foreign.push_back(shown(label));
+    } else if (process.script) {
+      scripts.push_back(shown(label));
     }
   }
   if (living.empty()) {
@@ -90,9 +93,14 @@ std::string JobState::why_nobody_starts(const std::map<std::string, bool>& livin
   if (!stopped.empty()) {
     return list(stopped) + " has been stopped (SIGSTOP), and the others wait for it";
   }
-  return foreign.empty() ? "all programs wait in MUSIC's Setup"
-                         : "our programs wait in MUSIC's Setup, which these may not have called: " +
-                               list(foreign);
+  if (!foreign.empty()) {
+    return "our programs wait in MUSIC's Setup, which these may not have called: " + list(foreign);
+  }
+  return scripts.empty()
+             ? "all programs wait in MUSIC's Setup"
+             : "programs wait in MUSIC's Setup, which these scripts call when they come "
+               "to the host (spikeloop.music and its like): " +
+                   list(scripts);
 }
 
 bool JobState::any_started() const {

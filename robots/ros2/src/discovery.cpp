@@ -24,7 +24,8 @@ constexpr const char* kRange = "ROS_AUTOMATIC_DISCOVERY_RANGE";
 constexpr const char* kPeers = "ROS_STATIC_PEERS";
 constexpr const char* kLocalhostOnly = "ROS_LOCALHOST_ONLY";
 constexpr const char* kCyclone = "CYCLONEDDS_URI";
-constexpr std::array kVariables{kDomain, kRange, kPeers, kLocalhostOnly, kCyclone};
+constexpr const char* kDistribution = "ROS_DISTRO";
+constexpr std::array kVariables{kDomain, kRange, kPeers, kLocalhostOnly, kCyclone, kDistribution};
 
 constexpr std::uint32_t kHighestDomain = 232;  // beyond, there is no port for it
 /// As the rmw layers: more processes of one domain on one machine would not be found, and Cyclone
@@ -167,7 +168,8 @@ Discovery discovery(const Variables& variables) {
   Discovery result{.domain = parse_domain(value_of(variables, kDomain)),
                    .range = parse_range(value_of(variables, kRange)),
                    .peers = parse_peers(value_of(variables, kPeers)),
-                   .cyclone = value_of(variables, kCyclone)};
+                   .cyclone = value_of(variables, kCyclone),
+                   .distribution = value_of(variables, kDistribution)};
   if (parse_localhost_only(value_of(variables, kLocalhostOnly))) {
     result.range = Range::localhost;
     result.peers.clear();

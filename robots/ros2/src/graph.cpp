@@ -1,6 +1,7 @@
 #include "graph.hpp"
 
 #include <array>
+#include <cstring>
 #include <utility>
 
 namespace spikeloop::ros2 {
@@ -24,6 +25,10 @@ bool is_reliable(const dds_qos_t* qos) {
 }
 
 }  // namespace
+
+bool is_same(const dds_guid_t& a, const dds_guid_t& b) {
+  return std::memcmp(a.v, b.v, sizeof a.v) == 0;
+}
 
 Graph::Graph(dds_entity_t participant, Dispatcher& dispatcher)
     : dispatcher_(dispatcher),

@@ -25,6 +25,8 @@ struct Writer {
   dds_guid_t participant{};
 };
 
+bool is_same(const dds_guid_t& a, const dds_guid_t& b);
+
 class Graph {
  public:
   using Seen = std::function<void(const Writer&)>;

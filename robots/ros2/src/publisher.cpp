@@ -18,7 +18,8 @@ constexpr dds_duration_t kLongestDrain = DDS_MSECS(100);
 
 Publisher::Publisher(Session::Impl& session, const Endpoint& endpoint, std::uint32_t queue,
                      bool latched)
-    : topic_name_(endpoint.topic),
+    : session_(session),
+      topic_name_(endpoint.topic),
       topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
       writer_(dds_create_writer(session.participant.entity(), topic_.entity,
                                 writer_qos(queue, latched, endpoint.user_data).get(), nullptr)) {
@@ -26,9 +27,11 @@ Publisher::Publisher(Session::Impl& session, const Endpoint& endpoint, std::uint
     throw TransportError(fmt::format("Cyclone DDS makes no writer of '{}': {}", topic_name_,
                                      dds_strretcode(writer_)));
   }
+  session_.nodes.add_writer(writer_);
 }
 
 Publisher::~Publisher() {
+  session_.nodes.remove(writer_);
   dds_delete(writer_);
 }
 

@@ -21,6 +21,7 @@ class Publisher final : public topics::RawPublisher {
   void drain() const override;
 
  private:
+  Session::Impl& session_;
   std::string topic_name_;
   RawTopic topic_;
   dds_entity_t writer_;

@@ -3,9 +3,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <mutex>
+#include <set>
 #include <utility>
+#include <vector>
 
+#include "announced.h"
 #include "publisher.hpp"
 #include "session_impl.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -37,7 +43,9 @@ Session::Impl::Impl(const topics::SessionSettings& settings)
       domain(found),
       participant(domain, found),
       dispatcher(participant.entity()),
-      graph(participant.entity(), dispatcher) {
+      graph(participant.entity(), dispatcher),
+      node_topic(participant.entity(), NodeList::kTopic, NodeList::kType),
+      nodes(participant.entity(), node_topic, graph, node, found.distribution) {
   place["ROS_DOMAIN_ID"] = fmt::to_string(found.domain);
 }
 
@@ -79,7 +87,22 @@ std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription 
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {
-  return !impl_->graph.writers(dds_topic(topic)).empty();
+  const std::string name = dds_topic(topic);
+  std::set<std::string> types;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    const auto [begin, end] = impl_->subscribed.equal_range(name);
+    std::transform(begin, end, std::inserter(types, types.end()),
+                   [](const auto& entry) { return entry.second; });
+  }
+  dds_guid_t own{};
+  dds_get_guid(impl_->participant.entity(), &own);
+  const std::vector<Writer> writers = impl_->graph.writers(name);
+  return !writers.empty() && std::all_of(writers.begin(), writers.end(), [&](const Writer& writer) {
+    return types.contains(writer.type) &&
+           (is_same(writer.participant, own) ||
+            have_announced_subscribers(impl_->node_topic.type, &own, &writer.participant));
+  });
 }
 
 }  // namespace spikeloop::ros2

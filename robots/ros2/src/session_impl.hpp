@@ -1,11 +1,15 @@
 // What the parts of this room share of a session.
 #pragma once
 
+#include <map>
+#include <mutex>
 #include <string>
 
 #include "dispatcher.hpp"
 #include "graph.hpp"
+#include "node_list.hpp"
 #include "participant.hpp"
+#include "raw_type.hpp"
 #include "spikeloop/ros2/discovery.hpp"
 #include "spikeloop/ros2/names.hpp"
 #include "spikeloop/ros2/session.hpp"
@@ -23,6 +27,10 @@ struct Session::Impl {
   Participant participant;
   Dispatcher dispatcher;
   Graph graph;
+  RawTopic node_topic;
+  NodeList nodes;
+  std::mutex mutex;
+  std::multimap<std::string, std::string> subscribed{};  ///< types by topic, both as DDS has them
 };
 
 /// A topic's names and type as DDS knows them, and what its endpoints say to ROS 2.

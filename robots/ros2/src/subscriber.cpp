@@ -34,6 +34,11 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
     throw TransportError(fmt::format("Cyclone DDS makes no reader of '{}': {}", endpoint_.topic,
                                      dds_strretcode(reader_ < 0 ? reader_ : arrived_)));
   }
+  {
+    const std::lock_guard lock(session_.mutex);
+    place_ = session_.subscribed.emplace(endpoint_.dds_name(), endpoint_.dds_type_name());
+  }
+  session_.nodes.add_reader(reader_);
   ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });
   listener_ = session_.graph.listen(endpoint_.dds_name(),
                                     [this](const Writer& writer) { look_at(writer); });
@@ -42,6 +47,11 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
 Subscriber::~Subscriber() {
   session_.graph.forget(listener_);
   session_.dispatcher.remove(ticket_, arrived_);
+  session_.nodes.remove(reader_);
+  {
+    const std::lock_guard lock(session_.mutex);
+    session_.subscribed.erase(place_);
+  }
   dds_delete(reader_);
 }
 

@@ -90,8 +90,8 @@ void check_topic(Dialect ros, const std::string& topic) {
   }
   if (ros == Dialect::ros2 && !is_ros2_topic(topic)) {
     throw ConfigurationError(fmt::format(
-        "'{}' is no name of a ROS 2 topic; write letters, digits and '_', with a single '/' "
-        "between parts that begin with no digit, as in /cmd_vel",
+        "'{}' is no name of a ROS 2 topic; write letters, digits, '_' and '/', no part beginning "
+        "with a digit, as in /cmd_vel or ~/cmd_vel",
         topic));
   }
 }

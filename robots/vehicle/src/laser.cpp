@@ -15,13 +15,11 @@ constexpr std::string_view kMeaning =
     "beams (2 to 10000), first and last angle (rad, rising), smallest and largest range (m, "
     "rising), scans per second";
 
-constexpr int kOwnGroup = mjNGROUP - 1;
-
 void hide_vehicle(mjModel& model, const Parts& parts) {
   for (int geom = 0; geom < model.ngeom; ++geom) {
     if (parts.own_geom[static_cast<std::size_t>(geom)]) {
-      model.geom_group[geom] = kOwnGroup;
-    } else if (model.geom_group[geom] == kOwnGroup) {
+      model.geom_group[geom] = kVehicleGroup;
+    } else if (model.geom_group[geom] == kVehicleGroup) {
       model.geom_group[geom] = 0;
     }
   }
@@ -54,8 +52,6 @@ Laser::Laser(mjModel& model, const Names& names, const Parts& parts) : site_(par
 
 LaserScan Laser::scan(const mjModel& model, const mjData& data, TimeNs stamp) const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  mjtByte groups[mjNGROUP];
-  for (int i = 0; i < mjNGROUP; ++i) groups[i] = i != kOwnGroup;
   const mjtNum* origin = data.site_xpos + 3 * site_;
   const mjtNum* axes = data.site_xmat + 9 * site_;  // columns: ahead, left, up
   LaserScan scan = empty_;
@@ -68,7 +64,7 @@ LaserScan Laser::scan(const mjModel& model, const mjData& data, TimeNs stamp) co
     const mjtNum direction[3] = {c * axes[0] + s * axes[1], c * axes[3] + s * axes[4],
                                  c * axes[6] + s * axes[7]};
     int hit = -1;
-    const double range = mj_ray(&model, &data, origin, direction, groups, 1, -1, &hit);
+    const double range = mj_ray(&model, &data, origin, direction, kAllButVehicle, 1, -1, &hit);
     if (hit < 0 || range > range_max_) {
       scan.ranges_m.push_back(kInfinity);
     } else {

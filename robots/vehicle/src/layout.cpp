@@ -16,6 +16,7 @@ namespace {
 constexpr std::string_view kStream = "arena";
 constexpr std::uint64_t kObstacles = 0;  // purposes of the random stream
 constexpr std::uint64_t kStart = 1;
+constexpr std::uint64_t kCue = 2;
 constexpr int kTriesPerObstacle = 100;
 constexpr int kLayouts = 2000;
 constexpr int kTriesForStart = 20000;
@@ -145,15 +146,17 @@ void place(std::vector<ObstacleBody>& obstacles, const Arena& arena, double pass
                   obstacles.size(), passage, seed));
 }
 
-void move(const ObstacleBody& obstacle, const mjModel& model, mjData& data) {
-  mjtNum* at = data.mocap_pos + 3 * obstacle.mocap;
-  at[0] = obstacle.circle.x;
-  at[1] = obstacle.circle.y;
-  at[2] = model.body_pos[3 * obstacle.id + 2];
-  mjtNum* turn = data.mocap_quat + 4 * obstacle.mocap;
-  turn[0] = std::cos(obstacle.circle.heading / 2);
+// Of a mocap body; at the height that the file says.
+void move(int body, const Pose& pose, const mjModel& model, mjData& data) {
+  const int mocap = model.body_mocapid[body];
+  mjtNum* at = data.mocap_pos + 3 * mocap;
+  at[0] = pose.x_m;
+  at[1] = pose.y_m;
+  at[2] = model.body_pos[3 * body + 2];
+  mjtNum* turn = data.mocap_quat + 4 * mocap;
+  turn[0] = std::cos(pose.theta_rad / 2);
   turn[1] = turn[2] = 0;
-  turn[3] = std::sin(obstacle.circle.heading / 2);
+  turn[3] = std::sin(pose.theta_rad / 2);
 }
 
 void append_footprints(const ObstacleBody& body, const mjModel& model, const Names& names,
@@ -244,7 +247,9 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
   place(bodies, arena, passage, seed, names);
   std::vector<Obstacle> footprints;
   for (const auto& body : bodies) {
-    if (body.mocap >= 0) move(body, model, data);
+    if (body.mocap >= 0) {
+      move(body.id, {body.circle.x, body.circle.y, body.circle.heading}, model, data);
+    }
     append_footprints(body, model, names, footprints);
   }
   const Pose start = start_pose(arena, footprints, parts, seed, names);
@@ -255,6 +260,27 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
   position[4] = position[5] = 0;
   position[6] = std::sin(start.theta_rad / 2);
   return footprints;
+}
+
+int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed) {
+  const int cue = mj_name2id(&model, mjOBJ_BODY, "cue");
+  if (cue < 0) return 0;
+  std::vector<Pose> places;
+  while (const auto place = names.numeric(fmt::format("cue_place_{}", places.size() + 1), 3,
+                                          "x, y (m) and heading (rad)")) {
+    places.push_back({(*place)[0], (*place)[1], (*place)[2]});
+  }
+  if (places.empty() || model.body_mocapid[cue] < 0) {
+    throw ConfigurationError(
+        Location{names.path()},
+        "body 'cue' is put in one of several places by the seed; write mocap=\"true\" in it, and "
+        "<custom><numeric name=\"cue_place_1\" data=\"X Y HEADING\"/></custom>, cue_place_2 and so "
+        "on");
+  }
+  const double drawn = Draws(seed, kCue).between(0, static_cast<double>(places.size()));
+  const auto chosen = static_cast<std::size_t>(drawn);
+  move(cue, places[chosen], model, data);
+  return static_cast<int>(chosen) + 1;
 }
 
 double Obstacle::distance_m(double x, double y) const {

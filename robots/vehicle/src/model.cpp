@@ -20,6 +20,7 @@ namespace spikeloop::vehicle {
 namespace {
 
 constexpr const char* kVehicleFile = "spikeloop_vehicle.xml";
+constexpr const char* kLookFile = "spikeloop_look.xml";
 constexpr const char* kInclude =
     "include the shipped vehicle: <include file=\"spikeloop_vehicle.xml\"/>";
 
@@ -41,12 +42,14 @@ struct VfsDelete {
   }
 };
 
-// A table of virtual files that holds the shipped vehicle, unless the world has its own beside it.
+// A table of virtual files that holds the shipped vehicle and look, unless the world has its own
+// beside it.
 std::unique_ptr<mjVFS, VfsDelete> shipped_files(const std::filesystem::path& world) {
   std::unique_ptr<mjVFS, VfsDelete> files(new mjVFS);
   mj_defaultVFS(files.get());
-  if (!std::filesystem::exists(world.parent_path() / kVehicleFile)) {
-    const std::filesystem::path shipped = find_world(kVehicleFile);
+  for (const char* name : {kVehicleFile, kLookFile}) {
+    if (std::filesystem::exists(world.parent_path() / name)) continue;
+    const std::filesystem::path shipped = find_world(name);
     // With a directory given apart, MuJoCo 2.2.2 does not find the file.
     if (mj_addFileVFS(files.get(), nullptr, shipped.c_str()) != 0) {
       throw FileError("read", shipped.string(), EIO);
@@ -108,6 +111,7 @@ void find_wheels(const mjModel& model, const Names& names, Parts& parts) {
   double lever = 0;
   for (std::size_t i = 0; i < wheels.size(); ++i) {
     const int joint = names.find(mjOBJ_JOINT, "joint", wheels[i], kInclude);
+    parts.joint[i] = joint;
     parts.actuator[i] = names.find(mjOBJ_ACTUATOR, "actuator", wheels[i], kInclude);
     const int body = model.jnt_bodyid[joint];
     if (model.body_geomnum[body] == 0) {

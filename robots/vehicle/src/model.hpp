@@ -41,6 +41,8 @@ class Names {
   double number(const std::string& name, double default_value, std::string_view meaning) const;
   std::string body(int id) const { return text(mj_id2name(model_, mjOBJ_BODY, id)); }
   std::string geom(int id) const { return text(mj_id2name(model_, mjOBJ_GEOM, id)); }
+  std::string joint(int id) const { return text(mj_id2name(model_, mjOBJ_JOINT, id)); }
+  std::string site(int id) const { return text(mj_id2name(model_, mjOBJ_SITE, id)); }
   const std::string& path() const { return path_; }
 
  private:
@@ -48,6 +50,10 @@ class Names {
   const mjModel* model_;
   std::string path_;
 };
+
+/// The group that the vehicle's geoms get: rays and beams do not see it.
+inline constexpr int kVehicleGroup = mjNGROUP - 1;
+inline constexpr mjtByte kAllButVehicle[mjNGROUP] = {1, 1, 1, 1, 1, 0};
 
 /// The vehicle's parts in a model.
 struct Parts {
@@ -57,6 +63,7 @@ struct Parts {
   int qvel = -1;  ///< address of the free joint's 6 velocities
   int site = -1;
   int floor = -1;
+  std::array<int, kWheels> joint{};
   std::array<int, kWheels> actuator{};
   double wheel_radius_m = 0;
   double half_effective_track_m = 0;

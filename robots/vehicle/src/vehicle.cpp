@@ -7,10 +7,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "inertia.hpp"
 #include "journey.hpp"
 #include "laser.hpp"
 #include "layout.hpp"
 #include "model.hpp"
+#include "photodiodes.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::vehicle {
@@ -69,11 +71,15 @@ class Vehicle::Impl {
         timestep_(read_timestep(*model_, names_)),
         limits_(read_limits(names_)),
         laser_(*model_, names_, parts_),
+        photodiodes_(*model_, names_),
+        inertia_(timestep_),
         data_(make_data(*model_)),
         arena_(read_arena(names_)),
         obstacles_(lay_out(*model_, *data_, names_, parts_, arena_, options.seed)),
+        cue_place_(place_cue(*model_, *data_, names_, options.seed)),
         coverage_(arena_, obstacles_, parts_.radius_m) {
     mj_forward(model_.get(), data_.get());
+    inertia_.look(*data_, parts_);
     visit_here();
   }
 
@@ -119,6 +125,40 @@ class Vehicle::Impl {
     return odometry;
   }
 
+  Imu imu() const { return inertia_.read(*model_, *data_, parts_, time_); }
+
+  JointStates joint_states() const {
+    JointStates states;
+    states.stamp = time_;
+    for (std::size_t i = 0; i < parts_.joint.size(); ++i) {
+      states.names.push_back(names_.joint(parts_.joint[i]));
+      states.positions_rad.push_back(data_->qpos[model_->jnt_qposadr[parts_.joint[i]]]);
+      states.velocities_rad_s.push_back(data_->qvel[model_->jnt_dofadr[parts_.joint[i]]]);
+      states.torques_n_m.push_back(data_->actuator_force[parts_.actuator[i]]);
+    }
+    return states;
+  }
+
+  std::optional<Light> light() const {
+    if (!photodiodes_.has_lamps()) return std::nullopt;
+    mj_kinematics(model_.get(), data_.get());
+    return photodiodes_.read(*model_, *data_, time_);
+  }
+
+  Mount laser_mount() const {
+    return mount_of(model_->site_pos + 3 * parts_.site, model_->site_quat + 4 * parts_.site);
+  }
+
+  std::optional<Mount> camera_mount() const {
+    const int camera = mj_name2id(model_.get(), mjOBJ_CAMERA, "camera");
+    if (camera < 0) return std::nullopt;
+    // MuJoCo's cameras look along -z, y up: half a turn about x from the optical frame.
+    constexpr mjtNum kHalfTurn[4] = {0, 1, 0, 0};
+    mjtNum optical[4];
+    mju_mulQuat(optical, model_->cam_quat + 4 * camera, kHalfTurn);
+    return mount_of(model_->cam_pos + 3 * camera, optical);
+  }
+
   Statistics statistics() const {
     Statistics result;
     result.collisions = collisions_.count();
@@ -139,8 +179,16 @@ class Vehicle::Impl {
   const Arena& arena() const { return arena_; }
   const Parts& parts() const { return parts_; }
   const std::string& path() const { return path_; }
+  int cue_place() const { return cue_place_; }
+  const mjModel& model() const { return *model_; }
+  const mjData& data() const { return *data_; }
 
  private:
+  static Mount mount_of(const mjtNum* position, const mjtNum* attitude) {
+    return {{position[0], position[1], position[2]},
+            {attitude[0], attitude[1], attitude[2], attitude[3]}};
+  }
+
   void turn_wheels() {
     const double dt = to_seconds(timestep_);
     linear_ = approach(linear_, wanted_linear_, limits_.linear_m_s2 * dt);
@@ -167,6 +215,7 @@ class Vehicle::Impl {
       }
     }
     collisions_.look(*model_, *data_, parts_, physics_time_);
+    inertia_.look(*data_, parts_);
     const Pose after = pose();
     distance_m_ += std::hypot(after.x_m - before.x_m, after.y_m - before.y_m);
     visit_here();
@@ -184,9 +233,12 @@ class Vehicle::Impl {
   TimeNs timestep_;
   Limits limits_;
   Laser laser_;
+  Photodiodes photodiodes_;
+  Inertia inertia_;
   DataPointer data_;
   Arena arena_;
   std::vector<Obstacle> obstacles_;
+  int cue_place_ = 0;
   Coverage coverage_;
   Collisions collisions_;
   TimeNs time_ = 0;
@@ -220,6 +272,21 @@ LaserScan Vehicle::scan() const {
 Odometry Vehicle::odometry() const {
   return impl_->odometry();
 }
+Imu Vehicle::imu() const {
+  return impl_->imu();
+}
+JointStates Vehicle::joint_states() const {
+  return impl_->joint_states();
+}
+std::optional<Light> Vehicle::light() const {
+  return impl_->light();
+}
+Mount Vehicle::laser_mount() const {
+  return impl_->laser_mount();
+}
+std::optional<Mount> Vehicle::camera_mount() const {
+  return impl_->camera_mount();
+}
 Pose Vehicle::pose() const {
   return impl_->pose();
 }
@@ -240,6 +307,15 @@ double Vehicle::half_effective_track_m() const {
 }
 const std::string& Vehicle::world() const {
   return impl_->path();
+}
+int Vehicle::cue_place() const {
+  return impl_->cue_place();
+}
+const mjModel_& Vehicle::model() const {
+  return impl_->model();
+}
+const mjData_& Vehicle::data() const {
+  return impl_->data();
 }
 
 }  // namespace spikeloop::vehicle

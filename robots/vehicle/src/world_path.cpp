@@ -33,18 +33,21 @@ std::vector<std::string> shipped_directories() {
 }  // namespace
 
 std::string find_world(const std::string& name) {
-  if (fs::exists(name)) return name;
-  if (fs::path(name).has_parent_path()) {
+  const bool bare = !fs::path(name).has_parent_path();
+  if (fs::exists(name) && !(bare && fs::is_directory(name))) return name;
+  if (!bare) {
     throw FileError("open world", name, ENOENT);
   }
   const auto directories = shipped_directories();
   for (const auto& directory : directories) {
-    const fs::path candidate = fs::path(directory) / name;
-    if (fs::exists(candidate)) return candidate.string();
+    for (const std::string& file : {name, name + ".xml"}) {
+      const fs::path candidate = fs::path(directory) / file;
+      if (fs::exists(candidate)) return candidate.string();
+    }
   }
   throw FileError(
       fmt::format("cannot find world '{}': no such file here, nor in {}; write the path of an MJCF "
-                  "file, or arena.xml for the shipped world",
+                  "file, or arena, phototaxis or t_maze for a shipped world",
                   name, fmt::join(directories, ", ")));
 }
 

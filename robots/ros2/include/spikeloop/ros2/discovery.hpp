@@ -24,14 +24,15 @@ struct Discovery {
   Range range = Range::subnet;
   std::vector<std::string> peers{};  ///< ROS_STATIC_PEERS: machines beyond that range
   std::string cyclone{};             ///< CYCLONEDDS_URI: settings of Cyclone DDS, the last word
+  std::string distribution{};        ///< ROS_DISTRO: "humble", "jazzy"...
 };
 
 /// The environment's variables that discovery() reads.
 Variables discovery_environment();
 
-/// ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY and
-/// CYCLONEDDS_URI. As in ROS 2, ROS_LOCALHOST_ONLY=1 wins over range and peers, and only the ranges
-/// subnet and localhost have peers.
+/// ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY,
+/// CYCLONEDDS_URI and ROS_DISTRO. As in ROS 2, ROS_LOCALHOST_ONLY=1 wins over range and peers, and
+/// only the ranges subnet and localhost have peers.
 /// @throws ConfigurationError for a value that is none.
 Discovery discovery(const Variables& variables);
 

@@ -4,10 +4,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/vehicle/sensors.hpp"
+
+struct mjModel_;  // MuJoCo's, for what draws it
+struct mjData_;
 
 namespace spikeloop::vehicle {
 
@@ -103,6 +108,13 @@ struct Options {
 ///     walls; the others stay where the file says;
 ///   numeric `start` = x, y, heading fixes the start pose; without it the seed draws one whose
 ///     centre is at least numeric `start_clearance` (0.45 m) away from everything.
+/// It may name:
+///   sites `lamp_*`, each with a numeric of its name: a lamp's luminous intensity (cd). A body that
+///     holds one does not stand in its light. The sites `light_left` and `light_right` on the
+///     vehicle are the photodiodes, x along their normals;
+///   camera `camera` on the vehicle;
+///   mocap body `cue`, which the seed puts at one of the numerics `cue_place_1`, `cue_place_2`, ...
+///     (x, y, heading).
 /// The draws come from RandomStream(seed, "arena"): the same seed gives the same world.
 ///
 /// Skid steering: the wheels of a side turn at the same speed, v -+ w * h, where h is half the
@@ -131,6 +143,14 @@ class Vehicle {
   TimeNs time() const;
   LaserScan scan() const;
   Odometry odometry() const;
+  Imu imu() const;
+  JointStates joint_states() const;
+  /// Nothing when the world has no lamps.
+  std::optional<Light> light() const;
+  Mount laser_mount() const;
+  /// Of the camera's optical frame: x to the right of the picture, y down, z into it (REP 103).
+  /// Nothing when the vehicle has no camera.
+  std::optional<Mount> camera_mount() const;
   Pose pose() const;
   Statistics statistics() const;
   const std::vector<Obstacle>& obstacles() const;
@@ -140,6 +160,13 @@ class Vehicle {
   /// Half the effective track of the skid steering.
   double half_effective_track_m() const;
   const std::string& world() const;  ///< path of the file that was read
+  /// Where the seed has put the cue, from 1; 0: the world has none.
+  int cue_place() const;
+
+  /// What MuJoCo makes pictures of. Positions that follow from the state are those before the last
+  /// physics step.
+  const mjModel_& model() const;
+  const mjData_& data() const;
 
  private:
   class Impl;
@@ -147,8 +174,8 @@ class Vehicle {
 };
 
 /// The path itself when such a file exists; else, for a bare file name, the shipped world of that
-/// name: in `worlds` of $SPIKELOOP_SHARE, or of share/spikeloop beside or above the running
-/// program's directory.
+/// name, with or without its ".xml": in `worlds` of $SPIKELOOP_SHARE, or of share/spikeloop beside
+/// or above the running program's directory.
 /// @throws FileError naming the places that were searched.
 std::string find_world(const std::string& name);
 

@@ -1,0 +1,41 @@
+// The vehicle's own camera.
+#pragma once
+
+#include <memory>
+
+#include "spikeloop/pictures/image.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::pictures {
+
+struct CameraOptions {
+  Size size{64, 48};
+  double rate_hz = 20;
+  double field_of_view_deg = 80;  ///< from the left to the right edge
+};
+
+/// A pinhole camera at the world's camera `camera`, drawn off screen by OpenGL: with the world's
+/// lights and materials, without shadows. The same world and state give the same bytes with the
+/// same Mesa on the same kind of processor. No other object's state is changed.
+class Camera {
+ public:
+  /// @throws ConfigurationError when the vehicle has no camera; TransportError when OpenGL without
+  /// a display (EGL) is missing.
+  Camera(const vehicle::Vehicle& vehicle, const CameraOptions& options);
+  ~Camera();
+  Camera(Camera&&) noexcept;
+  Camera& operator=(Camera&&) noexcept;
+
+  /// What it sees now. Holds until the next call. `vehicle` is the one it was made for.
+  const Image& look(const vehicle::Vehicle& vehicle);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Focal length in pixels: a thing at angle a to the right of the axis is f tan(a) right of the
+/// middle of the picture. Pixels are square.
+double focal_length(const CameraOptions& options);
+
+}  // namespace spikeloop::pictures

@@ -1,0 +1,89 @@
+// What MuJoCo draws: a world with everything at its place, and the path that the vehicle has come.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "spikeloop/pictures/film.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::pictures {
+
+/// What is needed of a vehicle to draw it; copied, so that drawing changes nothing.
+struct State {
+  explicit State(const vehicle::Vehicle& vehicle) { take(vehicle); }
+  void take(const vehicle::Vehicle& vehicle);
+
+  TimeNs time = 0;
+  vehicle::Pose pose;
+  std::vector<mjtNum> qpos;
+  std::vector<mjtNum> mocap_pos;
+  std::vector<mjtNum> mocap_quat;
+};
+
+/// Points of the path, a few centimetres apart.
+class Trail {
+ public:
+  void go_on(const vehicle::Pose& pose);
+  const std::vector<std::array<double, 2>>& points() const { return points_; }
+
+ private:
+  std::vector<std::array<double, 2>> points_;
+};
+
+struct SceneOptions {
+  Size buffer;      ///< the largest picture
+  int samples = 4;  ///< a pixel, against jagged edges
+  bool shadows = true;
+};
+
+/// Made, used and destroyed while an OpenGL context is current in the thread.
+class Scene {
+ public:
+  Scene(const vehicle::Vehicle& vehicle, const SceneOptions& options);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  /// Where things are from now on.
+  void set(const State& state);
+  /// A camera for a view, of a picture that is `aspect` times as wide as high.
+  mjvCamera camera(View view, double aspect) const;
+  /// Follows the vehicle where the view does.
+  void follow(View view, mjvCamera& camera) const;
+  void draw(mjrRect where, mjvCamera& camera, const Trail* trail);
+  /// The same through the vehicle's camera, `tangent` half its width at distance 1.
+  void draw_camera(mjrRect where, double tangent);
+  void write(mjrRect where, const std::string& text);
+  /// Of the buffer's lower left part.
+  void read(Image& image);
+
+  const mjModel& model() const { return *model_; }
+  mjvScene& abstract() { return scene_; }
+  const mjrContext& context() const { return context_; }
+
+ private:
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+
+  void add(const Trail& trail);
+
+  std::unique_ptr<mjModel, Delete> model_;
+  std::unique_ptr<mjData, Delete> data_;
+  vehicle::Arena arena_;
+  vehicle::Pose pose_;
+  mjvOption option_;
+  mjvScene scene_;
+  mjrContext context_;
+};
+
+/// The id of camera `camera`. @throws ConfigurationError when the world has none.
+int robot_camera(const vehicle::Vehicle& vehicle);
+
+}  // namespace spikeloop::pictures

@@ -1,0 +1,175 @@
+#include "node_list.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "qos.hpp"
+#include "spikeloop/core/log.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+constexpr std::size_t kGidUntilHumble = 24;
+constexpr std::size_t kGidSinceIron = 16;
+constexpr std::array<std::pair<std::string_view, std::size_t>, 8> kDistributions{
+    {{"foxy", kGidUntilHumble},
+     {"galactic", kGidUntilHumble},
+     {"humble", kGidUntilHumble},
+     {"iron", kGidSinceIron},
+     {"jazzy", kGidSinceIron},
+     {"kilted", kGidSinceIron},
+     {"lyrical", kGidSinceIron},
+     {"rolling", kGidSinceIron}}};
+/// Of rmw_dds_common/ParticipantEntitiesInfo since Iron (REP 2016).
+constexpr const char* kHashSinceIron =
+    "typehash=RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e;";
+
+/// XCDR1, little endian, for what this message has.
+class Encoder {
+ public:
+  explicit Encoder(std::size_t gid_bytes) : gid_bytes_(gid_bytes) {}
+
+  void number(std::uint32_t value) {
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    const auto* data = reinterpret_cast<const std::byte*>(&value);
+    bytes_.insert(bytes_.end(), data, data + sizeof value);
+  }
+  void text(const std::string& value) {
+    number(static_cast<std::uint32_t>(value.size() + 1));
+    const auto* data = reinterpret_cast<const std::byte*>(value.c_str());
+    bytes_.insert(bytes_.end(), data, data + value.size() + 1);
+  }
+  void gid(const Gid& value) {
+    const auto* data = reinterpret_cast<const std::byte*>(value.v);
+    bytes_.insert(bytes_.end(), data, data + sizeof value.v);
+    bytes_.resize(bytes_.size() + gid_bytes_ - sizeof value.v);
+  }
+  void gids(std::span<const Gid> values) {
+    number(static_cast<std::uint32_t>(values.size()));
+    for (const Gid& value : values) {
+      gid(value);
+    }
+  }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::size_t gid_bytes_;
+  std::vector<std::byte> bytes_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+};
+
+Gid gid_of(dds_entity_t entity) {
+  Gid gid{};
+  dds_get_guid(entity, &gid);
+  return gid;
+}
+
+}  // namespace
+
+std::optional<std::size_t> gid_bytes_of(const std::string& distribution) {
+  const auto found = std::find_if(kDistributions.begin(), kDistributions.end(),
+                                  [&](const auto& entry) { return entry.first == distribution; });
+  return found == kDistributions.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::vector<std::byte> node_message(const Gid& participant, const NodeIdentity& node,
+                                    std::span<const Gid> readers, std::span<const Gid> writers,
+                                    std::size_t gid_bytes) {
+  Encoder encoder(gid_bytes);
+  encoder.gid(participant);
+  encoder.number(1);
+  encoder.text(node.space);
+  encoder.text(node.name);
+  encoder.gids(readers);
+  encoder.gids(writers);
+  return encoder.take();
+}
+
+NodeList::NodeList(dds_entity_t participant, const RawTopic& topic, Graph& graph,
+                   const NodeIdentity& node, const std::string& distribution)
+    : participant_(participant),
+      topic_(topic),
+      graph_(graph),
+      node_(node),
+      own_(gid_of(participant)),
+      gid_bytes_(gid_bytes_of(distribution)) {
+  if (gid_bytes_) {
+    begin();
+  }
+  listener_ = graph_.listen(kTopic, [this](const Writer& writer) { hear_of(writer); });
+}
+
+NodeList::~NodeList() {
+  graph_.forget(listener_);
+  if (writer_ > 0) {
+    dds_delete(writer_);
+  }
+}
+
+void NodeList::add_reader(dds_entity_t reader) {
+  add(reader, false);
+}
+
+void NodeList::add_writer(dds_entity_t writer) {
+  add(writer, true);
+}
+
+void NodeList::add(dds_entity_t endpoint, bool writes) {
+  const std::lock_guard lock(mutex_);
+  entries_.push_back({.endpoint = endpoint, .gid = gid_of(endpoint), .writes = writes});
+  tell();
+}
+
+void NodeList::remove(dds_entity_t endpoint) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.endpoint == endpoint; });
+  tell();
+}
+
+void NodeList::hear_of(const Writer& writer) {
+  if (writer.type != kType || is_same(writer.participant, own_)) {
+    return;
+  }
+  const bool has_hash = writer.user_data.find("typehash=") != std::string::npos;
+  const std::size_t bytes = has_hash ? kGidSinceIron : kGidUntilHumble;
+  const std::lock_guard lock(mutex_);
+  if (disagreed_ || gid_bytes_ == bytes) {
+    return;
+  }
+  if (!gid_bytes_) {
+    gid_bytes_ = bytes;
+    begin();
+    tell();
+    return;
+  }
+  disagreed_ = true;
+  if (writer_ > 0) {
+    dds_delete(std::exchange(writer_, 0));
+  }
+  log::warning(
+      "nodes of ROS 2 until Humble and since Iron are in one domain, or ROS_DISTRO is not theirs: "
+      "node {} is not in `ros2 node list`, which would harm one of them; its topics work",
+      node_.whole());
+}
+
+/// The newest message for all that come, as ROS 2 has it.
+void NodeList::begin() {
+  const Qos qos = writer_qos(1, true, gid_bytes_ == kGidSinceIron ? kHashSinceIron : "");
+  writer_ = dds_create_writer(participant_, topic_.entity, qos.get(), nullptr);
+}
+
+void NodeList::tell() {
+  if (writer_ <= 0) {
+    return;
+  }
+  std::vector<Gid> readers;
+  std::vector<Gid> writers;
+  for (const Entry& entry : entries_) {
+    (entry.writes ? writers : readers).push_back(entry.gid);
+  }
+  write_raw(writer_, topic_, node_message(own_, node_, readers, writers, *gid_bytes_));
+}
+
+}  // namespace spikeloop::ros2

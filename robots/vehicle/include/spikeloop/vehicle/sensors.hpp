@@ -1,0 +1,53 @@
+// What the vehicle measures beside its laser and its odometry.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::vehicle {
+
+using Vector3 = std::array<double, 3>;
+/// w, x, y, z, of length 1.
+using Quaternion = std::array<double, 4>;
+
+/// An inertial unit in the middle of the vehicle, in the vehicle's own frame (x ahead, y left, z
+/// up), as REP 145 has it: at rest on the floor it measures +9.81 m/s^2 along z.
+struct Imu {
+  TimeNs stamp = 0;
+  Quaternion orientation{1, 0, 0, 0};  ///< of the vehicle in the arena
+  Vector3 angular_velocity_rad_s{};
+  /// The mean over the last 10 ms, without gravity's own pull: what a mass on springs feels.
+  Vector3 linear_acceleration_m_s2{};
+};
+
+/// The four wheels: front left, front right, rear left, rear right. Turning ahead is positive.
+struct JointStates {
+  TimeNs stamp = 0;
+  std::vector<std::string> names;  ///< "wheel_front_left", ...
+  std::vector<double> positions_rad;
+  std::vector<double> velocities_rad_s;
+  std::vector<double> torques_n_m;  ///< of their motors
+};
+
+/// Two photodiodes. Each measures the illuminance
+///
+///     E = sum over the lamps of  I cos(a) / d^2,
+///
+/// I a lamp's luminous intensity (cd), d its distance (m), a the angle between the diode's normal
+/// and the lamp (Lambert's law); 0 from behind, and from a lamp that something stands in front of.
+struct Light {
+  TimeNs stamp = 0;
+  double left_lux = 0;
+  double right_lux = 0;
+};
+
+/// Where something sits on the vehicle, in the vehicle's frame.
+struct Mount {
+  Vector3 position_m{};
+  Quaternion orientation{1, 0, 0, 0};
+};
+
+}  // namespace spikeloop::vehicle
