@@ -46,7 +46,7 @@ std::vector<std::byte> message(std::size_t count) {
 void parse(benchmark::State& state) {
   const auto bytes = message(static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
-    const messages::EventArray array(bytes);
+    const messages::EventArray array(bytes, messages::Dialect::ros1);
     TimeNs newest = 0;
     std::uint32_t pixels = 0;
     for (std::size_t i = 0; i < array.size(); ++i) {
@@ -63,7 +63,7 @@ BENCHMARK(parse)->ArgName("events")->Arg(1'000)->Arg(100'000);
 
 void convert(benchmark::State& state, messages::EventSettings settings) {
   const auto bytes = message(static_cast<std::size_t>(state.range(0)));
-  messages::EventConversion conversion(settings);
+  messages::EventConversion conversion(settings, messages::Dialect::ros1);
   messages::EventMessage events;
   for (auto _ : state) {
     conversion.convert(bytes, events);
@@ -86,7 +86,7 @@ BENCHMARK_CAPTURE(convert, refractory, {.refractory = 1, .width = kWidth * kHeig
 // A message a tick of 1 ms, with 40 ms of events waiting: from bytes to the spikes of the tick.
 void play(benchmark::State& state) {
   const auto bytes = message(static_cast<std::size_t>(state.range(0)));
-  messages::EventConversion conversion({.width = kWidth * kHeight});
+  messages::EventConversion conversion({.width = kWidth * kHeight}, messages::Dialect::ros1);
   topics::EventPlayback playback(40 * kTick);
   TimeNs begin = 0;
   playback.step({}, {begin, begin + kTick});

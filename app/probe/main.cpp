@@ -44,9 +44,10 @@ struct Options {
 class ScanPublisher {
  public:
   ScanPublisher(ros::NodeHandle& node, const Options& options)
-      : writer_(Catalog::builtin(), "sensor_msgs/LaserScan", {"range_min", "range_max", "ranges"}),
+      : writer_(Catalog::builtin(Dialect::ros1), "sensor_msgs/LaserScan",
+                {"range_min", "range_max", "ranges"}),
         ranges_(options.beams) {
-    const Catalog& catalog = Catalog::builtin();
+    const Catalog& catalog = Catalog::builtin(Dialect::ros1);
     const std::string type = "sensor_msgs/LaserScan";
     shape_.morph(catalog.md5(type), type, catalog.full_text(type), "");
     publisher_ = shape_.advertise(node, options.scan_topic, 1);
@@ -79,7 +80,7 @@ class ScanPublisher {
 class CommandWatch {
  public:
   CommandWatch(ros::NodeHandle& node, const Options& options)
-      : reader_(Catalog::builtin(), "geometry_msgs/Twist", "linear.x") {
+      : reader_(Catalog::builtin(Dialect::ros1), "geometry_msgs/Twist", "linear.x") {
     subscriber_ = node.subscribe<topic_tools::ShapeShifter>(
         options.command_topic, 100, [this](const auto& message) { take(*message); }, nullptr,
         ros::TransportHints().tcpNoDelay());

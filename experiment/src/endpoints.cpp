@@ -54,9 +54,10 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
 }
 
 std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message) {
-  const auto& catalog = messages::Catalog::builtin();
   std::vector<double> values;
   try {
+    const auto& catalog =
+        messages::Catalog::for_type(messages::Dialect::ros1, parameters.text("message"));
     const std::string type = catalog.full_name(parameters.text("message"));
     std::vector<std::string> fields = sensor_fields(parameters);
     if (fields.empty() && type == "sensor_msgs/LaserScan") {
@@ -83,7 +84,7 @@ std::unique_ptr<Source> playback(const Part& part) {
 }
 
 void check_command_fields(const CommandMapping& mapping) {
-  const auto& catalog = messages::Catalog::builtin();
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, mapping.message_type);
   for (const CommandField& field : mapping.fields) {
     located_at(field.where, [&] {
       return messages::MessageWriter(catalog, mapping.message_type, {field.field}), 0;

@@ -151,7 +151,8 @@ void check_part(const Part& part, const Experiment& experiment, const SensorWidt
     check_against_robot(part, experiment, sensor_width);
     const bool fields = part.parameters.given("fields");
     located_at(part.parameters.where(fields ? "fields" : "message"), [&] {
-      messages::SensorConversion(messages::Catalog::builtin(), part.parameters.text("message"),
+      const std::string& type = part.parameters.text("message");
+      messages::SensorConversion(messages::Catalog::for_type(messages::Dialect::ros1, type), type,
                                  sensor_fields(part.parameters), experiment.width(part.name, "out"),
                                  true);
       return 0;

@@ -22,7 +22,9 @@ class MemorySensor : public Source {
   MemorySensor(MemoryTopics& topics, const SensorSpec& spec)
       : topic_(spec.part.parameters.text("topic")),
         initial_(experiment::sensor_initial(spec.part.parameters)),
-        conversion_(messages::Catalog::builtin(), spec.part.parameters.text("message"),
+        conversion_(messages::Catalog::for_type(messages::Dialect::ros1,
+                                                spec.part.parameters.text("message")),
+                    spec.part.parameters.text("message"),
                     experiment::sensor_fields(spec.part.parameters), spec.width, true),
         keep_(spec.keep) {
     topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
@@ -99,8 +101,9 @@ class MemoryCommand : public CommandEnd {
         from_(spec.from),
         topic_(spec.part.parameters.text("topic")),
         all_channels_(spec.part.mapping.all_channels),
-        writer_(messages::Catalog::builtin(), spec.part.mapping.message_type,
-                command::field_paths(spec.part.mapping)),
+        writer_(
+            messages::Catalog::for_type(messages::Dialect::ros1, spec.part.mapping.message_type),
+            spec.part.mapping.message_type, command::field_paths(spec.part.mapping)),
         settings_(settings),
         channel_(command::channel_settings(settings), [this](auto values) { publish(values); }),
         feed_(command::feed_settings(settings), channel_),

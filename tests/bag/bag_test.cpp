@@ -78,7 +78,8 @@ TEST_F(Bag, KnowsTypesAndVersions) {
   const bag::Connection& connection = reader.connections().front();
   EXPECT_EQ(connection.topic, "/cmd_vel");
   EXPECT_EQ(connection.type, "geometry_msgs/Twist");
-  EXPECT_EQ(connection.md5, messages::Catalog::builtin().md5("geometry_msgs/Twist"));
+  EXPECT_EQ(connection.md5,
+            messages::Catalog::builtin(messages::Dialect::ros1).md5("geometry_msgs/Twist"));
   EXPECT_EQ(connection.node, "wheels");
 }
 

@@ -23,7 +23,7 @@ std::string error_of(Action action) {
 
 // std_msgs/Duration and actionlib_msgs/GoalStatus as their pages on docs.ros.org list them.
 TEST(Catalog, md5_with_constants_is_the_published_one) {
-  Catalog catalog;
+  Catalog catalog(Dialect::ros1);
   catalog.add("actionlib_msgs/GoalID", "time stamp\nstring id\n");
   catalog.add("actionlib_msgs/GoalStatus",
               "GoalID goal_id\nuint8 status\nuint8 PENDING         = 0   # pending\n"
@@ -36,19 +36,20 @@ TEST(Catalog, md5_with_constants_is_the_published_one) {
 }
 
 TEST(Catalog, full_text_lists_every_part_once) {
-  EXPECT_EQ(Catalog::builtin().full_text("geometry_msgs/Twist"),
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).full_text("geometry_msgs/Twist"),
             "Vector3 linear\nVector3 angular\n\n" + std::string(80, '=') +
                 "\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n");
 }
 
 TEST(Catalog, short_names) {
-  EXPECT_EQ(Catalog::builtin().full_name("LaserScan"), "sensor_msgs/LaserScan");
-  EXPECT_EQ(Catalog::builtin().full_name("sensor_msgs/LaserScan"), "sensor_msgs/LaserScan");
-  EXPECT_EQ(error_of([] { Catalog::builtin().full_name("LaserScam"); }),
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).full_name("LaserScan"), "sensor_msgs/LaserScan");
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).full_name("sensor_msgs/LaserScan"),
+            "sensor_msgs/LaserScan");
+  EXPECT_EQ(error_of([] { Catalog::builtin(Dialect::ros1).full_name("LaserScam"); }),
             "unknown message type 'LaserScam'; did you mean 'LaserScan'?");
-  EXPECT_EQ(error_of([] { Catalog::builtin().find("sensor_msgs/LaserScam"); }),
+  EXPECT_EQ(error_of([] { Catalog::builtin(Dialect::ros1).find("sensor_msgs/LaserScam"); }),
             "unknown message type 'sensor_msgs/LaserScam'; did you mean 'sensor_msgs/LaserScan'?");
-  Catalog catalog = Catalog::builtin();
+  Catalog catalog = Catalog::builtin(Dialect::ros1);
   catalog.add("my_msgs/Twist", "float64 x");
   EXPECT_EQ(error_of([&] { catalog.full_name("Twist"); }),
             "message type 'Twist' is in several packages; write one of geometry_msgs/Twist, "
@@ -56,7 +57,7 @@ TEST(Catalog, short_names) {
 }
 
 TEST(Catalog, missing_and_endless_parts) {
-  Catalog catalog;
+  Catalog catalog(Dialect::ros1);
   catalog.add("my_msgs/A", "B b");
   EXPECT_EQ(error_of([&] { catalog.md5("my_msgs/A"); }),
             "message type 'my_msgs/A' needs 'my_msgs/B' for its field 'b', which is not known; add "
@@ -75,9 +76,9 @@ TEST(Catalog, missing_and_endless_parts) {
 }
 
 TEST(Catalog, layout_knows_constant_sizes) {
-  const auto twist = Catalog::builtin().layout("geometry_msgs/Twist");
+  const auto twist = Catalog::builtin(Dialect::ros1).layout("geometry_msgs/Twist");
   EXPECT_EQ(twist->bytes, std::optional<std::size_t>(48));
-  const auto scan = Catalog::builtin().layout("sensor_msgs/LaserScan");
+  const auto scan = Catalog::builtin(Dialect::ros1).layout("sensor_msgs/LaserScan");
   EXPECT_FALSE(scan->bytes.has_value());
   EXPECT_EQ(scan->least, 16u + 7 * 4 + 2 * 4);
 }

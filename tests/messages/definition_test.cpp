@@ -13,7 +13,7 @@ using testing::StrEq;
 
 std::string error_of(std::string_view text, std::string_view name = "my_msgs/Thing") {
   try {
-    parse_definition(name, text);
+    parse_definition(name, text, Dialect::ros1);
   } catch (const spikeloop::ConfigurationError& error) {
     return error.what();
   }
@@ -25,7 +25,8 @@ TEST(Definition, fields_of_all_kinds) {
       parse_definition("my_msgs/Thing",
                        "# a comment\n\n  float64[36]   covariance # another\nHeader header\n"
                        "Part[] parts\r\ngeometry_msgs/Point[2] ends\nbyte b\nchar c\n"
-                       "string name\nduration wait");
+                       "string name\nduration wait",
+                       Dialect::ros1);
   ASSERT_EQ(definition.fields.size(), 8u);
   EXPECT_EQ(definition.fields[0].written_type, "float64[36]");
   EXPECT_EQ(definition.fields[0].type, "float64");
@@ -45,7 +46,8 @@ TEST(Definition, constants) {
   const Definition definition =
       parse_definition("my_msgs/Thing",
                        "uint8 OK = 0 # fine\nstring GREETING=  a # b = c  \nbool YES=True\n"
-                       "float32 HALF=0.5\nint8 value");
+                       "float32 HALF=0.5\nint8 value",
+                       Dialect::ros1);
   ASSERT_EQ(definition.constants.size(), 4u);
   EXPECT_EQ(definition.constants[0].name, "OK");
   EXPECT_EQ(definition.constants[0].value, "0");

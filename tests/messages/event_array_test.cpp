@@ -23,7 +23,7 @@ const std::vector<RawEvent> kEvents = {{3, 5, 1'700'000'000, 999'999'999, true},
 
 std::string error_of(std::span<const std::byte> message) {
   try {
-    const EventArray array(message);
+    const EventArray array(message, Dialect::ros1);
   } catch (const TransportError& error) {
     return error.what();
   }
@@ -32,7 +32,7 @@ std::string error_of(std::span<const std::byte> message) {
 
 TEST(EventArray, reads_every_field) {
   const auto bytes = event_message(346, 260, kEvents);
-  const EventArray array(bytes);
+  const EventArray array(bytes, Dialect::ros1);
   EXPECT_EQ(array.width(), 346u);
   EXPECT_EQ(array.height(), 260u);
   ASSERT_EQ(array.size(), 2u);
@@ -45,18 +45,21 @@ TEST(EventArray, reads_every_field) {
   EXPECT_EQ(array[1].stamp, 4'294'967'295'000'000'001);
   EXPECT_FALSE(array[1].on);
   const auto empty = event_message(346, 260, {}, "");
-  EXPECT_EQ(EventArray(empty).size(), 0u);
+  EXPECT_EQ(EventArray(empty, Dialect::ros1).size(), 0u);
 }
 
 // dvs_msgs is not in Debian; these are the sums of its version 0.0.0, which drivers use.
 TEST(EventArray, definitions_have_the_drivers_sums) {
-  EXPECT_EQ(Catalog::builtin().md5("dvs_msgs/EventArray"), "5e8beee5a6c107e504c2e78903c224b8");
-  EXPECT_EQ(Catalog::builtin().md5("dvs_msgs/Event"), "40d339b261445b8ce9a6fef01267cd5d");
-  EXPECT_EQ(Catalog::builtin().layout("dvs_msgs/Event")->bytes, EventArray::kEventBytes);
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).md5("dvs_msgs/EventArray"),
+            "5e8beee5a6c107e504c2e78903c224b8");
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).md5("dvs_msgs/Event"),
+            "40d339b261445b8ce9a6fef01267cd5d");
+  EXPECT_EQ(Catalog::builtin(Dialect::ros1).layout("dvs_msgs/Event")->bytes,
+            EventArray::kEventBytes);
 }
 
 TEST(EventArray, reads_what_the_codec_writes) {
-  const MessageWriter writer(Catalog::builtin(), "dvs_msgs/EventArray",
+  const MessageWriter writer(Catalog::builtin(Dialect::ros1), "dvs_msgs/EventArray",
                              {"header.frame_id", "height", "width", "events[1].x", "events[1].y",
                               "events[1].ts.secs", "events[1].ts.nsecs", "events[1].polarity"});
   const double numbers[] = {260, 346, 11, 12, 13, 14, 1};
@@ -66,7 +69,7 @@ TEST(EventArray, reads_what_the_codec_writes) {
   }
   std::vector<std::byte> bytes;
   writer.write(values, bytes);
-  const EventArray array(bytes);
+  const EventArray array(bytes, Dialect::ros1);
   ASSERT_EQ(array.size(), 2u);
   EXPECT_EQ(array.width(), 346u);
   EXPECT_EQ(array[0].stamp, 0);
@@ -105,7 +108,7 @@ TEST(EventArray, damaged_bytes_never_lead_outside) {
       damaged[engine() % damaged.size()] ^= static_cast<std::byte>(1u << (engine() % 8));
     }
     try {
-      const EventArray array(damaged);
+      const EventArray array(damaged, Dialect::ros1);
       for (std::size_t k = 0; k < array.size(); ++k) {
         EXPECT_GE(array[k].stamp, 0);
       }

@@ -52,7 +52,7 @@ std::vector<std::byte> corners() {
 }
 
 TEST(EventConversion, a_channel_a_pixel) {
-  EventConversion both({.width = 15});
+  EventConversion both({.width = 15}, Dialect::ros1);
   EventMessage message;
   ASSERT_TRUE(both.convert(corners(), message));
   ASSERT_EQ(message.events.size(), 8u);
@@ -65,20 +65,20 @@ TEST(EventConversion, a_channel_a_pixel) {
 }
 
 TEST(EventConversion, polarities) {
-  EventConversion on({.polarity = Polarity::on, .width = 15});
+  EventConversion on({.polarity = Polarity::on, .width = 15}, Dialect::ros1);
   EXPECT_THAT(channels_of(on, corners()), ElementsAre(0, 4, 5, 14));
   EXPECT_EQ(on.counts().left_out, 4u);
   EventMessage message;
-  EventConversion off({.polarity = Polarity::off, .width = 15});
+  EventConversion off({.polarity = Polarity::off, .width = 15}, Dialect::ros1);
   ASSERT_TRUE(off.convert(corners(), message));
   EXPECT_EQ(message.events[0].time_ns, 2'000'000'001);
   EXPECT_EQ(message.events.size(), 4u);
-  EventConversion split({.polarity = Polarity::split, .width = 30});
+  EventConversion split({.polarity = Polarity::split, .width = 30}, Dialect::ros1);
   EXPECT_THAT(channels_of(split, corners()), ElementsAre(0, 15, 4, 19, 5, 20, 14, 29));
 }
 
 TEST(EventConversion, the_stamp_of_an_event_that_is_left_out_counts) {
-  EventConversion on({.polarity = Polarity::on, .width = 15});
+  EventConversion on({.polarity = Polarity::on, .width = 15}, Dialect::ros1);
   EventMessage message;
   ASSERT_TRUE(on.convert(corners(), message));
   EXPECT_EQ(message.newest, 2'000'000'007);
@@ -87,20 +87,21 @@ TEST(EventConversion, the_stamp_of_an_event_that_is_left_out_counts) {
 }
 
 TEST(EventConversion, blocks_at_the_rim_may_be_smaller) {
-  EventConversion halved({.downsample = 2, .width = 6});
+  EventConversion halved({.downsample = 2, .width = 6}, Dialect::ros1);
   EXPECT_THAT(channels_of(halved, corners()), ElementsAre(0, 0, 2, 2, 0, 0, 5, 5));
-  EventConversion split({.polarity = Polarity::split, .downsample = 2, .width = 12});
+  EventConversion split({.polarity = Polarity::split, .downsample = 2, .width = 12}, Dialect::ros1);
   EXPECT_THAT(channels_of(split, corners()), ElementsAre(0, 6, 2, 8, 0, 6, 5, 11));
-  EventConversion whole({.downsample = 8, .width = 1});
+  EventConversion whole({.downsample = 8, .width = 1}, Dialect::ros1);
   EXPECT_THAT(channels_of(whole, corners()), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
 }
 
 TEST(EventConversion, a_region_has_channels_of_its_own) {
-  EventConversion region({.region = Region{3, 0, 2, 3}, .width = 6});
+  EventConversion region({.region = Region{3, 0, 2, 3}, .width = 6}, Dialect::ros1);
   EXPECT_THAT(channels_of(region, corners()), ElementsAre(1, 1, 5, 5));
   EXPECT_EQ(region.counts().left_out, 4u);
   EventConversion blocks(
-      {.polarity = Polarity::split, .downsample = 2, .region = Region{2, 1, 3, 2}, .width = 4});
+      {.polarity = Polarity::split, .downsample = 2, .region = Region{2, 1, 3, 2}, .width = 4},
+      Dialect::ros1);
   EXPECT_THAT(channels_of(blocks, corners()), ElementsAre(1, 3));
 }
 
@@ -130,7 +131,8 @@ TEST(EventConversion, agrees_with_its_definition) {
       }
     }
     EventConversion conversion(
-        {.polarity = Polarity::split, .downsample = f, .region = r, .width = 2 * rows * columns});
+        {.polarity = Polarity::split, .downsample = f, .region = r, .width = 2 * rows * columns},
+        Dialect::ros1);
     ASSERT_EQ(channels_of(conversion, event_message(w, h, events)), expected);
   }
 }
@@ -141,7 +143,7 @@ TEST(EventConversion, a_channel_rests) {
     events.push_back({0, 0, 1, 1000 * microseconds, true});
     events.push_back({1, 0, 1, 1000 * microseconds, true});
   }
-  EventConversion conversion({.refractory = 1'000'000, .width = 2});
+  EventConversion conversion({.refractory = 1'000'000, .width = 2}, Dialect::ros1);
   EventMessage message;
   ASSERT_TRUE(conversion.convert(event_message(2, 1, events), message));
   std::map<int, std::vector<TimeNs>> times;
@@ -159,27 +161,27 @@ TEST(EventConversion, a_channel_rests) {
 TEST(EventConversion, the_camera_must_fit_the_port) {
   const Location place{"job.music", 9, 1};
   EventMessage message;
-  EventConversion narrow({.width = 14, .where = place});
+  EventConversion narrow({.width = 14, .where = place}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { narrow.convert(corners(), message); }),
             "job.music:9:1: a camera of 5 x 3 pixels makes 15 channels (polarity=both, "
             "downsample=1), but the port has 14; write [15] in its connection");
-  EventConversion wide({.polarity = Polarity::split, .downsample = 2, .width = 30});
+  EventConversion wide({.polarity = Polarity::split, .downsample = 2, .width = 30}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { wide.convert(corners(), message); }),
             "a camera of 5 x 3 pixels makes 12 channels (polarity=split, downsample=2), but the "
             "port has 30; write [12] in its connection");
   EXPECT_EQ(error_of([&] {
               const EventConversion conversion(
-                  {.region = Region{0, 0, 4, 2}, .width = 9, .where = place});
+                  {.region = Region{0, 0, 4, 2}, .width = 9, .where = place}, Dialect::ros1);
             }),
             "job.music:9:1: a region of 4 x 2 pixels makes 8 channels (polarity=both, "
             "downsample=1), but the port has 9; write [8] in its connection");
-  EventConversion beyond({.region = Region{2, 0, 4, 2}, .width = 8});
+  EventConversion beyond({.region = Region{2, 0, 4, 2}, .width = 8}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { beyond.convert(corners(), message); }),
             "roi=2,0,4,2 reaches beyond the camera, which has 5 x 3 pixels; write a region within "
             "it");
-  EventConversion far({.region = Region{4294967295, 0, 4, 2}, .width = 8});
+  EventConversion far({.region = Region{4294967295, 0, 4, 2}, .width = 8}, Dialect::ros1);
   EXPECT_THAT(error_of([&] { far.convert(corners(), message); }), HasSubstr("reaches beyond"));
-  EventConversion fits({.width = 15});
+  EventConversion fits({.width = 15}, Dialect::ros1);
   EXPECT_TRUE(fits.convert(corners(), message));
   EXPECT_THAT(error_of([&] { fits.convert(event_message(3, 3, {}), message); }),
               HasSubstr("a camera of 3 x 3 pixels makes 9 channels"))
@@ -187,7 +189,7 @@ TEST(EventConversion, the_camera_must_fit_the_port) {
 }
 
 TEST(EventConversion, what_cannot_be_read_is_left_out_and_told_once) {
-  EventConversion conversion({.width = 15});
+  EventConversion conversion({.width = 15}, Dialect::ros1);
   auto bytes = corners();
   bytes.pop_back();
   EventMessage message;
@@ -203,7 +205,7 @@ TEST(EventConversion, what_cannot_be_read_is_left_out_and_told_once) {
 }
 
 TEST(EventConversion, pixels_that_the_camera_does_not_have) {
-  EventConversion conversion({.width = 15});
+  EventConversion conversion({.width = 15}, Dialect::ros1);
   const std::vector<RawEvent> events = {{5, 0, 1, 0, true}, {0, 3, 1, 0, true}, {4, 2, 1, 0, true}};
   EXPECT_THAT(channels_of(conversion, event_message(5, 3, events)), ElementsAre(14));
   EXPECT_EQ(conversion.take_warning(),

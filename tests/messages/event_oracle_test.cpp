@@ -30,7 +30,7 @@ print(EventArray._md5sum, Event._md5sum)
 
 TEST(EventOracle, genpy_writes_what_is_read) {
   const test::TemporaryDirectory directory;
-  const Catalog& catalog = Catalog::builtin();
+  const Catalog& catalog = Catalog::builtin(Dialect::ros1);
   directory.write("definition", catalog.full_text("dvs_msgs/EventArray"));
   const auto outcome = test::run(
       {.arguments = {"/usr/bin/python3", "-c", kScript}, .directory = directory.path().string()});
@@ -38,7 +38,7 @@ TEST(EventOracle, genpy_writes_what_is_read) {
   EXPECT_EQ(outcome.out,
             catalog.md5("dvs_msgs/EventArray") + " " + catalog.md5("dvs_msgs/Event") + "\n");
   const std::string bytes = directory.read("message");
-  const EventArray array(std::as_bytes(std::span(bytes)));
+  const EventArray array(std::as_bytes(std::span(bytes)), Dialect::ros1);
   EXPECT_EQ(array.width(), 346u);
   EXPECT_EQ(array.height(), 260u);
   ASSERT_EQ(array.size(), 1000u);

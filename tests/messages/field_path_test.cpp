@@ -14,7 +14,7 @@ using namespace spikeloop::messages;
 using testing::ElementsAre;
 
 Catalog test_catalog() {
-  Catalog catalog = Catalog::builtin();
+  Catalog catalog = Catalog::builtin(Dialect::ros1);
   catalog.add("my_msgs/All",
               "bool truth\nint8 a\nuint8 b\nint16 c\nuint16 d\nint32 e\nuint32 f\nint64 g\n"
               "uint64 h\nfloat32 i\nfloat64 j\ntime k\nduration l\nstring m\nstring[] n\n"
@@ -112,11 +112,11 @@ TEST(FieldPath, errors_say_what_to_write) {
   EXPECT_EQ(error_of("j[0]"),
             "field path 'j[0]' of my_msgs/All: 'j' is no array; write it without '[0]'");
   EXPECT_EQ(error_of("fixed[x]"),
-            "field path 'fixed[x]' of my_msgs/All: '[x]' selects nothing; write [index] or "
-            "[first:end]");
+            "field path 'fixed[x]' of my_msgs/All: '[x]' selects nothing; write [index], "
+            "[first:end] or [name=text]");
   EXPECT_EQ(error_of("fixed[]"),
-            "field path 'fixed[]' of my_msgs/All: '[]' selects nothing; write [index] or "
-            "[first:end]");
+            "field path 'fixed[]' of my_msgs/All: '[]' selects nothing; write [index], "
+            "[first:end] or [name=text]");
   EXPECT_EQ(error_of("fixed[2:2]"),
             "field path 'fixed[2:2]' of my_msgs/All: '[2:2]' is empty; the end comes after the "
             "first element");

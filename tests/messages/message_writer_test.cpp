@@ -10,7 +10,7 @@ using namespace spikeloop::messages;
 
 std::string error_of(std::string_view type, std::vector<std::string> paths) {
   try {
-    MessageWriter(Catalog::builtin(), type, std::move(paths));
+    MessageWriter(Catalog::builtin(Dialect::ros1), type, std::move(paths));
   } catch (const spikeloop::ConfigurationError& error) {
     return error.what();
   }
@@ -18,7 +18,7 @@ std::string error_of(std::string_view type, std::vector<std::string> paths) {
 }
 
 TEST(MessageWriter, fields_that_are_not_named_are_zero) {
-  const MessageWriter writer(Catalog::builtin(), "Twist", {"angular.z"});
+  const MessageWriter writer(Catalog::builtin(Dialect::ros1), "Twist", {"angular.z"});
   const std::vector<double> turn = {0.5};
   const std::vector<FieldValue> values = {{turn, {}}};
   std::vector<std::byte> bytes(3);
@@ -27,19 +27,19 @@ TEST(MessageWriter, fields_that_are_not_named_are_zero) {
   EXPECT_TRUE(std::all_of(bytes.begin(), bytes.begin() + 40,
                           [](std::byte byte) { return byte == std::byte{0}; }));
   std::vector<double> read;
-  FieldReader(Catalog::builtin(), "Twist", "angular.z").read(bytes, read);
+  FieldReader(Catalog::builtin(Dialect::ros1), "Twist", "angular.z").read(bytes, read);
   EXPECT_EQ(read, turn);
 }
 
 TEST(MessageWriter, arrays_are_as_long_as_their_values) {
-  const MessageWriter writer(Catalog::builtin(), "Float64MultiArray", {"data"});
+  const MessageWriter writer(Catalog::builtin(Dialect::ros1), "Float64MultiArray", {"data"});
   std::vector<std::byte> bytes;
   for (const std::size_t count : {0u, 1u, 7u}) {
     const std::vector<double> numbers(count, 0.25);
     writer.write(std::vector<FieldValue>{{numbers, {}}}, bytes);
     EXPECT_EQ(bytes.size(), 4 + 4 + 4 + 8 * count);
     std::vector<double> read;
-    FieldReader(Catalog::builtin(), "Float64MultiArray", "data").read(bytes, read);
+    FieldReader(Catalog::builtin(Dialect::ros1), "Float64MultiArray", "data").read(bytes, read);
     EXPECT_EQ(read, numbers);
   }
 }
@@ -55,7 +55,7 @@ TEST(MessageWriter, errors_say_what_to_write) {
   EXPECT_EQ(error_of("MultiArrayLayout", {"dim.size"}),
             "field path 'dim.size' of std_msgs/MultiArrayLayout: the array's length is not known; "
             "name its elements, as in [0]");
-  const MessageWriter writer(Catalog::builtin(), "PoseWithCovariance", {"covariance"});
+  const MessageWriter writer(Catalog::builtin(Dialect::ros1), "PoseWithCovariance", {"covariance"});
   const std::vector<double> numbers(3);
   std::vector<std::byte> bytes;
   try {

@@ -1,193 +1,95 @@
 #include "reference_messages.hpp"
 
-#include <geometry_msgs/Point.h>
-#include <geometry_msgs/Pose.h>
-#include <geometry_msgs/PoseWithCovariance.h>
-#include <geometry_msgs/Quaternion.h>
-#include <geometry_msgs/Twist.h>
-#include <geometry_msgs/TwistWithCovariance.h>
-#include <geometry_msgs/Vector3.h>
-#include <nav_msgs/Odometry.h>
-#include <rosgraph_msgs/Clock.h>
-#include <sensor_msgs/LaserScan.h>
-#include <std_msgs/Empty.h>
-#include <std_msgs/Float64.h>
-#include <std_msgs/Float64MultiArray.h>
-#include <std_msgs/Header.h>
-#include <std_msgs/MultiArrayDimension.h>
-#include <std_msgs/MultiArrayLayout.h>
-#include <std_msgs/String.h>
+#include "ros1_headers.inc"
 
+#include <boost/array.hpp>
 #include <functional>
-#include <random>
+#include <map>
 #include <stdexcept>
+#include <type_traits>
 
 namespace reference {
 namespace {
 
+/// Goes through a message as a generated serializer does, and puts the contents in.
 class Filler {
  public:
-  explicit Filler(unsigned seed) : engine_(seed) {}
+  explicit Filler(const std::vector<Atom>& atoms) : atoms_(atoms) {}
 
-  std::size_t size() { return std::uniform_int_distribution<std::size_t>(0, 12)(engine_); }
+  template <typename Message>
+  void fill(Message& message) {
+    ros::serialization::Serializer<Message>::template allInOne<Filler, Message&>(*this, message);
+  }
 
-  void number(const std::string& path, double& field) {
-    field = std::normal_distribution<double>(0, 100)(engine_);
-    message.numbers[path].push_back(field);
+  template <typename Field>
+  std::enable_if_t<std::is_arithmetic_v<Field>> next(Field& field) {
+    field = static_cast<Field>(take().number);
   }
-  void number(const std::string& path, float& field) {
-    field = std::normal_distribution<float>(0, 100)(engine_);
-    message.numbers[path].push_back(field);
+  template <typename Field>
+  std::enable_if_t<std::is_class_v<Field>> next(Field& field) {
+    fill(field);
   }
-  void number(const std::string& path, std::uint32_t& field) {
-    field = std::uniform_int_distribution<std::uint32_t>()(engine_);
-    message.numbers[path].push_back(field);
+  void next(std::string& field) { field = take().text; }
+  void next(ros::Time& field) {
+    next(field.sec);
+    next(field.nsec);
   }
-  template <typename Numbers>
-  void numbers(const std::string& path, Numbers& fields) {
-    message.numbers[path];
-    for (auto& field : fields) {
-      number(path, field);
+  void next(ros::Duration& field) {
+    next(field.sec);
+    next(field.nsec);
+  }
+  template <typename Element, typename Allocator>
+  void next(std::vector<Element, Allocator>& field) {
+    field.resize(static_cast<std::size_t>(take().number));
+    for (Element& element : field) {
+      next(element);
     }
   }
-  void text(const std::string& path, std::string& field) {
-    for (std::size_t i = size(); i > 0; --i) {
-      field.push_back(std::uniform_int_distribution<char>('a', 'z')(engine_));
+  template <typename Element, std::size_t kCount>
+  void next(boost::array<Element, kCount>& field) {
+    for (Element& element : field) {
+      next(element);
     }
-    message.texts[path] = field;
-  }
-  void time(const std::string& path, ros::Time& field) {
-    number(path + ".secs", field.sec);
-    field.nsec = std::uniform_int_distribution<std::uint32_t>(0, 999999999)(engine_);
-    message.numbers[path + ".nsecs"].push_back(field.nsec);
   }
 
-  Message message;
+  bool at_end() const { return next_ == atoms_.size(); }
 
  private:
-  std::mt19937 engine_;
+  const Atom& take() { return atoms_.at(next_++); }
+
+  const std::vector<Atom>& atoms_;
+  std::size_t next_ = 0;
 };
 
-void fill(Filler& f, const std::string& p, std_msgs::Header& m) {
-  f.number(p + "seq", m.seq);
-  f.time(p + "stamp", m.stamp);
-  f.text(p + "frame_id", m.frame_id);
-}
-void fill(Filler& f, const std::string& p, std_msgs::MultiArrayDimension& m) {
-  f.text(p + "label", m.label);
-  f.number(p + "size", m.size);
-  f.number(p + "stride", m.stride);
-}
-void fill(Filler& f, const std::string& p, std_msgs::MultiArrayLayout& m) {
-  m.dim.resize(f.size());
-  for (std::size_t i = 0; i < m.dim.size(); ++i) {
-    fill(f, p + "dim[" + std::to_string(i) + "].", m.dim[i]);
+template <typename Message>
+std::vector<std::uint8_t> serialize_as(const std::vector<Atom>& atoms) {
+  Message message;
+  Filler filler(atoms);
+  filler.fill(message);
+  if (!filler.at_end()) {
+    throw std::logic_error("the message has fewer fields than it was given");
   }
-  f.number(p + "data_offset", m.data_offset);
-}
-void fill(Filler& f, const std::string& p, std_msgs::Float64MultiArray& m) {
-  fill(f, p + "layout.", m.layout);
-  m.data.resize(f.size());
-  f.numbers(p + "data", m.data);
-}
-void fill(Filler& f, const std::string& p, std_msgs::String& m) {
-  f.text(p + "data", m.data);
-}
-void fill(Filler& f, const std::string& p, std_msgs::Float64& m) {
-  f.number(p + "data", m.data);
-}
-void fill(Filler&, const std::string&, std_msgs::Empty&) {}
-
-template <typename Vector>
-void fill_xyz(Filler& f, const std::string& p, Vector& m) {
-  f.number(p + "x", m.x);
-  f.number(p + "y", m.y);
-  f.number(p + "z", m.z);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::Vector3& m) {
-  fill_xyz(f, p, m);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::Point& m) {
-  fill_xyz(f, p, m);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::Quaternion& m) {
-  fill_xyz(f, p, m);
-  f.number(p + "w", m.w);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::Pose& m) {
-  fill(f, p + "position.", m.position);
-  fill(f, p + "orientation.", m.orientation);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::PoseWithCovariance& m) {
-  fill(f, p + "pose.", m.pose);
-  f.numbers(p + "covariance", m.covariance);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::Twist& m) {
-  fill(f, p + "linear.", m.linear);
-  fill(f, p + "angular.", m.angular);
-}
-void fill(Filler& f, const std::string& p, geometry_msgs::TwistWithCovariance& m) {
-  fill(f, p + "twist.", m.twist);
-  f.numbers(p + "covariance", m.covariance);
-}
-void fill(Filler& f, const std::string& p, sensor_msgs::LaserScan& m) {
-  fill(f, p + "header.", m.header);
-  f.number(p + "angle_min", m.angle_min);
-  f.number(p + "angle_max", m.angle_max);
-  f.number(p + "angle_increment", m.angle_increment);
-  f.number(p + "time_increment", m.time_increment);
-  f.number(p + "scan_time", m.scan_time);
-  f.number(p + "range_min", m.range_min);
-  f.number(p + "range_max", m.range_max);
-  m.ranges.resize(f.size());
-  f.numbers(p + "ranges", m.ranges);
-  m.intensities.resize(f.size());
-  f.numbers(p + "intensities", m.intensities);
-}
-void fill(Filler& f, const std::string& p, nav_msgs::Odometry& m) {
-  fill(f, p + "header.", m.header);
-  f.text(p + "child_frame_id", m.child_frame_id);
-  fill(f, p + "pose.", m.pose);
-  fill(f, p + "twist.", m.twist);
-}
-void fill(Filler& f, const std::string& p, rosgraph_msgs::Clock& m) {
-  f.time(p + "clock", m.clock);
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
 }
 
-template <typename Type>
-Message make(unsigned seed) {
-  Filler filler(seed);
-  Type content;
-  fill(filler, "", content);
-  Message message = filler.message;
-  message.md5 = ros::message_traits::MD5Sum<Type>::value();
-  message.definition = ros::message_traits::Definition<Type>::value();
-  message.bytes.resize(ros::serialization::serializationLength(content));
-  ros::serialization::OStream stream(message.bytes.data(),
-                                     static_cast<std::uint32_t>(message.bytes.size()));
-  ros::serialization::serialize(stream, content);
-  return message;
+struct Type {
+  std::string md5;
+  std::string definition;
+  std::function<std::vector<std::uint8_t>(const std::vector<Atom>&)> serialize;
+};
+
+template <typename Message>
+Type type_of() {
+  return {ros::message_traits::MD5Sum<Message>::value(),
+          ros::message_traits::Definition<Message>::value(), serialize_as<Message>};
 }
 
-const std::map<std::string, std::function<Message(unsigned)>>& makers() {
-  static const std::map<std::string, std::function<Message(unsigned)>> all = {
-      {"std_msgs/Header", make<std_msgs::Header>},
-      {"std_msgs/MultiArrayDimension", make<std_msgs::MultiArrayDimension>},
-      {"std_msgs/MultiArrayLayout", make<std_msgs::MultiArrayLayout>},
-      {"std_msgs/Float64MultiArray", make<std_msgs::Float64MultiArray>},
-      {"std_msgs/String", make<std_msgs::String>},
-      {"std_msgs/Float64", make<std_msgs::Float64>},
-      {"std_msgs/Empty", make<std_msgs::Empty>},
-      {"geometry_msgs/Vector3", make<geometry_msgs::Vector3>},
-      {"geometry_msgs/Point", make<geometry_msgs::Point>},
-      {"geometry_msgs/Quaternion", make<geometry_msgs::Quaternion>},
-      {"geometry_msgs/Pose", make<geometry_msgs::Pose>},
-      {"geometry_msgs/PoseWithCovariance", make<geometry_msgs::PoseWithCovariance>},
-      {"geometry_msgs/Twist", make<geometry_msgs::Twist>},
-      {"geometry_msgs/TwistWithCovariance", make<geometry_msgs::TwistWithCovariance>},
-      {"sensor_msgs/LaserScan", make<sensor_msgs::LaserScan>},
-      {"nav_msgs/Odometry", make<nav_msgs::Odometry>},
-      {"rosgraph_msgs/Clock", make<rosgraph_msgs::Clock>},
+const std::map<std::string, Type>& all_types() {
+  static const std::map<std::string, Type> all = {
+#include "ros1_types.inc"
   };
   return all;
 }
@@ -196,14 +98,22 @@ const std::map<std::string, std::function<Message(unsigned)>>& makers() {
 
 std::vector<std::string> types() {
   std::vector<std::string> names;
-  for (const auto& [name, maker] : makers()) {
+  for (const auto& [name, type] : all_types()) {
     names.push_back(name);
   }
   return names;
 }
 
-Message random_message(const std::string& type, unsigned seed) {
-  return makers().at(type)(seed);
+std::string md5(const std::string& type) {
+  return all_types().at(type).md5;
+}
+
+std::string definition(const std::string& type) {
+  return all_types().at(type).definition;
+}
+
+std::vector<std::uint8_t> serialize(const std::string& type, const std::vector<Atom>& atoms) {
+  return all_types().at(type).serialize(atoms);
 }
 
 }  // namespace reference

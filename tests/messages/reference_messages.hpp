@@ -1,24 +1,24 @@
-// Messages as Debian's generated serializers make them. Compiled as C++17.
+// Messages as other people's serializers make them. Compiled as C++17, for Debian's headers.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
 namespace reference {
 
-struct Message {
-  std::string md5;
-  std::string definition;
-  std::vector<std::uint8_t> bytes;
-  std::map<std::string, std::vector<double>> numbers;  ///< by field path
-  std::map<std::string, std::string> texts;
+/// A number of elements, a number or a text of a message.
+struct Atom {
+  double number = 0;
+  std::string text;
 };
 
-/// The types that random_message knows.
+/// The types of ROS 1 that Debian has headers of.
 std::vector<std::string> types();
-/// A message with random contents in all fields, serialized by roscpp.
-Message random_message(const std::string& type, unsigned seed);
+std::string md5(const std::string& type);
+/// The text with comments, and those of all parts.
+std::string definition(const std::string& type);
+/// What roscpp's generated serializer makes of these contents.
+std::vector<std::uint8_t> serialize(const std::string& type, const std::vector<Atom>& atoms);
 
 }  // namespace reference

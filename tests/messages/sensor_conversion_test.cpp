@@ -26,7 +26,7 @@ std::vector<std::byte> message(std::string_view type, std::vector<std::string> p
     values.push_back({each, {}});
   }
   std::vector<std::byte> bytes;
-  MessageWriter(Catalog::builtin(), type, std::move(paths)).write(values, bytes);
+  MessageWriter(Catalog::builtin(Dialect::ros1), type, std::move(paths)).write(values, bytes);
   return bytes;
 }
 
@@ -37,7 +37,7 @@ std::vector<std::byte> scan(const std::vector<double>& ranges, double least = 0.
 
 SensorConversion conversion(std::string_view type, std::uint32_t width, bool strict = false,
                             const std::vector<std::string>& fields = {}) {
-  return SensorConversion(Catalog::builtin(), type, fields, width, strict);
+  return SensorConversion(Catalog::builtin(Dialect::ros1), type, fields, width, strict);
 }
 
 template <typename Action>

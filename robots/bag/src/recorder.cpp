@@ -34,7 +34,7 @@ struct Item {
 };
 
 Connection connection_of(const Topic& topic) {
-  const auto& catalog = messages::Catalog::builtin();
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, topic.type);
   const std::string name = catalog.full_name(topic.type);
   Connection connection{topic, {name, catalog.md5(name), catalog.full_text(name)}, {}};
   const auto& type = connection.type;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kHeadline = "MSG: ";
 constexpr std::size_t kLargestMessage = 1'000'000'000;  // roscpp refuses longer ones
 
-std::size_t packed_size(Primitive primitive) {
+std::size_t size_of(Primitive primitive) {
   switch (primitive) {
     case Primitive::boolean:
     case Primitive::int8:
@@ -34,17 +34,30 @@ std::size_t packed_size(Primitive primitive) {
   }
 }
 
-FieldLayout layout_of(const FieldDefinition& field, std::shared_ptr<const TypeLayout> message) {
+std::size_t alignment_of(Primitive primitive, Dialect dialect) {
+  if (dialect == Dialect::ros1) {
+    return 1;
+  }
+  const bool is_time = primitive == Primitive::time || primitive == Primitive::duration;
+  return is_time ? 4 : size_of(primitive);
+}
+
+FieldLayout layout_of(const FieldDefinition& field, std::shared_ptr<const TypeLayout> message,
+                      Dialect dialect) {
   FieldLayout layout;
   layout.name = field.name;
   layout.primitive = field.primitive;
   layout.array = field.array;
   layout.count = field.count;
+  layout.longest_text = field.longest_text;
+  layout.otherwise = field.otherwise;
   if (message) {
     layout.element_bytes = message->bytes;
+    layout.alignment = message->alignment;
     layout.element_least = message->least;
   } else {
-    layout.element_least = packed_size(field.primitive);
+    layout.element_least = size_of(field.primitive);
+    layout.alignment = alignment_of(field.primitive, dialect);
     if (field.primitive != Primitive::text) {
       layout.element_bytes = layout.element_least;
     }
@@ -53,12 +66,15 @@ FieldLayout layout_of(const FieldDefinition& field, std::shared_ptr<const TypeLa
   return layout;
 }
 
+/// A type is without gaps when all in it is aligned alike, and a multiple of that long.
 void append_field(TypeLayout& type, FieldLayout field) {
   const bool constant = field.array != ArrayKind::variable && field.element_bytes.has_value();
+  const bool alike = type.fields.empty() || field.alignment == type.alignment;
   const std::size_t count = field.array == ArrayKind::fixed ? field.count : 1;
   type.least += field.array == ArrayKind::variable ? 4 : count * field.element_least;
-  if (constant && type.bytes) {
+  if (constant && alike && type.bytes) {
     *type.bytes += count * *field.element_bytes;
+    type.alignment = field.alignment;
   } else {
     type.bytes.reset();
   }
@@ -70,21 +86,41 @@ void append_field(TypeLayout& type, FieldLayout field) {
   type.fields.push_back(std::move(field));
 }
 
-}  // namespace
-
-const Catalog& Catalog::builtin() {
-  static const Catalog catalog = [] {
-    Catalog made;
-    for (const EmbeddedDefinition& definition : embedded_definitions()) {
-      made.add(definition.name, definition.text);
-    }
-    return made;
-  }();
+Catalog builtin_of(Dialect dialect) {
+  Catalog catalog(dialect);
+  for (const EmbeddedDefinition& definition : embedded_definitions(dialect)) {
+    catalog.add(definition.name, definition.text);
+  }
   return catalog;
 }
 
+/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan", as ROS 2's tools say.
+std::string without_folder(std::string_view name) {
+  constexpr std::string_view kFolder = "/msg/";
+  const auto folder = name.find(kFolder);
+  std::string plain(name);
+  return folder == std::string_view::npos ? plain : plain.replace(folder, kFolder.size(), "/");
+}
+
+std::string unknown_type(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string meant = nearest(name, candidates);
+  return fmt::format(
+      "unknown message type '{}'; {}", name,
+      meant.empty() ? "write one that 'spikeloop describe --messages' lists, or the path of a .msg "
+                      "file"
+                    : fmt::format("did you mean '{}'?", meant));
+}
+
+}  // namespace
+
+const Catalog& Catalog::builtin(Dialect dialect) {
+  static const Catalog ros1 = builtin_of(Dialect::ros1);
+  static const Catalog ros2 = builtin_of(Dialect::ros2);
+  return dialect == Dialect::ros1 ? ros1 : ros2;
+}
+
 void Catalog::add(std::string_view name, std::string_view text) {
-  Definition definition = parse_definition(name, text);
+  Definition definition = parse_definition(name, text, dialect_);
   definitions_.insert_or_assign(std::string(name), std::move(definition));
 }
 
@@ -125,15 +161,17 @@ std::vector<std::string> Catalog::names() const {
 }
 
 const Definition& Catalog::find(std::string_view name) const {
-  const auto found = definitions_.find(name);
+  const auto found = definitions_.find(without_folder(name));
   if (found == definitions_.end()) {
-    throw ConfigurationError(
-        fmt::format("unknown message type '{}'{}", name, did_you_mean(name, names())));
+    throw ConfigurationError(unknown_type(name, names()));
   }
   return found->second;
 }
 
 std::string Catalog::full_name(std::string_view name) const {
+  if (const auto file = files_.find(name); file != files_.end()) {
+    return file->second;
+  }
   if (name.find('/') != std::string_view::npos) {
     return find(name).name;
   }
@@ -151,8 +189,7 @@ std::string Catalog::full_name(std::string_view name) const {
                     fmt::join(matches, ", ")));
   }
   if (matches.empty()) {
-    throw ConfigurationError(
-        fmt::format("unknown message type '{}'{}", name, did_you_mean(name, short_names)));
+    throw ConfigurationError(unknown_type(name, short_names));
   }
   return matches.front();
 }
@@ -226,13 +263,17 @@ std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name,
   }
   auto type = std::make_shared<TypeLayout>();
   type->name = definition.name;
+  type->dialect = dialect_;
   type->bytes = 0;
+  if (dialect_ == Dialect::ros2 && definition.fields.empty()) {
+    type->bytes = type->least = 1;  // IDL knows no empty structure: an octet stands in it
+  }
   for (const FieldDefinition& field : definition.fields) {
     std::shared_ptr<const TypeLayout> message;
     if (field.primitive == Primitive::message) {
       message = layout(part(definition, field).name, within);
     }
-    append_field(*type, layout_of(field, std::move(message)));
+    append_field(*type, layout_of(field, std::move(message), dialect_));
   }
   within.pop_back();
   return type;

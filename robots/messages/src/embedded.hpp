@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/messages/dialect.hpp"
+
 namespace spikeloop::messages {
 
 struct EmbeddedDefinition {
@@ -11,6 +13,6 @@ struct EmbeddedDefinition {
   std::string_view text;
 };
 
-const std::vector<EmbeddedDefinition>& embedded_definitions();
+const std::vector<EmbeddedDefinition>& embedded_definitions(Dialect dialect);
 
 }  // namespace spikeloop::messages

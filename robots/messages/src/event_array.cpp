@@ -6,28 +6,43 @@
 #include "wire.hpp"
 
 namespace spikeloop::messages {
+namespace {
 
-EventArray::EventArray(std::span<const std::byte> message) {
-  constexpr std::size_t kSequenceAndStamp = 12;
-  constexpr std::uint32_t kMostPixels = 65'536;  // what 16 bits of an event can name
-  Ros1Reader reader(message);
-  reader.skip_bytes(kSequenceAndStamp);
-  reader.skip_text();
-  height_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
-  width_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
-  const std::size_t bytes = kEventBytes * reader.length(kEventBytes);
-  if (reader.left() != bytes) {
-    throw TransportError(
-        fmt::format("message of {} bytes goes on for {} bytes behind its last event",
-                    message.size(), reader.left() - bytes));
+constexpr std::uint32_t kMostPixels = 65'536;  // what 16 bits of an event can name
+
+}  // namespace
+
+EventArray::EventArray(std::span<const std::byte> message, Dialect dialect) {
+  const bool aligned = dialect == Dialect::ros2;
+  constexpr std::size_t kGap = 2;
+  constexpr std::size_t kMostPadding = 3;  // which a transport may add, in ROS 2
+  if (aligned) {
+    stride_ = kAlignedEventBytes;
+    gap_ = kGap;
   }
+  with_reader(dialect, message, [&](auto& reader) {
+    if (!aligned) {
+      reader.number(Primitive::uint32);  // the header's sequence number
+    }
+    reader.number(Primitive::time);
+    reader.text();
+    height_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
+    width_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
+    size_ = reader.length(kEventBytes);
+    const std::size_t bytes = size_ == 0 ? 0 : (size_ - 1) * stride_ + kEventBytes;
+    events_ = reader.take_bytes(bytes).data();
+    if (reader.left() > (aligned ? kMostPadding : 0)) {
+      throw TransportError(
+          fmt::format("message of {} bytes goes on for {} bytes behind its last event",
+                      message.size(), reader.left()));
+    }
+  });
   if (height_ == 0 || width_ == 0 || height_ > kMostPixels || width_ > kMostPixels) {
     throw TransportError(
         fmt::format("its camera has {} x {} pixels; the driver must set width and height, at most "
                     "{} each",
                     width_, height_, kMostPixels));
   }
-  events_ = message.last(bytes);
 }
 
 }  // namespace spikeloop::messages

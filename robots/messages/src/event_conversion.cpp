@@ -67,7 +67,8 @@ Region parse_region(std::string_view text) {
   return region;
 }
 
-EventConversion::EventConversion(const EventSettings& settings) : settings_(settings) {
+EventConversion::EventConversion(const EventSettings& settings, Dialect dialect)
+    : settings_(settings), dialect_(dialect) {
   if (settings_.region) {
     check_width("a region", settings_.region->width, settings_.region->height);
   }
@@ -136,7 +137,7 @@ bool EventConversion::convert(std::span<const std::byte> bytes, EventMessage& me
   message.newest.reset();
   std::optional<EventArray> array;
   try {
-    array.emplace(bytes);
+    array.emplace(bytes, dialect_);
   } catch (const TransportError& error) {
     if (counts_.malformed++ == 0) {
       warning_ =

@@ -6,8 +6,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "path_walk.hpp"
 #include "spikeloop/core/error.hpp"
-#include "wire.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -28,7 +28,7 @@ class Compiler {
     std::string_view rest = path_.text;
     const FieldLayout* field = nullptr;
     while (true) {
-      const auto dot = rest.find('.');
+      const auto dot = end_of_part(rest);
       const std::string_view part = rest.substr(0, dot);
       if (type == nullptr) {
         add_time_part(*field, part, dot != std::string_view::npos);
@@ -57,6 +57,13 @@ class Compiler {
         fmt::format("field path '{}' of {}: {}", path_.text, path_.type->name, message));
   }
 
+  /// The next '.' that is not in a selector's text; npos when there is none.
+  static std::size_t end_of_part(std::string_view rest) {
+    const auto bracket = rest.find('[');
+    const auto dot = rest.find('.');
+    return bracket < dot ? rest.find('.', std::min(rest.find(']', bracket), rest.size())) : dot;
+  }
+
   static std::string field_names(const TypeLayout& type) {
     std::string names;
     for (const FieldLayout& field : type.fields) {
@@ -83,30 +90,69 @@ class Compiler {
       if (found->array == ArrayKind::none) {
         fail(fmt::format("'{}' is no array; write it without '{}'", name, part.substr(bracket)));
       }
-      parse_elements(part.substr(bracket), step);
+      parse_brackets(type, *found, part.substr(bracket), step);
     }
     check_bounds(*found, step);
     path_.steps.push_back(step);
     return *found;
   }
 
-  void parse_elements(std::string_view brackets, PathStep& step) const {
+  void parse_brackets(const TypeLayout& type, const FieldLayout& field, std::string_view brackets,
+                      PathStep& step) const {
     const std::string_view inside = brackets.size() > 2 && brackets.back() == ']'
                                         ? brackets.substr(1, brackets.size() - 2)
                                         : std::string_view{};
+    const auto equals = inside.find('=');
+    if (inside.empty() || equals == 0 || equals + 1 == inside.size()) {
+      fail_selection(brackets);
+    }
+    if (equals == std::string_view::npos) {
+      parse_elements(brackets, inside, step);
+    } else {
+      step.last = 1;
+      step.selector =
+          make_selector(type, field, inside.substr(0, equals), inside.substr(equals + 1));
+    }
+  }
+
+  [[noreturn]] void fail_selection(std::string_view brackets) const {
+    fail(fmt::format("'{}' selects nothing; write [index], [first:end] or [name=text]", brackets));
+  }
+
+  Selector make_selector(const TypeLayout& type, const FieldLayout& field, std::string_view key,
+                         std::string_view text) const {
+    const auto find_key = [&](const TypeLayout& in, bool array) -> std::optional<std::size_t> {
+      const auto found = std::ranges::find(in.fields, key, &FieldLayout::name);
+      const bool fits = found != in.fields.end() && found->primitive == Primitive::text &&
+                        (found->array != ArrayKind::none) == array;
+      return fits ? std::optional(static_cast<std::size_t>(found - in.fields.begin()))
+                  : std::nullopt;
+    };
+    if (field.message) {
+      if (const auto within = find_key(*field.message, false)) {
+        return {true, *within, std::string(text)};
+      }
+    }
+    if (const auto beside = find_key(type, true)) {
+      return {false, *beside, std::string(text)};
+    }
+    fail(
+        fmt::format("'{0}' is neither a text in each element of '{1}' nor an array of texts "
+                    "beside it, so [{0}={2}] selects nothing",
+                    key, field.name, text));
+  }
+
+  void parse_elements(std::string_view brackets, std::string_view inside, PathStep& step) const {
     const auto colon = inside.find(':');
     const auto number = [&](std::string_view digits, std::size_t otherwise) {
       std::size_t value = otherwise;
       const auto [end, error] =
           std::from_chars(digits.data(), digits.data() + digits.size(), value);
       if (!digits.empty() && (error != std::errc{} || end != digits.data() + digits.size())) {
-        fail(fmt::format("'{}' selects nothing; write [index] or [first:end]", brackets));
+        fail_selection(brackets);
       }
       return value;
     };
-    if (inside.empty()) {
-      fail(fmt::format("'{}' selects nothing; write [index] or [first:end]", brackets));
-    }
     step.first = number(inside.substr(0, colon), 0);
     step.last = colon == std::string_view::npos ? step.first + 1
                                                 : number(inside.substr(colon + 1), PathStep::kEnd);
@@ -116,8 +162,15 @@ class Compiler {
   }
 
   void check_bounds(const FieldLayout& field, PathStep& step) const {
+    if (step.selector) {
+      return;
+    }
     const std::size_t count = field.array == ArrayKind::none ? 1 : field.count;
     if (field.array == ArrayKind::variable) {
+      if (count != 0 &&
+          (step.first >= count || (step.last != PathStep::kEnd && step.last > count))) {
+        fail(fmt::format("'{}' has at most {} elements; the first one is [0]", field.name, count));
+      }
       return;
     }
     if (step.first >= count || (step.last != PathStep::kEnd && step.last > count)) {
@@ -127,60 +180,36 @@ class Compiler {
   }
 
   void add_time_part(const FieldLayout& field, std::string_view part, bool more) {
-    if (more || (part != "secs" && part != "nsecs")) {
-      fail(fmt::format("a time has no field '{}'; write {}.secs, {}.nsecs or {} (seconds)", part,
-                       field.name, field.name, field.name));
+    const bool is_seconds = part == "secs" || part == "sec";
+    if (more || (!is_seconds && part != "nsecs" && part != "nanosec")) {
+      const bool ros1 = path_.type->dialect == Dialect::ros1;
+      fail(fmt::format("a time has no field '{0}'; write {1}.{2}, {1}.{3} or {1} (seconds)", part,
+                       field.name, ros1 ? "secs" : "sec", ros1 ? "nsecs" : "nanosec"));
     }
-    path_.time_part = part == "secs" ? FieldPath::TimePart::secs : FieldPath::TimePart::nsecs;
+    path_.time_part = is_seconds ? FieldPath::TimePart::secs : FieldPath::TimePart::nsecs;
   }
 
   FieldPath path_;
 };
 
-double read_number(Ros1Reader& reader, const FieldPath& path, const FieldLayout& field) {
-  if (!is_time(field) || path.time_part == FieldPath::TimePart::whole) {
+template <typename Reader>
+double read_number(Reader& reader, const FieldPath& path, const FieldLayout& field) {
+  if (path.time_part == FieldPath::TimePart::whole) {
     return reader.number(field.primitive);
   }
-  const bool is_signed = field.primitive == Primitive::duration;
-  const Primitive half = is_signed ? Primitive::int32 : Primitive::uint32;
-  const double seconds = reader.number(half);
-  const double nanoseconds = reader.number(half);
+  const double seconds = reader.number(Reader::half_of_time(field.primitive, false));
+  const double nanoseconds = reader.number(Reader::half_of_time(field.primitive, true));
   return path.time_part == FieldPath::TimePart::secs ? seconds : nanoseconds;
-}
-
-void read_level(Ros1Reader& reader, const FieldPath& path, const TypeLayout& type,
-                std::size_t level, std::vector<double>& values) {
-  const PathStep& step = path.steps[level];
-  for (std::size_t i = 0; i < step.field; ++i) {
-    skip_elements(reader, type.fields[i], read_count(reader, type.fields[i]));
-  }
-  const FieldLayout& field = type.fields[step.field];
-  const std::size_t last = std::min(read_count(reader, field), step.last);
-  if (step.first >= last) {
-    return;
-  }
-  skip_elements(reader, field, step.first);
-  for (std::size_t i = step.first; i < last; ++i) {
-    if (level + 1 == path.steps.size()) {
-      values.push_back(read_number(reader, path, field));
-      continue;
-    }
-    Ros1Reader inside = reader;
-    read_level(inside, path, *field.message, level + 1, values);
-    if (i + 1 < last) {
-      skip_element(reader, field);
-    }
-  }
 }
 
 }  // namespace
 
-const FieldLayout& FieldPath::target() const {
+const FieldLayout& FieldPath::field(std::size_t level) const {
   const TypeLayout* within = type.get();
-  for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+  for (std::size_t i = 0; i < level; ++i) {
     within = within->fields[steps[i].field].message.get();
   }
-  return within->fields[steps.back().field];
+  return within->fields[steps[level].field];
 }
 
 std::optional<std::size_t> FieldPath::width() const {
@@ -210,9 +239,12 @@ FieldReader::FieldReader(const Catalog& catalog, std::string_view type, std::str
 
 std::size_t FieldReader::read(std::span<const std::byte> message,
                               std::vector<double>& values) const {
-  Ros1Reader reader(message);
   const std::size_t before = values.size();
-  read_level(reader, path_, *path_.type, 0, values);
+  walk_path(message, path_, [&](auto reader, const FieldLayout& field, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      values.push_back(read_number(reader, path_, field));
+    }
+  });
   return values.size() - before;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "named_elements.hpp"
 #include "spikeloop/core/error.hpp"
 #include "wire.hpp"
 
@@ -26,12 +27,15 @@ std::size_t array_length(const FieldLayout& field, std::size_t level, const Acti
   if (field.array != ArrayKind::variable) {
     return field.array == ArrayKind::fixed ? field.count : 1;
   }
+  if (active.empty()) {
+    return std::max(field.otherwise.numbers.size(), field.otherwise.texts.size());
+  }
   std::size_t length = 0;
   for (const Progress* progress : active) {
     const PathStep& step = progress->path->steps[level];
-    length =
-        std::max(length, step.last != PathStep::kEnd ? step.last
-                                                     : step.first + progress->value.numbers.size());
+    const std::size_t last =
+        step.last != PathStep::kEnd ? step.last : step.first + progress->value.numbers.size();
+    length = std::max({length, last, step.least_length});
   }
   return length;
 }
@@ -40,15 +44,28 @@ double next_number(Progress& progress) {
   return progress.value.numbers[progress.written++];
 }
 
-void write_primitive(Ros1Writer& writer, const FieldLayout& field, const Active& active) {
+double default_number(const FieldLayout& field, std::size_t element) {
+  return element < field.otherwise.numbers.size() ? field.otherwise.numbers[element] : 0.0;
+}
+
+std::string_view default_text(const FieldLayout& field, std::size_t element) {
+  return element < field.otherwise.texts.size() ? field.otherwise.texts[element]
+                                                : std::string_view{};
+}
+
+template <typename Writer>
+void write_primitive(Writer& writer, const FieldLayout& field, std::size_t element,
+                     const Active& active) {
   if (field.primitive == Primitive::text) {
-    writer.text(active.empty() ? std::string_view{} : active.front()->value.text);
+    writer.text(active.empty() ? default_text(field, element) : active.front()->value.text);
     return;
   }
-  const bool in_parts =
-      !active.empty() && active.front()->path->time_part != FieldPath::TimePart::whole;
-  if (!in_parts) {
-    writer.number(field.primitive, active.empty() ? 0.0 : next_number(*active.front()));
+  if (active.empty()) {
+    writer.number(field.primitive, default_number(field, element));
+    return;
+  }
+  if (active.front()->path->time_part == FieldPath::TimePart::whole) {
+    writer.number(field.primitive, next_number(*active.front()));
     return;
   }
   double seconds = 0;
@@ -57,16 +74,15 @@ void write_primitive(Ros1Writer& writer, const FieldLayout& field, const Active&
     (progress->path->time_part == FieldPath::TimePart::secs ? seconds : nanoseconds) =
         next_number(*progress);
   }
-  const bool is_signed = field.primitive == Primitive::duration;
-  const Primitive half = is_signed ? Primitive::int32 : Primitive::uint32;
-  writer.number(half, seconds);
-  writer.number(half, nanoseconds);
+  writer.number(Writer::Reader::half_of_time(field.primitive, false), seconds);
+  writer.number(Writer::Reader::half_of_time(field.primitive, true), nanoseconds);
 }
 
-void write_message(Ros1Writer& writer, const TypeLayout& type, std::size_t level,
-                   const Active& active);
+template <typename Writer>
+void write_message(Writer& writer, const TypeLayout& type, std::size_t level, const Active& active);
 
-void write_field(Ros1Writer& writer, const FieldLayout& field, std::size_t level,
+template <typename Writer>
+void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
                  const Active& active) {
   const std::size_t length = array_length(field, level, active);
   if (field.array == ArrayKind::variable) {
@@ -84,13 +100,17 @@ void write_field(Ros1Writer& writer, const FieldLayout& field, std::size_t level
     if (field.primitive == Primitive::message) {
       write_message(writer, *field.message, level + 1, here);
     } else {
-      write_primitive(writer, field, here);
+      write_primitive(writer, field, i, here);
     }
   }
 }
 
-void write_message(Ros1Writer& writer, const TypeLayout& type, std::size_t level,
+template <typename Writer>
+void write_message(Writer& writer, const TypeLayout& type, std::size_t level,
                    const Active& active) {
+  if (type.fields.empty() && type.dialect == Dialect::ros2) {
+    writer.number(Primitive::uint8, 0.0);
+  }
   Active within;
   for (std::size_t i = 0; i < type.fields.size(); ++i) {
     within.clear();
@@ -124,55 +144,91 @@ bool overlap(const FieldPath& a, const FieldPath& b) {
 MessageWriter::MessageWriter(const Catalog& catalog, std::string_view type,
                              const std::vector<std::string>& paths)
     : type_(catalog.layout(catalog.full_name(type))) {
+  std::vector<FieldPath> chosen;
   for (const std::string& text : paths) {
-    FieldPath path = compile_path(catalog, type, text);
-    for (std::size_t i = 0; i < path.steps.size(); ++i) {
-      const bool is_last = i + 1 == path.steps.size();
-      if (path.steps[i].last == PathStep::kEnd && (!is_last || path.is_text())) {
-        throw ConfigurationError(fmt::format(
-            "field path '{}' of {}: the array's length is not known; name its elements, as in [0]",
-            text, type_->name));
-      }
-    }
-    for (const FieldPath& other : paths_) {
-      if (overlap(path, other)) {
-        throw ConfigurationError(
-            fmt::format("field paths '{}' and '{}' of {} set the same value; leave one of them out",
-                        other.text, text, type_->name));
-      }
-    }
-    paths_.push_back(std::move(path));
+    chosen.push_back(compile_path(catalog, type, text));
+  }
+  std::vector<NamedText> named = place_named_elements(chosen);
+  for (FieldPath& path : chosen) {
+    add(std::move(path));
+  }
+  for (auto& [path, text] : named) {
+    add(std::move(path));
+    texts_.push_back(std::move(text));
   }
 }
 
-void MessageWriter::check(std::span<const FieldValue> values) const {
-  if (values.size() != paths_.size()) {
-    throw std::logic_error("MessageWriter::write needs a value for each path");
-  }
-  for (std::size_t i = 0; i < paths_.size(); ++i) {
-    const auto width = paths_[i].width();
-    if (!paths_[i].is_text() && width && *width != values[i].numbers.size()) {
-      throw ConfigurationError(fmt::format("field '{}' of {} takes {} values, not {}",
-                                           paths_[i].text, type_->name, *width,
-                                           values[i].numbers.size()));
+void MessageWriter::add(FieldPath path) {
+  for (std::size_t i = 0; i < path.steps.size(); ++i) {
+    const bool is_last = i + 1 == path.steps.size();
+    if (path.steps[i].last == PathStep::kEnd && (!is_last || path.is_text())) {
+      throw ConfigurationError(fmt::format(
+          "field path '{}' of {}: the array's length is not known; name its elements, as in [0]",
+          path.text, type_->name));
     }
+  }
+  for (const FieldPath& other : paths_) {
+    if (overlap(path, other)) {
+      throw ConfigurationError(
+          fmt::format("field paths '{}' and '{}' of {} set the same value; leave one of them out",
+                      other.text, path.text, type_->name));
+    }
+  }
+  paths_.push_back(std::move(path));
+}
+
+void MessageWriter::check_text(const FieldPath& path, std::string_view text) const {
+  const std::uint32_t longest = path.target().longest_text;
+  if (longest != 0 && text.size() > longest) {
+    throw ConfigurationError(
+        fmt::format("field '{}' of {} takes at most {} bytes, not the {} of '{}'", path.text,
+                    type_->name, longest, text.size(), text));
+  }
+}
+
+void MessageWriter::check_numbers(const FieldPath& path, std::size_t count) const {
+  const auto width = path.width();
+  if (width && *width != count) {
+    throw ConfigurationError(fmt::format("field '{}' of {} takes {} values, not {}", path.text,
+                                         type_->name, *width, count));
+  }
+  const FieldLayout& target = path.target();
+  const std::size_t most = target.array == ArrayKind::variable ? target.count : 0;
+  if (most != 0 && path.steps.back().first + count > most) {
+    throw ConfigurationError(fmt::format("field '{}' of {} takes at most {} values, not {}",
+                                         path.text, type_->name, most - path.steps.back().first,
+                                         count));
   }
 }
 
 void MessageWriter::write(std::span<const FieldValue> values,
                           std::vector<std::byte>& message) const {
-  check(values);
+  const std::size_t given = paths_.size() - texts_.size();
+  if (values.size() != given) {
+    throw std::logic_error("MessageWriter::write needs a value for each path");
+  }
   message.clear();
   std::vector<Progress> progress;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
-    progress.push_back({&paths_[i], values[i], 0});
+    const FieldValue value = i < given ? values[i] : FieldValue{{}, texts_[i - given]};
+    if (paths_[i].is_text()) {
+      check_text(paths_[i], value.text);
+    } else {
+      check_numbers(paths_[i], value.numbers.size());
+    }
+    progress.push_back({&paths_[i], value, 0});
   }
   Active active;
   for (Progress& each : progress) {
     active.push_back(&each);
   }
-  Ros1Writer writer(message);
-  write_message(writer, *type_, 0, active);
+  if (type_->dialect == Dialect::ros2) {
+    WireWriter<Dialect::ros2> writer(message);
+    write_message(writer, *type_, 0, active);
+  } else {
+    WireWriter<Dialect::ros1> writer(message);
+    write_message(writer, *type_, 0, active);
+  }
 }
 
 }  // namespace spikeloop::messages

@@ -81,9 +81,9 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
   const std::size_t count = std::min(values_.size(), channels_.size());
   std::size_t readings = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const bool no_reading = rule_ == Rule::scan && std::isnan(values_[i]);
-    if (no_reading) {
-      ++counts_.invalid_readings;
+    const bool missing = std::ranges::binary_search(missing_, i);
+    if (missing || (rule_ == Rule::scan && std::isnan(values_[i]))) {
+      counts_.invalid_readings += missing ? 0 : 1;
     } else {
       channels_[i] = values_[i];
       ++readings;
@@ -97,8 +97,14 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
 
 void SensorConversion::read_values(std::span<const std::byte> message) {
   values_.clear();
+  missing_.clear();
   for (const FieldReader& reader : readers_) {
-    reader.read(message, values_);
+    std::size_t count = reader.read(message, values_);
+    // What the message does not have must not move the values behind it to other channels.
+    for (const std::size_t width = reader.path().width().value_or(0); count < width; ++count) {
+      missing_.push_back(values_.size());
+      values_.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
   }
   if (rule_ == Rule::scan) {
     const double range_min = values_[0];

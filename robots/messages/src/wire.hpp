@@ -1,6 +1,5 @@
-// Walks over the bytes of messages. What stands where depends on the encoding alone; the walk over
-// the fields is the same for all, so that another encoding (CDR, with its alignment) is another
-// cursor.
+// Walks over the bytes of messages. What stands where depends on the dialect's encoding alone; the
+// walk over the fields is the same for both.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +19,25 @@
 
 namespace spikeloop::messages {
 
-static_assert(std::endian::native == std::endian::little, "ROS 1 messages are little-endian");
+static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
-/// Reads ROS 1's serialization: little-endian, packed, lengths of 4 bytes.
+/// ROS 2's bytes begin with the name of the encoding, XCDR1 in little endian, and two bytes of
+/// options, whose last two bits count the bytes of padding at the message's end.
+inline constexpr std::size_t kEncapsulation = 4;
+
+/// Reads a dialect's serialization, little-endian with lengths of 4 bytes. ROS 1: packed. ROS 2:
+/// XCDR1, where each number stands at a multiple of its size, counted from behind the
+/// encapsulation, and texts end in a zero byte, which counts.
 /// Every function throws TransportError rather than read outside of the message.
-class Ros1Reader {
+template <Dialect kDialect>
+class WireReader {
  public:
-  static constexpr bool kPacked = true;
-
-  explicit Ros1Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  /// @throws TransportError for another encoding.
+  explicit WireReader(std::span<const std::byte> bytes) : bytes_(bytes) {
+    if constexpr (kDialect == Dialect::ros2) {
+      open_encapsulation();
+    }
+  }
 
   double number(Primitive primitive) {
     switch (primitive) {
@@ -54,17 +63,22 @@ class Ros1Reader {
         return static_cast<double>(take<float>());
       case Primitive::float64:
         return take<double>();
-      case Primitive::time: {
-        const double seconds = take<std::uint32_t>();
-        return seconds + 1e-9 * take<std::uint32_t>();
-      }
+      case Primitive::time:
       case Primitive::duration: {
-        const double seconds = take<std::int32_t>();
-        return seconds + 1e-9 * take<std::int32_t>();
+        const double seconds = number(half_of_time(primitive, false));
+        return seconds + 1e-9 * number(half_of_time(primitive, true));
       }
       default:
         throw std::logic_error("neither a text nor a message is a number");
     }
+  }
+
+  /// The types of a time's two numbers.
+  static Primitive half_of_time(Primitive primitive, bool nanoseconds) {
+    if constexpr (kDialect == Dialect::ros2) {
+      return nanoseconds ? Primitive::uint32 : Primitive::int32;
+    }
+    return primitive == Primitive::duration ? Primitive::int32 : Primitive::uint32;
   }
 
   /// The number of elements of a variable array; never more than the rest of the message can hold.
@@ -76,25 +90,66 @@ class Ros1Reader {
     return count;
   }
 
-  void skip_text() { skip_bytes(take<std::uint32_t>()); }
-  void skip_bytes(std::size_t count) {
+  /// Valid as long as the message's bytes.
+  std::string_view text() {
+    const std::span<const std::byte> bytes = take_bytes(take<std::uint32_t>());
+    std::string_view value(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (kDialect == Dialect::ros2 && !value.empty()) {
+      if (value.back() != '\0') {
+        throw TransportError("message of " + std::to_string(bytes_.size()) +
+                             " bytes has a text that does not end in a zero byte (before byte " +
+                             std::to_string(position_) + ")");
+      }
+      value.remove_suffix(1);
+    }
+    return value;
+  }
+
+  std::span<const std::byte> take_bytes(std::size_t count) {
     if (count > left()) {
       fail();
     }
     position_ += count;
+    return bytes_.subspan(position_ - count, count);
   }
+  void skip_bytes(std::size_t count) { take_bytes(count); }
+
+  /// Goes to the next place where something of this alignment may stand.
+  void align(std::size_t alignment) {
+    if constexpr (kDialect == Dialect::ros2) {
+      const std::size_t beyond = (position_ - kEncapsulation) & (alignment - 1);
+      if (beyond != 0) {
+        skip_bytes(alignment - beyond);
+      }
+    }
+  }
+
   std::size_t left() const { return bytes_.size() - position_; }
 
  private:
   template <typename T>
   T take() {
-    if (sizeof(T) > left()) {
-      fail();
-    }
+    align(sizeof(T));
     T value{};
-    std::memcpy(&value, bytes_.data() + position_, sizeof(T));
-    position_ += sizeof(T);
+    std::memcpy(&value, take_bytes(sizeof(T)).data(), sizeof(T));
     return value;
+  }
+
+  void open_encapsulation() {
+    const std::size_t size = bytes_.size();
+    const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes_[i]); };
+    if (size < kEncapsulation) {
+      throw TransportError("message of " + std::to_string(size) +
+                           " bytes is too short to say how it is encoded");
+    }
+    if (at(0) != 0 || at(1) != 1) {
+      throw TransportError("message of " + std::to_string(size) + " bytes has encoding " +
+                           std::to_string(256 * at(0) + at(1)) +
+                           ", not 1 (plain CDR in little endian), the one that ROS 2 has");
+    }
+    const std::size_t padding = at(3) & 3u;
+    position_ = kEncapsulation;
+    bytes_ = bytes_.first(size - std::min(padding, size - kEncapsulation));
   }
 
   [[noreturn]] void fail() const {
@@ -107,10 +162,32 @@ class Ros1Reader {
   std::size_t position_ = 0;
 };
 
-/// Writes ROS 1's serialization.
-class Ros1Writer {
+using Ros1Reader = WireReader<Dialect::ros1>;
+using Ros2Reader = WireReader<Dialect::ros2>;
+
+/// What `work` returns when it gets a reader of the message.
+template <typename Work>
+auto with_reader(Dialect dialect, std::span<const std::byte> message, Work&& work) {
+  if (dialect == Dialect::ros2) {
+    Ros2Reader reader(message);
+    return work(reader);
+  }
+  Ros1Reader reader(message);
+  return work(reader);
+}
+
+/// Writes what WireReader reads.
+template <Dialect kDialect>
+class WireWriter {
  public:
-  explicit Ros1Writer(std::vector<std::byte>& bytes) : bytes_(&bytes) {}
+  using Reader = WireReader<kDialect>;
+
+  /// @param bytes what it writes to; empty
+  explicit WireWriter(std::vector<std::byte>& bytes) : bytes_(&bytes) {
+    if constexpr (kDialect == Dialect::ros2) {
+      bytes.assign({std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}});
+    }
+  }
 
   /// Whole-number types take the nearest value they can hold; NaN becomes 0.
   void number(Primitive primitive, double value) {
@@ -147,9 +224,12 @@ class Ros1Writer {
 
   void length(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
   void text(std::string_view value) {
-    length(value.size());
+    length(value.size() + (kDialect == Dialect::ros2 ? 1 : 0));
     const auto* data = reinterpret_cast<const std::byte*>(value.data());
     bytes_->insert(bytes_->end(), data, data + value.size());
+    if constexpr (kDialect == Dialect::ros2) {
+      bytes_->push_back(std::byte{0});
+    }
   }
 
  private:
@@ -174,16 +254,16 @@ class Ros1Writer {
       whole_seconds += 1;
       nanoseconds = 0;
     }
-    if (primitive == Primitive::time) {
-      put(whole<std::uint32_t>(whole_seconds));
-    } else {
-      put(whole<std::int32_t>(whole_seconds));
-    }
+    number(Reader::half_of_time(primitive, false), whole_seconds);
     put(whole<std::uint32_t>(nanoseconds));
   }
 
   template <typename T>
   void put(T value) {
+    if constexpr (kDialect == Dialect::ros2) {
+      const std::size_t beyond = (bytes_->size() - kEncapsulation) & (sizeof(T) - 1);
+      bytes_->resize(bytes_->size() + (beyond == 0 ? 0 : sizeof(T) - beyond));
+    }
     const auto* data = reinterpret_cast<const std::byte*>(&value);
     bytes_->insert(bytes_->end(), data, data + sizeof(T));
   }
@@ -199,7 +279,7 @@ void skip_element(Reader& reader, const FieldLayout& field) {
   if (field.primitive == Primitive::message) {
     skip_message(reader, *field.message);
   } else if (field.primitive == Primitive::text) {
-    reader.skip_text();
+    reader.text();
   } else {
     reader.number(field.primitive);
   }
@@ -219,7 +299,11 @@ std::size_t read_count(Reader& reader, const FieldLayout& field) {
 
 template <typename Reader>
 void skip_elements(Reader& reader, const FieldLayout& field, std::size_t count) {
-  if (Reader::kPacked && field.element_bytes) {
+  if (count == 0) {
+    return;
+  }
+  if (field.element_bytes) {
+    reader.align(field.alignment);
     // No product overflows: a count is below 2^32, and a layout's size is limited.
     reader.skip_bytes(count * *field.element_bytes);
     return;
@@ -231,7 +315,8 @@ void skip_elements(Reader& reader, const FieldLayout& field, std::size_t count) 
 
 template <typename Reader>
 void skip_message(Reader& reader, const TypeLayout& type) {
-  if (Reader::kPacked && type.bytes) {
+  if (type.bytes) {
+    reader.align(type.alignment);
     reader.skip_bytes(*type.bytes);
     return;
   }

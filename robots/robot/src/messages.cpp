@@ -28,7 +28,7 @@ FieldValue text(std::string_view value) {
 }  // namespace
 
 Message::Message(const char* type, const std::vector<std::string>& paths)
-    : writer_(Catalog::builtin(), type, paths) {}
+    : writer_(Catalog::builtin(messages::Dialect::ros1), type, paths) {}
 
 const std::vector<std::byte>& Message::write(std::span<const FieldValue> values) {
   writer_.write(values, bytes_);
@@ -79,8 +79,8 @@ const std::vector<std::byte>& ClockMessage::write(TimeNs time) {
 }
 
 TwistReader::TwistReader()
-    : linear_(Catalog::builtin(), kTwistType, "linear.x"),
-      angular_(Catalog::builtin(), kTwistType, "angular.z") {}
+    : linear_(Catalog::builtin(messages::Dialect::ros1), kTwistType, "linear.x"),
+      angular_(Catalog::builtin(messages::Dialect::ros1), kTwistType, "angular.z") {}
 
 Command TwistReader::read(std::span<const std::byte> message) const {
   std::vector<double> values;

@@ -5,6 +5,7 @@
 // It needs the one before.
 #include <dds/ddsi/ddsi_endpoint.h>
 #include <dds/ddsi/ddsi_entity_index.h>
+#include <dds/ddsi/ddsi_entity_match.h>
 #include <dds/ddsi/q_rtps.h>
 #include <dds/ddsi/q_thread.h>
 #include <endian.h>
@@ -21,17 +22,26 @@ static ddsi_guid_t entity_of(const dds_guid_t* participant, uint32_t entity) {
   return guid;
 }
 
+/// A reader counts as having acknowledged all that was there when it was matched, until it really
+/// has.
+static bool has_acknowledged_all(struct ddsi_writer* writer, const ddsi_guid_t* reader) {
+  ddsrt_mutex_lock(&writer->e.lock);
+  const struct ddsi_wr_prd_match* match =
+      ddsrt_avl_lookup(&ddsi_wr_readers_treedef, &writer->readers, reader);
+  const bool all = match != NULL && match->assumed_in_sync && match->seq >= writer->seq;
+  ddsrt_mutex_unlock(&writer->e.lock);
+  return all;
+}
+
 bool have_announced_subscribers(const struct ddsi_sertype* any, const dds_guid_t* ours,
                                 const dds_guid_t* other) {
   const ddsi_guid_t writer_guid = entity_of(ours, NN_ENTITYID_SEDP_BUILTIN_SUBSCRIPTIONS_WRITER);
   const ddsi_guid_t reader_guid = entity_of(other, NN_ENTITYID_SEDP_BUILTIN_SUBSCRIPTIONS_READER);
   const struct ddsi_domaingv* domain = ddsrt_atomic_ldvoidp(&any->gv);
-  const dds_time_t at_once = 0;
   struct thread_state* thread = lookup_thread_state();
   thread_state_awake(thread, domain);  // until it sleeps, nothing that it may see is freed
   struct ddsi_writer* writer = entidx_lookup_writer_guid(domain->entity_index, &writer_guid);
-  const bool acknowledged =
-      writer != NULL && ddsi_writer_wait_for_acks(writer, &reader_guid, at_once) == DDS_RETCODE_OK;
+  const bool acknowledged = writer != NULL && has_acknowledged_all(writer, &reader_guid);
   thread_state_asleep(thread);
   return acknowledged;
 }

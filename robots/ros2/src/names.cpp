@@ -3,42 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros2 {
 namespace {
 
 constexpr std::size_t kLongestTopic = 248;  // of 256 in DDS, ROS 2 keeps 8 for prefixes
-constexpr std::size_t kLongestNodeName = 255;
 constexpr std::string_view kTopicPrefix = "rt";
 constexpr std::string_view kTypeMiddle = "::msg::dds_::";
-
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-
-bool is_token(std::string_view token) {
-  return !token.empty() && is_letter(token.front()) &&
-         std::all_of(token.begin(), token.end(),
-                     [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
-}
-
-/// Tokens with one '/' between them.
-bool are_tokens(std::string_view text) {
-  for (;;) {
-    const auto slash = text.find('/');
-    if (!is_token(text.substr(0, slash))) {
-      return false;
-    }
-    if (slash == std::string_view::npos) {
-      return true;
-    }
-    text.remove_prefix(slash + 1);
-  }
-}
 
 std::string below(const std::string& space, const std::string& name) {
   return space == "/" ? "/" + name : space + "/" + name;
@@ -46,7 +21,11 @@ std::string below(const std::string& space, const std::string& name) {
 
 std::string checked_space(const std::string& written) {
   std::string space = written.starts_with('/') ? written : "/" + written;
-  if (space != "/" && !are_tokens(std::string_view(space).substr(1))) {
+  try {
+    if (space != "/") {
+      topics::check_topic(messages::Dialect::ros2, space);
+    }
+  } catch (const ConfigurationError&) {
     throw ConfigurationError(
         fmt::format("'{}' is no namespace of ROS 2; write letters, digits, '_' and '/', as in "
                     "__ns:=/arena/left",
@@ -72,45 +51,20 @@ std::string NodeIdentity::whole() const {
   return below(space, name);
 }
 
-void check_node_name(const std::string& name) {
-  if (!is_token(name) || name.size() > kLongestNodeName) {
-    throw ConfigurationError(
-        fmt::format("'{}' is no name of a ROS 2 node; write a letter followed by letters, digits "
-                    "and '_', {} at most",
-                    name, kLongestNodeName));
-  }
-}
-
-void check_topic(const std::string& topic) {
-  std::string_view rest = topic;
-  if (rest.starts_with("~/")) {
-    rest.remove_prefix(2);
-  } else if (rest.starts_with('/')) {
-    rest.remove_prefix(1);
-  }
-  if (!are_tokens(rest)) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no name of a ROS 2 topic; write letters, digits, '_' and '/', no part beginning "
-        "with a digit, as in /cmd_vel or ~/cmd_vel",
-        topic));
-  }
-}
-
-NodeIdentity node_identity(const std::string& name, const Remappings& arguments) {
+NodeIdentity node_identity(const std::string& name, const topics::RosArguments& arguments) {
   NodeIdentity node{.name = name};
-  for (const char* key : {"__name", "__node"}) {
-    if (const auto found = arguments.find(key); found != arguments.end()) {
-      node.name = found->second;
-    }
+  if (const auto found = arguments.find("__name"); found != arguments.end()) {
+    node.name = found->second;
   }
-  check_node_name(node.name);
+  topics::check_node_name(messages::Dialect::ros2, node.name);
   if (const auto found = arguments.find("__ns"); found != arguments.end()) {
     node.space = checked_space(found->second);
   }
   return node;
 }
 
-TopicNames::TopicNames(const NodeIdentity& node, const Remappings& arguments) : node_(node) {
+TopicNames::TopicNames(const NodeIdentity& node, const topics::RosArguments& arguments)
+    : node_(node) {
   for (const auto& [from, to] : arguments) {
     std::string name = from;
     if (!name.starts_with("__") && is_for(node_, name)) {
@@ -120,7 +74,7 @@ TopicNames::TopicNames(const NodeIdentity& node, const Remappings& arguments) : 
 }
 
 std::string TopicNames::expanded(const std::string& topic) const {
-  check_topic(topic);
+  topics::check_topic(messages::Dialect::ros2, topic);
   if (topic.starts_with('/')) {
     return topic;
   }

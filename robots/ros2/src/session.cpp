@@ -3,18 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
-#include <iterator>
-#include <mutex>
-#include <set>
 #include <utility>
-#include <vector>
 
-#include "announced.h"
 #include "publisher.hpp"
 #include "session_impl.hpp"
-#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/topics/catalog.hpp"
 #include "subscriber.hpp"
 
 namespace spikeloop::ros2 {
@@ -45,15 +39,18 @@ Session::Impl::Impl(const topics::SessionSettings& settings)
       dispatcher(participant.entity()),
       graph(participant.entity(), dispatcher),
       node_topic(participant.entity(), NodeList::kTopic, NodeList::kType),
-      nodes(participant.entity(), node_topic, graph, node, found.distribution) {
+      nodes(participant.entity(), node_topic, graph, node, found.distribution),
+      acquaintance(participant.entity(), node_topic, graph) {
   place["ROS_DOMAIN_ID"] = fmt::to_string(found.domain);
 }
 
 Endpoint endpoint(const Session::Impl& session, const std::string& topic,
                   const std::string& message_type) {
+  const messages::Catalog& catalog = topics::catalog_of(messages::Dialect::ros2, message_type);
+  const std::string type = catalog.full_name(message_type);
   Endpoint result{.topic = session.names.whole(topic),
-                  .message_type = messages::Catalog::builtin().full_name(message_type),
-                  .user_data = {}};
+                  .message_type = type,
+                  .user_data = fmt::format("typehash={};", catalog.type_hash(type))};
   dds_topic(result.topic);  // not too long?
   return result;
 }
@@ -87,22 +84,7 @@ std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription 
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {
-  const std::string name = dds_topic(topic);
-  std::set<std::string> types;
-  {
-    const std::lock_guard lock(impl_->mutex);
-    const auto [begin, end] = impl_->subscribed.equal_range(name);
-    std::transform(begin, end, std::inserter(types, types.end()),
-                   [](const auto& entry) { return entry.second; });
-  }
-  dds_guid_t own{};
-  dds_get_guid(impl_->participant.entity(), &own);
-  const std::vector<Writer> writers = impl_->graph.writers(name);
-  return !writers.empty() && std::all_of(writers.begin(), writers.end(), [&](const Writer& writer) {
-    return types.contains(writer.type) &&
-           (is_same(writer.participant, own) ||
-            have_announced_subscribers(impl_->node_topic.type, &own, &writer.participant));
-  });
+  return impl_->acquaintance.with_publishers(dds_topic(topic));
 }
 
 }  // namespace spikeloop::ros2

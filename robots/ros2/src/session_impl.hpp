@@ -1,10 +1,9 @@
 // What the parts of this room share of a session.
 #pragma once
 
-#include <map>
-#include <mutex>
 #include <string>
 
+#include "acquaintance.hpp"
 #include "dispatcher.hpp"
 #include "graph.hpp"
 #include "node_list.hpp"
@@ -29,8 +28,7 @@ struct Session::Impl {
   Graph graph;
   RawTopic node_topic;
   NodeList nodes;
-  std::mutex mutex;
-  std::multimap<std::string, std::string> subscribed{};  ///< types by topic, both as DDS has them
+  Acquaintance acquaintance;
 };
 
 /// A topic's names and type as DDS knows them, and what its endpoints say to ROS 2.

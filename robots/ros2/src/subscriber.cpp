@@ -34,10 +34,7 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
     throw TransportError(fmt::format("Cyclone DDS makes no reader of '{}': {}", endpoint_.topic,
                                      dds_strretcode(reader_ < 0 ? reader_ : arrived_)));
   }
-  {
-    const std::lock_guard lock(session_.mutex);
-    place_ = session_.subscribed.emplace(endpoint_.dds_name(), endpoint_.dds_type_name());
-  }
+  session_.acquaintance.subscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
   session_.nodes.add_reader(reader_);
   ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });
   listener_ = session_.graph.listen(endpoint_.dds_name(),
@@ -48,10 +45,7 @@ Subscriber::~Subscriber() {
   session_.graph.forget(listener_);
   session_.dispatcher.remove(ticket_, arrived_);
   session_.nodes.remove(reader_);
-  {
-    const std::lock_guard lock(session_.mutex);
-    session_.subscribed.erase(place_);
-  }
+  session_.acquaintance.unsubscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
   dds_delete(reader_);
 }
 

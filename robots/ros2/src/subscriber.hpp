@@ -30,7 +30,6 @@ class Subscriber final : public topics::RawSubscriber {
   bool complained_ = false;
   Dispatcher::Ticket ticket_ = 0;
   Graph::Listener listener_ = 0;
-  std::multimap<std::string, std::string>::iterator place_;  ///< in what the session subscribes to
 };
 
 }  // namespace spikeloop::ros2

@@ -88,7 +88,8 @@ Answer read_answer(std::string_view text) {
 }
 
 std::vector<std::byte> string_message(std::string_view text) {
-  const messages::MessageWriter writer(messages::Catalog::builtin(), kType, {"data"});
+  const messages::MessageWriter writer(messages::Catalog::builtin(messages::Dialect::ros1), kType,
+                                       {"data"});
   std::vector<std::byte> bytes;
   const messages::FieldValue value{{}, text};
   writer.write(std::span(&value, 1), bytes);

@@ -19,7 +19,7 @@ constexpr std::uint32_t kQueue = 1000;
 struct EventSensor::Impl {
   Impl(Session& session, const EventSensorSettings& wanted)
       : settings(wanted),
-        conversion(wanted.events),
+        conversion(wanted.events, session.dialect()),
         playback(wanted.latency),
         intake(session, {.topic = wanted.topic, .type = "dvs_msgs/EventArray", .queue = kQueue},
                [this](std::span<const std::byte> bytes, TimeNs) { take(bytes); }) {}
@@ -75,7 +75,7 @@ EventSensor::~EventSensor() = default;
 
 void EventSensor::check(messages::Dialect ros, const EventSensorSettings& settings) {
   check_topic(ros, settings.topic);
-  const messages::EventConversion conversion(settings.events);
+  const messages::EventConversion conversion(settings.events, ros);
 }
 
 std::vector<EndpointPort> EventSensor::ports() const {

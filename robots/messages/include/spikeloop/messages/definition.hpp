@@ -6,10 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/messages/dialect.hpp"
+
 namespace spikeloop::messages {
 
-/// The types that the definition language has built in. `byte` is int8 and `char` is uint8, as in
-/// ROS 1; time and duration are seconds and nanoseconds.
+/// The types that need no definition. `char` is uint8; `byte` is int8 in ROS 1 and uint8 in ROS 2.
+/// A time is seconds and nanoseconds: ROS 1's `time` and `duration`, and ROS 2's messages
+/// builtin_interfaces/Time and Duration.
 enum class Primitive : std::uint8_t {
   boolean,
   int8,
@@ -30,21 +33,30 @@ enum class Primitive : std::uint8_t {
 
 enum class ArrayKind : std::uint8_t { none, fixed, variable };
 
+/// What a field has when nobody sets it: one value, or those of an array's elements. Empty: zero,
+/// no text, no elements.
+struct DefaultValue {
+  std::vector<double> numbers{};
+  std::vector<std::string> texts{};
+};
+
 /// "float64[36] covariance".
 struct FieldDefinition {
   std::string written_type;  ///< as written, with brackets: part of the md5 sum
-  std::string type;          ///< without brackets; messages with their package
+  std::string type;          ///< without brackets and bounds; messages with their package
   std::string name;
   Primitive primitive = Primitive::message;
   ArrayKind array = ArrayKind::none;
-  std::uint32_t count = 0;  ///< of a fixed array
+  std::uint32_t count = 0;         ///< of a fixed array; the most of a variable one, 0: any number
+  std::uint32_t longest_text = 0;  ///< bytes; 0: any number
+  DefaultValue otherwise{};        ///< ROS 2 only
 };
 
 /// "uint8 OK=0".
 struct ConstantDefinition {
   std::string type;
   std::string name;
-  std::string value;
+  std::string value;  ///< as written; ROS 2's texts without their quotation marks
 };
 
 struct Definition {
@@ -55,8 +67,10 @@ struct Definition {
 };
 
 /// Parses one `.msg` text. `name` is "package/Type": types without a package belong to its package,
-/// and `Header` is std_msgs/Header.
-/// @throws ConfigurationError with name and line: what the line lacks and what to write.
-Definition parse_definition(std::string_view name, std::string_view text);
+/// and ROS 1's `Header` is std_msgs/Header.
+/// @param file where the text stands, for messages; empty: Type.msg
+/// @throws ConfigurationError with file and line: what the line lacks and what to write.
+Definition parse_definition(std::string_view name, std::string_view text, Dialect dialect,
+                            std::string_view file = {});
 
 }  // namespace spikeloop::messages

@@ -1,4 +1,4 @@
-// What an event camera saw: dvs_msgs/EventArray in ROS 1's serialization.
+// What an event camera saw: dvs_msgs/EventArray.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,7 @@
 #include <span>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::messages {
 
@@ -22,19 +23,24 @@ struct CameraEvent {
 /// millions of events a second, and each of the fields by their names would cost a walk.
 class EventArray {
  public:
-  static constexpr std::size_t kEventBytes = 13;  ///< x, y: uint16; seconds, ns: uint32; bool
+  /// x, y: uint16; seconds, nanoseconds: 32 bits; bool. ROS 1 has event behind event. In ROS 2 the
+  /// seconds must stand at multiples of 4: 16 bytes apart, with x and y right behind the event
+  /// before and 2 bytes of padding behind them, but in the first event.
+  static constexpr std::size_t kEventBytes = 13;
+  static constexpr std::size_t kAlignedEventBytes = 16;
 
   /// @throws TransportError when the message ends too early or goes on behind its last event, and
   /// when its camera has no pixels, or more than the events can name.
-  explicit EventArray(std::span<const std::byte> message);
+  EventArray(std::span<const std::byte> message, Dialect dialect);
 
   std::uint32_t height() const { return height_; }
   std::uint32_t width() const { return width_; }
-  std::size_t size() const { return events_.size() / kEventBytes; }
+  std::size_t size() const { return size_; }
   CameraEvent operator[](std::size_t i) const {
-    const std::byte* const at = events_.data() + i * kEventBytes;
+    const std::byte* const at = events_ + i * stride_;
+    const std::byte* const pixel = at - (i == 0 ? 0 : gap_);
     return {kNsPerSecond * load<std::uint32_t>(at + 4) + load<std::uint32_t>(at + 8),
-            load<std::uint16_t>(at), load<std::uint16_t>(at + 2), at[12] != std::byte{0}};
+            load<std::uint16_t>(pixel), load<std::uint16_t>(pixel + 2), at[12] != std::byte{0}};
   }
 
  private:
@@ -47,7 +53,10 @@ class EventArray {
 
   std::uint32_t height_ = 0;
   std::uint32_t width_ = 0;
-  std::span<const std::byte> events_;
+  std::size_t size_ = 0;
+  const std::byte* events_ = nullptr;
+  std::size_t stride_ = kEventBytes;
+  std::size_t gap_ = 0;  ///< bytes by which x and y stand nearer to the event before
 };
 
 }  // namespace spikeloop::messages

@@ -11,6 +11,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/signal.hpp"
+#include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::messages {
 
@@ -67,7 +68,7 @@ class EventConversion {
   };
 
   /// @throws ConfigurationError as convert(), as far as the region says it already.
-  explicit EventConversion(const EventSettings& settings);
+  EventConversion(const EventSettings& settings, Dialect dialect);
 
   /// Replaces `message`. False: the bytes are malformed, and it is empty.
   /// @throws ConfigurationError with both sizes when the camera does not fit the port or the region
@@ -84,6 +85,7 @@ class EventConversion {
   bool rests(const Spike& event);
 
   EventSettings settings_;
+  Dialect dialect_;
   std::uint32_t camera_width_ = 0;  ///< that the tables below are for
   std::uint32_t camera_height_ = 0;
   std::vector<std::int32_t> column_of_;  ///< of a pixel's x; negative: left out

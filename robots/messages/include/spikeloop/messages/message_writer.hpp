@@ -1,4 +1,4 @@
-// Bytes of a message from the values of some of its fields; the others are zero or empty.
+// Bytes of a message from the values of some of its fields.
 #pragma once
 
 #include <cstddef>
@@ -20,24 +20,32 @@ struct FieldValue {
 class MessageWriter {
  public:
   /// @param paths the fields that `write` sets. A variable array is as long as its values, or as
-  /// the elements that are named need.
+  /// the elements that are named need. An element that is chosen by a text, as in
+  /// position[name=left_wheel], gets a place in the order of the paths, and the message gets the
+  /// text: name[0] is left_wheel.
   /// @throws ConfigurationError as compile_path; when two paths name the same field; when a path
-  /// goes through a variable array without naming its elements.
+  /// goes through a variable array without naming its elements; when more elements are named than
+  /// an array can have.
   MessageWriter(const Catalog& catalog, std::string_view type,
                 const std::vector<std::string>& paths);
 
-  /// Replaces `message` by the bytes in ROS 1's serialization. `values` runs parallel to the paths.
-  /// Whole-number fields take the nearest value they can hold, NaN as 0.
-  /// @throws ConfigurationError when a path gets another number of values than it names.
+  /// Replaces `message` by the bytes in the catalog's dialect. `values` runs parallel to the paths.
+  /// Whole-number fields take the nearest value they can hold, NaN as 0. Fields that no path names
+  /// have their default value, or are zero or empty.
+  /// @throws ConfigurationError when a path gets another number of values than it names, or more
+  /// values or a longer text than the field can hold.
   void write(std::span<const FieldValue> values, std::vector<std::byte>& message) const;
 
   const TypeLayout& type() const { return *type_; }
 
  private:
-  void check(std::span<const FieldValue> values) const;
+  void add(FieldPath path);
+  void check_text(const FieldPath& path, std::string_view text) const;
+  void check_numbers(const FieldPath& path, std::size_t count) const;
 
   std::shared_ptr<const TypeLayout> type_;
   std::vector<FieldPath> paths_;
+  std::vector<std::string> texts_;  ///< of the last paths, which the user did not write
 };
 
 }  // namespace spikeloop::messages

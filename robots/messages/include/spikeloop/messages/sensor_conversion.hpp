@@ -24,7 +24,8 @@ namespace spikeloop::messages {
 /// A beam nearer than range_min, -inf too, is -1 (too close); one beyond range_max, +inf too, is 1
 /// (nothing there), as REP 117 says. NaN is no reading, and so is 0, which many drivers send
 /// instead: the beam keeps its last value (NaN before the first).
-/// With `fields`, any type: the numbers of these paths one after the other, as they are.
+/// With `fields`, any type: the numbers of these paths one after the other, as they are. Elements
+/// that a path names and the message does not have are no reading: their channels keep their values.
 class SensorConversion {
  public:
   struct Counts {
@@ -65,6 +66,7 @@ class SensorConversion {
   bool strict_ = false;
   std::vector<FieldReader> readers_;
   std::vector<double> values_;
+  std::vector<std::size_t> missing_;  ///< of the values, those that the message does not have
   std::vector<double> channels_;
   Counts counts_;
   std::string warning_;

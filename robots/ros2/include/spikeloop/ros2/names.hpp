@@ -1,15 +1,13 @@
 // Names in ROS 2: what a node calls a topic, what it has been remapped to, and what DDS sees.
 #pragma once
 
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace spikeloop::ros2 {
+#include "spikeloop/topics/arguments.hpp"
 
-/// NAME:=VALUE: a topic's other name, or `__node` (also `__name`), `__ns`.
-using Remappings = std::map<std::string, std::string>;
+namespace spikeloop::ros2 {
 
 struct NodeIdentity {
   std::string name;         ///< "robot"
@@ -19,25 +17,19 @@ struct NodeIdentity {
   std::string whole() const;
 };
 
-/// @throws ConfigurationError when ROS 2 would refuse the name.
-void check_node_name(const std::string& name);
-/// @param topic "scan" (within the namespace), "/scan" or "~/scan" (private: below the node's name)
-/// @throws ConfigurationError when ROS 2 would refuse it.
-void check_topic(const std::string& topic);
-
-/// Name and namespace after `__node`, `__name` and `__ns`.
+/// Name and namespace after `__name` and `__ns`.
 /// @throws ConfigurationError for an impossible name.
-NodeIdentity node_identity(const std::string& name, const Remappings& arguments);
+NodeIdentity node_identity(const std::string& name, const topics::RosArguments& arguments);
 
-/// A node's topics.
+/// A node's topics: "scan" is within its namespace, "~/scan" below its name.
 class TopicNames {
  public:
   /// Arguments whose names begin with "__" are not for topics; NODE:NAME is for that node alone.
   /// @throws ConfigurationError for an impossible topic in the arguments.
-  TopicNames(const NodeIdentity& node, const Remappings& arguments);
+  TopicNames(const NodeIdentity& node, const topics::RosArguments& arguments);
 
-  /// "/arena/scan" of "scan", with what has been remapped. @throws ConfigurationError as
-  /// check_topic.
+  /// "/arena/scan" of "scan", with what has been remapped. @throws ConfigurationError when
+  /// ROS 2 would refuse the name.
   std::string whole(const std::string& topic) const;
 
  private:

@@ -18,7 +18,8 @@ namespace spikeloop::ros2 {
 /// everything.
 class Session final : public topics::Session {
  public:
-  /// `settings.place` and the environment: see discovery(); `settings.arguments`: see Remappings.
+  /// `settings.place` and the environment: see discovery(); `settings.arguments`: names of topics,
+  /// `__name` and `__ns`.
   /// @throws ConfigurationError for an impossible name, topic or value of a variable,
   /// TransportError when Cyclone DDS does not start, with what it says.
   explicit Session(const topics::SessionSettings& settings);

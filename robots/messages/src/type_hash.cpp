@@ -1,0 +1,133 @@
+// The type hash of REP 2016: SHA-256 of the type's description as JSON, without default values,
+// constants and comments.
+#include <fmt/format.h>
+
+#include <map>
+#include <stdexcept>
+
+#include "sha256.hpp"
+#include "spikeloop/messages/catalog.hpp"
+
+namespace spikeloop::messages {
+namespace {
+
+constexpr std::string_view kNoFields =
+    R"({"name": "structure_needs_at_least_one_member", "type": {"type_id": 3, "capacity": 0, )"
+    R"("string_capacity": 0, "nested_type_name": ""}})";
+
+// The numbers of type_description_interfaces/FieldType.
+constexpr int kNested = 1;
+constexpr int kByte = 16;
+constexpr int kText = 17;
+constexpr int kBoundedText = 21;
+constexpr int kArray = 48;
+constexpr int kBoundedSequence = 96;
+constexpr int kSequence = 144;
+
+/// "sensor_msgs/msg/LaserScan"
+std::string idl_name(const std::string& name) {
+  const auto slash = name.find('/');
+  return name.substr(0, slash) + "/msg" + name.substr(slash);
+}
+
+bool is_nested(const FieldDefinition& field) {
+  return field.type.find('/') != std::string::npos;
+}
+
+int element_type_id(const FieldDefinition& field) {
+  if (is_nested(field)) {
+    return kNested;
+  }
+  if (field.type == "byte") {
+    return kByte;
+  }
+  switch (field.primitive) {
+    case Primitive::int8:
+      return 2;
+    case Primitive::uint8:
+      return 3;
+    case Primitive::int16:
+      return 4;
+    case Primitive::uint16:
+      return 5;
+    case Primitive::int32:
+      return 6;
+    case Primitive::uint32:
+      return 7;
+    case Primitive::int64:
+      return 8;
+    case Primitive::uint64:
+      return 9;
+    case Primitive::float32:
+      return 10;
+    case Primitive::float64:
+      return 11;
+    case Primitive::boolean:
+      return 15;
+    case Primitive::text:
+      return field.longest_text == 0 ? kText : kBoundedText;
+    default:
+      throw std::logic_error("a field of ROS 2 is a number, a text or a message");
+  }
+}
+
+int type_id(const FieldDefinition& field) {
+  switch (field.array) {
+    case ArrayKind::fixed:
+      return element_type_id(field) + kArray;
+    case ArrayKind::variable:
+      return element_type_id(field) + (field.count == 0 ? kSequence : kBoundedSequence);
+    default:
+      return element_type_id(field);
+  }
+}
+
+std::string describe_fields(const Definition& definition) {
+  if (definition.fields.empty()) {
+    return std::string(kNoFields);
+  }
+  std::string text;
+  for (const FieldDefinition& field : definition.fields) {
+    text += fmt::format(
+        R"({}{{"name": "{}", "type": {{"type_id": {}, "capacity": {}, "string_capacity": {}, )"
+        R"("nested_type_name": "{}"}}}})",
+        text.empty() ? "" : ", ", field.name, type_id(field), field.count, field.longest_text,
+        is_nested(field) ? idl_name(field.type) : "");
+  }
+  return text;
+}
+
+std::string describe_type(const Definition& definition) {
+  return fmt::format(R"({{"type_name": "{}", "fields": [{}]}})", idl_name(definition.name),
+                     describe_fields(definition));
+}
+
+}  // namespace
+
+std::string Catalog::type_hash(std::string_view name) const {
+  if (dialect_ != Dialect::ros2) {
+    throw std::logic_error("only ROS 2 has type hashes");
+  }
+  layout(name);  // refuses messages that contain themselves
+  const Definition& whole = find(name);
+  std::map<std::string, std::string> parts;  // by their names, which orders them
+  const auto visit = [&](const auto& self, const Definition& definition) -> void {
+    for (const FieldDefinition& field : definition.fields) {
+      if (is_nested(field) && !parts.contains(field.type)) {
+        const Definition& nested = part(definition, field);
+        parts.emplace(field.type, describe_type(nested));
+        self(self, nested);
+      }
+    }
+  };
+  visit(visit, whole);
+  std::string referenced;
+  for (const auto& [type, description] : parts) {
+    referenced += (referenced.empty() ? "" : ", ") + description;
+  }
+  return "RIHS01_" + sha256_hex(fmt::format(
+                         R"({{"type_description": {}, "referenced_type_descriptions": [{}]}})",
+                         describe_type(whole), referenced));
+}
+
+}  // namespace spikeloop::messages

@@ -1,0 +1,243 @@
+// Elements that are chosen by a text, and payloads that are read where they stand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/messages/field_view.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
+
+namespace {
+
+using namespace spikeloop::messages;
+using testing::ElementsAre;
+
+using Bytes = std::vector<std::byte>;
+
+/// A message of one number or text a path.
+struct Field {
+  const char* path;
+  std::vector<double> numbers{};
+  const char* text = "";
+};
+
+Bytes message(const Catalog& catalog, std::string_view type, const std::vector<Field>& fields) {
+  std::vector<std::string> paths;
+  std::vector<FieldValue> values;
+  for (const Field& field : fields) {
+    paths.emplace_back(field.path);
+    values.push_back({field.numbers, field.text});
+  }
+  Bytes bytes;
+  MessageWriter(catalog, type, paths).write(values, bytes);
+  return bytes;
+}
+
+std::vector<double> read(const Catalog& catalog, std::string_view type, std::string_view path,
+                         const Bytes& bytes) {
+  std::vector<double> numbers;
+  FieldReader(catalog, type, path).read(bytes, numbers);
+  return numbers;
+}
+
+std::vector<std::string_view> texts(const Catalog& catalog, std::string_view type,
+                                    std::string_view path, const Bytes& bytes) {
+  std::vector<std::string_view> found;
+  TextField(catalog, type, path).read(bytes, found);
+  return found;
+}
+
+template <typename Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const spikeloop::ConfigurationError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+class Selectors : public testing::TestWithParam<Dialect> {
+ protected:
+  const Catalog& catalog() const { return Catalog::builtin(GetParam()); }
+};
+
+TEST_P(Selectors, read_the_element_beside_the_text) {
+  const Bytes state = message(catalog(), "sensor_msgs/JointState",
+                              {{"name[0]", {}, "left"},
+                               {"name[1]", {}, "right"},
+                               {"name[2]", {}, "a.b/c"},
+                               {"position", {1, 2, 3}},
+                               {"velocity", {4}}});
+  const auto at = [&](const char* path) {
+    return read(catalog(), "sensor_msgs/JointState", path, state);
+  };
+  EXPECT_THAT(at("position[name=left]"), ElementsAre(1));
+  EXPECT_THAT(at("position[name=right]"), ElementsAre(2));
+  EXPECT_THAT(at("position[name=a.b/c]"), ElementsAre(3));
+  EXPECT_THAT(at("position[name=middle]"), ElementsAre());
+  EXPECT_THAT(at("velocity[name=left]"), ElementsAre(4));
+  EXPECT_THAT(at("velocity[name=right]"), ElementsAre());
+  EXPECT_EQ(compile_path(catalog(), "sensor_msgs/JointState", "position[name=left]").width(), 1u);
+}
+
+TEST_P(Selectors, read_the_element_with_the_text) {
+  const Bytes tree = message(catalog(), "tf2_msgs/TFMessage",
+                             {{"transforms[0].child_frame_id", {}, "base"},
+                              {"transforms[1].child_frame_id", {}, "arm"},
+                              {"transforms[0].header.frame_id", {}, "odom"},
+                              {"transforms[1].header.frame_id", {}, "base"},
+                              {"transforms[0].transform.translation.x", {7}},
+                              {"transforms[1].transform.translation.x", {8}},
+                              {"transforms[2].transform.translation.x", {9}}});
+  const auto at = [&](const char* path) {
+    return read(catalog(), "tf2_msgs/TFMessage", path, tree);
+  };
+  EXPECT_THAT(at("transforms[child_frame_id=base].transform.translation.x"), ElementsAre(7));
+  EXPECT_THAT(at("transforms[child_frame_id=arm].transform.translation.x"), ElementsAre(8));
+  EXPECT_THAT(at("transforms[child_frame_id=hand].transform.translation.x"), ElementsAre());
+  EXPECT_THAT(texts(catalog(), "tf2_msgs/TFMessage",
+                    "transforms[child_frame_id=arm].header.frame_id", tree),
+              ElementsAre("base"));
+}
+
+TEST_P(Selectors, write_texts_and_elements) {
+  const Bytes command = message(catalog(), "sensor_msgs/JointState",
+                                {{"velocity[name=right]", {1.5}},
+                                 {"velocity[name=left]", {2.5}},
+                                 {"position[name=left]", {3.5}}});
+  const auto at = [&](const char* path) {
+    return read(catalog(), "sensor_msgs/JointState", path, command);
+  };
+  EXPECT_THAT(texts(catalog(), "sensor_msgs/JointState", "name", command),
+              ElementsAre("right", "left"));
+  EXPECT_THAT(at("velocity"), ElementsAre(1.5, 2.5));
+  EXPECT_THAT(at("position"), ElementsAre(0, 3.5));
+  EXPECT_THAT(at("effort"), ElementsAre());
+  const Bytes tree = message(catalog(), "tf2_msgs/TFMessage",
+                             {{"transforms[child_frame_id=b].transform.translation.x", {1}},
+                              {"transforms[child_frame_id=a].transform.translation.y", {2}},
+                              {"transforms[child_frame_id=b].transform.translation.y", {3}}});
+  EXPECT_THAT(texts(catalog(), "tf2_msgs/TFMessage", "transforms.child_frame_id", tree),
+              ElementsAre("b", "a"));
+  EXPECT_THAT(read(catalog(), "tf2_msgs/TFMessage", "transforms.transform.translation.y", tree),
+              ElementsAre(3, 2));
+}
+
+TEST_P(Selectors, channels_keep_their_values_when_a_name_is_missing) {
+  SensorConversion conversion(catalog(), "JointState",
+                              {"position[name=left]", "position[name=right]"}, 2, true);
+  EXPECT_TRUE(conversion.convert(message(
+      catalog(), "JointState", {{"position[name=right]", {2}}, {"position[name=left]", {1}}})));
+  EXPECT_THAT(conversion.channels(), ElementsAre(1, 2));
+  EXPECT_TRUE(
+      conversion.convert(message(catalog(), "JointState", {{"position[name=right]", {5}}})));
+  EXPECT_THAT(conversion.channels(), ElementsAre(1, 5));
+  EXPECT_FALSE(conversion.convert(message(catalog(), "JointState", {{"position[name=up]", {6}}})));
+  EXPECT_THAT(conversion.channels(), ElementsAre(1, 5));
+}
+
+TEST_P(Selectors, errors_say_what_to_write) {
+  const auto path_error = [&](const char* type, const char* path) {
+    return error_of([&] { compile_path(catalog(), type, path); });
+  };
+  EXPECT_EQ(path_error("sensor_msgs/JointState", "position[nme=left]"),
+            "field path 'position[nme=left]' of sensor_msgs/JointState: 'nme' is neither a text in "
+            "each element of 'position' nor an array of texts beside it, so [nme=left] selects "
+            "nothing");
+  EXPECT_EQ(path_error("sensor_msgs/JointState", "position[velocity=left]"),
+            "field path 'position[velocity=left]' of sensor_msgs/JointState: 'velocity' is neither "
+            "a text in each element of 'position' nor an array of texts beside it, so "
+            "[velocity=left] selects nothing");
+  for (const char* path : {"position[=left]", "position[name=]", "position[name=left"}) {
+    EXPECT_THAT(path_error("sensor_msgs/JointState", path),
+                testing::HasSubstr("selects nothing; write [index], [first:end] or [name=text]"));
+  }
+  const auto write_error = [&](std::string_view type, const std::vector<std::string>& paths) {
+    return error_of([&] { MessageWriter(catalog(), type, paths); });
+  };
+  EXPECT_EQ(
+      write_error("sensor_msgs/JointState", {"position[name=left]", "position"}),
+      "field paths 'position[name=left]' and 'position' of sensor_msgs/JointState set the same "
+      "value; leave one of them out");
+  EXPECT_EQ(
+      write_error("sensor_msgs/JointState", {"name[0]", "position[name=left]"}),
+      "field paths 'name[0]' and 'position[name=left]' of sensor_msgs/JointState set the same "
+      "value; leave one of them out");
+  Catalog own = catalog();
+  own.add("my_msgs/Pair", "string[2] name\nfloat64[2] value\n");
+  EXPECT_EQ(
+      error_of([&] {
+        MessageWriter(own, "my_msgs/Pair", {"value[name=a]", "value[name=b]", "value[name=c]"});
+      }),
+      "field path 'value[name=c]' of my_msgs/Pair: 'value' has 2 elements, and so many have "
+      "names already");
+}
+
+TEST_P(Selectors, damaged_texts_lead_nowhere) {
+  const Bytes state = message(catalog(), "sensor_msgs/JointState",
+                              {{"position[name=left]", {1}}, {"position[name=right]", {2}}});
+  const FieldReader reader(catalog(), "sensor_msgs/JointState", "position[name=right]");
+  for (std::size_t size = 0; size < state.size(); ++size) {
+    const Bytes cut(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(size));
+    std::vector<double> numbers;
+    try {
+      reader.read(cut, numbers);
+      EXPECT_THAT(numbers, ElementsAre(2)) << size;
+    } catch (const spikeloop::TransportError&) {
+      EXPECT_TRUE(numbers.empty());
+    }
+  }
+}
+
+TEST_P(Selectors, bytes_are_seen_where_they_stand) {
+  const Bytes image = message(catalog(), "sensor_msgs/Image",
+                              {{"header.frame_id", {}, "camera"},
+                               {"encoding", {}, "mono8"},
+                               {"height", {1}},
+                               {"data", {1, 2, 255}}});
+  const BytesField data(catalog(), "sensor_msgs/Image", "data");
+  const auto bytes = data.read(image);
+  EXPECT_THAT(bytes, ElementsAre(std::byte{1}, std::byte{2}, std::byte{255}));
+  EXPECT_GE(bytes.data(), image.data());
+  EXPECT_EQ(bytes.data() + bytes.size(), image.data() + image.size());
+  EXPECT_THAT(BytesField(catalog(), "sensor_msgs/Image", "data[1:]").read(image),
+              ElementsAre(std::byte{2}, std::byte{255}));
+  EXPECT_TRUE(BytesField(catalog(), "sensor_msgs/Image", "data[7:9]").read(image).empty());
+  EXPECT_THAT(texts(catalog(), "sensor_msgs/Image", "encoding", image), ElementsAre("mono8"));
+  EXPECT_THAT(texts(catalog(), "sensor_msgs/Image", "header.frame_id", image),
+              ElementsAre("camera"));
+  const Bytes cut(image.begin(), image.end() - 1);
+  EXPECT_THROW(data.read(cut), spikeloop::TransportError);
+}
+
+TEST_P(Selectors, bytes_are_of_one_array) {
+  const auto error = [&](const char* type, const char* path) {
+    return error_of([&] { BytesField(catalog(), type, path); });
+  };
+  EXPECT_EQ(error("sensor_msgs/Image", "height"),
+            "field path 'height' of sensor_msgs/Image: it names no array of bytes; name one, as in "
+            "data of sensor_msgs/Image");
+  EXPECT_EQ(
+      error("sensor_msgs/LaserScan", "ranges"),
+      "field path 'ranges' of sensor_msgs/LaserScan: it names no array of bytes; name one, as "
+      "in data of sensor_msgs/Image");
+  EXPECT_EQ(error_of([&] { TextField(catalog(), "sensor_msgs/Image", "height"); }),
+            "field path 'height' of sensor_msgs/Image: a number is no text; name a field of type "
+            "string");
+  Catalog own = catalog();
+  own.add("my_msgs/Film", "sensor_msgs/CompressedImage[] pictures\n");
+  EXPECT_EQ(
+      error_of([&] { BytesField(own, "my_msgs/Film", "pictures.data"); }),
+      "field path 'pictures.data' of my_msgs/Film: it names several arrays of bytes; name one "
+      "element of each array on the way, as in [0]");
+  EXPECT_EQ(error_of([&] { BytesField(own, "my_msgs/Film", "pictures[3].data"); }), "no error");
+}
+
+INSTANTIATE_TEST_SUITE_P(Ros, Selectors, testing::Values(Dialect::ros1, Dialect::ros2),
+                         [](const auto& each) {
+                           return std::to_string(each.param == Dialect::ros1 ? 1 : 2);
+                         });
+
+}  // namespace

@@ -1,0 +1,184 @@
+// A robot on Fast DDS, whatever order they start in and wherever they look for each other.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+
+#include "spikeloop/ros2/session.hpp"
+#include "tests/ros2/domain.hpp"
+#include "tests/ros2/heard.hpp"
+#include "tests/support/child.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using ros2::Session;
+using test::Bytes;
+using test::Child;
+using test::eventually;
+using test::Heard;
+using testing::HasSubstr;
+
+constexpr double kLong = 30;  // seconds: Fast DDS takes one or two, a killed peer's lease twenty
+constexpr auto kLongMilliseconds = std::chrono::milliseconds(30'000);
+
+template <typename Value>
+Value value_at(const Bytes& message, std::size_t place) {
+  Value value{};
+  std::memcpy(&value, message.data() + 4 + place, sizeof value);
+  return value;
+}
+
+Bytes twist_of(double linear_x, double angular_z) {
+  Bytes fields(48);
+  std::memcpy(fields.data(), &linear_x, 8);
+  std::memcpy(fields.data() + 40, &angular_z, 8);
+  return test::message_of(fields);
+}
+
+class FastDdsTest : public testing::Test {
+ protected:
+  std::unique_ptr<Child> robot(const std::string& mode, const std::string& gid_bytes = "") {
+    test::Command command{.arguments = {FASTDDS_PEER, domain_.text(), mode}};
+    if (!gid_bytes.empty()) {
+      command.arguments.push_back(gid_bytes);
+    }
+    auto child = std::make_unique<Child>(command);
+    EXPECT_TRUE(child->wait_for("ready", kLongMilliseconds)) << child->output();
+    return child;
+  }
+  Session& start_brain(topics::Place place) {
+    place["ROS_DOMAIN_ID"] = domain_.text();
+    brain_ = std::make_unique<Session>(
+        topics::SessionSettings{.node_name = "brain", .place = std::move(place)});
+    scan_ = brain_->subscriber(heard_.subscription("/scan", "sensor_msgs/LaserScan", 1));
+    command_ = brain_->publisher("/cmd_vel", "geometry_msgs/Twist");
+    return *brain_;
+  }
+  /// Scans come, and a command of this speed gets there.
+  void expect_a_loop_with(Child& robot, double speed) {
+    const std::size_t before = heard_.count();
+    EXPECT_TRUE(eventually(kLong, [&] { return heard_.count() > before + 2; }));
+    const std::string words = fmt::format("twist {:g} -0.5", speed);
+    EXPECT_TRUE(eventually(kLong, [&] {
+      command_->publish(twist_of(speed, -0.5));
+      return robot.wait_for(words, std::chrono::milliseconds(50));
+    })) << robot.output();
+  }
+
+  test::FreeDomain domain_;
+  Heard heard_;
+  std::unique_ptr<Session> brain_;
+  std::unique_ptr<topics::RawSubscriber> scan_;
+  std::unique_ptr<topics::RawPublisher> command_;
+};
+
+TEST_F(FastDdsTest, brings_every_byte_of_a_scan) {
+  start_brain({});
+  const auto other = robot("udp");
+  ASSERT_TRUE(eventually(kLong, [&] { return heard_.count() > 0; }));
+  const Bytes scan = heard_.messages().front();
+  // sec, nanosec, "laser" with its length and NUL, fill, seven floats, three ranges, no
+  // intensities.
+  ASSERT_EQ(scan.size(), 4U + 8 + 4 + 6 + 2 + 28 + 4 + 12 + 4);
+  EXPECT_EQ(value_at<std::uint32_t>(scan, 8), 6U);
+  EXPECT_EQ(value_at<char>(scan, 12), 'l');
+  EXPECT_EQ(value_at<float>(scan, 44), 8.0F);
+  EXPECT_EQ(value_at<std::uint32_t>(scan, 48), 3U);
+  EXPECT_EQ(value_at<float>(scan, 60), 2.5F);
+  expect_a_loop_with(*other, 0.25);
+}
+
+TEST_F(FastDdsTest, may_have_been_there_before_be_killed_and_come_again) {
+  auto other = robot("udp");
+  start_brain({});
+  expect_a_loop_with(*other, 0.25);
+  other->signal(SIGKILL);
+  other->wait();
+  other = robot("udp");
+  expect_a_loop_with(*other, 0.5);
+}
+
+TEST_F(FastDdsTest, meets_a_brain_that_comes_again) {
+  const auto other = robot("udp");
+  for (const double speed : {0.25, 0.5}) {
+    start_brain({});
+    expect_a_loop_with(*other, speed);
+    scan_.reset();
+    command_.reset();
+    brain_.reset();
+  }
+}
+
+struct Meeting {
+  std::string robot;
+  std::string range;
+};
+
+class FastDdsMeetingTest : public FastDdsTest, public testing::WithParamInterface<Meeting> {};
+
+TEST_P(FastDdsMeetingTest, robot_first) {
+  const auto other = robot(GetParam().robot);
+  start_brain({{"ROS_AUTOMATIC_DISCOVERY_RANGE", GetParam().range}});
+  expect_a_loop_with(*other, 0.25);
+  other->signal(SIGTERM);
+  EXPECT_EQ(other->wait().exit_code, 0);
+}
+
+TEST_P(FastDdsMeetingTest, brain_first) {
+  start_brain({{"ROS_AUTOMATIC_DISCOVERY_RANGE", GetParam().range}});
+  const auto other = robot(GetParam().robot);
+  expect_a_loop_with(*other, 0.25);
+  other->signal(SIGTERM);
+  EXPECT_EQ(other->wait().exit_code, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Everywhere, FastDdsMeetingTest,
+    testing::Values(Meeting{"subnet", "SUBNET"}, Meeting{"localhost", "SUBNET"},
+                    Meeting{"localhost-only", "SUBNET"}, Meeting{"localhost", "LOCALHOST"},
+                    Meeting{"localhost-only", "LOCALHOST"}, Meeting{"subnet", "LOCALHOST"}),
+    [](const auto& test) {
+      std::string name = test.param.robot + "_with_" + test.param.range;
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
+
+TEST_F(FastDdsTest, is_not_met_by_a_brain_that_is_off) {
+  start_brain({{"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}});
+  const auto other = robot("udp");
+  EXPECT_FALSE(eventually(3, [&] { return heard_.count() > 0 || scan_->has_publishers(); }));
+}
+
+TEST_F(FastDdsTest, meets_a_brain_of_the_systems_default) {
+  start_brain({{"ROS_AUTOMATIC_DISCOVERY_RANGE", "SYSTEM_DEFAULT"}});
+  const auto other = robot("subnet");
+  expect_a_loop_with(*other, 0.25);
+  other->signal(SIGTERM);
+  other->wait();
+}
+
+TEST_F(FastDdsTest, sees_our_node_in_the_length_of_its_own) {
+  for (const char* gid_bytes : {"16", "24"}) {
+    const auto other = robot("udp", gid_bytes);
+    start_brain({});
+    EXPECT_TRUE(other->wait_for("node / brain readers 1 writers 1\n", kLongMilliseconds))
+        << other->output();
+    scan_.reset();
+    EXPECT_TRUE(other->wait_for("node / brain readers 0 writers 1\n", kLongMilliseconds))
+        << other->output();
+    EXPECT_FALSE(other->wait_for("cannot read", std::chrono::milliseconds(100)));
+    command_.reset();
+    brain_.reset();
+  }
+}
+
+TEST_F(FastDdsTest, sees_no_node_of_another_length) {
+  start_brain({{"ROS_DISTRO", "humble"}});
+  const auto other = robot("udp", "16");
+  expect_a_loop_with(*other, 0.25);
+  EXPECT_FALSE(other->wait_for("node ", std::chrono::milliseconds(500))) << other->output();
+}
+
+}  // namespace

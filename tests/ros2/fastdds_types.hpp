@@ -1,0 +1,128 @@
+// Messages of ROS 2 as Fast DDS and Fast-CDR carry them, written by hand: they share nothing with
+// ours.
+#pragma once
+
+#include <fastcdr/Cdr.h>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fastdds_peer {
+
+using eprosima::fastcdr::Cdr;
+
+struct LaserScan {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+  std::string frame_id;
+  float angle_min = 0, angle_max = 0, angle_increment = 0, time_increment = 0, scan_time = 0;
+  float range_min = 0, range_max = 0;
+  std::vector<float> ranges, intensities;
+
+  static const char* type() { return "sensor_msgs::msg::dds_::LaserScan_"; }
+  std::size_t most_bytes() const { return 100 + frame_id.size() + 4 * ranges.size(); }
+  void write(Cdr& cdr) const {
+    cdr << sec << nanosec << frame_id << angle_min << angle_max << angle_increment << time_increment
+        << scan_time << range_min << range_max << ranges << intensities;
+  }
+  void read(Cdr& cdr) {
+    cdr >> sec >> nanosec >> frame_id >> angle_min >> angle_max >> angle_increment >>
+        time_increment >> scan_time >> range_min >> range_max >> ranges >> intensities;
+  }
+};
+
+struct Twist {
+  std::array<double, 6> values{};  // linear x, y, z, angular x, y, z
+
+  static const char* type() { return "geometry_msgs::msg::dds_::Twist_"; }
+  std::size_t most_bytes() const { return 60; }
+  void write(Cdr& cdr) const { cdr.serializeArray(values.data(), values.size()); }
+  void read(Cdr& cdr) { cdr.deserializeArray(values.data(), values.size()); }
+};
+
+/// rmw_dds_common/ParticipantEntitiesInfo, with identities of 24 bytes until Humble, 16 since Iron.
+template <std::size_t GidBytes>
+struct ParticipantEntitiesInfo {
+  using Gid = std::array<std::uint8_t, GidBytes>;
+  struct Node {
+    std::string space, name;
+    std::vector<Gid> readers, writers;
+  };
+  Gid gid{};
+  std::vector<Node> nodes;
+
+  static const char* type() { return "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"; }
+  std::size_t most_bytes() const { return 100; }
+  void write(Cdr& cdr) const {  // nobody needs a node of the peer's
+    cdr.serializeArray(gid.data(), gid.size());
+    cdr << std::uint32_t{0};
+  }
+  void read(Cdr& cdr) {
+    cdr.deserializeArray(gid.data(), gid.size());
+    nodes.resize(length(cdr));
+    for (Node& node : nodes) {
+      cdr >> node.space >> node.name;
+      read(cdr, node.readers);
+      read(cdr, node.writers);
+    }
+  }
+
+ private:
+  static std::uint32_t length(Cdr& cdr) {
+    std::uint32_t count = 0;
+    cdr >> count;
+    return count;
+  }
+  static void read(Cdr& cdr, std::vector<Gid>& gids) {
+    gids.resize(length(cdr));
+    for (Gid& one : gids) {
+      cdr.deserializeArray(one.data(), one.size());
+    }
+  }
+};
+
+template <typename Message>
+class Type : public eprosima::fastdds::dds::TopicDataType {
+  using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
+  using Handle = eprosima::fastrtps::rtps::InstanceHandle_t;
+
+ public:
+  Type() {
+    setName(Message::type());
+    m_typeSize = 4096;
+    m_isGetKeyDefined = false;
+    auto_fill_type_information(false);  // as rmw_fastrtps until Jazzy
+    auto_fill_type_object(false);
+  }
+
+  bool serialize(void* data, Payload* payload) override {
+    eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    cdr.serialize_encapsulation();
+    static_cast<const Message*>(data)->write(cdr);
+    payload->encapsulation = CDR_LE;
+    payload->length = static_cast<std::uint32_t>(cdr.getSerializedDataLength());
+    return true;
+  }
+  /// What a message of another layout makes Fast-CDR throw goes on to whoever takes it.
+  bool deserialize(Payload* payload, void* data) override {
+    eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    cdr.read_encapsulation();
+    static_cast<Message*>(data)->read(cdr);
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] {
+      return static_cast<std::uint32_t>(static_cast<const Message*>(data)->most_bytes());
+    };
+  }
+  void* createData() override { return new Message; }
+  void deleteData(void* data) override { delete static_cast<Message*>(data); }
+  bool getKey(void*, Handle*, bool) override { return false; }
+};
+
+}  // namespace fastdds_peer
