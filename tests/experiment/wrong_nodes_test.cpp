@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
               "  other: {node: ros_command, topic: /out, message: Float64MultiArray, "
               "spike_timeout: 1 s}\nconnections:\n  - scan -> other [3]"},
              {"robot: {simulator: mujoco}\n", "ros: 1\n"}},
-            {"x.yaml:11:89: key 'spike_timeout': no spikes are on the way to 'other'; leave it "
+            {"x.yaml:11:86: key 'spike_timeout': no spikes are on the way to 'other'; leave it "
              "out"}},
         WrongFile{"initial value that is none",
                   {{"message: LaserScan", "message: LaserScan, initial: zero"}},
