@@ -114,9 +114,11 @@ TEST_F(ErrorTest, the_bare_program_has_no_direction) {
 TEST_F(ErrorTest, help_names_every_key) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> programs = {
       {"ros_sensor_adapter", {"ros_topic", "message_type", "sensor_update_rate", "initial"}},
-      {"ros_command_adapter", {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel"}},
+      {"ros_command_adapter",
+       {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel", "emergency_stop"}},
       {"ros_cont_adapter", {"ros_topic", "message_type"}},
-      {"cont_ros_adapter", {"/cmd_vel ", "mapping.json ", "Hz       20 "}},
+      {"cont_ros_adapter",
+       {"/cmd_vel ", "mapping.json ", "command_update_rate       Hz          20 "}},
       {"ros_event_sensor_adapter",
        {"ros_topic", "polarity", "downsample", "roi", "latency", "refractory", "sensor_update_rate",
         "event.out -> "}},

@@ -40,7 +40,7 @@ nodes:
     node: ros_command
     topic: /cmd_vel
     message: geometry_msgs/Twist
-    fields: {linear.x: {channel: 0, offset: 0.5}}
+    fields: {linear.x: {channel: 0, scale: 0.001, offset: 0.5}}
     limits: {linear.x: [0.1, 0.8]}
     override: {timeout: 300 ms}
 connections:
