@@ -118,9 +118,34 @@ TEST(DoctorRos, SaysWhichHostHasNoAddress) {
             "ok | '127.0.0.1' has an address | ");
 }
 
-TEST(DoctorRos, KnowsWhatRos2WillNeed) {
-  const Examination seen = examine({});
-  EXPECT_THAT(seen.line("Cyclone DDS"), HasSubstr("; ROS 2 comes in a later version"));
+TEST(DoctorRos, KnowsWhatRos2Needs) {
+  const Environment plain{{"ROS_DOMAIN_ID", ""},
+                          {"ROS_LOCALHOST_ONLY", ""},
+                          {"ROS_STATIC_PEERS", ""},
+                          {"ROS_AUTOMATIC_DISCOVERY_RANGE", ""},
+                          {"CYCLONEDDS_URI", ""}};
+  const Examination seen = examine(plain);
+  EXPECT_THAT(seen.line("Cyclone DDS"), StartsWith("ok | libddsc.so"));
+  EXPECT_THAT(seen.line("ROS 2 discovery"), StartsWith("ok | domain 0, this machine"));
+}
+
+TEST(DoctorRos, SaysWhereRos2Looks) {
+  const auto line = [](Environment environment) {
+    environment.try_emplace("ROS_LOCALHOST_ONLY", "");
+    return examine(environment).line("ROS 2 discovery");
+  };
+  EXPECT_EQ(line({{"ROS_DOMAIN_ID", "7"},
+                  {"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"},
+                  {"ROS_STATIC_PEERS", "192.0.2.7;192.0.2.8"},
+                  {"CYCLONEDDS_URI", "file:///etc/cyclone.xml"}}),
+            "ok | domain 7, this machine, 192.0.2.7, 192.0.2.8, with CYCLONEDDS_URI | ");
+  EXPECT_EQ(line({{"ROS_DOMAIN_ID", "7"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}}),
+            "ok | domain 7, nobody | ");
+  EXPECT_EQ(line({{"ROS_DOMAIN_ID", "7"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SYSTEM_DEFAULT"}}),
+            "ok | domain 7, what CYCLONEDDS_URI says | ");
+  EXPECT_EQ(line({{"ROS_DOMAIN_ID", "abc"}}),
+            "warning | ROS_DOMAIN_ID is 'abc', which is no domain of ROS 2; write a whole number "
+            "from 0 to 232 | docs/ros2.md has these variables");
 }
 
 /// Answers to `import`; $4 is the module.

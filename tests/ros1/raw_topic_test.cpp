@@ -59,6 +59,15 @@ TEST_F(RawTopicTest, sends_bytes) {
   EXPECT_EQ(robot_.twists().front().angular_z, -0.5);
 }
 
+TEST_F(RawTopicTest, a_latched_topic_brings_the_last_message_to_those_that_come_later) {
+  const auto publisher = session_.publisher("/cmd_vel", "geometry_msgs/Twist", 10, true);
+  publisher->publish(bytes_of({1, 0, 0, 0, 0, 0}));
+  publisher->publish(bytes_of(kTwist));
+  robot_.listen_twist("/cmd_vel");
+  ASSERT_TRUE(eventually(20, [&] { return !robot_.twists().empty(); }));
+  EXPECT_EQ(robot_.twists().front().linear_x, 0.25);
+}
+
 TEST_F(RawTopicTest, receives_bytes) {
   const auto subscriber = listen("/in", "Twist");
   ASSERT_TRUE(eventually(20, [&] {

@@ -5,7 +5,8 @@
 //
 // MODE: subnet (as ROS 2 by default), localhost (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST),
 // localhost-only (ROS_LOCALHOST_ONLY=1 in Humble), or udp (subnet without shared memory, which a
-// killed process would leave behind). GID_BYTES: says the nodes of ros_discovery_info, too.
+// killed process would leave behind), latched (udp, and Twists that were sent before). GID_BYTES:
+// says the nodes of ros_discovery_info, too.
 #include <signal.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -51,7 +52,7 @@ DomainParticipantQos participant_qos(const std::string& mode) {
   const auto udp = std::make_shared<UDPv4TransportDescriptor>();
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
-  if (mode != "udp") {
+  if (mode != "udp" && mode != "latched") {
     qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
   }
   if (mode == "localhost-only") {
@@ -191,8 +192,11 @@ int run(int argc, char** argv) {
   Peer peer(static_cast<std::uint32_t>(std::atoi(argv[1])), argv[2]);
   DataWriter* scans = peer.publisher()->create_datawriter(peer.topic<LaserScan>("rt/scan"),
                                                           endpoint_qos(DATAWRITER_QOS_DEFAULT));
-  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"),
-                                       endpoint_qos(DATAREADER_QOS_DEFAULT), &twists);
+  DataReaderQos twist_qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
+  if (std::string(argv[2]) == "latched") {
+    twist_qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
+  }
+  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), twist_qos, &twists);
   if (argc > 3) {
     nodes = std::string(argv[3]) == "24" ? tell_nodes<24>(peer) : tell_nodes<16>(peer);
   }

@@ -40,11 +40,14 @@ Bytes twist_of(double linear_x, double angular_z) {
 class FastDdsTest : public testing::Test {
  protected:
   std::unique_ptr<Child> robot(const std::string& mode, const std::string& gid_bytes = "") {
-    test::Command command{.arguments = {FASTDDS_PEER, domain_.text(), mode}};
+    std::vector<std::string> arguments{FASTDDS_PEER, domain_.text(), mode};
     if (!gid_bytes.empty()) {
-      command.arguments.push_back(gid_bytes);
+      arguments.push_back(gid_bytes);
     }
-    auto child = std::make_unique<Child>(command);
+    return start(arguments);
+  }
+  static std::unique_ptr<Child> start(const std::vector<std::string>& arguments) {
+    auto child = std::make_unique<Child>(test::Command{.arguments = arguments});
     EXPECT_TRUE(child->wait_for("ready", kLongMilliseconds)) << child->output();
     return child;
   }
@@ -90,26 +93,57 @@ TEST_F(FastDdsTest, brings_every_byte_of_a_scan) {
   expect_a_loop_with(*other, 0.25);
 }
 
-TEST_F(FastDdsTest, may_have_been_there_before_be_killed_and_come_again) {
-  auto other = robot("udp");
-  start_brain({});
+TEST_F(FastDdsTest, gets_what_was_latched_before) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  const auto latched = session.publisher("/cmd_vel", "geometry_msgs/Twist", 1, true);
+  latched->publish(twist_of(0.125, 0));
+  latched->publish(twist_of(0.25, -0.5));
+  const auto other = robot("latched");
+  EXPECT_TRUE(other->wait_for("twist 0.25 -0.5", kLongMilliseconds)) << other->output();
+  EXPECT_EQ(other->output().find("0.125"), std::string::npos);
+}
+
+/// On Fast DDS or on a node of ours.
+class RobotTest : public FastDdsTest, public testing::WithParamInterface<const char*> {
+ protected:
+  std::unique_ptr<Child> any_robot() { return start({GetParam(), domain_.text(), "udp"}); }
+};
+
+TEST_P(RobotTest, may_have_been_there_before_be_killed_and_come_again) {
+  auto other = any_robot();
+  start_brain(domain_.place());
   expect_a_loop_with(*other, 0.25);
   other->signal(SIGKILL);
   other->wait();
-  other = robot("udp");
+  other = any_robot();
   expect_a_loop_with(*other, 0.5);
 }
 
-TEST_F(FastDdsTest, meets_a_brain_that_comes_again) {
-  const auto other = robot("udp");
+TEST_P(RobotTest, may_come_later_be_killed_and_come_again) {
+  start_brain(domain_.place());
+  auto other = any_robot();
+  expect_a_loop_with(*other, 0.25);
+  other->signal(SIGKILL);
+  other->wait();
+  other = any_robot();
+  expect_a_loop_with(*other, 0.5);
+}
+
+TEST_P(RobotTest, meets_a_brain_that_comes_again) {
+  const auto other = any_robot();
   for (const double speed : {0.25, 0.5}) {
-    start_brain({});
+    start_brain(domain_.place());
     expect_a_loop_with(*other, speed);
     scan_.reset();
     command_.reset();
     brain_.reset();
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Peers, RobotTest, testing::Values(FASTDDS_PEER, ROS2_PEER),
+                         [](const auto& test) {
+                           return std::string(test.index == 0 ? "fast_dds" : "ours");
+                         });
 
 struct Meeting {
   std::string robot;

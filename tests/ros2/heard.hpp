@@ -1,6 +1,7 @@
 // What a subscriber has heard.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -17,8 +18,9 @@ using Bytes = std::vector<std::byte>;
 
 /// A message whose fields are these bytes: XCDR1, little endian.
 inline Bytes message_of(const Bytes& fields) {
-  Bytes message{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
-  message.insert(message.end(), fields.begin(), fields.end());
+  Bytes message(4 + fields.size());
+  message[1] = std::byte{1};
+  std::copy(fields.begin(), fields.end(), message.begin() + 4);
   return message;
 }
 

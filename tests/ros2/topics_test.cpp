@@ -4,13 +4,17 @@
 
 #include <condition_variable>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
 #include "tests/ros2/heard.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace {
 
@@ -212,14 +216,92 @@ TEST_F(TopicsTest, says_which_other_type_a_topic_carries) {
   ASSERT_TRUE(eventually(kLong, [&] { return heard_.refusals().size() == 2; }));
   const auto refusals = heard_.refusals();
   EXPECT_EQ(refusals[0].type, "geometry_msgs/Twist");
-  EXPECT_EQ(refusals[0].text,
-            "topic '/in' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; write message: "
-            "geometry_msgs/Twist");
+  EXPECT_EQ(refusals[0].text, "topic '/in' carries geometry_msgs/Twist, not sensor_msgs/LaserScan");
   EXPECT_EQ(refusals[1].type, "std_msgs/String");
   EXPECT_FALSE(subscriber->has_publishers());
   before->publish(message_of(pattern(48)));
   after->publish(message_of(pattern(48)));
   EXPECT_EQ(heard_.count(), 0U);
+}
+
+/// A user's own definition, in a folder as ROS wants it.
+std::string message_file(const std::filesystem::path& folder, const std::string& text) {
+  std::filesystem::create_directories(folder / "test_msgs/msg");
+  const auto path = folder / "test_msgs/msg/Reading.msg";
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+TEST_F(TopicsTest, says_which_other_version_a_topic_carries) {
+  const test::TemporaryDirectory one;
+  const test::TemporaryDirectory two;
+  const std::string theirs = message_file(one.path(), "float64 value\n");
+  const std::string ours = message_file(two.path(), "float32 value\n");
+  const auto publisher = robot_.publisher("/in", theirs);
+  const auto subscriber = brain_.subscriber(heard_.subscription("/in", ours, 1));
+  ASSERT_TRUE(eventually(kLong, [&] { return heard_.refusals().size() == 1; }));
+  const auto hash = [](const std::string& file) {
+    const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros2, file);
+    return catalog.type_hash(catalog.full_name(file));
+  };
+  const auto refusal = heard_.refusals().front();
+  EXPECT_EQ(refusal.type, "");
+  EXPECT_EQ(refusal.text,
+            "topic '/in' carries another version of test_msgs/Reading: its type hash is " +
+                hash(theirs) + ", ours " + hash(ours) +
+                "; write the path of the publisher's .msg file as the type");
+}
+
+TEST(Ros2Session, says_what_cyclone_dds_refuses) {
+  const test::FreeDomain domain;
+  topics::Place place = domain.place();
+  place["CYCLONEDDS_URI"] = "<CycloneDDS><Domain><Nonsense/></Domain></CycloneDDS>";
+  try {
+    const Session session({.node_name = "brain", .place = place});
+    FAIL() << "no error";
+  } catch (const TransportError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("Cyclone DDS makes no domain in domain " + domain.text()));
+    EXPECT_THAT(error.what(), testing::HasSubstr("Nonsense: unknown element"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("look at CYCLONEDDS_URI"));
+  }
+  // And the next one starts.
+  EXPECT_EQ(Session({.node_name = "brain", .place = domain.place()}).node_name(), "/brain");
+}
+
+TEST(Ros2Session, takes_interfaces_from_cyclonedds_uri) {
+  const test::FreeDomain domain;
+  topics::Place place = domain.place();
+  place["CYCLONEDDS_URI"] =
+      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/>"
+      "</Interfaces></General></Domain></CycloneDDS>";
+  Heard heard;
+  Session robot({.node_name = "robot", .place = place});
+  Session brain({.node_name = "brain", .place = domain.place()});
+  const auto publisher = robot.publisher("/in", "std_msgs/String");
+  const auto subscriber = brain.subscriber(heard.subscription("/in", "std_msgs/String", 1));
+  EXPECT_TRUE(eventually(kLong, [&] {
+    publisher->publish(message_of(pattern(8)));
+    return heard.count() > 0;
+  }));
+}
+
+TEST(Ros2Session, goes_into_the_highest_domain) {
+  const Session session(
+      {.node_name = "brain", .place = {{"ROS_DOMAIN_ID", "232"}, {"ROS_LOCALHOST_ONLY", "1"}}});
+  EXPECT_EQ(session.place().at("ROS_DOMAIN_ID"), "232");
+}
+
+TEST(Ros2Session, has_a_place_where_another_one_meets_it) {
+  const test::FreeDomain domain;
+  const Session robot({.node_name = "robot",
+                       .unique_name = true,
+                       .arguments = {{"__ns", "/arena"}},
+                       .place = domain.place()});
+  EXPECT_THAT(robot.node_name(), testing::StartsWith("/arena/robot_"));
+  EXPECT_EQ(robot.place(), domain.place());
+  EXPECT_EQ(robot.whole_topic("scan"), "/arena/scan");
+  EXPECT_TRUE(robot.alive());
 }
 
 }  // namespace

@@ -38,13 +38,22 @@ class Workspaces(unittest.TestCase):
     def test_catkin(self):
         prefix = workspace.catkin(self.folder)
         self.check_files(prefix)
-        shell = workspace.sourced(prefix / "setup.bash", HOME=str(self.folder))
-        found = subprocess.run(["roslaunch", "--files", "spikeloop_ros", "robot.launch", "rviz:=true"],
-                               env=shell, capture_output=True, text=True, timeout=60, check=False)
-        self.assertEqual(found.returncode, 0, found.stderr)
-        self.assertEqual({pathlib.Path(line).name for line in found.stdout.split()},
-                         {"robot.launch", "rviz.launch"})
-        self.assertIn(str(prefix), found.stdout)
+        for setup, share, program in (
+                (prefix / "setup.bash", prefix / "share/spikeloop_ros", prefix / "lib/spikeloop_ros/robot"),
+                (self.folder / "devel/setup.bash", self.folder / "src/spikeloop_ros",
+                 workspace.PACKAGE / "scripts/robot")):
+            shell = workspace.sourced(setup, HOME=str(self.folder))
+
+            def roslaunch(*words):
+                done = subprocess.run(["roslaunch", *words], env=shell, capture_output=True, text=True,
+                                      timeout=60, check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return done.stdout.split()
+
+            files = roslaunch("--files", "spikeloop_ros", "robot.launch", "rviz:=true")
+            self.assertEqual(sorted(files), [f"{share}/launch/{name}.launch" for name in ("robot", "rviz")])
+            command = roslaunch("--args", "spikeloop_robot", "spikeloop_ros", "robot.launch")
+            self.assertEqual(pathlib.Path(command[0]).resolve(), program.resolve())
 
     def test_colcon(self):
         install = workspace.colcon(self.folder)

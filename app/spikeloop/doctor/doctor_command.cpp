@@ -21,7 +21,8 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop doctor --json
 
 Starts no job. Everything that may hang or crash is looked at by a process of its own, all of them at
-once, and is given up after 4 s. SPIKELOOP_PLUGIN_PATH and ROS_MASTER_URI are heeded.
+once, and is given up after 4 s. SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and
+ROS 2's variables (docs/ros2.md) are heeded.
 
 Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
 changes no exit code.)";

@@ -1,6 +1,7 @@
-// ROS 1, and what ROS 2 will need.
+// ROS 1, and what ROS 2 needs.
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 
 #include "self.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/launch/ros_master.hpp"
 
 namespace spikeloop::app::doctor {
@@ -44,6 +46,40 @@ std::string announced_host() {
   return name;
 }
 
+std::string range_of(const discovery::Discovery& found, const discovery::Interfaces& machine) {
+  switch (found.range) {
+    case discovery::Range::subnet:
+      return machine.addresses.empty() ? "this machine, which has no network"
+                                       : fmt::format("this machine and its network ({})",
+                                                     fmt::join(machine.addresses, ", "));
+    case discovery::Range::localhost:
+      return "this machine";
+    case discovery::Range::off:
+      return "nobody";
+    case discovery::Range::system_default:
+      return "what CYCLONEDDS_URI says";
+  }
+  return "";
+}
+
+/// Where a node of ROS 2 that starts here would look for others.
+Finding discovery_environment() {
+  try {
+    const discovery::Discovery found = discovery::parse(discovery::environment());
+    std::string text =
+        fmt::format("domain {}, {}", found.domain, range_of(found, discovery::interfaces()));
+    if (!found.peers.empty()) {
+      text += fmt::format(", {}", fmt::join(found.peers, ", "));
+    }
+    if (!found.cyclone.empty()) {
+      text += ", with CYCLONEDDS_URI";
+    }
+    return ok(text);
+  } catch (const Error& error) {
+    return warning(error.what(), "docs/ros2.md has these variables");
+  }
+}
+
 }  // namespace
 
 Finding look_at_master() {
@@ -75,10 +111,10 @@ Finding look_at_host() {
 Finding look_at_cyclone() {
   for (const char* name : {"libddsc.so.0debian", "libddsc.so.0", "libddsc.so"}) {
     if (dlopen(name, RTLD_NOW | RTLD_LOCAL) != nullptr) {
-      return ok(fmt::format("{}; ROS 2 comes in a later version", name));
+      return ok(name);
     }
   }
-  return missing("no libddsc.so", "apt-get install libddsc0debian; ROS 2 comes in a later version");
+  return missing("no libddsc.so", "apt-get install libddsc0debian");
 }
 
 std::vector<Probe> ros_probes() {
@@ -89,7 +125,8 @@ std::vector<Probe> ros_probes() {
           child_probe("ROS master", false, {"master"}, failed(kStartMaster)),
           child_probe("host name", false, {"host"}, failed(kHostRemedy)),
           child_probe("Cyclone DDS", false, {"cyclone"},
-                      failed("apt-get install --reinstall libddsc0debian"))};
+                      failed("apt-get install --reinstall libddsc0debian")),
+          fact("ROS 2 discovery", false, discovery_environment)};
 }
 
 }  // namespace spikeloop::app::doctor

@@ -59,13 +59,14 @@ bool begins_with_header(const messages::TypeLayout& type) {
 }  // namespace
 
 RawPublisher::RawPublisher(ros::NodeHandle& node, const std::string& topic,
-                           const std::string& message_type, std::uint32_t queue) {
+                           const std::string& message_type, std::uint32_t queue, bool latched) {
   topics::check_topic(messages::Dialect::ros1, topic);
   const auto& catalog = topics::catalog_of(messages::Dialect::ros1, message_type);
   const std::string type = catalog.full_name(message_type);
   ros::AdvertiseOptions options(
       topic, queue, catalog.md5(type), type, catalog.full_text(type),
       [](const ros::SingleSubscriberPublisher&) { send_without_delay(); });
+  options.latch = latched;
   options.has_header = begins_with_header(*catalog.layout(type));
   publisher_ = node.advertise(options);
 }

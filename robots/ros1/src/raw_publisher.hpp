@@ -17,7 +17,7 @@ class RawPublisher : public topics::RawPublisher {
  public:
   /// As Session::publisher.
   RawPublisher(ros::NodeHandle& node, const std::string& topic, const std::string& message_type,
-               std::uint32_t queue);
+               std::uint32_t queue, bool latched);
 
   void publish(std::span<const std::byte> message) override;
   bool has_subscribers() const override;

@@ -113,8 +113,8 @@ std::string Session::whole_topic(const std::string& topic) const {
 
 std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topic,
                                                          const std::string& message_type,
-                                                         std::uint32_t queue) {
-  return std::make_unique<RawPublisher>(*impl_->node, topic, message_type, queue);
+                                                         std::uint32_t queue, bool latched) {
+  return std::make_unique<RawPublisher>(*impl_->node, topic, message_type, queue, latched);
 }
 
 std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {

@@ -18,8 +18,9 @@ namespace {
 /// What Cyclone DDS has to say goes to our log, or into the error that it is about.
 class CycloneLog {
  public:
+  /// For ever: Cyclone's threads may have something to say when static objects have ended.
   static CycloneLog& instance() {
-    static CycloneLog log;
+    static CycloneLog& log = *new CycloneLog;
     return log;
   }
 
@@ -100,7 +101,7 @@ class DomainNumbers {
 
 /// One at a time, so that an error gets what Cyclone DDS says of it.
 template <typename Create>
-dds_entity_t created(const char* what, const Discovery& discovery, Create&& create) {
+dds_entity_t created(const char* what, const discovery::Discovery& where, Create&& create) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   CycloneLog::instance().keep();
@@ -108,8 +109,8 @@ dds_entity_t created(const char* what, const Discovery& discovery, Create&& crea
   const std::string said = CycloneLog::instance().release();
   if (entity < 0) {
     throw TransportError(fmt::format("Cyclone DDS makes no {} in domain {} ({}); look at {}", what,
-                                     discovery.domain, said.empty() ? dds_strretcode(entity) : said,
-                                     discovery.cyclone.empty()
+                                     where.domain, said.empty() ? dds_strretcode(entity) : said,
+                                     where.cyclone.empty()
                                          ? "the network interfaces and ROS_STATIC_PEERS"
                                          : "CYCLONEDDS_URI and ROS_STATIC_PEERS"));
   }
@@ -121,12 +122,12 @@ dds_entity_t created(const char* what, const Discovery& discovery, Create&& crea
 
 }  // namespace
 
-Domain::Domain(const Discovery& discovery)
-    : number_(DomainNumbers::instance().take(discovery.domain)) {
-  const std::string settings = cyclone_settings(discovery, interfaces(), number_);
+Domain::Domain(const discovery::Discovery& where)
+    : number_(DomainNumbers::instance().take(where.domain)) {
+  const std::string settings = discovery::cyclone_settings(where, discovery::interfaces(), number_);
   try {
     entity_ =
-        created("domain", discovery, [&] { return dds_create_domain(number_, settings.c_str()); });
+        created("domain", where, [&] { return dds_create_domain(number_, settings.c_str()); });
   } catch (...) {
     DomainNumbers::instance().give_back(number_);
     throw;
@@ -138,10 +139,10 @@ Domain::~Domain() {
   DomainNumbers::instance().give_back(number_);
 }
 
-Participant::Participant(const Domain& domain, const Discovery& discovery) {
+Participant::Participant(const Domain& domain, const discovery::Discovery& where) {
   // ROS 2 files a participant without an enclave as foreign to ROS.
   const Qos qos = user_data_qos("enclave=/;");
-  entity_ = created("participant", discovery,
+  entity_ = created("participant", where,
                     [&] { return dds_create_participant(domain.number(), qos.get(), nullptr); });
 }
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "spikeloop/ros2/discovery.hpp"
+#include "spikeloop/discovery/discovery.hpp"
 
 namespace spikeloop::ros2 {
 
@@ -13,7 +13,7 @@ namespace spikeloop::ros2 {
 class Domain {
  public:
   /// @throws TransportError with what Cyclone DDS says.
-  explicit Domain(const Discovery& discovery);
+  explicit Domain(const discovery::Discovery& where);
   ~Domain();
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
@@ -28,7 +28,7 @@ class Domain {
 class Participant {
  public:
   /// @throws TransportError with what Cyclone DDS says.
-  Participant(const Domain& domain, const Discovery& discovery);
+  Participant(const Domain& domain, const discovery::Discovery& where);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

@@ -1,6 +1,7 @@
 #include "spikeloop/ros2/session.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -23,15 +24,32 @@ std::string node_name(const topics::SessionSettings& settings) {
                      std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
 }
 
-Variables place_of(const topics::SessionSettings& settings) {
-  return settings.place.empty() ? discovery_environment() : settings.place;
+discovery::Variables place_of(const topics::SessionSettings& settings) {
+  return settings.place.empty() ? discovery::environment() : settings.place;
 }
+
+/// Threads begin with the signals blocked that are blocked where they are made. None of ours may
+/// take one that a program waits for.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 }  // namespace
 
 Session::Impl::Impl(const topics::SessionSettings& settings)
     : place(place_of(settings)),
-      found(discovery(place)),
+      found(discovery::parse(place)),
       node(node_identity(ros2::node_name(settings), settings.arguments)),
       names(node, settings.arguments),
       domain(found),
@@ -55,8 +73,10 @@ Endpoint endpoint(const Session::Impl& session, const std::string& topic,
   return result;
 }
 
-Session::Session(const topics::SessionSettings& settings)
-    : impl_(std::make_unique<Impl>(settings)) {}
+Session::Session(const topics::SessionSettings& settings) {
+  const BlockedSignals blocked;
+  impl_ = std::make_unique<Impl>(settings);
+}
 
 Session::~Session() = default;
 
@@ -74,8 +94,8 @@ std::string Session::whole_topic(const std::string& topic) const {
 
 std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topic,
                                                          const std::string& message_type,
-                                                         std::uint32_t queue) {
-  return std::make_unique<Publisher>(*impl_, endpoint(*impl_, topic, message_type), queue, false);
+                                                         std::uint32_t queue, bool latched) {
+  return std::make_unique<Publisher>(*impl_, endpoint(*impl_, topic, message_type), queue, latched);
 }
 
 std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {

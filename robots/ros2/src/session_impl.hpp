@@ -9,7 +9,7 @@
 #include "node_list.hpp"
 #include "participant.hpp"
 #include "raw_type.hpp"
-#include "spikeloop/ros2/discovery.hpp"
+#include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/ros2/names.hpp"
 #include "spikeloop/ros2/session.hpp"
 
@@ -18,8 +18,8 @@ namespace spikeloop::ros2 {
 struct Session::Impl {
   explicit Impl(const topics::SessionSettings& settings);
 
-  Variables place;
-  Discovery found;
+  discovery::Variables place;
+  discovery::Discovery found;
   NodeIdentity node;
   TopicNames names;
   Domain domain;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <utility>
 
 #include "qos.hpp"
@@ -16,6 +17,22 @@ constexpr int kMostAtOnce = 16;
 
 bool is_plain_little_endian(std::span<const std::byte> message) {
   return message[0] == std::byte{0} && message[1] == std::byte{1};
+}
+
+/// "RIHS01_..." of "typehash=RIHS01_...;"; empty where there is none, or nothing but zeros, which
+/// is what ROS 2 writes for one that it does not know.
+std::string type_hash_in(const std::string& user_data) {
+  constexpr std::string_view kKey = "typehash=";
+  const auto begin = user_data.find(kKey);
+  if (begin == std::string::npos) {
+    return {};
+  }
+  const auto value = begin + kKey.size();
+  const std::string hash = user_data.substr(value, user_data.find(';', value) - value);
+  const auto digits = hash.find('_');
+  const bool known =
+      digits != std::string::npos && hash.find_first_not_of('0', digits + 1) != std::string::npos;
+  return known ? hash : std::string();
 }
 
 }  // namespace
@@ -83,18 +100,31 @@ void Subscriber::take(std::span<const std::byte> message) {
 void Subscriber::look_at(const Writer& writer) {
   if (writer.type != endpoint_.dds_type_name()) {
     const std::string type = ros_type(writer.type);
-    if (subscription_.refuse) {
-      subscription_.refuse(
-          {.type = type,
-           .text = fmt::format("topic '{}' carries {}, not {}; write message: {}", endpoint_.topic,
-                               type, endpoint_.message_type, type)});
-    }
-  } else if (subscription_.queue == 0 && !writer.reliable) {
+    refuse({.type = type,
+            .text = fmt::format("topic '{}' carries {}, not {}", endpoint_.topic, type,
+                                endpoint_.message_type)});
+    return;
+  }
+  const std::string theirs = type_hash_in(writer.user_data);
+  const std::string ours = type_hash_in(endpoint_.user_data);
+  if (!theirs.empty() && theirs != ours) {
+    refuse({.type = "",
+            .text = fmt::format("topic '{}' carries another version of {}: its type hash is {}, "
+                                "ours {}; write the path of the publisher's .msg file as the type",
+                                endpoint_.topic, endpoint_.message_type, theirs, ours)});
+  }
+  if (subscription_.queue == 0 && !writer.reliable) {
     log::warning(
         "a publisher of '{}' is best effort, so nothing of it comes: every message is wanted, "
         "which "
         "takes reliable publishers",
         endpoint_.topic);
+  }
+}
+
+void Subscriber::refuse(const topics::OtherType& other) {
+  if (subscription_.refuse) {
+    subscription_.refuse(other);
   }
 }
 

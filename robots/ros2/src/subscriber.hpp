@@ -20,6 +20,7 @@ class Subscriber final : public topics::RawSubscriber {
   void take_some();
   void take(std::span<const std::byte> message);
   void look_at(const Writer& writer);
+  void refuse(const topics::OtherType& other);
 
   Session::Impl& session_;
   Endpoint endpoint_;

@@ -39,7 +39,8 @@ class Session : public topics::Session {
   /// number
   std::unique_ptr<topics::RawPublisher> publisher(const std::string& topic,
                                                   const std::string& message_type,
-                                                  std::uint32_t queue = 10) override;
+                                                  std::uint32_t queue = 10,
+                                                  bool latched = false) override;
   /// Without `refuse`, roscpp refuses publishers of another type, in silence.
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so

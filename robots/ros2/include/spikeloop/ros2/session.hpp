@@ -18,7 +18,8 @@ namespace spikeloop::ros2 {
 /// everything.
 class Session final : public topics::Session {
  public:
-  /// `settings.place` and the environment: see discovery(); `settings.arguments`: names of topics,
+  /// `settings.place` and the environment: see discovery::parse(); `settings.arguments`: names of
+  /// topics,
   /// `__name` and `__ns`.
   /// @throws ConfigurationError for an impossible name, topic or value of a variable,
   /// TransportError when Cyclone DDS does not start, with what it says.
@@ -34,7 +35,8 @@ class Session final : public topics::Session {
 
   std::unique_ptr<topics::RawPublisher> publisher(const std::string& topic,
                                                   const std::string& message_type,
-                                                  std::uint32_t queue = 10) override;
+                                                  std::uint32_t queue = 10,
+                                                  bool latched = false) override;
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   bool publishers_know_us(const std::string& topic) const override;
 

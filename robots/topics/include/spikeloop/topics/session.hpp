@@ -91,10 +91,13 @@ class Session {
   /// "/scan" of "scan": with the namespace and what has been remapped.
   virtual std::string whole_topic(const std::string& topic) const = 0;
 
+  /// @param latched what was published last also goes to those that subscribe later (ROS 2: as many
+  /// messages as the queue holds, to subscribers that ask for it by transient local)
   /// @throws ConfigurationError for an unknown type or an impossible topic.
   virtual std::unique_ptr<RawPublisher> publisher(const std::string& topic,
                                                   const std::string& message_type,
-                                                  std::uint32_t queue = 10) = 0;
+                                                  std::uint32_t queue = 10,
+                                                  bool latched = false) = 0;
   /// @throws ConfigurationError for an unknown type or an impossible topic.
   virtual std::unique_ptr<RawSubscriber> subscriber(Subscription subscription) = 0;
   /// Whether a topic has publishers, and each of them counts this node among its subscribers: what

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace spikeloop::ros2 {
+namespace spikeloop::discovery {
 
 /// Variables of the environment with their values; one that is not set is not there.
 using Variables = std::map<std::string, std::string>;
@@ -27,14 +27,14 @@ struct Discovery {
   std::string distribution{};        ///< ROS_DISTRO: "humble", "jazzy"...
 };
 
-/// The environment's variables that discovery() reads.
-Variables discovery_environment();
+/// The environment's variables that parse() reads.
+Variables environment();
 
 /// ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, ROS_LOCALHOST_ONLY,
 /// CYCLONEDDS_URI and ROS_DISTRO. As in ROS 2, ROS_LOCALHOST_ONLY=1 wins over range and peers, and
 /// only the ranges subnet and localhost have peers.
 /// @throws ConfigurationError for a value that is none.
-Discovery discovery(const Variables& variables);
+Discovery parse(const Variables& variables);
 
 /// This machine as others see it.
 struct Interfaces {
@@ -51,4 +51,4 @@ Interfaces interfaces();
 std::string cyclone_settings(const Discovery& discovery, const Interfaces& machine,
                              std::uint32_t cyclone_domain);
 
-}  // namespace spikeloop::ros2
+}  // namespace spikeloop::discovery

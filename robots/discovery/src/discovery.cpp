@@ -1,4 +1,4 @@
-#include "spikeloop/ros2/discovery.hpp"
+#include "spikeloop/discovery/discovery.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -11,12 +11,15 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "spikeloop/core/error.hpp"
 
-namespace spikeloop::ros2 {
+namespace spikeloop::discovery {
 namespace {
 
 constexpr const char* kDomain = "ROS_DOMAIN_ID";
@@ -125,6 +128,27 @@ std::string interface_list(const Interfaces& machine) {
   return element("Interfaces", list);
 }
 
+std::string contents_of(const std::string& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Cyclone DDS would add a user's interfaces to ours, and refuse one that is there twice. What a
+/// user writes is XML, files, and both with commas between them.
+bool names_interfaces(const std::string& cyclone) {
+  constexpr std::string_view kElement = "NetworkInterface";
+  constexpr std::string_view kFile = "file://";
+  bool found = cyclone.find(kElement) != std::string::npos;
+  for (std::size_t begin = 0; begin < cyclone.size() && !found;) {
+    const std::size_t end = std::min(cyclone.find(',', begin), cyclone.size());
+    std::string part = cyclone.substr(begin, end - begin);
+    part.erase(0, part.starts_with(kFile) ? kFile.size() : 0);
+    found = !part.starts_with('<') && contents_of(part).find(kElement) != std::string::npos;
+    begin = end + 1;
+  }
+  return found;
+}
+
 /// Peers that keep to a machine try each other's well-known ports. Newer ones of Cyclone hear only
 /// what comes over the interface that they chose, so the machine's other addresses are tried, too.
 std::string meeting(const Discovery& discovery, const Interfaces& machine) {
@@ -132,7 +156,9 @@ std::string meeting(const Discovery& discovery, const Interfaces& machine) {
   peers.insert(peers.end(), machine.addresses.begin(), machine.addresses.end());
   peers.insert(peers.end(), discovery.peers.begin(), discovery.peers.end());
   const char* multicast = discovery.range == Range::subnet ? "spdp" : "false";
-  return element("General", interface_list(machine) + element("AllowMulticast", multicast)) +
+  const std::string chosen =
+      names_interfaces(discovery.cyclone) ? std::string() : interface_list(machine);
+  return element("General", chosen + element("AllowMulticast", multicast)) +
          element("Discovery",
                  element("ParticipantIndex", "auto") +
                      element("MaxAutoParticipantIndex", fmt::to_string(kHighestParticipant)) +
@@ -154,7 +180,7 @@ constexpr const char* kQueues =
 
 }  // namespace
 
-Variables discovery_environment() {
+Variables environment() {
   Variables variables;
   for (const char* name : kVariables) {
     if (const char* value = std::getenv(name); value != nullptr) {
@@ -164,7 +190,7 @@ Variables discovery_environment() {
   return variables;
 }
 
-Discovery discovery(const Variables& variables) {
+Discovery parse(const Variables& variables) {
   Discovery result{.domain = parse_domain(value_of(variables, kDomain)),
                    .range = parse_range(value_of(variables, kRange)),
                    .peers = parse_peers(value_of(variables, kPeers)),
@@ -219,4 +245,4 @@ std::string cyclone_settings(const Discovery& discovery, const Interfaces& machi
   return discovery.cyclone.empty() ? xml : xml + "," + discovery.cyclone;
 }
 
-}  // namespace spikeloop::ros2
+}  // namespace spikeloop::discovery
