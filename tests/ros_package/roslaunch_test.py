@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
 import workspace
 
@@ -48,7 +49,9 @@ class Roslaunch(unittest.TestCase):
         cls.folder = pathlib.Path(scratch.name)
         prefix = workspace.catkin(cls.folder / "workspace")
         cls.shell = workspace.sourced(prefix / "setup.bash", HOME=str(cls.folder))
-        cls.enterClassContext(ros.master(cls.folder))
+        with xmlrpc.client.ServerProxy(cls.enterClassContext(ros.master(cls.folder))) as master:
+            # roscore names its run after it answers; a roslaunch in between would take it for another's.
+            wait_for(lambda: master.hasParam("/test", "/run_id")[2])
         cls.shell.update({name: value for name, value in os.environ.items() if name.startswith("ROS_M")
                           or name in ("ROS_HOSTNAME", "ROS_LOG_DIR")})
 
@@ -80,7 +83,7 @@ class Roslaunch(unittest.TestCase):
         run = self.folder / "whole"
         process, said = self.launch("spikeloop_ros", "experiment.launch", f"file:={file}",
                                     f"arguments:=--out {run} --seed 3")
-        self.assertEqual(process.wait(DEADLINE_S), 0)
+        self.assertEqual(process.wait(DEADLINE_S), 0, said.read_text(encoding="utf-8"))
         self.assertIn("finished: 1.0 of 1 s", said.read_text(encoding="utf-8"))
         self.assertEqual(json.loads((run / "resolved.json").read_text(encoding="utf-8"))["seed"], 3)
 
