@@ -19,7 +19,9 @@ std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
       {.name = "message_type",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "Laserscan, Twist, FloatArray, Odom or package/Type; must be given"});
+       .text =
+           "Laserscan, Twist, FloatArray, Odom, package/Type or the path of a .msg file; must be "
+           "given"});
   parameters.push_back(
       {.name = "fields",
        .type = ParameterType::text,
@@ -46,18 +48,18 @@ std::vector<std::string> split(const std::string& list) {
   return parts;
 }
 
-std::string message_type(const Parameters& parameters) {
+std::string message_type(const music::Process& process, const Parameters& parameters) {
   const std::string& text = parameters.text("message_type");
   const Location& where = parameters.where("message_type");
   if (text.empty()) {
     throw ConfigurationError(where,
                              "message_type is missing; write message_type=Laserscan, Twist, "
-                             "FloatArray, Odom or package/Type");
+                             "FloatArray, Odom, package/Type or the path of a .msg file");
   }
-  if (!parameters.text("fields").empty()) {
+  if (!parameters.text("fields").empty() && text.find_first_of("/.") == std::string::npos) {
     return text;  // any type that has a definition
   }
-  return located_at(where, [&] { return canonical_message_type(text); });
+  return located_at(where, [&] { return canonical_message_type(text, process.file_directory()); });
 }
 
 }  // namespace
@@ -91,7 +93,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   const Parameters parameters = process.read(sensor_parameters(program));
   topics::SensorSettings settings;
   settings.topic = required_topic(process, parameters, "/scan");
-  settings.message_type = message_type(parameters);
+  settings.message_type = message_type(process, parameters);
   settings.fields = split(parameters.text("fields"));
   settings.width = process.width("out");
   settings.strict = process.common().strict;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "experiment_text.hpp"
+#include "message_text.hpp"
 #include "node_text.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
@@ -24,6 +25,10 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop describe                      the node classes, a line each
   spikeloop describe rate_encoder         its ports and parameters
   spikeloop describe --markdown           the page of all built-in classes: docs/nodes.md
+
+  spikeloop describe sensor_msgs/JointState   a message: its definition, sums and field paths
+  spikeloop describe my_robot/msg/Arm.msg     the same of a file of one's own
+  spikeloop describe --messages               all messages that Spikeloop knows
 
   spikeloop describe --experiment         the keys of experiment files
   spikeloop describe --experiment --markdown   the same for docs/experiment-file.md
@@ -89,12 +94,21 @@ struct DescribeArguments {
   bool experiment = false;
   bool markdown = false;
   bool names = false;
+  bool messages = false;
 };
 
 int describe(const DescribeArguments& arguments) {
   const experiment::Kinds kinds;
   if (arguments.experiment) {
     put_result(experiment_reference(kinds, arguments.markdown));
+    return 0;
+  }
+  if (arguments.messages) {
+    put_result(message_list());
+    return 0;
+  }
+  if (is_message_type(arguments.name)) {
+    put_result(message_text(arguments.name));
     return 0;
   }
   Registry registry;
@@ -127,8 +141,10 @@ int describe(const DescribeArguments& arguments) {
 
 void add_describe_command(CLI::App& app, std::function<int()>& action) {
   const auto arguments = std::make_shared<DescribeArguments>();
-  CLI::App* command = app.add_subcommand("describe", "Show what a node class does and takes");
-  auto* name = command->add_option("NODE", arguments->name, "Its name; without one, all classes")
+  CLI::App* command = app.add_subcommand("describe", "Show what a node class or a message has");
+  auto* name = command
+                   ->add_option("NODE", arguments->name,
+                                "Its name, or a message type's; without one, all classes")
                    ->check(named("node class"));
   auto* markdown =
       command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
@@ -139,6 +155,10 @@ void add_describe_command(CLI::App& app, std::function<int()>& action) {
                      "The keys of experiment files, and the nodes that only they have")
           ->excludes(name);
   command->add_flag("--names", arguments->names, "Print the names alone, a line each")
+      ->excludes(name)
+      ->excludes(markdown)
+      ->excludes(experiment);
+  command->add_flag("--messages", arguments->messages, "Print the names of all message types")
       ->excludes(name)
       ->excludes(markdown)
       ->excludes(experiment);

@@ -26,8 +26,12 @@ constexpr const char* kExample =
 
 class MappingReader {
  public:
-  MappingReader(const Json& json, std::string_view text, const std::string& file, bool strict)
-      : json_(json), text_(text), strict_(strict) {
+  MappingReader(const Json& json, std::string_view text, const std::string& file,
+                const MappingOptions& options)
+      : json_(json),
+        text_(text),
+        base_(file.empty() ? options.base_directory : std::filesystem::path(file).parent_path()),
+        strict_(options.strict) {
     mapping_.file = file;
   }
 
@@ -95,7 +99,7 @@ class MappingReader {
            {"message_type"});
     }
     try {
-      mapping_.message_type = canonical_message_type(type.get<std::string>());
+      mapping_.message_type = canonical_message_type(type.get<std::string>(), base_);
     } catch (const ConfigurationError& error) {
       fail(fmt::format("'message_type': {}", error.what()), {"message_type"});
     }
@@ -215,6 +219,7 @@ class MappingReader {
 
   const Json& json_;
   std::string_view text_;
+  std::filesystem::path base_;
   bool strict_;
   CommandMapping mapping_;
   std::optional<double> minimum_;
@@ -241,7 +246,7 @@ CommandMapping parse_mapping(std::string_view text, const std::string& file,
     }
     return array_instead(file, error.what(), options);
   }
-  return MappingReader(json, text, file, options.strict).read();
+  return MappingReader(json, text, file, options).read();
 }
 
 CommandMapping read_mapping(const std::string& name, const MappingOptions& options) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "music_text.hpp"
+#include "spikeloop/config/data_file.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
@@ -22,34 +23,46 @@ constexpr MessageName kNames[] = {{"sensor_msgs", "LaserScan", "Laserscan"},
                                   {"std_msgs", "Float64MultiArray", "FloatArray"},
                                   {"nav_msgs", "Odometry", "Odom"}};
 
-}  // namespace
-
-std::vector<std::string> known_message_types() {
-  std::vector<std::string> types;
-  for (const auto& name : kNames) {
-    types.push_back(fmt::format("{}/{}", name.package, name.name));
+std::string definition_file(const std::string& written, const std::filesystem::path& base) {
+  const auto file = find_data_file(written, base);
+  if (!file) {
+    throw ConfigurationError(
+        fmt::format("there is no message definition '{}' in {}; write its path",
+                    music_text::shown(written), data_file_places(base)));
   }
-  return types;
+  return std::filesystem::absolute(*file).lexically_normal().string();
 }
 
-std::string canonical_message_type(std::string_view text) {
+}  // namespace
+
+std::string canonical_message_type(std::string_view text, const std::filesystem::path& base) {
   std::vector<std::string> candidates;
   for (const auto& name : kNames) {
-    std::string type = fmt::format("{}/{}", name.package, name.name);
-    if (text == name.name || text == name.older || text == type ||
-        text == fmt::format("{}/msg/{}", name.package, name.name)) {
-      return type;
+    if (text == name.name || text == name.older) {
+      return fmt::format("{}/{}", name.package, name.name);
     }
-    candidates.push_back(type);
     candidates.emplace_back(name.name);
   }
-  // A name without its package is compared with names, a full one with full names.
-  const bool full = text.find('/') != std::string_view::npos;
-  std::erase_if(candidates, [&](const std::string& candidate) {
-    return full != (candidate.find('/') != std::string::npos);
-  });
-  throw ConfigurationError(fmt::format("unknown message type '{}'{}", music_text::shown(text),
-                                       did_you_mean(text, candidates)));
+  if (is_definition_file(text)) {
+    return definition_file(std::string(text), base);
+  }
+  constexpr std::string_view kFolder = "/msg/";
+  std::string type(text);
+  if (const auto folder = type.find(kFolder); folder != std::string::npos) {
+    type.replace(folder, kFolder.size(), "/");
+  }
+  if (std::ranges::count(type, '/') == 1 && !type.starts_with('/') && !type.ends_with('/')) {
+    return type;
+  }
+  const std::string meant = nearest(text, candidates);
+  throw ConfigurationError(fmt::format("unknown message type '{}'; {}", music_text::shown(text),
+                                       meant.empty()
+                                           ? "write package/Type, or the path of a .msg file"
+                                           : fmt::format("did you mean '{}'?", meant)));
+}
+
+bool is_definition_file(std::string_view type) {
+  return type.ends_with(".msg");
 }
 
 }  // namespace spikeloop

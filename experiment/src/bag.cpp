@@ -31,9 +31,8 @@ std::string list_of(const bag::Reader& reader) {
 void check_type(const Part& part, const bag::Connection& connection) {
   const std::string& message = part.parameters.text("message");
   const Location where = part.parameters.where("message");
-  const auto& catalog = located_at(where, [&]() -> const messages::Catalog& {
-    return messages::Catalog::for_type(messages::Dialect::ros1, message);
-  });
+  const auto& catalog = *located_at(
+      where, [&] { return &messages::Catalog::for_type(messages::Dialect::ros1, message); });
   const std::string type = located_at(where, [&] { return catalog.full_name(message); });
   if (connection.type != type) {
     throw ConfigurationError(

@@ -35,7 +35,7 @@ NodeDescription ros_sensor() {
       text("topic", std::nullopt, "Its name, as /scan"),
       text("message", std::nullopt,
            "Its type: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
-           "std_msgs/Float64MultiArray"),
+           "std_msgs/Float64MultiArray; with fields any other, or the path of a .msg file"),
       text("fields", "",
            "Other fields than the type's usual ones, as [PATH, PATH]: their numbers as they are"),
       text("initial", "none", "Value of every channel before the first message; none: silence"),
@@ -54,7 +54,9 @@ NodeDescription ros_command() {
   command.ports = {{"in", PortKind::signal, Direction::input, {}, "The numbers to send"}};
   command.parameters = {
       text("topic", std::nullopt, "Its name, as /cmd_vel"),
-      text("message", std::nullopt, "Its type: geometry_msgs/Twist, std_msgs/Float64MultiArray"),
+      text("message", std::nullopt,
+           "Its type: geometry_msgs/Twist, std_msgs/Float64MultiArray, any other with fields, or "
+           "the path of a .msg file"),
       text("fields", "",
            "Channel of each field: {linear.x: 0, angular.z: {channel: 1, scale: 1, offset: 0, min: "
            "-1, max: 1}}; a Float64MultiArray without it has all channels"),

@@ -11,6 +11,7 @@
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
 
@@ -135,18 +136,32 @@ CommandMapping command_mapping(const Parameters& parameters) {
   }
 }
 
-void check_endpoint(Part& part) {
+/// The whole name of a type that has a definition, or the whole path of its own.
+std::string whole_message_type(const std::string& written, const std::string& directory) {
+  std::string type = written;
+  try {
+    type = canonical_message_type(written, directory);
+  } catch (const ConfigurationError&) {
+    if (written.find_first_of("/.") != std::string::npos) {
+      throw;
+    }
+    // A name without its package; the error is that of who knows all of them.
+  }
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, type);
+  const std::string name = catalog.full_name(type);
+  catalog.layout(name);
+  return is_definition_file(type) ? type : name;
+}
+
+void check_endpoint(Part& part, const std::string& directory) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
-    const std::string type =
-        located_at(where, [&] { return canonical_message_type(part.parameters.text("message")); });
+    const std::string type = located_at(
+        where, [&] { return whole_message_type(part.parameters.text("message"), directory); });
     part.parameters.set("message", type, true, where);
   };
   if (part.kind == kRosSensor) {
-    const std::string& message = part.parameters.text("message");
-    if (part.parameters.text("fields").empty() || message.find('/') == std::string::npos) {
-      canonical();
-    }
+    canonical();
     sensor_initial(part.parameters);
     sensor_fields(part.parameters);
   } else if (part.kind == kRosCommand) {
@@ -283,7 +298,7 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
       table_loader(directory, *part.node_class), faults);
   bool good = faults.count() == before && node.unread.empty();
   good = good && faults.attempt(node.where, [&] {
-    check_endpoint(part);
+    check_endpoint(part, directory);
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
     } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <random>
 
+#include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "tests/config/helpers.hpp"
 #include "tests/support/repetitions.hpp"
@@ -46,18 +47,30 @@ TEST(MessageType, AcceptsTheSpellingsOfAllPrograms) {
   for (const char* text : {"Odom", "Odometry", "nav_msgs/Odometry"}) {
     EXPECT_EQ(canonical_message_type(text), "nav_msgs/Odometry");
   }
-  for (const auto& type : known_message_types()) {
-    EXPECT_EQ(canonical_message_type(type), type);
-  }
+  EXPECT_EQ(canonical_message_type("my_robot/Wheels"), "my_robot/Wheels");
+  EXPECT_EQ(canonical_message_type("my_robot/msg/Wheels"), "my_robot/Wheels");
+}
+
+TEST(MessageType, FilesAreFoundFromWhereTheyAreNamed) {
+  const test::TemporaryDirectory directory;
+  const std::string file = directory.write("Wheels.msg", "float64 left\n");
+  EXPECT_EQ(canonical_message_type("Wheels.msg", directory.path()), file);
+  EXPECT_EQ(canonical_message_type(file), file);
+  EXPECT_EQ(message_of([&] { canonical_message_type("Nothing.msg", directory.path()); }),
+            "there is no message definition 'Nothing.msg' in " +
+                data_file_places(directory.path()) + "; write its path");
+  directory.write("wheels.json", R"({"message_type": "./Wheels.msg", "mapping": {"left": 0}})");
+  EXPECT_EQ(read_mapping("wheels.json", {.base_directory = directory.path()}).message_type, file);
 }
 
 TEST(MessageType, SuggestsForUnknownOnes) {
   EXPECT_EQ(message_of([] { canonical_message_type("Twsit"); }),
             "unknown message type 'Twsit'; did you mean 'Twist'?");
-  EXPECT_EQ(message_of([] { canonical_message_type("sensor_msg/LaserScan"); }),
-            "unknown message type 'sensor_msg/LaserScan'; did you mean 'sensor_msgs/LaserScan'?");
-  EXPECT_EQ(message_of([] { canonical_message_type("Image"); }),
-            "unknown message type 'Image'; known: LaserScan, Twist, Float64MultiArray, Odometry");
+  for (const char* text : {"Image", "a/b/c", "/Image", "Image/"}) {
+    EXPECT_EQ(message_of([&] { canonical_message_type(text); }),
+              std::string("unknown message type '") + text +
+                  "'; write package/Type, or the path of a .msg file");
+  }
 }
 
 TEST(MappingFile, ReadsAnOlderFile) {

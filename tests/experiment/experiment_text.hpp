@@ -51,6 +51,7 @@ class Files {
     directory_.write("net.yaml", kNetwork);
     directory_.write("w.json", "[[1, 0, 0], [0, 1, 0]]");
     for (const auto& [name, content] : more) {
+      std::filesystem::create_directories((directory_.path() / name).parent_path());
       directory_.write(name, content);
     }
     path_ = directory_.write("x.yaml", text);

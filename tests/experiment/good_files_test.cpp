@@ -71,6 +71,26 @@ TEST_F(GoodFiles, KeysAndUnits) {
   EXPECT_EQ(experiment.part("scan").parameters.text("message"), "sensor_msgs/LaserScan");
 }
 
+TEST_F(GoodFiles, MessagesHaveNamesOrFiles) {
+  more_ = {{"my_robot/msg/Arm.msg", "string[] name\nfloat64[] angle\nGrip grip\n"},
+           {"my_robot/msg/Grip.msg", "float32 force\n"}};
+  const Experiment own = good(with(
+      {{"robot: {simulator: mujoco}", "ros: 1"},
+       {"message: LaserScan",
+        "message: my_robot/msg/Arm.msg, fields: [\"angle[0:2]\", grip.force]"},
+       {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
+        "message: ./my_robot/msg/Arm.msg, fields: {\"angle[name=left]\": 0, grip.force: 1}"}}));
+  EXPECT_TRUE(own.part("scan").parameters.text("message").ends_with("/my_robot/msg/Arm.msg"));
+  EXPECT_TRUE(own.part("wheels").mapping.message_type.ends_with("/my_robot/msg/Arm.msg"));
+  const Experiment known =
+      good(with({{"robot: {simulator: mujoco}", "ros: 1"},
+                 {"message: LaserScan", "message: JointState, fields: [\"position[0:3]\"]"},
+                 {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
+                  "message: sensor_msgs/msg/JointState, fields: {\"velocity[name=left]\": 0}"}}));
+  EXPECT_EQ(known.part("scan").parameters.text("message"), "sensor_msgs/JointState");
+  EXPECT_EQ(known.part("wheels").mapping.message_type, "sensor_msgs/JointState");
+}
+
 TEST_F(GoodFiles, RobotHasItsOwnSeed) {
   EXPECT_EQ(good(with({{"mujoco}", "mujoco, seed: 3}"}})).robot->seed, 3U);
 }

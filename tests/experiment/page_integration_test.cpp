@@ -117,6 +117,50 @@ TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
             "spikeloop: unknown node class 'ros_senser'; did you mean 'ros_sensor'?\n");
 }
 
+TEST(DescribeMessage, ShowsWhatBothRosHave) {
+  const TemporaryDirectory directory;
+  const Outcome outcome = spikeloop({"describe", "std_msgs/msg/Header"}, directory);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out,
+            "std_msgs/Header\n"
+            "  ROS 1: md5 2176decaecbce78abc3b96ef049fabed\n"
+            "  ROS 2: RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01\n"
+            "\nDefinition of ROS 1:\n  uint32 seq\n  time stamp\n  string frame_id\n"
+            "\nDefinition of ROS 2:\n  builtin_interfaces/Time stamp\n  string frame_id\n"
+            "\nField paths of ROS 1:\n  seq       uint32\n  stamp     seconds\n"
+            "  frame_id  string\n"
+            "\nField paths of ROS 2:\n  stamp     seconds\n  frame_id  string\n"
+            "Of an array: ranges[7], ranges[0:100], position[name=left_wheel]. Of a time: .sec, "
+            ".nanosec.\n");
+  EXPECT_THAT(spikeloop({"describe", "std_msgs/Float32MultiArray"}, directory).out,
+              HasSubstr("\nField paths:\n  layout.dim[0].label   string\n"
+                        "  layout.dim[0].size    uint32\n  layout.dim[0].stride  uint32\n"
+                        "  layout.data_offset    uint32\n  data                  float32[]\n"));
+  EXPECT_THAT(spikeloop({"describe", "geometry_msgs/VelocityStamped"}, directory).out,
+              HasSubstr("\n  ROS 1: none\n"));
+  EXPECT_EQ(spikeloop({"describe", "std_msgs/Headr"}, directory).err,
+            "spikeloop: unknown message type 'std_msgs/Headr'; did you mean 'std_msgs/Header'?\n");
+}
+
+TEST(DescribeMessage, ReadsAFileOfOnesOwn) {
+  const TemporaryDirectory directory;
+  std::filesystem::create_directories(directory.path() / "my_robot/msg");
+  directory.write("my_robot/msg/Arm.msg", "string<=8 name\nfloat64[<=3] angles\n");
+  EXPECT_THAT(spikeloop({"describe", "my_robot/msg/Arm.msg"}, directory).out,
+              HasSubstr("my_robot/Arm\n  ROS 1: none\n  ROS 2: RIHS01_"));
+  EXPECT_EQ(spikeloop({"describe", "my_robot/msg/Leg.msg"}, directory).err,
+            "spikeloop: message definition 'my_robot/msg/Leg.msg' cannot be read; write the path "
+            "of a .msg file\n");
+}
+
+TEST(DescribeMessage, ListsThemAll) {
+  const TemporaryDirectory directory;
+  const std::string list = spikeloop({"describe", "--messages"}, directory).out;
+  EXPECT_THAT(list, StartsWith("builtin_interfaces/Duration  (ROS 2)\n"));
+  EXPECT_THAT(list, HasSubstr("\nsensor_msgs/Image\n"));
+  EXPECT_THAT(list, HasSubstr("\nrosgraph_msgs/Log  (ROS 1)\n"));
+}
+
 TEST(DescribeExperiment, ShowsTheFilesKeys) {
   const TemporaryDirectory directory;
   const Outcome outcome = spikeloop({"describe", "--experiment"}, directory);

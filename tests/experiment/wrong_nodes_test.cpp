@@ -233,11 +233,22 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"{node: ros_sensor, topic: /scan, message: LaserScan}",
                     "{node: spike_playback, file: w.json}"}},
                   {"x.yaml:6:38: cannot read 'w.json': not an HDF5 file, or damaged"}},
-        WrongFile{"unknown message type of a sensor with fields",
-                  {{"message: LaserScan", "message: nowhere/LaserScan, fields: [ranges]"},
+        WrongFile{
+            "unknown message type of a sensor with fields",
+            {{"message: LaserScan", "message: nowhere/LaserScan, fields: [ranges]"},
+             {"robot: {simulator: mujoco}", "ros: 1"}},
+            {"x.yaml:6:51: unknown message type 'nowhere/LaserScan'; write one that 'spikeloop "
+             "describe --messages' lists, or the path of a .msg file"}},
+        WrongFile{"message definition missing",
+                  {{"message: LaserScan", "message: my_robot/msg/Arm.msg, fields: [angle]"},
                    {"robot: {simulator: mujoco}", "ros: 1"}},
-                  {"x.yaml:6:78: unknown message type 'nowhere/LaserScan'; write one that 'spikeloop "
-                   "describe --messages' lists, or the path of a .msg file"}},
+                  {"x.yaml:6:51: there is no message definition 'my_robot/msg/Arm.msg' in 'CWD' or "
+                   "'DIR'; write its path"}},
+        WrongFile{"message definition with a wrong line",
+                  {{"message: LaserScan", "message: my_robot/msg/Arm.msg, fields: [angle]"},
+                   {"robot: {simulator: mujoco}", "ros: 1"}},
+                  {"my_robot/msg/Arm.msg:2: 'angle' has a type but no name; write 'type name'"},
+                  {{"my_robot/msg/Arm.msg", "float64 angle\nangle\n"}}},
         WrongFile{"recording missing",
                   {{"{node: ros_sensor, topic: /scan, message: LaserScan}",
                     "{node: signal_playback, file: a.h5}"}},

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "event_message.hpp"
+#include "reference_cdr.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/message_writer.hpp"
@@ -97,6 +98,39 @@ TEST(EventArray, a_camera_has_pixels) {
   EXPECT_EQ(error_of(event_message(346, 0, {})), "its camera has 346 x 0" + rest);
   EXPECT_EQ(error_of(event_message(65537, 1, {})), "its camera has 65537 x 1" + rest);
   EXPECT_EQ(error_of(event_message(65536, 65536, {})), "no error");
+}
+
+// Every field of every event as Fast-CDR writes it: ROS 2 aligns them.
+TEST(EventArray, reads_what_fast_cdr_writes) {
+  const Catalog& catalog = Catalog::builtin(Dialect::ros2);
+  for (std::size_t count = 0; count < 40; ++count) {
+    const auto of = [&](double number) { return reference::Atom{number, {}}; };
+    std::vector<reference::Atom> atoms = {of(5),   of(6),   {0, std::string(count % 4, 'f')},
+                                          of(260), of(346), of(static_cast<double>(count))};
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto n = static_cast<double>(i);
+      atoms.insert(atoms.end(), {of(1000 + n), of(2000 + n), of(3000 + n), of(4000 + n),
+                                 of(i % 2 == 0 ? 1 : 0)});
+    }
+    auto written = reference::serialize_cdr(catalog, "dvs_msgs/EventArray", atoms);
+    const EventArray array(std::as_bytes(std::span(written)), Dialect::ros2);
+    EXPECT_EQ(array.height(), 260u);
+    EXPECT_EQ(array.width(), 346u);
+    ASSERT_EQ(array.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const CameraEvent event = array[i];
+      EXPECT_EQ(event.x, 1000 + i);
+      EXPECT_EQ(event.y, 2000 + i);
+      EXPECT_EQ(event.stamp, static_cast<TimeNs>(3000 + i) * kNsPerSecond + 4000 + i);
+      EXPECT_EQ(event.on, i % 2 == 0);
+    }
+    const std::vector<std::uint8_t> cut(written.begin(), written.end() - 1);
+    EXPECT_THROW(EventArray(std::as_bytes(std::span(cut)), Dialect::ros2), TransportError);
+    written.resize(written.size() + 3);  // as a transport may pad it
+    EXPECT_EQ(EventArray(std::as_bytes(std::span(written)), Dialect::ros2).size(), count);
+    written.push_back(0);
+    EXPECT_THROW(EventArray(std::as_bytes(std::span(written)), Dialect::ros2), TransportError);
+  }
 }
 
 TEST(EventArray, damaged_bytes_never_lead_outside) {

@@ -1,9 +1,12 @@
-// dvs_msgs against genpy, which makes classes and sums of the definitions by itself.
+// dvs_msgs and event_camera_msgs against genpy, which makes classes and sums of the definitions by
+// itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/event_array.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/messages/field_view.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -49,6 +52,47 @@ TEST(EventOracle, genpy_writes_what_is_read) {
     const auto n = static_cast<TimeNs>(i);
     ASSERT_EQ(event.stamp, (10 + n) * kNsPerSecond + 999'999'999 - n);
     ASSERT_EQ(event.on, i % 3 == 0);
+  }
+}
+
+constexpr const char* kPacketScript = R"(
+import genpy, genpy.dynamic, io
+text = open('definition').read()
+EventPacket = genpy.dynamic.generate_dynamic('event_camera_msgs/EventPacket', text)[
+    'event_camera_msgs/EventPacket']
+message = EventPacket(height=720, width=1280, seq=7, time_base=123456789012, encoding='evt3',
+                      is_bigendian=True, events=bytes(range(256)))
+message.header.frame_id = 'camera'
+buffer = io.BytesIO()
+message.serialize(buffer)
+open('message', 'wb').write(buffer.getvalue())
+print(EventPacket._md5sum)
+)";
+
+TEST(EventOracle, genpy_writes_the_packets_that_are_read) {
+  const test::TemporaryDirectory directory;
+  const Catalog& catalog = Catalog::builtin(Dialect::ros1);
+  const std::string type = "event_camera_msgs/EventPacket";
+  directory.write("definition", catalog.full_text(type));
+  const auto outcome = test::run({.arguments = {"/usr/bin/python3", "-c", kPacketScript},
+                                  .directory = directory.path().string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_EQ(outcome.out, catalog.md5(type) + "\n");
+  const std::string written = directory.read("message");
+  const auto bytes = std::as_bytes(std::span(written));
+  std::vector<double> numbers;
+  for (const char* path : {"height", "width", "seq", "time_base", "is_bigendian"}) {
+    FieldReader(catalog, type, path).read(bytes, numbers);
+  }
+  EXPECT_EQ(numbers, (std::vector<double>{720, 1280, 7, 123456789012, 1}));
+  std::vector<std::string_view> texts;
+  TextField(catalog, type, "encoding").read(bytes, texts);
+  TextField(catalog, type, "header.frame_id").read(bytes, texts);
+  EXPECT_EQ(texts, (std::vector<std::string_view>{"evt3", "camera"}));
+  const auto events = BytesField(catalog, type, "events").read(bytes);
+  ASSERT_EQ(events.size(), 256u);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i], static_cast<std::byte>(i));
   }
 }
 

@@ -209,8 +209,9 @@ void NodeImporter::import_sensor(const MusicSection& section) {
   const MusicKey* fields = find(section, "fields");
   add("message", fields != nullptr && type.find('/') != std::string::npos
                      ? type
-                     : located_at(find(section, "message_type")->where,
-                                  [&] { return canonical_message_type(type); }));
+                     : located_at(find(section, "message_type")->where, [&] {
+                         return canonical_message_type(type, launch::directory_of(file_.path));
+                       }));
   if (fields != nullptr && !fields->value.empty()) {
     std::vector<std::string> paths;
     std::istringstream list(fields->value);

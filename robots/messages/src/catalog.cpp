@@ -237,7 +237,7 @@ std::string Catalog::full_text(std::string_view name) const {
     text += definition.text;
     done.push_back(definition.name);
     for (const FieldDefinition& field : definition.fields) {
-      if (field.primitive == Primitive::message) {
+      if (field.type.find('/') != std::string::npos) {
         self(self, part(definition, field));
       }
     }

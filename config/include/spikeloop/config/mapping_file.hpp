@@ -41,7 +41,8 @@ struct CommandMapping {
 };
 
 struct MappingOptions {
-  /// Relative paths start here, or else in the current directory.
+  /// Relative paths start here, or else in the current directory; those in a mapping file where it
+  /// lies.
   std::filesystem::path base_directory{};
   /// False reads as the older programs did, with a warning in the log: a missing file or one that
   /// is no JSON gives a Float64MultiArray of all channels; unknown keys and fields with channel -1
