@@ -88,6 +88,9 @@ void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
   if (field.array == ArrayKind::variable) {
     writer.length(length);
   }
+  if (field.element_bytes == std::size_t{0}) {
+    return;  // ROS 1's messages without fields: any number of them is nothing
+  }
   Active here;
   for (std::size_t i = 0; i < length; ++i) {
     here.clear();
