@@ -11,6 +11,8 @@
 #include <jpeglib.h>
 
 #include "spikeloop/images/image_conversion.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
 
 namespace {
 
@@ -88,12 +90,38 @@ void compressed(benchmark::State& state, const ImageSettings& settings) {
   count_share(state);
 }
 
+/// From the bytes of a message to the channels of a port.
+void message(benchmark::State& state, spikeloop::messages::Dialect dialect,
+             const ImageSettings& settings) {
+  using namespace spikeloop::messages;
+  const auto& catalog = Catalog::builtin(dialect);
+  const std::vector<double> sizes[] = {{kWidth}, {kHeight}, {3 * kWidth}};
+  std::vector<double> data;
+  for (const std::byte byte : scene(3)) {
+    data.push_back(std::to_integer<int>(byte));
+  }
+  std::vector<std::byte> bytes;
+  MessageWriter(catalog, "sensor_msgs/Image", {"width", "height", "step", "data", "encoding"})
+      .write(
+          std::vector<FieldValue>{
+              {sizes[0], {}}, {sizes[1], {}}, {sizes[2], {}}, {data, {}}, {{}, "rgb8"}},
+          bytes);
+  SensorConversion conversion(catalog, "sensor_msgs/Image", {.image = settings},
+                              settings.values().value_or(0), true);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(conversion.convert(bytes));
+  }
+  count_share(state);
+}
+
 const ImageSettings kGrey{.resize = Size{40, 30}};
 const ImageSettings kColours{.resize = Size{40, 30}, .channel = Channel::rgb};
 const ImageSettings kOnOff{.resize = Size{40, 30}, .filter = Filter::on_off};
 const ImageSettings kDepth{.resize = Size{40, 30}, .range = std::pair(0.3, 5.0)};
 const ImageSettings kUneven{.resize = Size{41, 31}};
 
+BENCHMARK_CAPTURE(message, ros1_rgb8_to_40x30_grey, spikeloop::messages::Dialect::ros1, kGrey);
+BENCHMARK_CAPTURE(message, ros2_rgb8_to_40x30_grey, spikeloop::messages::Dialect::ros2, kGrey);
 BENCHMARK_CAPTURE(raw, rgb8_to_40x30_grey, "rgb8", 3, kGrey);
 BENCHMARK_CAPTURE(raw, rgb8_to_41x31_grey, "rgb8", 3, kUneven);
 BENCHMARK_CAPTURE(raw, rgb8_to_40x30_rgb, "rgb8", 3, kColours);

@@ -86,7 +86,7 @@ std::unique_ptr<Source> RosTransport::sensor(const fused::SensorSpec& spec) {
   const experiment::Part& part = spec.part;
   topics::SensorSettings settings{.topic = part.parameters.text("topic"),
                                   .message_type = part.parameters.text("message"),
-                                  .fields = experiment::sensor_fields(part.parameters),
+                                  .rule = experiment::sensor_rule(part.parameters),
                                   .width = spec.width,
                                   .strict = true,
                                   .initial = experiment::sensor_initial(part.parameters)};

@@ -11,6 +11,10 @@ namespace {
 std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
   constexpr double kMostPixels = 65536;
   auto parameters = connection_parameters(program);
+  parameters.push_back({.name = "message_type",
+                        .type = ParameterType::text,
+                        .default_value = "dvs_msgs/EventArray",
+                        .text = "That, or event_camera_msgs/EventPacket, encoded as evt3 or mono"});
   parameters.push_back({.name = "polarity",
                         .type = ParameterType::choice,
                         .default_value = "both",
@@ -51,6 +55,9 @@ std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
 messages::EventSettings event_settings(const music::Process& process,
                                        const Parameters& parameters) {
   messages::EventSettings settings;
+  settings.message_type = parameters.text("message_type");
+  located_at(parameters.where("message_type"),
+             [&] { messages::check_event_type(settings.message_type); });
   settings.polarity = messages::polarity_named(parameters.text("polarity"));
   settings.downsample = static_cast<std::uint32_t>(parameters.integer("downsample"));
   if (const std::string& roi = parameters.text("roi"); !roi.empty()) {
@@ -68,7 +75,7 @@ messages::EventSettings event_settings(const music::Process& process,
 music::ProgramText event_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "The events of a camera (dvs_msgs/EventArray) as spikes, each at its own time";
+  text.summary = "The events of a camera as spikes, each at its own time";
   text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
   text.parameters = event_parameters(program);
   text.example = fmt::format(

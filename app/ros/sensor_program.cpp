@@ -7,7 +7,9 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/process/initial_key.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop {
@@ -28,6 +30,11 @@ std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
        .default_value = "",
        .text = "Other fields than the type's usual ones, as PATH,PATH,...: their numbers as they "
                "are"});
+  parameters.push_back(
+      {.name = "sensor_mapping_filename",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "File with fields and their scales and limits, or with what is taken of a picture"});
   parameters.push_back(music::initial_parameter());
   parameters.push_back({.name = "sensor_update_rate",
                         .unit = "Hz",
@@ -56,10 +63,43 @@ std::string message_type(const music::Process& process, const Parameters& parame
                              "message_type is missing; write message_type=Laserscan, Twist, "
                              "FloatArray, Odom, package/Type or the path of a .msg file");
   }
-  if (!parameters.text("fields").empty() && text.find_first_of("/.") == std::string::npos) {
+  const bool told =
+      !parameters.text("fields").empty() || parameters.given("sensor_mapping_filename");
+  if (told && text.find_first_of("/.") == std::string::npos) {
     return text;  // any type that has a definition
   }
   return located_at(where, [&] { return canonical_message_type(text, process.file_directory()); });
+}
+
+messages::SensorRule sensor_rule(const music::Process& process, const Parameters& parameters) {
+  const std::string& file = parameters.text("sensor_mapping_filename");
+  const std::string& fields = parameters.text("fields");
+  if (file.empty()) {
+    return messages::plain_fields(fields.empty() ? std::vector<std::string>{} : split(fields));
+  }
+  const Location& where = parameters.where("sensor_mapping_filename");
+  if (!fields.empty()) {
+    throw ConfigurationError(
+        where,
+        "'fields' and 'sensor_mapping_filename' both say what to take; leave one of them out");
+  }
+  const WrittenValues keys =
+      located_at(where, [&] { return read_sensor_mapping(file, process.file_directory()); });
+  const auto written = [&](const char* key) {
+    const auto found = keys.find(key);
+    return found == keys.end() ? WrittenValue{} : found->second;
+  };
+  return sensing::sensor_rule(written("fields"), written("image"));
+}
+
+/// Where what is taken was written.
+Location rule_place(const music::Process& process, const Parameters& parameters) {
+  for (const char* key : {"fields", "sensor_mapping_filename"}) {
+    if (!parameters.text(key).empty()) {
+      return parameters.where(key);
+    }
+  }
+  return process.where("out");
 }
 
 }  // namespace
@@ -81,7 +121,9 @@ music::ProgramText sensor_text(const RosProgram& program) {
       "are -1, beyond range_max and +inf are 1; NaN and 0 are no reading, the beam keeps its "
       "value.\n"
       "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: as it is. Odometry:\n"
-      "x[, y[, z]] in metres.\n";
+      "x[, y[, z]] in metres. Image, CompressedImage: grey, -1 to 1.\n"
+      "A mapping file holds  {\"fields\": [\"PATH\", {\"path\": \"PATH\", \"scale\": 2}]}  or\n"
+      "{\"image\": {\"resize\": [40, 30]}}  (docs/images.md).\n";
   text.defaults.pace = true;
   return text;
 }
@@ -94,7 +136,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   topics::SensorSettings settings;
   settings.topic = required_topic(process, parameters, "/scan");
   settings.message_type = message_type(process, parameters);
-  settings.fields = split(parameters.text("fields"));
+  settings.rule = sensor_rule(process, parameters);
   settings.width = process.width("out");
   settings.strict = process.common().strict;
   settings.initial = music::initial_value(parameters);
@@ -104,8 +146,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
   const session::Settings node = session_settings(parameters);
   if (process.checking()) {
-    located_at(settings.fields.empty() ? process.where("out") : parameters.where("fields"),
-               [&] { topics::Sensor::check(node.ros, settings); });
+    located_at(rule_place(process, parameters), [&] { topics::Sensor::check(node.ros, settings); });
     process.check();
     return 0;
   }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "json_text.hpp"
@@ -23,6 +24,30 @@ using json_text::shown;
 constexpr const char* kArray = "std_msgs/Float64MultiArray";
 constexpr const char* kExample =
     "{\"message_type\": \"Twist\", \"mapping\": {\"linear.x\": 0, \"angular.z\": 1}}";
+
+/// "data[2:5]" in its parts.
+struct Slice {
+  std::string array;
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+};
+
+std::optional<Slice> slice_of(std::string_view field) {
+  const auto bracket = field.rfind('[');
+  const auto colon = field.rfind(':');
+  if (!field.ends_with(']') || bracket == std::string_view::npos || colon < bracket ||
+      colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  Slice slice{std::string(field.substr(0, bracket))};
+  const auto read = [](std::string_view digits, std::uint32_t& value) {
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc{} && end == digits.data() + digits.size();
+  };
+  const bool good = read(field.substr(bracket + 1, colon - bracket - 1), slice.first) &&
+                    read(field.substr(colon + 1, field.size() - colon - 2), slice.last);
+  return good ? std::optional(slice) : std::nullopt;
+}
 
 class MappingReader {
  public:
@@ -184,7 +209,7 @@ class MappingReader {
     if (!value.is_object()) {
       if (const auto channel = read_channel(value, path)) {
         field.channel = *channel;
-        mapping_.fields.push_back(field);
+        add(field, path);
       }
       return;
     }
@@ -198,7 +223,29 @@ class MappingReader {
     read_slew(value, path, field.slew);
     if (const auto channel = read_channel(value["channel"], below(path, "channel"))) {
       field.channel = *channel;
+      add(field, path);
+    }
+  }
+
+  /// A field, or the elements that its slice names.
+  void add(const CommandField& field, const Path& path) {
+    constexpr std::uint32_t kMostElements = 100'000;
+    const auto slice = slice_of(field.field);
+    if (!slice) {
       mapping_.fields.push_back(field);
+      return;
+    }
+    if (slice->last <= slice->first || slice->last - slice->first > kMostElements) {
+      fail(fmt::format("'{}' names no elements, or more than {}; write the first one and the one "
+                       "behind the last, as in data[0:3]",
+                       name_of(path), kMostElements),
+           path);
+    }
+    for (std::uint32_t i = slice->first; i < slice->last; ++i) {
+      CommandField element = field;
+      element.field = fmt::format("{}[{}]", slice->array, i);
+      element.channel += i - slice->first;
+      mapping_.fields.push_back(element);
     }
   }
 

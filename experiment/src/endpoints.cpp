@@ -2,40 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "spikeloop/command/mapping.hpp"
-#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/record/playback.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 
-std::vector<std::string> sensor_fields(const Parameters& parameters) {
-  const std::string& text = parameters.text("fields");
-  if (text.empty()) {
-    return {};
-  }
-  if (text.starts_with('{')) {
-    throw ConfigurationError(
-        parameters.where("fields"),
-        fmt::format("key 'fields': '{}' is no list; write  fields: [pose.pose.position.x]", text));
-  }
-  if (!text.starts_with('[')) {
-    return {text};  // a single path
-  }
-  std::vector<std::string> fields;
-  for (const auto& field : nlohmann::json::parse(text)) {
-    if (!field.is_string()) {
-      throw ConfigurationError(
-          parameters.where("fields"),
-          fmt::format(
-              "key 'fields': {} is no path of a field; write  fields: [pose.pose.position.x]",
-              field.dump()));
-    }
-    fields.push_back(field.get<std::string>());
-  }
-  return fields;
+messages::SensorRule sensor_rule(const Parameters& parameters) {
+  const auto written = [&](const char* key) {
+    return WrittenValue{parameters.text(key), parameters.where(key)};
+  };
+  return sensing::sensor_rule(written("fields"), written("image"));
 }
 
 std::optional<double> sensor_initial(const Parameters& parameters) {
@@ -54,24 +33,14 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
 }
 
 std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message) {
-  std::vector<double> values;
   try {
-    const auto& catalog =
-        messages::Catalog::for_type(messages::Dialect::ros1, parameters.text("message"));
-    const std::string type = catalog.full_name(parameters.text("message"));
-    std::vector<std::string> fields = sensor_fields(parameters);
-    if (fields.empty() && type == "sensor_msgs/LaserScan") {
-      fields = {"ranges"};
-    } else if (fields.empty() && type == "std_msgs/Float64MultiArray") {
-      fields = {"data"};
-    }
-    for (const std::string& field : fields) {
-      messages::FieldReader(catalog, type, field).read(message, values);
-    }
+    const std::string& type = parameters.text("message");
+    return messages::SensorConversion::count(
+        messages::Catalog::for_type(messages::Dialect::ros1, type), type, sensor_rule(parameters),
+        message);
   } catch (const Error&) {
     return 0;  // told elsewhere
   }
-  return static_cast<std::uint32_t>(values.size());
 }
 
 std::unique_ptr<Source> playback(const Part& part) {

@@ -35,9 +35,14 @@ NodeDescription ros_sensor() {
       text("topic", std::nullopt, "Its name, as /scan"),
       text("message", std::nullopt,
            "Its type: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
-           "std_msgs/Float64MultiArray; with fields any other, or the path of a .msg file"),
+           "std_msgs/Float64MultiArray, sensor_msgs/Image; with fields any other, or the path of a "
+           ".msg file"),
       text("fields", "",
-           "Other fields than the type's usual ones, as [PATH, PATH]: their numbers as they are"),
+           "Other fields than the type's usual ones: [PATH, {path: PATH, scale: 1, offset: 0, min: "
+           "-1, max: 1, nan: hold}]; range: [0, 4] in place of these four makes -1 to 1 of 0 to 4"),
+      text("image", "",
+           "What is taken of a sensor_msgs/Image or CompressedImage: {crop: [0, 120, 640, 240], "
+           "resize: [40, 30], channel: grey, filter: none} (docs/images.md)"),
       text("initial", "none", "Value of every channel before the first message; none: silence"),
       number(
           "timeout", "s", "1 s", 0,

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "faults.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -27,9 +28,18 @@ std::uint32_t table_width(const Part& part, Direction direction) {
                                         : weights.columns;
 }
 
+/// A picture of a size that is written says its width.
+std::uint32_t sensor_width(const Part& part, const Trial& trial) {
+  const messages::SensorRule rule = sensor_rule(part.parameters);
+  if (rule.image && rule.image->values()) {
+    return *rule.image->values();
+  }
+  return trial.sensor_width ? trial.sensor_width(part) : 0;
+}
+
 std::uint32_t known_width(const Part& part, Direction direction, const Trial& trial) {
   if (part.kind == kRosSensor) {
-    return trial.sensor_width && trial.whole.contains(part.name) ? trial.sensor_width(part) : 0;
+    return trial.whole.contains(part.name) ? sensor_width(part, trial) : 0;
   }
   return table_width(part, direction);
 }

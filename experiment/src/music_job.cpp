@@ -34,6 +34,19 @@ std::string mapping_text(const CommandMapping& mapping) {
   return json.dump(2) + "\n";
 }
 
+/// What a ros_sensor takes, as the file that its program reads.
+std::string sensor_text(const Parameters& parameters) {
+  nlohmann::ordered_json json;
+  for (const char* key : {"fields", "image"}) {
+    const std::string& text = parameters.text(key);
+    if (!text.empty()) {
+      const auto value = nlohmann::ordered_json::parse(text, nullptr, false);
+      json[key] = value.is_structured() ? value : nlohmann::ordered_json(text);
+    }
+  }
+  return json.dump(2) + "\n";
+}
+
 /// "continuous->spikes", for the launcher, which does not know a plug-in's class.
 std::string kinds_of(const NodeClass& node_class) {
   std::string in = "spikes";
@@ -114,8 +127,18 @@ class Writer : JobWriter {
     add(part, "binary", "ros_sensor_adapter");
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     add(part, "message_type", part.parameters.text("message"), "message");
-    if (const auto fields = sensor_fields(part.parameters); !fields.empty()) {
-      add(part, "fields", fmt::format("{}", fmt::join(fields, ",")));
+    const messages::SensorRule rule = sensor_rule(part.parameters);
+    const bool options = part.parameters.text("fields").find_first_of("{=") != std::string::npos;
+    if (!rule.fields.empty() && !options) {
+      std::vector<std::string> paths;
+      for (const messages::SensorField& field : rule.fields) {
+        paths.push_back(field.path);
+      }
+      add(part, "fields", fmt::format("{}", fmt::join(paths, ",")));
+    } else if (!rule.fields.empty() || rule.image) {
+      add(part, "sensor_mapping_filename",
+          as_file(part, "mapping", sensor_text(part.parameters), "json"),
+          part.parameters.given("fields") ? "fields" : "image");
     }
     add(part, "initial", part.parameters.text("initial"));
   }

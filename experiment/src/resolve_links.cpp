@@ -149,11 +149,13 @@ void check_against_robot(const Part& part, const Experiment& experiment,
 void check_part(const Part& part, const Experiment& experiment, const SensorWidth& sensor_width) {
   if (part.kind == kRosSensor) {
     check_against_robot(part, experiment, sensor_width);
-    const bool fields = part.parameters.given("fields");
-    located_at(part.parameters.where(fields ? "fields" : "message"), [&] {
+    const char* const key = part.parameters.given("fields")  ? "fields"
+                            : part.parameters.given("image") ? "image"
+                                                             : "message";
+    located_at(part.parameters.where(key), [&] {
       const std::string& type = part.parameters.text("message");
       messages::SensorConversion(messages::Catalog::for_type(messages::Dialect::ros1, type), type,
-                                 sensor_fields(part.parameters), experiment.width(part.name, "out"),
+                                 sensor_rule(part.parameters), experiment.width(part.name, "out"),
                                  true);
       return 0;
     });

@@ -163,7 +163,7 @@ void check_endpoint(Part& part, const std::string& directory) {
   if (part.kind == kRosSensor) {
     canonical();
     sensor_initial(part.parameters);
-    sensor_fields(part.parameters);
+    sensor_rule(part.parameters);
   } else if (part.kind == kRosCommand) {
     canonical();
     part.mapping = command_mapping(part.parameters);

@@ -11,6 +11,7 @@
 #include "spikeloop/core/units.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/images/image_settings.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -156,6 +157,38 @@ Json command_fields() {
   return {{"type", "object"}, {"additionalProperties", {{"anyOf", {channel, field}}}}};
 }
 
+/// [ranges, {path: ranges, scale: 2}]
+Json sensor_fields() {
+  const Json number{{"type", "number"}};
+  Json range = list_of(number);
+  range["minItems"] = range["maxItems"] = 2;
+  const Json field{{"type", "object"},
+                   {"properties",
+                    {{"path", {{"type", "string"}}},
+                     {"scale", number},
+                     {"offset", number},
+                     {"min", number},
+                     {"max", number},
+                     {"range", range},
+                     {"nan", {{"anyOf", {number, {{"enum", {"pass", "hold", "skip", "zero"}}}}}}}}},
+                   {"required", {"path"}},
+                   {"additionalProperties", false}};
+  const Json path{{"type", "string"}};
+  return {{"anyOf", {path, list_of({{"anyOf", {path, field}}})}}};
+}
+
+/// {resize: [40, 30], filter: on_off}
+Json image() {
+  Json schema = object_of(images::image_parameters());
+  for (const auto& [key, count] : {std::pair("crop", 4), {"resize", 2}, {"range", 2}}) {
+    Json list = list_of({{"type", "number"}});
+    list["minItems"] = list["maxItems"] = count;
+    list["description"] = schema["properties"][key]["description"];
+    schema["properties"][key] = list;
+  }
+  return schema;
+}
+
 Json limits() {
   Json pair = list_of({{"type", "number"}});
   pair["minItems"] = pair["maxItems"] = 2;
@@ -193,7 +226,8 @@ void put_structures(const std::string& kind, Json& properties) {
     properties[key] = std::move(schema);
   };
   if (kind == kRosSensor) {
-    put("fields", {{"type", {"array", "string"}}, {"items", {{"type", "string"}}}});
+    put("fields", sensor_fields());
+    put("image", image());
   } else if (kind == kRosCommand) {
     put("fields", command_fields());
     put("limits", limits());

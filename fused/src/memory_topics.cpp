@@ -25,7 +25,7 @@ class MemorySensor : public Source {
         conversion_(messages::Catalog::for_type(messages::Dialect::ros1,
                                                 spec.part.parameters.text("message")),
                     spec.part.parameters.text("message"),
-                    experiment::sensor_fields(spec.part.parameters), spec.width, true),
+                    experiment::sensor_rule(spec.part.parameters), spec.width, true),
         keep_(spec.keep) {
     topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
   }
@@ -57,7 +57,8 @@ class MemorySensor : public Source {
     const auto& counts = conversion_.counts();
     return {{"messages", counts.messages},
             {"invalid_readings", counts.invalid_readings},
-            {"without_reading", counts.without_reading}};
+            {"without_reading", counts.without_reading},
+            {"malformed", counts.malformed}};
   }
 
  private:

@@ -106,6 +106,24 @@ TEST(MappingFile, ReadsFieldsWithScaleOffsetAndLimits) {
   EXPECT_EQ(mapping.fields[1].maximum, std::nullopt);
 }
 
+TEST(MappingFile, ASliceStandsForItsElements) {
+  const CommandMapping mapping = parse_mapping(
+      twist(R"({"data[2:5]": {"channel": 7, "scale": 3}, "points[0].positions[0:2]": 1})"), "m");
+  std::vector<std::pair<std::string, std::uint32_t>> fields;
+  for (const CommandField& field : mapping.fields) {
+    fields.emplace_back(field.field, field.channel);
+  }
+  EXPECT_THAT(fields, ElementsAre(std::pair("data[2]", 7), std::pair("data[3]", 8),
+                                  std::pair("data[4]", 9), std::pair("points[0].positions[0]", 1),
+                                  std::pair("points[0].positions[1]", 2)));
+  EXPECT_EQ(mapping.fields[2].scale, 3);
+  EXPECT_EQ(error(twist("{\"data[5:5]\": 0}")),
+            "m:1:39: 'mapping.data[5:5]' names no elements, or more than 100000; write the first "
+            "one and the one behind the last, as in data[0:3]");
+  // What is no slice is left to those who know the message.
+  EXPECT_EQ(parse_mapping(twist("{\"a[name=x:y]\": 0}"), "m").fields.at(0).field, "a[name=x:y]");
+}
+
 // The older programs took absent limits for 0 and 0, and the robot never moved.
 TEST(MappingFile, AbsentLimitsLimitNothing) {
   const CommandMapping mapping = parse_mapping(kExample, "m", lax());

@@ -176,6 +176,34 @@ TEST_F(GoodFiles, TablesSayWidths) {
       testing::IsSupersetOf({"scan.out -> cells.in [2]", "cells.out -> encoder.in [3]"}));
 }
 
+TEST_F(GoodFiles, APictureSaysItsWidth) {
+  const Experiment experiment = good(
+      with({{"robot: {simulator: mujoco}", "ros: 1"},
+            {"nodes:\n",
+             "nodes:\n  eye: {node: ros_sensor, topic: /camera, message: sensor_msgs/Image, image: "
+             "{resize: [40, 30], channel: rgb, filter: on_off}}\n  grey: {node: rate_encoder}\n"},
+            {"connections:\n", "connections:\n  - eye -> grey\n"}}));
+  EXPECT_EQ(texts(experiment).front(), "eye.out -> grey.in [7200]");
+}
+
+TEST_F(GoodFiles, FieldsOfAnyMessage) {
+  const Experiment experiment = good(with(
+      {{"robot: {simulator: mujoco}", "ros: 1"},
+       {"message: LaserScan",
+        "message: sensor_msgs/msg/JointState, fields: [\"position[name=a]\", {path: "
+        "\"velocity[0:2]\", "
+        "range: [-1, 3], nan: zero}]"},
+       {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
+        "message: sensor_msgs/JointState, fields: {\"effort[name=a]\": 0, \"velocity[0:2]\": 0}, "
+        "limits: {\"velocity[0:2]\": [-1, 2]}"}}));
+  const CommandMapping& mapping = experiment.part("wheels").mapping;
+  ASSERT_EQ(mapping.fields.size(), 3U);
+  EXPECT_EQ(mapping.message_type, "sensor_msgs/JointState");
+  EXPECT_EQ(mapping.fields[2].field, "velocity[1]");
+  EXPECT_EQ(mapping.fields[2].channel, 1U);
+  EXPECT_EQ(mapping.fields[2].maximum, 2);
+}
+
 TEST_F(GoodFiles, AnOutputWithATableMayLeadNowhere) {
   const Experiment experiment =
       good(with({{"nodes:\n", "nodes:\n  other: {node: connect, weights: w.json}\n"},

@@ -127,7 +127,8 @@ TEST_P(Selectors, write_texts_and_elements) {
 
 TEST_P(Selectors, channels_keep_their_values_when_a_name_is_missing) {
   SensorConversion conversion(catalog(), "JointState",
-                              {"position[name=left]", "position[name=right]"}, 2, true);
+                              plain_fields({"position[name=left]", "position[name=right]"}), 2,
+                              true);
   EXPECT_TRUE(conversion.convert(message(
       catalog(), "JointState", {{"position[name=right]", {2}}, {"position[name=left]", {1}}})));
   EXPECT_THAT(conversion.channels(), ElementsAre(1, 2));

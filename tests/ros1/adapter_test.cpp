@@ -59,6 +59,17 @@ TEST_F(AdapterTest, scan_to_twist) {
   finish();
 }
 
+TEST_F(AdapterTest, a_mapping_file_scales_what_a_sensor_takes) {
+  directory_.write("sensor.json", R"({"fields": [{"path": "angular.z", "scale": 0.5, "offset": 0.1},
+                                      {"path": "linear.x", "range": [-4, 4]}]})");
+  start(pass_through("message_type=geometry_msgs/Twist\nsensor_mapping_filename=" +
+                         directory_.path().string() + "/sensor.json",
+                     twist_keys()),
+        2);
+  EXPECT_TRUE(reaches(0.35, 0.25, [&] { robot_.publish_twist("/in", 1, 0.5); }));
+  finish();
+}
+
 TEST_F(AdapterTest, a_change_leaves_at_once_and_rest_is_repeated) {
   start(pass_through("message_type=Twist", twist_keys() + "command_rate=10"), 2);
   ASSERT_TRUE(reaches(0.25, 0, [&] { robot_.publish_twist("/in", 0.25, 0); }));

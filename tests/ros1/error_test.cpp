@@ -91,6 +91,18 @@ TEST_F(ErrorTest, widths_and_channels) {
                         "[2] in its connection"));
 }
 
+TEST_F(ErrorTest, sensor_mapping_files_are_explained) {
+  const auto error = [&](const std::string& keys) {
+    return outcome_of("ros_topic=/in\nmessage_type=Twist\n" + keys, command_, "", 2).text();
+  };
+  EXPECT_THAT(error("sensor_mapping_filename=nowhere.json"),
+              HasSubstr("there is no mapping file 'nowhere.json' in '"));
+  EXPECT_THAT(
+      error("fields=linear.x\nsensor_mapping_filename=nowhere.json"),
+      HasSubstr("'fields' and 'sensor_mapping_filename' both say what to take; leave one of "
+                "them out"));
+}
+
 TEST_F(ErrorTest, strict_wants_a_mapping_file) {
   EXPECT_THAT(
       outcome_of(sensor_, "ros_topic=/cmd_vel", "strict=true").text(),
@@ -113,15 +125,16 @@ TEST_F(ErrorTest, the_bare_program_has_no_direction) {
 
 TEST_F(ErrorTest, help_names_every_key) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> programs = {
-      {"ros_sensor_adapter", {"ros_topic", "message_type", "sensor_update_rate", "initial"}},
+      {"ros_sensor_adapter",
+       {"ros_topic", "message_type", "sensor_update_rate", "initial", "sensor_mapping_filename"}},
       {"ros_command_adapter",
        {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel", "emergency_stop"}},
       {"ros_cont_adapter", {"ros_topic", "message_type"}},
       {"cont_ros_adapter",
        {"/cmd_vel ", "mapping.json ", "command_update_rate       Hz          20 "}},
       {"ros_event_sensor_adapter",
-       {"ros_topic", "polarity", "downsample", "roi", "latency", "refractory", "sensor_update_rate",
-        "event.out -> "}},
+       {"ros_topic", "message_type", "polarity", "downsample", "roi", "latency", "refractory",
+        "sensor_update_rate", "event.out -> "}},
       {"spikeloop-ros", {"ros_sensor_adapter", "ros_event_sensor_adapter", "ros_command_adapter"}}};
   for (const auto& [program, words] : programs) {
     const auto outcome = run({.arguments = {binary(program), "--help"}});

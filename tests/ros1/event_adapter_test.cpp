@@ -197,6 +197,10 @@ TEST_F(EventAdapterTest, sections_are_checked_without_ros) {
   EXPECT_THAT(error("roi=0,0,4,4\ndownsample=2", 48),
               HasSubstr("a region of 4 x 4 pixels makes 4 channels (polarity=both, downsample=2), "
                         "but the port has 48; write [4] in its connection"));
+  EXPECT_THAT(
+      error("message_type=event_camera_msgs/EventPackt", 48),
+      HasSubstr("message type 'event_camera_msgs/EventPackt' has no events of a camera; did "
+                "you mean 'event_camera_msgs/EventPacket'?"));
   EXPECT_THAT(error("polarity=spilt", 48), HasSubstr("did you mean 'split'?"));
   EXPECT_THAT(error("downsample=0", 48), HasSubstr("downsample"));
   const std::string file = directory_.write(

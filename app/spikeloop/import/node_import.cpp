@@ -11,6 +11,7 @@
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_script.hpp"
+#include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -219,6 +220,16 @@ void NodeImporter::import_sensor(const MusicSection& section) {
       paths.push_back(yaml_quoted(trimmed(part)));
     }
     add("fields", fmt::format("[{}]", fmt::join(paths, ", ")));
+  }
+  if (const MusicKey* file = find(section, "sensor_mapping_filename")) {
+    const WrittenValues keys = located_at(file->where, [&] {
+      return read_sensor_mapping(file->value, launch::directory_of(file_.path));
+    });
+    for (const auto& [name, value] : keys) {
+      add(name, value.text.starts_with('[') || value.text.starts_with('{')
+                    ? value.text
+                    : yaml_quoted(value.text));
+    }
   }
   if (const MusicKey* initial = find(section, "initial")) {
     add("initial", yaml_text(initial->value));

@@ -10,10 +10,12 @@
 #include <utility>
 
 #include "spikeloop/messages/event_array.hpp"
+#include "spikeloop/messages/event_packet.hpp"
 
 namespace spikeloop::messages {
 namespace {
 
+constexpr std::string_view kEventArray = "dvs_msgs/EventArray";
 constexpr const char* kPolarityNames[] = {"both", "on", "off", "split"};
 constexpr TimeNs kNever = std::numeric_limits<TimeNs>::min();
 
@@ -67,8 +69,17 @@ Region parse_region(std::string_view text) {
   return region;
 }
 
+void check_event_type(const std::string& message_type) {
+  if (message_type != kEventArray && message_type != kEventPacket) {
+    throw ConfigurationError(fmt::format(
+        "message type '{}' has no events of a camera{}", message_type,
+        did_you_mean(message_type, {std::string(kEventArray), std::string(kEventPacket)})));
+  }
+}
+
 EventConversion::EventConversion(const EventSettings& settings, Dialect dialect)
     : settings_(settings), dialect_(dialect) {
+  located_at(settings_.where, [&] { check_event_type(settings_.message_type); });
   if (settings_.region) {
     check_width("a region", settings_.region->width, settings_.region->height);
   }
@@ -136,22 +147,43 @@ bool EventConversion::convert(std::span<const std::byte> bytes, EventMessage& me
   message.events.clear();
   message.newest.reset();
   std::optional<EventArray> array;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
   try {
-    array.emplace(bytes, dialect_);
+    if (settings_.message_type == kEventPacket) {
+      const EventPacket packet = read_event_packet(dialect_, bytes);
+      decoder_.decode(packet, decoded_);
+      width = packet.width;
+      height = packet.height;
+    } else {
+      array.emplace(bytes, dialect_);
+      width = array->width();
+      height = array->height();
+    }
   } catch (const TransportError& error) {
     if (counts_.malformed++ == 0) {
-      warning_ =
-          fmt::format("a dvs_msgs/EventArray could not be read and is left out: {}", error.what());
+      warning_ = fmt::format("a {} could not be read and is left out: {}", settings_.message_type,
+                             error.what());
     }
     return false;
   }
-  fit(array->width(), array->height());
-  counts_.events += array->size();
-  message.events.reserve(array->size());
+  fit(width, height);
+  if (array) {
+    take(*array, message);
+  } else {
+    take(decoded_, message);
+  }
+  return true;
+}
+
+template <typename Events>
+void EventConversion::take(const Events& events, EventMessage& message) {
+  counts_.events += events.size();
+  message.events.reserve(events.size());
   TimeNs newest = kNever;
   std::uint64_t outside = 0;
-  for (std::size_t i = 0; i < array->size(); ++i) {
-    const CameraEvent event = (*array)[i];
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const CameraEvent event = events[i];
     newest = std::max(newest, event.stamp);
     if (event.x >= camera_width_ || event.y >= camera_height_) {
       ++outside;
@@ -181,7 +213,6 @@ bool EventConversion::convert(std::span<const std::byte> bytes, EventMessage& me
   if (newest != kNever) {
     message.newest = newest;
   }
-  return true;
 }
 
 std::string EventConversion::take_warning() {

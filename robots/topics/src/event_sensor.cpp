@@ -21,7 +21,8 @@ struct EventSensor::Impl {
       : settings(wanted),
         conversion(wanted.events, session.dialect()),
         playback(wanted.latency),
-        intake(session, {.topic = wanted.topic, .type = "dvs_msgs/EventArray", .queue = kQueue},
+        intake(session,
+               {.topic = wanted.topic, .type = wanted.events.message_type, .queue = kQueue},
                [this](std::span<const std::byte> bytes, TimeNs) { take(bytes); }) {}
 
   /// In the session's thread, the moment a message has arrived.

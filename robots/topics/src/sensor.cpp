@@ -14,7 +14,7 @@ namespace spikeloop::topics {
 namespace {
 
 messages::SensorConversion conversion_of(messages::Dialect ros, const SensorSettings& settings) {
-  return {catalog_of(ros, settings.message_type), settings.message_type, settings.fields,
+  return {catalog_of(ros, settings.message_type), settings.message_type, settings.rule,
           settings.width, settings.strict};
 }
 

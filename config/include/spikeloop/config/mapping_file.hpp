@@ -6,7 +6,8 @@
 //   "linear.x": {"channel": 0, "scale": 0.5, "offset": 0, "min": -0.5, "max": 0.5, "slew": 2}
 // Its value is scale * channel + offset, then limited. The file's "min" and "max" hold for fields
 // that have none of their own; without any there is no limit. "slew" is the fastest change of what
-// leaves, a second.
+// leaves, a second. A field that ends with a slice, "data[2:5]": 7, stands for its elements with
+// channels from 7 on.
 #pragma once
 
 #include <cstdint>

@@ -12,15 +12,16 @@
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/messages/sensor_rule.hpp"
 
 namespace spikeloop::experiment {
 
-/// `fields` of a ros_sensor. @throws ConfigurationError when it is no list of paths.
-std::vector<std::string> sensor_fields(const Parameters& parameters);
+/// `fields` and `image` of a ros_sensor. @throws ConfigurationError as sensing::sensor_rule.
+messages::SensorRule sensor_rule(const Parameters& parameters);
 /// `initial` of a ros_sensor. @throws ConfigurationError when it is neither a number nor none.
 std::optional<double> sensor_initial(const Parameters& parameters);
-/// Number of values that a message gives a ros_sensor; 0: as many as are asked for, or its fields
-/// are not there.
+/// Number of values that a message gives a ros_sensor; 0: as many as are asked for, or it cannot be
+/// read.
 std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message);
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping);

@@ -12,6 +12,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/signal.hpp"
 #include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/messages/event_decoder.hpp"
 
 namespace spikeloop::messages {
 
@@ -33,7 +34,12 @@ struct Region {
 /// Parses "x,y,width,height". @throws ConfigurationError that says what to write.
 Region parse_region(std::string_view text);
 
+/// @throws ConfigurationError when no events of a camera come in such messages.
+void check_event_type(const std::string& message_type);
+
 struct EventSettings {
+  /// dvs_msgs/EventArray or event_camera_msgs/EventPacket.
+  std::string message_type = "dvs_msgs/EventArray";
   Polarity polarity = Polarity::both;
   std::uint32_t downsample = 1;    ///< blocks of so many pixels in x and y share a channel
   std::optional<Region> region{};  ///< before down-sampling; none: the whole camera
@@ -67,7 +73,8 @@ class EventConversion {
     std::uint64_t malformed = 0;       ///< messages that could not be read
   };
 
-  /// @throws ConfigurationError as convert(), as far as the region says it already.
+  /// @throws ConfigurationError: another type of message; as convert(), as far as the region says
+  /// it already.
   EventConversion(const EventSettings& settings, Dialect dialect);
 
   /// Replaces `message`. False: the bytes are malformed, and it is empty.
@@ -83,6 +90,9 @@ class EventConversion {
   void check_width(std::string_view what, std::uint32_t width, std::uint32_t height) const;
   void fit(std::uint32_t width, std::uint32_t height);
   bool rests(const Spike& event);
+  /// Events is an EventArray, or a vector of CameraEvent.
+  template <typename Events>
+  void take(const Events& events, EventMessage& message);
 
   EventSettings settings_;
   Dialect dialect_;
@@ -91,7 +101,9 @@ class EventConversion {
   std::vector<std::int32_t> column_of_;  ///< of a pixel's x; negative: left out
   std::vector<std::int32_t> row_of_;     ///< of its y: the first channel of the row
   std::int32_t first_of_polarity_[2]{};  ///< off, on: the first channel; negative: left out
-  std::vector<TimeNs> last_;             ///< of each channel, when there is a refractory period
+  EventDecoder decoder_;
+  std::vector<CameraEvent> decoded_;
+  std::vector<TimeNs> last_;  ///< of each channel, when there is a refractory period
   Counts counts_;
   std::string warning_;
 };

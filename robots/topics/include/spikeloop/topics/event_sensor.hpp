@@ -17,7 +17,7 @@ struct EventSensorSettings {
   TimeNs latency = 0;  ///< see EventPlayback
 };
 
-/// Port: `out` [events.width], spikes. The topic's type is dvs_msgs/EventArray.
+/// Port: `out` [events.width], spikes. The topic's type is events.message_type.
 ///
 /// Counters: messages, events; of these left_out, refractory, outside_camera, before_begin, which
 /// are not sent, and waiting, which are not sent yet; late_events, worst_lateness_ns, clock_jumps,

@@ -8,17 +8,17 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/messages/sensor_rule.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::topics {
 
 struct SensorSettings {
   std::string topic;
-  std::string message_type;           ///< "sensor_msgs/LaserScan"
-  std::vector<std::string> fields{};  ///< see messages::SensorConversion; usually empty
+  std::string message_type;     ///< "sensor_msgs/LaserScan"
+  messages::SensorRule rule{};  ///< see messages::SensorConversion; usually empty
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value

@@ -1,0 +1,194 @@
+#include "spikeloop/messages/event_decoder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::messages {
+namespace {
+
+/// The highest 4 bits of a word of EVT 3.0.
+enum class Word : std::uint8_t {
+  row = 0x0,
+  event = 0x2,
+  vector_begin = 0x3,
+  vector_12 = 0x4,
+  vector_8 = 0x5,
+  time_lower = 0x6,
+  continued_4 = 0x7,
+  time_upper = 0x8,
+  padding = 0x9,  // sent by cameras of Lucid Vision Labs
+  trigger = 0xa,
+  others = 0xe,
+  continued_12 = 0xf
+};
+
+constexpr std::uint32_t kSidePixels = 2048;  // 11 bits
+constexpr std::uint32_t kHalfTime = 4096;    // 12 bits
+
+template <typename T>
+T load(const std::byte* at, bool big_endian) {
+  T value{};
+  std::memcpy(&value, at, sizeof(T));
+  if (!big_endian) {
+    return value;
+  }
+  T swapped{};
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    swapped = static_cast<T>(swapped << 8 | (value >> (8 * i) & 0xff));
+  }
+  return swapped;
+}
+
+void check_camera(const EventPacket& packet, std::uint32_t most, std::size_t word) {
+  if (packet.width == 0 || packet.height == 0 || packet.width > most || packet.height > most) {
+    throw TransportError(
+        fmt::format("its camera has {} x {} pixels; the driver must set width and height, at most "
+                    "{} each with {}",
+                    packet.width, packet.height, most, packet.encoding));
+  }
+  if (packet.events.size() % word != 0) {
+    throw TransportError(
+        fmt::format("its {} bytes of events are no whole number of {} each, as {} "
+                    "has them",
+                    packet.events.size(), word, packet.encoding));
+  }
+}
+
+}  // namespace
+
+void EventDecoder::decode(const EventPacket& packet, std::vector<CameraEvent>& events) {
+  events.clear();
+  if (packet.encoding == "mono") {
+    decode_mono(packet, events);
+    return;
+  }
+  if (packet.encoding != "evt3") {
+    throw TransportError(
+        fmt::format("its encoding '{}' is not known; let the driver send evt3 or mono",
+                    packet.encoding.substr(0, 40)));
+  }
+  if (next_sequence_ && packet.sequence != *next_sequence_) {
+    forget();
+  }
+  next_sequence_ = packet.sequence + 1;
+  try {
+    decode_evt3(packet, events);
+  } catch (const TransportError&) {
+    forget();
+    events.clear();
+    throw;
+  }
+}
+
+void EventDecoder::decode_mono(const EventPacket& packet, std::vector<CameraEvent>& events) const {
+  constexpr std::uint32_t kMostPixels = 65'536;
+  constexpr std::uint64_t kLatest = 1ULL << 62;  // of time_base: 146 years
+  check_camera(packet, kMostPixels, sizeof(std::uint64_t));
+  if (packet.time_base > kLatest) {
+    throw TransportError(
+        fmt::format("its time_base is {}, which is no time in nanoseconds", packet.time_base));
+  }
+  events.reserve(packet.events.size() / sizeof(std::uint64_t));
+  for (std::size_t at = 0; at < packet.events.size(); at += sizeof(std::uint64_t)) {
+    const auto word = load<std::uint64_t>(packet.events.data() + at, packet.big_endian);
+    events.push_back({static_cast<TimeNs>(packet.time_base + (word & 0xffff'ffff)),
+                      static_cast<std::uint16_t>(word >> 32 & 0xffff),
+                      static_cast<std::uint16_t>(word >> 48 & 0x7fff), (word >> 63) != 0});
+  }
+}
+
+void EventDecoder::decode_evt3(const EventPacket& packet, std::vector<CameraEvent>& events) {
+  check_camera(packet, kSidePixels, sizeof(std::uint16_t));
+  for (std::size_t at = 0; at < packet.events.size(); at += sizeof(std::uint16_t)) {
+    const auto word = load<std::uint16_t>(packet.events.data() + at, packet.big_endian);
+    const std::uint32_t rest = word & 0xfffU;
+    const std::uint32_t place = rest & 0x7ffU;
+    switch (static_cast<Word>(word >> 12)) {
+      case Word::row:
+        row_ = place;
+        row_known_ = true;
+        break;
+      case Word::event:
+        if (time_known_ && row_known_) {
+          events.push_back({time(), static_cast<std::uint16_t>(place),
+                            static_cast<std::uint16_t>(row_), (rest & 0x800U) != 0});
+        }
+        break;
+      case Word::vector_begin:
+        column_ = place;
+        on_ = (rest & 0x800U) != 0;
+        column_known_ = true;
+        break;
+      case Word::vector_12:
+        take_vector(rest, 12, events);
+        break;
+      case Word::vector_8:
+        take_vector(rest & 0xffU, 8, events);
+        break;
+      case Word::time_lower:
+        lower_ = rest;
+        time_known_ = upper_known_;
+        break;
+      case Word::time_upper:
+        take_upper_time(rest);
+        break;
+      case Word::padding:
+      case Word::trigger:
+      case Word::others:
+      case Word::continued_4:
+      case Word::continued_12:
+        break;
+      default:
+        throw TransportError(
+            fmt::format("word {} of its events is {:#06x}, and EVT 3.0 has none of this type",
+                        at / sizeof(std::uint16_t), word));
+    }
+  }
+}
+
+/// Beyond column 2047 there is nothing that a word could name.
+void EventDecoder::take_vector(std::uint32_t bits, std::uint32_t count,
+                               std::vector<CameraEvent>& events) {
+  if (time_known_ && row_known_ && column_known_) {
+    for (; bits != 0; bits &= bits - 1) {
+      const std::uint32_t x = column_ + static_cast<std::uint32_t>(std::countr_zero(bits));
+      events.push_back(
+          {time(), static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(row_), on_});
+    }
+  }
+  column_ = std::min(column_ + count, kSidePixels);
+}
+
+/// Cameras send the upper half again and again, now and then a little out of order.
+void EventDecoder::take_upper_time(std::uint32_t upper) {
+  if (upper + kHalfTime / 2 < upper_) {
+    ++turns_;
+  } else if (upper > upper_ + kHalfTime / 2 && turns_ > 0) {
+    --turns_;
+  }
+  if (upper != upper_) {
+    lower_ = 0;  // the word that says it comes next; the old one would be ahead of time
+  }
+  upper_ = upper;
+  upper_known_ = true;
+}
+
+void EventDecoder::forget() {
+  upper_known_ = false;
+  time_known_ = false;
+  row_known_ = false;
+  column_known_ = false;
+}
+
+TimeNs EventDecoder::time() const {
+  constexpr TimeNs kMicrosecond = 1000;
+  return kMicrosecond * ((turns_ * kHalfTime + static_cast<TimeNs>(upper_)) * kHalfTime +
+                         static_cast<TimeNs>(lower_));
+}
+
+}  // namespace spikeloop::messages

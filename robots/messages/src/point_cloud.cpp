@@ -1,0 +1,185 @@
+#include "point_cloud.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "header.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::messages {
+namespace {
+
+constexpr std::string_view kBegin = "points.";
+
+struct PointField {
+  std::string_view name;
+  std::uint32_t offset = 0;
+  std::uint32_t datatype = 0;
+};
+
+struct Cloud {
+  std::uint32_t height = 0;
+  std::uint32_t width = 0;
+  std::vector<PointField> fields;
+  bool big_endian = false;
+  std::uint32_t point_step = 0;
+  std::uint32_t row_step = 0;
+  std::span<const std::byte> data;
+};
+
+Cloud read_cloud(Dialect dialect, std::span<const std::byte> message) {
+  return with_reader(dialect, message, [&](auto& reader) {
+    constexpr std::size_t kLeastField = 13;  // a text, three numbers
+    skip_header(reader, dialect);
+    Cloud cloud;
+    cloud.height = read_uint32(reader);
+    cloud.width = read_uint32(reader);
+    const std::size_t fields = reader.length(kLeastField);
+    for (std::size_t i = 0; i < fields; ++i) {
+      PointField field;
+      field.name = reader.text();
+      field.offset = read_uint32(reader);
+      field.datatype = static_cast<std::uint32_t>(reader.number(Primitive::uint8));
+      read_uint32(reader);  // how many there are: the first is taken
+      cloud.fields.push_back(field);
+    }
+    cloud.big_endian = reader.number(Primitive::uint8) != 0;
+    cloud.point_step = read_uint32(reader);
+    cloud.row_step = read_uint32(reader);
+    cloud.data = read_bytes(reader);
+    return cloud;
+  });
+}
+
+template <typename T>
+double load(const std::byte* at, bool big_endian) {
+  std::byte bytes[sizeof(T)];
+  std::memcpy(bytes, at, sizeof(T));
+  if (big_endian) {
+    std::reverse(std::begin(bytes), std::end(bytes));
+  }
+  T value{};
+  std::memcpy(&value, bytes, sizeof(T));
+  return static_cast<double>(value);
+}
+
+struct Datatype {
+  std::uint32_t size;
+  double (*load)(const std::byte* at, bool big_endian);
+};
+
+/// sensor_msgs/PointField's numbers from 1, INT8, to 8, FLOAT64.
+constexpr Datatype kDatatypes[] = {{1, load<std::int8_t>},  {1, load<std::uint8_t>},
+                                   {2, load<std::int16_t>}, {2, load<std::uint16_t>},
+                                   {4, load<std::int32_t>}, {4, load<std::uint32_t>},
+                                   {4, load<float>},        {8, load<double>}};
+
+const PointField& find_field(const Cloud& cloud, std::string_view name) {
+  const auto found = std::ranges::find(cloud.fields, name, &PointField::name);
+  if (found == cloud.fields.end()) {
+    std::vector<std::string> names;
+    for (const PointField& field : cloud.fields) {
+      names.emplace_back(field.name);
+    }
+    throw TransportError(fmt::format("its points have no '{}'{}", name, did_you_mean(name, names)));
+  }
+  return *found;
+}
+
+const Datatype& check_cloud(const Cloud& cloud, const PointField& field) {
+  if (field.datatype == 0 || field.datatype > std::size(kDatatypes)) {
+    throw TransportError(fmt::format("its '{}' has datatype {}; PointField has 1 to {}", field.name,
+                                     field.datatype, std::size(kDatatypes)));
+  }
+  const Datatype& type = kDatatypes[field.datatype - 1];
+  if (std::uint64_t{field.offset} + type.size > cloud.point_step) {
+    throw TransportError(fmt::format("its '{}' at byte {} lies outside of points of {} bytes",
+                                     field.name, field.offset, cloud.point_step));
+  }
+  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
+  if (cloud.height > 1 && cloud.row_step < row) {
+    throw TransportError(fmt::format("its rows of {} bytes are shorter than {} points of {} bytes",
+                                     cloud.row_step, cloud.width, cloud.point_step));
+  }
+  if (cloud.height > 0 &&
+      std::uint64_t{cloud.height - 1} * cloud.row_step + row > cloud.data.size()) {
+    throw TransportError(fmt::format("it has {} bytes, less than {} x {} points of {} bytes",
+                                     cloud.data.size(), cloud.width, cloud.height,
+                                     cloud.point_step));
+  }
+  return type;
+}
+
+}  // namespace
+
+std::optional<PointPath> PointPath::parse(std::string_view text) {
+  if (!text.starts_with(kBegin)) {
+    return std::nullopt;
+  }
+  PointPath path;
+  path.text_ = text;
+  const std::string_view rest = text.substr(kBegin.size());
+  const auto bracket = rest.find('[');
+  path.field_ = rest.substr(0, bracket);
+  const auto fail = [&] {
+    throw ConfigurationError(fmt::format(
+        "field path '{}' of {}: it selects nothing; write points.NAME, points.NAME[index] or "
+        "points.NAME[first:end]",
+        text, kPointCloud));
+  };
+  if (path.field_.empty()) {
+    fail();
+  }
+  if (bracket == std::string_view::npos) {
+    return path;
+  }
+  if (!rest.ends_with(']')) {
+    fail();
+  }
+  const std::string_view inside = rest.substr(bracket + 1, rest.size() - bracket - 2);
+  const auto colon = inside.find(':');
+  const auto number = [&](std::string_view digits) {
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc{} || end != digits.data() + digits.size()) {
+      fail();
+    }
+    return std::size_t{value};
+  };
+  path.first_ = colon == 0 ? 0 : number(inside.substr(0, colon));
+  if (colon == std::string_view::npos) {
+    path.last_ = path.first_ + 1;
+  } else if (colon + 1 < inside.size()) {
+    path.last_ = number(inside.substr(colon + 1));
+  }
+  if (path.last_ && *path.last_ <= path.first_) {
+    fail();
+  }
+  return path;
+}
+
+std::optional<std::size_t> PointPath::width() const {
+  return last_ ? std::optional(*last_ - first_) : std::nullopt;
+}
+
+std::size_t PointPath::read(Dialect dialect, std::span<const std::byte> message,
+                            std::vector<double>& values) const {
+  const Cloud cloud = read_cloud(dialect, message);
+  const PointField& field = find_field(cloud, field_);
+  const Datatype& type = check_cloud(cloud, field);
+  const std::size_t points = std::size_t{cloud.width} * cloud.height;
+  const std::size_t last = std::min(points, last_.value_or(points));
+  const std::size_t before = values.size();
+  for (std::size_t i = first_; i < last; ++i) {
+    const std::size_t row = i / cloud.width * cloud.row_step;
+    const std::byte* const point = cloud.data.data() + row + i % cloud.width * cloud.point_step;
+    values.push_back(type.load(point + field.offset, cloud.big_endian));
+  }
+  return values.size() - before;
+}
+
+}  // namespace spikeloop::messages

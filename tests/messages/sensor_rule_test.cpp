@@ -1,0 +1,313 @@
+// What a rule makes of messages, in both dialects: options of fields, pictures, point clouds.
+#include "spikeloop/messages/sensor_rule.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
+
+namespace {
+
+using namespace spikeloop::messages;
+using spikeloop::images::Channel;
+using spikeloop::images::Size;
+using testing::DoubleEq;
+using testing::ElementsAre;
+using testing::IsNan;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::nan("");
+
+/// A field of a message under test.
+struct Field {
+  std::string path;
+  std::vector<double> numbers{};
+  std::string text{};
+};
+
+class SensorRules : public testing::TestWithParam<Dialect> {
+ protected:
+  const Catalog& catalog() const { return Catalog::builtin(GetParam()); }
+
+  std::vector<std::byte> message(std::string_view type, const std::vector<Field>& fields) const {
+    std::vector<std::string> paths;
+    std::vector<FieldValue> values;
+    for (const Field& field : fields) {
+      paths.push_back(field.path);
+      values.push_back({field.numbers, field.text});
+    }
+    std::vector<std::byte> bytes;
+    MessageWriter(catalog(), type, paths).write(values, bytes);
+    return bytes;
+  }
+
+  std::vector<std::byte> scan(const std::vector<double>& ranges) const {
+    return message("sensor_msgs/LaserScan", {{"header.frame_id", {}, "lidar"}, {"ranges", ranges}});
+  }
+
+  SensorConversion conversion(std::string_view type, const SensorRule& rule, std::uint32_t width,
+                              bool strict = false) const {
+    return {catalog(), type, rule, width, strict};
+  }
+
+  std::string error_of(std::string_view type, const SensorRule& rule,
+                       std::uint32_t width = 1) const {
+    try {
+      conversion(type, rule, width, true);
+    } catch (const spikeloop::ConfigurationError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Dialects, SensorRules, testing::Values(Dialect::ros1, Dialect::ros2),
+                         [](const auto& dialect) {
+                           return dialect.param == Dialect::ros1 ? "ros1" : "ros2";
+                         });
+
+TEST_P(SensorRules, plain_fields_are_taken_as_they_are) {
+  auto c = conversion("LaserScan", plain_fields({"ranges[1:3]", "ranges[0]"}), 3, true);
+  EXPECT_TRUE(c.convert(scan({5, -kInf, kNan, 8})));
+  EXPECT_THAT(c.channels(), ElementsAre(-kInf, IsNan(), 5));
+  EXPECT_EQ(c.counts().invalid_readings, 0u);
+}
+
+TEST_P(SensorRules, scale_offset_then_limits) {
+  const SensorField scaled{
+      .path = "ranges", .scale = 2, .offset = -1, .minimum = -0.5, .maximum = 4};
+  auto c = conversion("LaserScan", {.fields = {scaled}}, 5);
+  EXPECT_TRUE(c.convert(scan({0, 0.5, 2, 9, kInf})));
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5, 0, 3, 4, 4));
+}
+
+TEST_P(SensorRules, each_field_has_its_own_options) {
+  auto c = conversion("LaserScan",
+                      {.fields = {{.path = "ranges[0]", .scale = 10},
+                                  {.path = "ranges[0]", .offset = 3},
+                                  {.path = "ranges[1:]", .maximum = 1}}},
+                      4);
+  EXPECT_TRUE(c.convert(scan({1, 2, 0.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(10, 4, 1, 0.5));
+}
+
+TEST_P(SensorRules, not_a_number) {
+  const auto rule = [](NotANumber policy, double instead = 0) {
+    return SensorRule{.fields = {{.path = "ranges",
+                                  .scale = 2,
+                                  .maximum = 50,
+                                  .not_a_number = policy,
+                                  .instead = instead}}};
+  };
+  auto hold = conversion("LaserScan", rule(NotANumber::hold), 2);
+  EXPECT_TRUE(hold.convert(scan({1, kNan})));
+  EXPECT_THAT(hold.channels(), ElementsAre(2, IsNan()));
+  EXPECT_TRUE(hold.convert(scan({kNan, 3})));
+  EXPECT_THAT(hold.channels(), ElementsAre(2, 6));
+  EXPECT_EQ(hold.counts().invalid_readings, 2u);
+  EXPECT_FALSE(hold.convert(scan({kNan, kNan})));
+  EXPECT_EQ(hold.take_warning(),
+            "a sensor_msgs/LaserScan brought no reading; the channels keep what they had");
+
+  auto skip = conversion("LaserScan", rule(NotANumber::skip), 2);
+  EXPECT_TRUE(skip.convert(scan({1, 2})));
+  EXPECT_FALSE(skip.convert(scan({5, kNan})));
+  EXPECT_THAT(skip.channels(), ElementsAre(2, 4));
+  EXPECT_EQ(skip.counts().without_reading, 1u);
+
+  auto number = conversion("LaserScan", rule(NotANumber::number, 77), 2);
+  EXPECT_TRUE(number.convert(scan({1, kNan})));
+  EXPECT_THAT(number.channels(), ElementsAre(2, 77));
+
+  auto pass = conversion("LaserScan", rule(NotANumber::pass), 2);
+  EXPECT_TRUE(pass.convert(scan({1, kNan})));
+  EXPECT_THAT(pass.channels(), ElementsAre(2, IsNan()));
+}
+
+TEST_P(SensorRules, elements_by_name) {
+  const auto joints = message(
+      "sensor_msgs/JointState",
+      {{"name[0]", {}, "left_wheel"}, {"name[1]", {}, "right_wheel"}, {"position", {1.5, -2.5}}});
+  auto c = conversion("sensor_msgs/JointState",
+                      {.fields = {{.path = "position[name=right_wheel]", .scale = 2}}}, 1, true);
+  EXPECT_TRUE(c.convert(joints));
+  EXPECT_THAT(c.channels(), ElementsAre(-5));
+}
+
+/// Two by two pixels: red, green, blue, white.
+std::vector<Field> picture() {
+  return {{"header.frame_id", {}, "camera"},
+          {"height", {2}},
+          {"width", {2}},
+          {"encoding", {}, "rgb8"},
+          {"step", {6}},
+          {"is_bigendian", {0}},
+          {"data", {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}}};
+}
+
+TEST_P(SensorRules, pictures) {
+  SensorRule rule;
+  rule.image.emplace();
+  rule.image->channel = Channel::red;
+  auto c = conversion("sensor_msgs/Image", rule, 4, true);
+  EXPECT_TRUE(c.convert(message("sensor_msgs/Image", picture())));
+  EXPECT_THAT(c.channels(), ElementsAre(1, -1, -1, 1));
+  auto grey = conversion("sensor_msgs/Image", {}, 4, true);
+  EXPECT_TRUE(grey.convert(message("sensor_msgs/Image", picture())));
+  EXPECT_NEAR(grey.channels()[1], 2 * 0.587 - 1, 1e-6);
+}
+
+TEST_P(SensorRules, damaged_pictures_change_nothing) {
+  SensorRule rule;
+  rule.image.emplace().resize = Size{1, 1};
+  auto c = conversion("sensor_msgs/Image", rule, 1, true);
+  const auto good = message("sensor_msgs/Image", picture());
+  EXPECT_TRUE(c.convert(good));
+  const double before = c.channels()[0];
+  auto fields = picture();
+  fields[4].numbers = {5};
+  EXPECT_FALSE(c.convert(message("sensor_msgs/Image", fields)));
+  EXPECT_EQ(c.take_warning(),
+            "a sensor_msgs/Image could not be read and is left out: its step of 5 bytes is less "
+            "than a row of 2 pixels rgb8, 6");
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    ASSERT_FALSE(c.convert(std::span(good).first(size))) << size;
+  }
+  EXPECT_EQ(c.counts().malformed, 1 + good.size());
+  EXPECT_EQ(c.channels()[0], before);
+  auto file = conversion("sensor_msgs/CompressedImage", rule, 1, true);
+  EXPECT_FALSE(file.convert(
+      message("sensor_msgs/CompressedImage", {{"format", {}, "jpeg"}, {"data", {255, 216, 255}}})));
+  EXPECT_EQ(file.counts().malformed, 1u);
+}
+
+TEST_P(SensorRules, pixels_without_a_reading_keep_their_channel) {
+  SensorRule rule;
+  rule.image.emplace().range = std::pair(0.0, 4000.0);
+  auto c = conversion("sensor_msgs/Image", rule, 2);
+  const auto depths = [&](double left, double right) {
+    const auto low = [](double value) { return std::fmod(value, 256); };
+    const auto high = [](double value) { return std::floor(value / 256); };
+    return message("sensor_msgs/Image",
+                   {{"height", {1}},
+                    {"width", {2}},
+                    {"encoding", {}, "16UC1"},
+                    {"step", {4}},
+                    {"data", {low(left), high(left), low(right), high(right)}}});
+  };
+  EXPECT_TRUE(c.convert(depths(1000, 3000)));
+  EXPECT_TRUE(c.convert(depths(0, 2000)));
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5, 0));
+  EXPECT_EQ(c.counts().invalid_readings, 1u);
+}
+
+template <typename T>
+void append(std::vector<double>& bytes, T value, bool big_endian) {
+  unsigned char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    bytes.push_back(raw[big_endian ? sizeof(T) - 1 - i : i]);
+  }
+}
+
+/// Two rows of three points with x (float32), a gap, ring (uint16), t (float64); rows have a gap,
+/// too. Point i: x = i, ring = 1000 i, t = -i.
+std::vector<Field> cloud(bool big_endian) {
+  std::vector<double> data;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const int i = 3 * row + column;
+      append(data, static_cast<float>(i), big_endian);
+      data.insert(data.end(), {9, 9});
+      append(data, static_cast<std::uint16_t>(1000 * i), big_endian);
+      append(data, static_cast<double>(-i), big_endian);
+    }
+    data.insert(data.end(), {7, 7, 7});
+  }
+  return {{"header.frame_id", {}, "lidar"},
+          {"height", {2}},
+          {"width", {3}},
+          {"fields[0].name", {}, "x"},
+          {"fields[0].datatype", {7}},
+          {"fields[0].count", {1}},
+          {"fields[1].name", {}, "ring"},
+          {"fields[1].offset", {6}},
+          {"fields[1].datatype", {4}},
+          {"fields[2].name", {}, "t"},
+          {"fields[2].offset", {8}},
+          {"fields[2].datatype", {8}},
+          {"is_bigendian", {big_endian ? 1.0 : 0.0}},
+          {"point_step", {16}},
+          {"row_step", {51}},
+          {"data", data}};
+}
+
+TEST_P(SensorRules, points_by_the_message_s_own_fields) {
+  const SensorRule rule{.fields = {{.path = "points.x[1:5]"},
+                                   {.path = "points.ring[4]", .scale = 0.001},
+                                   {.path = "points.t"},
+                                   {.path = "width"}}};
+  for (const bool big_endian : {false, true}) {
+    auto c = conversion("sensor_msgs/PointCloud2", rule, 12);
+    EXPECT_TRUE(c.convert(message("sensor_msgs/PointCloud2", cloud(big_endian))));
+    EXPECT_THAT(c.channels(), ElementsAre(1, 2, 3, 4, DoubleEq(4), 0, -1, -2, -3, -4, -5, 3));
+  }
+}
+
+TEST_P(SensorRules, clouds_that_contradict_themselves_are_refused) {
+  const auto warning = [&](std::size_t field, double value, const char* path = "points.ring") {
+    auto fields = cloud(false);
+    fields[field].numbers = {value};
+    auto c = conversion("sensor_msgs/PointCloud2", {.fields = {{.path = path}}}, 6);
+    EXPECT_FALSE(c.convert(message("sensor_msgs/PointCloud2", fields)));
+    EXPECT_EQ(c.counts().malformed, 1u);
+    const std::string all = c.take_warning();
+    return all.substr(all.find(": ") + 2);
+  };
+  EXPECT_EQ(warning(1, 2, "points.rings"), "its points have no 'rings'; did you mean 'ring'?");
+  EXPECT_EQ(warning(8, 9), "its 'ring' has datatype 9; PointField has 1 to 8");
+  EXPECT_EQ(warning(7, 15), "its 'ring' at byte 15 lies outside of points of 16 bytes");
+  EXPECT_EQ(warning(7, 4294967295.0),
+            "its 'ring' at byte 4294967295 lies outside of points of 16 bytes");
+  EXPECT_EQ(warning(14, 47), "its rows of 47 bytes are shorter than 3 points of 16 bytes");
+  EXPECT_EQ(warning(1, 3), "it has 102 bytes, less than 3 x 3 points of 16 bytes");
+  EXPECT_EQ(warning(2, 4294967295.0),
+            "its rows of 51 bytes are shorter than 4294967295 points of 16 bytes");
+  const auto good = message("sensor_msgs/PointCloud2", cloud(false));
+  auto c = conversion("sensor_msgs/PointCloud2", {.fields = {{.path = "points.x"}}}, 6);
+  // Of is_dense, the last byte, nothing is taken.
+  for (std::size_t size = 0; size + 1 < good.size(); ++size) {
+    ASSERT_FALSE(c.convert(std::span(good).first(size))) << size;
+  }
+}
+
+TEST_P(SensorRules, what_is_wrong_is_said) {
+  EXPECT_EQ(error_of("sensor_msgs/LaserScan", {.image = spikeloop::images::ImageSettings{}}),
+            "'image' is for sensor_msgs/Image and sensor_msgs/CompressedImage, not for "
+            "sensor_msgs/LaserScan; write 'fields' with the fields to take");
+  SensorRule small;
+  small.image.emplace().resize = Size{4, 3};
+  EXPECT_EQ(error_of("sensor_msgs/Image", small, 10),
+            "a sensor_msgs/Image gives 12 values, but the port has 10 channels; write [12] in its "
+            "connection");
+  EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[2:5]"}), 2),
+            "a sensor_msgs/PointCloud2 gives 3 values, but the port has 2 channels; write [3] in "
+            "its connection");
+  for (const char* path :
+       {"points.", "points.[1]", "points.x[]", "points.x[2", "points.x[a]", "points.x[3:3]"}) {
+    EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({path})),
+              "field path '" + std::string(path) +
+                  "' of sensor_msgs/PointCloud2: it selects nothing; write points.NAME, "
+                  "points.NAME[index] or points.NAME[first:end]");
+  }
+  EXPECT_EQ(error_of("sensor_msgs/LaserScan", plain_fields({"range"})).substr(0, 84),
+            "field path 'range' of sensor_msgs/LaserScan: sensor_msgs/LaserScan has no field 'ran");
+}
+
+}  // namespace
