@@ -9,6 +9,7 @@
 #include "faults.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
 namespace spikeloop::experiment {
@@ -160,6 +161,12 @@ void check_part(const Part& part, const Experiment& experiment, const SensorWidt
     });
   } else if (part.kind == kRosCommand) {
     in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
+    if (spike_timeout(part) != 0 && spikes_behind(experiment, part.name).empty()) {
+      throw ConfigurationError(
+          part.parameters.where("spike_timeout"),
+          fmt::format("key 'spike_timeout': no spikes are on the way to '{}'; leave it out",
+                      part.name));
+    }
   }
 }
 

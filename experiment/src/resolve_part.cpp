@@ -10,6 +10,7 @@
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
@@ -48,19 +49,32 @@ Json parsed(const Parameters& parameters, const char* key, const char* example) 
   return json;
 }
 
+/// What a field of `fields` has besides its channel.
+Json& field_of(Json& fields, const std::string& field, const Parameters& parameters,
+               const char* key) {
+  if (!fields.is_object() || !fields.contains(field)) {
+    throw ConfigurationError(
+        parameters.where(key),
+        fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, too", key,
+                    field));
+  }
+  if (!fields[field].is_object()) {
+    fields[field] = Json{{"channel", fields[field]}};
+  }
+  return fields[field];
+}
+
 /// `limits` as "min" and "max" of its fields.
 void add_limits(const Parameters& parameters, Json& fields) {
+  if (parameters.text("limits") == kNoLimits) {
+    return;
+  }
   const Json limits = parsed(parameters, "limits", "{linear.x: [-0.5, 0.5]}");
   if (limits.is_null()) {
     return;
   }
   for (const auto& [field, range] : limits.items()) {
-    if (!fields.is_object() || !fields.contains(field)) {
-      throw ConfigurationError(
-          parameters.where("limits"),
-          fmt::format("key 'limits': '{}' is not one of the fields; write it into  fields, too",
-                      field));
-    }
+    Json& entry = field_of(fields, field, parameters, "limits");
     const bool pair = range.is_array() && range.size() == 2 && range[0].is_number() &&
                       range[1].is_number() && range[0] <= range[1];
     if (!pair) {
@@ -70,11 +84,27 @@ void add_limits(const Parameters& parameters, Json& fields) {
               "key 'limits': {} of '{}' is no least and greatest value; write  {}: [-0.5, 0.5]",
               range.dump(), field, field));
     }
-    if (!fields[field].is_object()) {
-      fields[field] = Json{{"channel", fields[field]}};
+    entry["min"] = range[0];
+    entry["max"] = range[1];
+  }
+}
+
+/// `slew` as that of its fields.
+void add_slew(const Parameters& parameters, Json& fields) {
+  const Json slew = parsed(parameters, "slew", "{linear.x: 1.0}");
+  if (slew.is_null()) {
+    return;
+  }
+  for (const auto& [field, rate] : slew.items()) {
+    Json& entry = field_of(fields, field, parameters, "slew");
+    if (!rate.is_number() || rate <= 0) {
+      throw ConfigurationError(
+          parameters.where("slew"),
+          fmt::format("key 'slew': {} of '{}' is no rate of change; write a number above 0, as  "
+                      "{}: 1.0, in units a second",
+                      rate.dump(), field, field));
     }
-    fields[field]["min"] = range[0];
-    fields[field]["max"] = range[1];
+    entry["slew"] = rate;
   }
 }
 
@@ -82,6 +112,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
   Json mapping{{"message_type", parameters.text("message")}};
   Json fields = parsed(parameters, "fields", "{linear.x: 0, angular.z: 1}");
   add_limits(parameters, fields);
+  add_slew(parameters, fields);
   if (!fields.is_null()) {
     mapping["mapping"] = fields;
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
@@ -138,6 +169,8 @@ void check_endpoint(Part& part, const std::string& directory, messages::Dialect 
     canonical();
     part.mapping = command_mapping(part.parameters);
     check_command_fields(part.mapping, ros);
+    emergency_stop(part);
+    manual_override(part);
   }
 }
 
