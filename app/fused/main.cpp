@@ -25,6 +25,7 @@ struct Arguments {
   fused::RunOptions run;
   experiment::Overrides overrides;
   std::string sync;
+  std::string ros;
   double stall_timeout_s = 60;
   std::string about;
   bool no_record = false;
@@ -110,6 +111,7 @@ int main(int argc, char** argv) {
   app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
                  "Simulated time over wall time");
   app.add_option("--sync", arguments.sync, "In place of the key sync");
+  app.add_option("--ros", arguments.ros, "In place of the key ros");
   app.add_option("--stall-timeout", arguments.stall_timeout_s,
                  "Longest wall time that a stepped robot may take to answer, s; 0: any");
   app.add_option("--about", arguments.about, "What resolved.json says beside the experiment, JSON");
@@ -119,6 +121,9 @@ int main(int argc, char** argv) {
   arguments.run.about = nlohmann::json::parse(arguments.about, nullptr, false);
   if (!arguments.sync.empty()) {
     arguments.overrides.sync = experiment::sync_named(arguments.sync);
+  }
+  if (!arguments.ros.empty()) {
+    arguments.overrides.ros = experiment::ros_named(arguments.ros);
   }
   return guarded(arguments);
 }

@@ -24,9 +24,10 @@ std::vector<ParameterDescription> own_parameters() {
   return {text("experiment", std::nullopt, "the experiment file"),
           text("wait_for", "realtime", "the experiment's sync"),
           {.name = "ros",
-           .type = ParameterType::boolean,
-           .default_value = "false",
-           .text = "topics are those of ROS 1"},
+           .type = ParameterType::choice,
+           .default_value = "none",
+           .choices = {"none", "1", "2"},
+           .text = "the experiment's ros"},
           {.name = "stall_timeout",
            .unit = "s",
            .default_value = "60",
@@ -55,11 +56,16 @@ experiment::Overrides overrides_of(const Parameters& keys, const music::CommonKe
   overrides.seed = common.seed;
   overrides.real_time_factor = common.rtf;
   overrides.sync = experiment::sync_named(keys.text("wait_for"));
+  overrides.ros = experiment::ros_named(keys.text("ros"));
   overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
   if (!keys.text("replay_origin").empty()) {
     overrides.replay = {keys.text("replay_origin"), keys.text("replay_bag")};
   }
   return overrides;
+}
+
+bool over_ros(const Parameters& keys) {
+  return keys.text("ros") != "none";
 }
 
 fused::RunOptions options_of(const Parameters& keys, const music::CommonKeys& common) {
@@ -76,7 +82,7 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
       .progress = [&](const fused::Progress& progress) { simulators.take(progress); },
       .stop = stop};
   const fused::RunOptions options = options_of(keys, process.common());
-  if (!keys.boolean("ros")) {
+  if (!over_ros(keys)) {
     return fused::run(experiment, options, events, &simulators);
   }
   const auto enter = [&](bool waits) {
@@ -95,7 +101,7 @@ int run(music::Process& process) {
   if (process.checking()) {
     return 0;  // whoever wrote the section has checked the experiment
   }
-  if (!keys.boolean("ros")) {
+  if (!over_ros(keys)) {
     command::Watch::release_signals();
   }
   const auto loaded =

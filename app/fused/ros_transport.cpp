@@ -75,7 +75,8 @@ class RosCommandEnd : public fused::CommandEnd {
 RosTransport::RosTransport(const experiment::Experiment& experiment,
                            const LoopSurroundings& surroundings)
     : experiment_(experiment),
-      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true}})),
+      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true},
+                              experiment::dialect_of(experiment.ros)})),
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);
@@ -108,14 +109,15 @@ std::unique_ptr<Source> RosTransport::sensor(const fused::SensorSpec& spec) {
 
 command::CommandSettings RosTransport::command_settings(const fused::CommandSpec& spec) const {
   const Parameters& keys = spec.part.parameters;
-  if (in_simulated_time(experiment_.sync)) {
-    return command::simulated_settings(
-        keys, spec.map, robot_ ? command::CommandClock::lockstep : command::CommandClock::simulated,
-        spec.with_pace);
-  }
-  return command::command_settings(keys, spec.map, keys.number("command_rate"),
-                                   {experiment_.tick, experiment_.real_time_factor},
-                                   spec.with_pace);
+  const auto clock = robot_ ? command::CommandClock::lockstep : command::CommandClock::simulated;
+  command::CommandSettings settings =
+      in_simulated_time(experiment_.sync)
+          ? command::simulated_settings(keys, spec.map, clock, spec.with_pace)
+          : command::command_settings(keys, spec.map, keys.number("command_rate"),
+                                      {experiment_.tick, experiment_.real_time_factor},
+                                      spec.with_pace);
+  fused::add_safety(spec, settings);
+  return settings;
 }
 
 std::unique_ptr<fused::CommandEnd> RosTransport::command(const fused::CommandSpec& spec) {

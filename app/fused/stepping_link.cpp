@@ -35,7 +35,7 @@ void SteppingLink::take(std::span<const std::byte> message) {
   {
     const std::lock_guard lock(mutex_);
     try {
-      answer_ = stepping::read_answer(stepping::text_of(message));
+      answer_ = stepping::read_answer(stepping::text_of(session_.dialect(), message));
     } catch (const Error& error) {
       unreadable_ = error.what();
     }
@@ -44,7 +44,7 @@ void SteppingLink::take(std::span<const std::byte> message) {
 }
 
 void SteppingLink::send(const Request& request) {
-  steps_->publish(stepping::string_message(to_text(request)));
+  steps_->publish(stepping::string_message(session_.dialect(), to_text(request)));
 }
 
 void SteppingLink::require_sound() const {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kDescription =
     "Stops the robot when its command adapter cannot: killed by SIGKILL, stopped by SIGSTOP, or\n"
-    "crashed. `spikeloop run` starts one beside every job that commands a robot over ROS 1.\n"
+    "crashed. `spikeloop run` starts one beside every job that commands a robot over ROS.\n"
     "\n"
     "Command adapters that find the socket's path in SPIKELOOP_GUARD connect to it. When one goes\n"
     "without having stopped its robot, or is silent for 100 ms longer than its watchdog, the "

@@ -9,6 +9,7 @@
 #include "run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace {
 
@@ -34,22 +35,21 @@ int fail(const spikeloop::status::Sender& status, int exit_code, const std::stri
 
 int main(int argc, char** argv) {
   using namespace spikeloop;
-  topics::CommandLine line = topics::split_command_line(argc, argv);
-  std::vector<char*> pointers;
-  pointers.reserve(line.own.size() + 1);
-  for (auto& argument : line.own) pointers.push_back(argument.data());
-  int exit_code = 0;
-  const auto options =
-      robot::parse_options(static_cast<int>(pointers.size()), pointers.data(), exit_code);
-  if (!options) return exit_code;
-
   log::set_sink([](log::Level level, std::string_view text) {
     fmt::print(stderr, "spikeloop-robot: {}{}\n", level == log::Level::warning ? "warning: " : "",
                text);
   });
-  handle_signals();
   const status::Sender status("robot");
   try {
+    topics::CommandLine line = topics::split_command_line(argc, argv);
+    std::vector<char*> pointers;
+    pointers.reserve(line.own.size() + 1);
+    for (auto& argument : line.own) pointers.push_back(argument.data());
+    int exit_code = 0;
+    const auto options =
+        robot::parse_options(static_cast<int>(pointers.size()), pointers.data(), exit_code);
+    if (!options) return exit_code;
+    handle_signals();
     (options->step ? robot::run_stepped : robot::run)(*options, line.ros, status, stop);
   } catch (const Error& error) {
     return fail(status, error.exit_code(), error.what());

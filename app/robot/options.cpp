@@ -6,7 +6,7 @@ namespace spikeloop::robot {
 namespace {
 
 constexpr const char* kDescription =
-    "A skid-steered vehicle with a laser in a simulated arena (MuJoCo), as a ROS 1 node.\n"
+    "A skid-steered vehicle with a laser in a simulated arena (MuJoCo), as a node of ROS 1 or 2.\n"
     "Publishes sensor_msgs/LaserScan (20 Hz), nav_msgs/Odometry (50 Hz) and rosgraph_msgs/Clock\n"
     "(all in simulated time); drives as geometry_msgs/Twist says (linear.x, angular.z).";
 
@@ -55,8 +55,12 @@ void declare(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   app.add_option("--cmd-topic", options.command_topic, "geometry_msgs/Twist in")
       ->capture_default_str();
+  app.add_option("--ros", options.ros, "version of ROS")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
   app.add_option("--node-name", options.node_name, "name of the ROS node")->capture_default_str();
-  app.add_option("--master-timeout", options.master_timeout_s, "seconds to wait for the ROS master")
+  app.add_option("--master-timeout", options.master_timeout_s,
+                 "seconds to wait for the master of ROS 1")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
 }

@@ -22,6 +22,7 @@ struct RunOptions {
   std::string command_topic = "cmd_vel";
   std::string topic_prefix = "/";
   std::string node_name = "spikeloop_robot";
+  int ros = 1;  ///< its version
   double master_timeout_s = 10;
 
   /// A topic's whole name: one that begins with '/' stands as it is, others follow the prefix.

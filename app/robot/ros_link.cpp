@@ -6,6 +6,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/session/open.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::robot {
 namespace {
@@ -15,7 +16,7 @@ template <typename Message>
 class Topic {
  public:
   Topic(topics::Session& session, const std::string& name, const char* type)
-      : publisher_(session.publisher(name, type)) {}
+      : message_(session.dialect()), publisher_(session.publisher(name, type)) {}
 
   template <typename Value>
   void publish(const Value& value) {
@@ -36,6 +37,7 @@ class RosLink::Impl {
         scan_(*session_, options.topic(options.scan_topic), kScanType),
         odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
         clock_(*session_, options.topic(options.clock_topic), kClockType),
+        twist_(session_->dialect()),
         subscriber_(session_->subscriber({.topic = options.topic(options.command_topic),
                                           .message_type = kTwistType,
                                           .take = [this](auto message) { receive(message); }})) {}
@@ -79,6 +81,7 @@ std::unique_ptr<topics::Session> open_session(const RunOptions& options,
                                               const topics::RosArguments& arguments,
                                               const std::atomic<bool>& stop) {
   session::Settings settings;
+  settings.ros = topics::dialect_of(options.ros);
   settings.node_name = options.node_name;
   settings.arguments = arguments;
   settings.master_timeout = from_seconds(options.master_timeout_s);

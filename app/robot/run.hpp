@@ -5,7 +5,7 @@
 
 #include "options.hpp"
 #include "spikeloop/status/status.hpp"
-#include "spikeloop/topics/arguments.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::robot {
 

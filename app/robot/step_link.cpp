@@ -23,6 +23,7 @@ StepLink::StepLink(const RunOptions& options, std::unique_ptr<topics::Session> s
     : session_(std::move(session)),
       scan_(*session_, options.topic(options.scan_topic), kScanType),
       odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
+      clock_message_(session_->dialect()),
       clock_(session_->publisher(options.topic(options.clock_topic), kClockType)),
       answers_(session_->publisher(stepping::kSteppedTopic, stepping::kType, 0)),
       command_topic_(session_->whole_topic(options.topic(options.command_topic))),
@@ -49,7 +50,7 @@ void StepLink::take_request(std::span<const std::byte> message) {
   {
     const std::lock_guard lock(mutex_);
     try {
-      requests_.push_back(stepping::text_of(message));
+      requests_.push_back(stepping::text_of(session_->dialect(), message));
     } catch (const Error& error) {
       log::warning("topic {}: {}", stepping::kStepTopic, error.what());
     }
@@ -124,13 +125,17 @@ void StepLink::publish_clock(TimeNs time) {
 }
 
 void StepLink::answer(TimeNs time) {
-  answers_->publish(stepping::string_message(to_text(stepping::Answer{
-      .time = time, .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
+  answers_->publish(stepping::string_message(
+      session_->dialect(),
+      to_text(stepping::Answer{
+          .time = time,
+          .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
 }
 
 void StepLink::refuse(const std::string& problem) {
   log::warning("{}", problem);
-  answers_->publish(stepping::string_message(to_text(stepping::Answer{.error = problem})));
+  answers_->publish(
+      stepping::string_message(session_->dialect(), to_text(stepping::Answer{.error = problem})));
 }
 
 }  // namespace spikeloop::robot

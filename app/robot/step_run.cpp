@@ -6,6 +6,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/topics/names.hpp"
 #include "step_link.hpp"
 
 namespace spikeloop::robot {
@@ -17,7 +18,7 @@ class SteppedRun {
  public:
   SteppedRun(const RunOptions& options, StepLink& link, const std::atomic<bool>& stop)
       : options_(options), link_(link), stop_(stop) {
-    robot_.emplace(options.vehicle, options.out);
+    robot_.emplace(options.vehicle, options.out, topics::dialect_of(options.ros));
   }
 
   void run() {
@@ -49,7 +50,7 @@ class SteppedRun {
 
   void begin() {
     if (begun_) {  // once more from the start
-      robot_.emplace(options_.vehicle, options_.out);
+      robot_.emplace(options_.vehicle, options_.out, topics::dialect_of(options_.ros));
     }
     begun_ = true;
     link_.begin();

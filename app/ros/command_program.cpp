@@ -5,12 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
+#include "safety_keys.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/ros_command/arrivals.hpp"
 #include "spikeloop/ros_command/ros_command.hpp"
 #include "spikeloop/topics/publisher.hpp"
 
@@ -50,6 +52,8 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
        .default_value = "0",
        .minimum = 0,
        .text = "Ticks that the data take longer than the pace, which waits for them"});
+  const auto safety = safety_parameters();
+  parameters.insert(parameters.end(), safety.begin(), safety.end());
   return parameters;
 }
 
@@ -116,7 +120,7 @@ void record_latency(music::Process& process, bool with_pace, ros_command::RosCom
 music::ProgramText command_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "A continuous signal as command messages on a ROS 1 topic";
+  text.summary = "A continuous signal as command messages on a ROS topic";
   text.ports =
       "  in         input   continuous  the numbers to send\n"
       "  pace       input   continuous  [1] from ros_sensor_adapter: the age of the data\n";
@@ -134,7 +138,9 @@ music::ProgramText command_text(const RosProgram& program) {
       "the run ends in whatever way, when no tick comes, when data are too old, and instead of a\n"
       "command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it "
       "when\n"
-      "this program cannot: killed by SIGKILL, or stopped by SIGSTOP.\n";
+      "this program cannot: killed by SIGKILL, or stopped by SIGSTOP. The topics emergency_stop "
+      "and\n"
+      "override are heard the moment a message comes. docs/safety.md has all of it.\n";
   return text;
 }
 
@@ -154,10 +160,11 @@ int run_command(music::Process& process, const RosProgram& program) {
 
   command::ComponentMap map = command::component_map(mapping, width);
   const auto& keys = process.common();
-  const command::CommandSettings settings = command::command_settings(
+  command::CommandSettings settings = command::command_settings(
       parameters, map, command_rate(parameters, program, keys.strict),
       {keys.music_timestep, keys.rtf}, process.connected_input("pace", PortKind::signal));
   const session::Settings node = session_settings(parameters);
+  add_safety(parameters, mapping, topic, node.ros, settings);
   if (process.checking()) {
     for (const CommandField& field : mapping.fields) {
       located_at(field.where, [&] {
@@ -174,6 +181,7 @@ int run_command(music::Process& process, const RosProgram& program) {
       *session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
       settings);
 
+  std::vector<std::unique_ptr<ros_command::Arrivals>> sensors;
   GraphDescription description;
   description.tick = process.common().music_timestep;
   description.seed = process.common().seed;
@@ -185,6 +193,14 @@ int run_command(music::Process& process, const RosProgram& program) {
   if (pace) {
     description.sources.push_back({"pace", pace.get()});
     description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
+  }
+  for (const SensorTopic& topic_in : sensor_topics(parameters, node.ros)) {
+    const std::size_t i = sensors.size();
+    sensors.push_back(std::make_unique<ros_command::Arrivals>(*session, topic_in.sensor.topic,
+                                                              topic_in.message_type));
+    description.sources.push_back({fmt::format("sensor {}", i), sensors.back().get()});
+    description.connections.push_back(
+        {fmt::format("sensor {}.out", i), fmt::format("topic.sensor_{}", i), 1, 0, {}});
   }
   process.attach_recorders(description);
   record_latency(process, pace != nullptr, sink);

@@ -14,16 +14,21 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
            .type = ParameterType::text,
            .default_value = program.node_name,
            .text = "Name of the ROS node; the default gets a suffix that makes it unique"},
+          {.name = "ros",
+           .type = ParameterType::choice,
+           .default_value = "1",
+           .choices = {"1", "2"},
+           .text = "Version of ROS"},
           {.name = "master_timeout",
            .unit = "s",
            .default_value = "5",
            .minimum = 0,
            .maximum = 86400,
-           .text = "How long to wait for the ROS master (ROS_MASTER_URI)"}};
+           .text = "How long to wait for the master of ROS 1 (ROS_MASTER_URI)"}};
 }
 
-messages::Dialect ros_of(const Parameters& /*parameters*/) {
-  return messages::Dialect::ros1;
+messages::Dialect ros_of(const Parameters& parameters) {
+  return topics::dialect_of(parameters.text("ros") == "2" ? 2 : 1);
 }
 
 session::Settings session_settings(const Parameters& parameters) {

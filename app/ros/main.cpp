@@ -1,4 +1,4 @@
-// spikeloop-ros: a ROS 1 topic as a MUSIC program, under the name of one of its adapters.
+// spikeloop-ros: a ROS topic as a MUSIC program, under the name of one of its adapters.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 music::ProgramText general_text() {
   music::ProgramText text;
   text.name = "spikeloop-ros";
-  text.summary = "Connects ROS 1 topics with MUSIC, under the name of an adapter";
+  text.summary = "Connects ROS topics with MUSIC, under the name of an adapter";
   text.notes =
       "Write binary=ros_sensor_adapter (messages to channels), binary=ros_event_sensor_adapter "
       "(an\n"

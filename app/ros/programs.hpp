@@ -1,4 +1,4 @@
-// The ROS 1 adapters as MUSIC programs, each under the names that two older families gave it.
+// The ROS adapters as MUSIC programs, each under the names that two older families gave it.
 #pragma once
 
 #include <string_view>

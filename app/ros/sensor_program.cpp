@@ -107,7 +107,7 @@ Location rule_place(const music::Process& process, const Parameters& parameters)
 music::ProgramText sensor_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "The newest message of a ROS 1 topic as a continuous signal";
+  text.summary = "The newest message of a ROS topic as a continuous signal";
   text.ports =
       "  out        output  continuous  the message's numbers\n"
       "  pace       output  continuous  [1] when the newest message came (monotonic clock, s)\n";

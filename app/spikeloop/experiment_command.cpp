@@ -14,6 +14,7 @@
 
 #include "experiment_places.hpp"
 #include "output.hpp"
+#include "ros2_look.hpp"
 #include "simulator_check.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
@@ -216,8 +217,9 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   if (!experiment.robot || experiment.ros == experiment::Ros::none) {
     return;
   }
-  options.roscore = true;
+  options.roscore = experiment.ros == experiment::Ros::ros1;
   options.robot = true;
+  options.published_in_ros2 = published_in_ros2;
   options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
                              fmt::format("--seed={}", experiment.robot->seed)};
   if (experiment.sync == experiment::Sync::lockstep) {
@@ -250,6 +252,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
   file.sections.push_back({"experiment", {}, {experiment.path, 0, 0}});
   auto& keys = file.sections.front().keys;
   set_key(keys, "binary", "spikeloop-fused");
+  set_key(keys, "ros", experiment::name_of(experiment.ros));
   set_key(keys, "np", "1");
   set_key(keys, "seed", std::to_string(experiment.seed));
   set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
@@ -262,6 +265,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      fmt::format("--seed={}", experiment.seed),
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
                      fmt::format("--sync={}", experiment::name_of(experiment.sync)),
+                     fmt::format("--ros={}", experiment::name_of(experiment.ros)),
                      fmt::format("--stall-timeout={}",
                                  std::chrono::duration<double>(arguments.stall_timeout).count()),
                      "--about=" + about_run(partners_of(experiment, false)).dump()};
@@ -396,7 +400,7 @@ int run_experiment(const ExperimentArguments& arguments) {
   }
   if (!arguments.timeout_given.empty()) {
     throw ConfigurationError(
-        fmt::format("{} is for runs in several processes (--layout separate,  ros: 1,  a "
+        fmt::format("{} is for runs in several processes (--layout separate,  ros,  a "
                     "simulator), and this one has a single process; leave it out",
                     arguments.timeout_given));
   }

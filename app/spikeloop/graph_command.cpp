@@ -75,6 +75,10 @@ class Builder {
   std::map<std::string, std::size_t> boxes_;
 };
 
+std::string any_robot(const std::string& ros) {
+  return fmt::format("ROS {}: any robot", ros);
+}
+
 bool is_topic(const Part& part) {
   return part.kind == experiment::kRosSensor || part.kind == experiment::kRosCommand;
 }
@@ -109,8 +113,8 @@ Diagram diagram_of(const Experiment& experiment) {
                         ? "robot in MuJoCo"
                         : std::filesystem::path(experiment.robot->bag).filename().string();
     diagram.robot_inside = true;
-  } else if (experiment.ros == experiment::Ros::ros1) {
-    diagram.robot = "ROS 1: any robot";
+  } else if (experiment.ros != experiment::Ros::none) {
+    diagram.robot = any_robot(experiment::name_of(experiment.ros));
   }
   Builder builder(diagram);
   for (const Part& part : experiment.parts) {
@@ -148,7 +152,9 @@ Diagram diagram_of(const MusicFile& file) {
   Builder builder(diagram);
   for (const MusicSection& section : file.sections) {
     const Box box = box_of(file, section);
-    diagram.robot = box.topic.empty() ? diagram.robot : "ROS 1: any robot";
+    diagram.robot = box.topic.empty()
+                        ? diagram.robot
+                        : any_robot(std::to_string(launch::ros_version(file, section)));
     builder.add(box);
   }
   for (const MusicConnection& connection : file.connections) {

@@ -11,6 +11,7 @@
 #include "experiment_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "ros2_look.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -26,6 +27,7 @@ struct RunArguments {
   double start_timeout_s = 60;
   double stall_timeout_s = 60;
   std::string sync;
+  std::string ros;
   std::string layout = "fused";
   bool no_record = false;
   bool no_pace = false;
@@ -89,6 +91,10 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("FILE", arguments.file, "Experiment file (.yaml) or MUSIC configuration file")
       ->required();
   add_values(command, arguments);
+  command
+      .add_option("--ros", arguments.ros,
+                  "Version of ROS, in place of the key ros of every section, or of the experiment")
+      ->check(CLI::IsMember({"1", "2"}));
   auto* out =
       command
           .add_option("--out", job.folder,
@@ -170,6 +176,9 @@ int run_file(const RunArguments& arguments) {
   if (!arguments.sync.empty()) {
     experiment.overrides.sync = experiment::sync_named(arguments.sync);
   }
+  if (!arguments.ros.empty()) {
+    experiment.overrides.ros = experiment::ros_named(arguments.ros);
+  }
   experiment.volume = volume_of(arguments);
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);
   experiment.stall_timeout = milliseconds(arguments.stall_timeout_s);
@@ -204,8 +213,12 @@ int run(RunArguments& arguments) {
         "--record: there is no folder to record to; give one with --out, as in --out run1");
   }
   arguments.job.run.pace = !arguments.no_pace;
+  if (!arguments.ros.empty()) {
+    arguments.job.run.ros = std::stoi(arguments.ros);
+  }
   arguments.job.start_timeout = milliseconds(arguments.start_timeout_s);
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
+  arguments.job.published_in_ros2 = published_in_ros2;
   const MusicFile file = read_music_file(arguments.file);
   if (!arguments.job.folder.empty() && !arguments.dry_run) {
     arguments.job.versions = about_run(partners_of(file, arguments.job.robot)).dump(2) + "\n";

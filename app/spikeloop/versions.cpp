@@ -76,7 +76,8 @@ json machine() {
 
 Partners partners_of(const experiment::Experiment& experiment, bool separate) {
   return {.music = separate,
-          .ros = experiment.ros == experiment::Ros::ros1,
+          .ros1 = experiment.ros == experiment::Ros::ros1,
+          .ros2 = experiment.ros == experiment::Ros::ros2,
           .mujoco = experiment.robot.has_value(),
           .python = std::ranges::any_of(experiment.parts, [](const experiment::Part& part) {
             return part.plugin.ends_with(".py") || experiment::is_simulator(part);
@@ -91,7 +92,8 @@ Partners partners_of(const MusicFile& file, bool robot) {
            (binary != nullptr && binary->value.ends_with(".py"));
   };
   return {.music = true,
-          .ros = robot || launch::needs_ros(file),
+          .ros1 = launch::needs_ros(file, 1) || (robot && !launch::needs_ros(file, 2)),
+          .ros2 = launch::needs_ros(file, 2),
           .mujoco = robot,
           .python = std::ranges::any_of(file.sections, runs_python)};
 }
@@ -107,7 +109,8 @@ json about_run(const Partners& partners) {
     }
   };
   add(partners.music, doctor::mpi_probes(""), {{"MUSIC launcher", "music"}, {"Open MPI", "mpi"}});
-  add(partners.ros, {}, {{"roscpp", "roscpp"}});
+  add(partners.ros1, {}, {{"roscpp", "roscpp"}});
+  add(partners.ros2, {}, {{"ddsc", "cyclonedds"}});
   add(partners.mujoco, {}, {{"MuJoCo", "mujoco"}});
   add(partners.python, doctor::python_probes(), {{"Python", "python"}, {"numpy", "numpy"}});
   json versions = ask(std::move(probes), parts);

@@ -10,7 +10,8 @@ namespace spikeloop::app {
 
 struct Partners {
   bool music = false;  ///< MUSIC and MPI
-  bool ros = false;    ///< roscpp
+  bool ros1 = false;   ///< roscpp
+  bool ros2 = false;   ///< Cyclone DDS
   bool mujoco = false;
   bool python = false;  ///< for nodes
 };

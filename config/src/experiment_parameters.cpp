@@ -35,7 +35,7 @@ std::vector<ParameterDescription> experiment_parameters() {
        .choices = {"realtime", "unpaced", "lockstep", "sim_time"},
        .text =
            "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
-           "tick, the topic /clock (ros: 1)"},
+           "tick, the topic /clock (ros: 1 or 2)"},
       {.name = "real_time_factor",
        .unit = "1",
        .default_value = "1",

@@ -155,6 +155,18 @@ class MappingReader {
     }
   }
 
+  void read_slew(const Json& object, const Path& of, std::optional<double>& slew) const {
+    if (!object.contains("slew")) {
+      return;
+    }
+    slew = number(object, "slew", of);
+    if (*slew <= 0) {
+      fail(fmt::format("'{}' is {}, no rate of change; write a number above 0, or leave it out",
+                       name_of(below(of, "slew")), *slew),
+           below(of, "slew"));
+    }
+  }
+
   void read_all_channels() {
     mapping_.all_channels = true;
     if (minimum_ || maximum_) {
@@ -201,13 +213,14 @@ class MappingReader {
       }
       return;
     }
-    check_keys(value, {"channel", "scale", "offset", "min", "max"}, path);
+    check_keys(value, {"channel", "scale", "offset", "min", "max", "slew"}, path);
     if (!value.contains("channel")) {
       fail(fmt::format("'{}' has no channel; write {{\"channel\": 0}}", name_of(path)), path);
     }
     field.scale = value.contains("scale") ? number(value, "scale", path) : 1.0;
     field.offset = value.contains("offset") ? number(value, "offset", path) : 0.0;
     read_limits(value, path, field.minimum, field.maximum);
+    read_slew(value, path, field.slew);
     if (const auto channel = read_channel(value["channel"], below(path, "channel"))) {
       field.channel = *channel;
       add(field, path);

@@ -52,8 +52,8 @@ std::unique_ptr<Source> playback(const Part& part) {
   });
 }
 
-void check_command_fields(const CommandMapping& mapping) {
-  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, mapping.message_type);
+void check_command_fields(const CommandMapping& mapping, messages::Dialect ros) {
+  const auto& catalog = messages::Catalog::for_type(ros, mapping.message_type);
   for (const CommandField& field : mapping.fields) {
     located_at(field.where, [&] {
       return messages::MessageWriter(catalog, mapping.message_type, {field.field}), 0;

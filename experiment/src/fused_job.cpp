@@ -64,7 +64,7 @@ class FusedWriter : JobWriter {
     add_directory({});
     add("experiment", std::filesystem::absolute(experiment_.path).string());
     add("pace", "true");
-    add("ros", experiment_.ros == Ros::none ? "false" : "true");
+    add("ros", name_of(experiment_.ros));
     add("wait_for", std::string(name_of(experiment_.sync)));
     add("accept_latency", seconds(2 * experiment_.tick - spare()));
     add("spike_delay", "1");

@@ -43,7 +43,11 @@ NodeDescription ros_sensor() {
       text("image", "",
            "What is taken of a sensor_msgs/Image or CompressedImage: {crop: [0, 120, 640, 240], "
            "resize: [40, 30], channel: grey, filter: none} (docs/images.md)"),
-      text("initial", "none", "Value of every channel before the first message; none: silence")};
+      text("initial", "none", "Value of every channel before the first message; none: silence"),
+      number(
+          "timeout", "s", "1 s", 0,
+          "So long without a message that has a reading, and the robot is stopped; 0: never; not "
+          "given: as sensor_timeout of the command says")};
   return sensor;
 }
 
@@ -61,14 +65,29 @@ NodeDescription ros_command() {
       text("fields", "",
            "Channel of each field: {linear.x: 0, angular.z: {channel: 1, scale: 1, offset: 0, min: "
            "-1, max: 1}}; a Float64MultiArray without it has all channels"),
-      text("limits", "", "Bounds of fields: {linear.x: [-0.5, 0.5]}"),
+      text("limits", "",
+           "Bounds of fields: {linear.x: [-0.5, 0.5]}; velocities of a Twist without them have "
+           "[-1, 1] m/s and [-3, 3] rad/s; none: no field has any"),
+      text("slew", "", "Fastest change of fields, a second: {linear.x: 1.0}; of others any"),
       number("command_rate", "Hz", "20 Hz", 0, "Commands are sent again that often; 0: never"),
       number("deadband", "1", "0.01", 0,
              "Part of its range by which a field must move to be sent at once"),
       number("min_interval", "s", "1 ms", 0, "Least time between two commands"),
       number("watchdog", "s", "100 ms", 1e-3,
              "Wall time without a tick after which a zero is sent, at least 3 ticks"),
-      number("max_age", "s", "1 s", 0, "Data older than that stop the robot; 0: never")};
+      number("max_age", "s", "1 s", 0, "Data older than that stop the robot; 0: never"),
+      number("sensor_timeout", "s", "1 s", 0,
+             "A sensor on the way here that is silent for longer stops the robot; 0: never; not "
+             "given: max_age"),
+      number("spike_timeout", "s", "0", 0,
+             "No spike on the way here for that long stops the robot; 0: a network may be silent"),
+      text("emergency_stop", "/emergency_stop",
+           "Topic of std_msgs/Bool over ROS: true stops the robot, false releases it; none; or "
+           "{topic: /stop, message: std_msgs/Bool, field: data, latched: false, required: false, "
+           "timeout: 1 s}"),
+      text("override", "",
+           "Topic of commands by hand over ROS, in place of the network's, as {topic: "
+           "/cmd_vel_manual, timeout: 500 ms}; none; not given: the commands' topic with _manual")};
   return command;
 }
 

@@ -9,6 +9,7 @@
 #include "faults.hpp"
 #include "job_writer.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::experiment {
@@ -25,6 +26,9 @@ std::string mapping_text(const CommandMapping& mapping) {
     }
     if (field.maximum) {
       entry["max"] = *field.maximum;
+    }
+    if (field.slew) {
+      entry["slew"] = *field.slew;
     }
   }
   return json.dump(2) + "\n";
@@ -121,6 +125,7 @@ class Writer : JobWriter {
 
   void write_sensor(const Part& part) {
     add(part, "binary", "ros_sensor_adapter");
+    add(part, "ros", name_of(experiment_.ros));
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     add(part, "message_type", part.parameters.text("message"), "message");
     const messages::SensorRule rule = sensor_rule(part.parameters);
@@ -141,6 +146,7 @@ class Writer : JobWriter {
 
   void write_command(const Part& part) {
     add(part, "binary", "ros_command_adapter");
+    add(part, "ros", name_of(experiment_.ros));
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     const std::string mapping = mapping_text(part.mapping);
     add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"), "fields");
@@ -148,6 +154,50 @@ class Writer : JobWriter {
       if (part.parameters.given(key)) {
         add(part, key, part.written.at(key).text);
       }
+    }
+    add(part, "default_limits", part.parameters.text("limits") == kNoLimits ? "false" : "true",
+        "limits");
+    write_people(part);
+    write_sensors_behind(part);
+    if (spike_timeout(part) != 0) {
+      throw ConfigurationError(
+          part.parameters.where("spike_timeout"),
+          "key 'spike_timeout': the separate layout has none, because no spike reaches the "
+          "command's process; leave it out, or use the fused layout");
+    }
+  }
+
+  void write_people(const Part& part) {
+    const command::EmergencyStop stop = emergency_stop(part);
+    const auto truth = [](bool value) { return value ? "true" : "false"; };
+    const char* from = "emergency_stop";
+    add(part, from, stop.topic.empty() ? "none" : stop.topic);
+    add(part, "emergency_stop_message", stop.message_type, from);
+    add(part, "emergency_stop_field", stop.field, from);
+    add(part, "emergency_stop_latched", truth(stop.latched), from);
+    add(part, "emergency_stop_required", truth(stop.required), from);
+    add(part, "emergency_stop_timeout", seconds(stop.timeout), from);
+    const command::Override manual = manual_override(part);
+    add(part, "override", manual.topic.empty() ? "none" : manual.topic);
+    add(part, "override_timeout", seconds(manual.timeout), "override");
+  }
+
+  /// Of a single sensor the pace tells the age; the topics of several are listened to once more.
+  void write_sensors_behind(const Part& part) {
+    const auto sensors = sensors_behind(experiment_, part.name);
+    const auto watched = watched_sensors(experiment_, part);
+    const TimeNs max_age = from_seconds(part.parameters.number("max_age"));
+    std::vector<std::string> listed;
+    for (std::size_t i = 0; i < watched.size(); ++i) {
+      const bool by_pace = watched.size() == 1 && max_age != 0 && max_age <= watched[i].timeout;
+      if (watched[i].timeout != 0 && !by_pace) {
+        listed.push_back(fmt::format("{}:{}:{}", watched[i].topic,
+                                     sensors[i]->parameters.text("message"),
+                                     seconds(watched[i].timeout)));
+      }
+    }
+    if (!listed.empty()) {
+      add(part, "sensor_topics", fmt::format("{}", fmt::join(listed, ",")), "sensor_timeout");
     }
   }
 
@@ -238,7 +288,7 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(experiment.robot->where,
-                             "in the separate layout the robot is reached over ROS; write  ros: 1, "
+                             "in the separate layout the robot is reached over ROS; write  ros: 2, "
                              "or use the fused layout");
   }
   check_ends(experiment);

@@ -67,10 +67,7 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
   experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
   experiment.sync = sync_named(keys.text("sync"));
   experiment.real_time_factor = keys.number("real_time_factor");
-  experiment.ros = keys.text("ros") == "1" ? Ros::ros1 : Ros::none;
-  if (keys.text("ros") == "2") {
-    faults.add(keys.where("ros"), "key 'ros': ROS 2 is not in this version; write 1 or none");
-  }
+  experiment.ros = ros_named(keys.text("ros"));
 }
 
 /// Keys that may be left out and then have no value.
@@ -99,6 +96,7 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.seed = overrides.seed.value_or(experiment.seed);
   experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
   experiment.sync = overrides.sync.value_or(experiment.sync);
+  experiment.ros = overrides.ros.value_or(experiment.ros);
   experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
 }
 
@@ -148,13 +146,13 @@ void check_ways(const Experiment& experiment, Faults& faults) {
   if (experiment.sync == Sync::sim_time) {
     faults.add(
         experiment.sync_where,
-        "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 1,  "
+        "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 2,  "
         "or  sync: lockstep  for the robot in this process");
   } else if (experiment.sync == Sync::lockstep && !experiment.robot) {
     faults.add(
         experiment.sync_where,
         "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco},  ros: "
-        "1  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
+        "2  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
   }
 }
 
@@ -171,7 +169,7 @@ constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserS
 void check_robot_topic(const Part& part, const Experiment& experiment) {
   if (!experiment.robot) {
     throw ConfigurationError(
-        part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 1, "
+        part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 2, "
                                 "or  robot: {{simulator: mujoco}}",
                                 part.name, part.parameters.text("topic")));
   }
@@ -199,7 +197,7 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
   }
   throw ConfigurationError(part.parameters.where("topic"),
                            fmt::format("key 'topic': the robot has no topic {} there{}; with  ros: "
-                                       "1  any topic is possible",
+                                       "2  any topic is possible",
                                        topic, did_you_mean(topic, known)));
 }
 
@@ -242,6 +240,18 @@ Sync sync_named(std::string_view name) {
     }
   }
   return Sync::realtime;
+}
+
+Ros ros_named(std::string_view name) {
+  return name == "1" ? Ros::ros1 : name == "2" ? Ros::ros2 : Ros::none;
+}
+
+std::string name_of(Ros ros) {
+  return ros == Ros::none ? "none" : ros == Ros::ros1 ? "1" : "2";
+}
+
+messages::Dialect dialect_of(Ros ros) {
+  return ros == Ros::ros2 ? messages::Dialect::ros2 : messages::Dialect::ros1;
 }
 
 std::string_view name_of(Sync sync) {

@@ -9,6 +9,7 @@
 #include "faults.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
 namespace spikeloop::experiment {
@@ -153,13 +154,19 @@ void check_part(const Part& part, const Experiment& experiment, const SensorWidt
                                                              : "message";
     located_at(part.parameters.where(key), [&] {
       const std::string& type = part.parameters.text("message");
-      messages::SensorConversion(messages::Catalog::for_type(messages::Dialect::ros1, type), type,
-                                 sensor_rule(part.parameters), experiment.width(part.name, "out"),
-                                 true);
+      messages::SensorConversion(messages::Catalog::for_type(dialect_of(experiment.ros), type),
+                                 type, sensor_rule(part.parameters),
+                                 experiment.width(part.name, "out"), true);
       return 0;
     });
   } else if (part.kind == kRosCommand) {
     in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
+    if (spike_timeout(part) != 0 && spikes_behind(experiment, part.name).empty()) {
+      throw ConfigurationError(
+          part.parameters.where("spike_timeout"),
+          fmt::format("key 'spike_timeout': no spikes are on the way to '{}'; leave it out",
+                      part.name));
+    }
   }
 }
 

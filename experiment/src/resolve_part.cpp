@@ -10,6 +10,7 @@
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
@@ -48,19 +49,32 @@ Json parsed(const Parameters& parameters, const char* key, const char* example) 
   return json;
 }
 
+/// What a field of `fields` has besides its channel.
+Json& field_of(Json& fields, const std::string& field, const Parameters& parameters,
+               const char* key) {
+  if (!fields.is_object() || !fields.contains(field)) {
+    throw ConfigurationError(
+        parameters.where(key),
+        fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, too", key,
+                    field));
+  }
+  if (!fields[field].is_object()) {
+    fields[field] = Json{{"channel", fields[field]}};
+  }
+  return fields[field];
+}
+
 /// `limits` as "min" and "max" of its fields.
 void add_limits(const Parameters& parameters, Json& fields) {
+  if (parameters.text("limits") == kNoLimits) {
+    return;
+  }
   const Json limits = parsed(parameters, "limits", "{linear.x: [-0.5, 0.5]}");
   if (limits.is_null()) {
     return;
   }
   for (const auto& [field, range] : limits.items()) {
-    if (!fields.is_object() || !fields.contains(field)) {
-      throw ConfigurationError(
-          parameters.where("limits"),
-          fmt::format("key 'limits': '{}' is not one of the fields; write it into  fields, too",
-                      field));
-    }
+    Json& entry = field_of(fields, field, parameters, "limits");
     const bool pair = range.is_array() && range.size() == 2 && range[0].is_number() &&
                       range[1].is_number() && range[0] <= range[1];
     if (!pair) {
@@ -70,11 +84,27 @@ void add_limits(const Parameters& parameters, Json& fields) {
               "key 'limits': {} of '{}' is no least and greatest value; write  {}: [-0.5, 0.5]",
               range.dump(), field, field));
     }
-    if (!fields[field].is_object()) {
-      fields[field] = Json{{"channel", fields[field]}};
+    entry["min"] = range[0];
+    entry["max"] = range[1];
+  }
+}
+
+/// `slew` as that of its fields.
+void add_slew(const Parameters& parameters, Json& fields) {
+  const Json slew = parsed(parameters, "slew", "{linear.x: 1.0}");
+  if (slew.is_null()) {
+    return;
+  }
+  for (const auto& [field, rate] : slew.items()) {
+    Json& entry = field_of(fields, field, parameters, "slew");
+    if (!rate.is_number() || rate <= 0) {
+      throw ConfigurationError(
+          parameters.where("slew"),
+          fmt::format("key 'slew': {} of '{}' is no rate of change; write a number above 0, as  "
+                      "{}: 1.0, in units a second",
+                      rate.dump(), field, field));
     }
-    fields[field]["min"] = range[0];
-    fields[field]["max"] = range[1];
+    entry["slew"] = rate;
   }
 }
 
@@ -82,6 +112,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
   Json mapping{{"message_type", parameters.text("message")}};
   Json fields = parsed(parameters, "fields", "{linear.x: 0, angular.z: 1}");
   add_limits(parameters, fields);
+  add_slew(parameters, fields);
   if (!fields.is_null()) {
     mapping["mapping"] = fields;
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
@@ -106,7 +137,8 @@ CommandMapping command_mapping(const Parameters& parameters) {
 }
 
 /// The whole name of a type that has a definition, or the whole path of its own.
-std::string whole_message_type(const std::string& written, const std::string& directory) {
+std::string whole_message_type(const std::string& written, const std::string& directory,
+                               messages::Dialect ros) {
   std::string type = written;
   try {
     type = canonical_message_type(written, directory);
@@ -116,17 +148,17 @@ std::string whole_message_type(const std::string& written, const std::string& di
     }
     // A name without its package; the error is that of who knows all of them.
   }
-  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, type);
+  const auto& catalog = messages::Catalog::for_type(ros, type);
   const std::string name = catalog.full_name(type);
   catalog.layout(name);
   return is_definition_file(type) ? type : name;
 }
 
-void check_endpoint(Part& part, const std::string& directory) {
+void check_endpoint(Part& part, const std::string& directory, messages::Dialect ros) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
     const std::string type = located_at(
-        where, [&] { return whole_message_type(part.parameters.text("message"), directory); });
+        where, [&] { return whole_message_type(part.parameters.text("message"), directory, ros); });
     part.parameters.set("message", type, true, where);
   };
   if (part.kind == kRosSensor) {
@@ -136,7 +168,9 @@ void check_endpoint(Part& part, const std::string& directory) {
   } else if (part.kind == kRosCommand) {
     canonical();
     part.mapping = command_mapping(part.parameters);
-    check_command_fields(part.mapping);
+    check_command_fields(part.mapping, ros);
+    emergency_stop(part);
+    manual_override(part);
   }
 }
 
@@ -265,7 +299,7 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
       table_loader(directory, *part.node_class), faults);
   bool good = faults.count() == before && node.unread.empty();
   good = good && faults.attempt(node.where, [&] {
-    check_endpoint(part, directory);
+    check_endpoint(part, directory, dialect_of(experiment.ros));
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
     } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {

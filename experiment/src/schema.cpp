@@ -9,6 +9,7 @@
 
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/core/units.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/images/image_settings.hpp"
 
@@ -135,6 +136,10 @@ Json weights() {
              {"additionalProperties", false}}}}};
 }
 
+Json rate() {
+  return {{"type", "number"}, {"exclusiveMinimum", 0}};
+}
+
 /// {linear.x: 0, angular.z: {channel: 1, scale: 2}}
 Json command_fields() {
   const Json number{{"type", "number"}};
@@ -145,7 +150,8 @@ Json command_fields() {
                      {"scale", number},
                      {"offset", number},
                      {"min", number},
-                     {"max", number}}},
+                     {"max", number},
+                     {"slew", rate()}}},
                    {"required", {"channel"}},
                    {"additionalProperties", false}};
   return {{"type", "object"}, {"additionalProperties", {{"anyOf", {channel, field}}}}};
@@ -186,7 +192,17 @@ Json image() {
 Json limits() {
   Json pair = list_of({{"type", "number"}});
   pair["minItems"] = pair["maxItems"] = 2;
-  return {{"type", "object"}, {"additionalProperties", pair}};
+  return {
+      {"anyOf", {{{"const", kNoLimits}}, {{"type", "object"}, {"additionalProperties", pair}}}}};
+}
+
+Json slew() {
+  return {{"type", "object"}, {"additionalProperties", rate()}};
+}
+
+/// A topic, none, or a map that has more to say of it.
+Json topic_or(const std::vector<ParameterDescription>& parameters) {
+  return {{"anyOf", {{{"type", "string"}}, object_of(parameters)}}};
 }
 
 Json network() {
@@ -215,6 +231,9 @@ void put_structures(const std::string& kind, Json& properties) {
   } else if (kind == kRosCommand) {
     put("fields", command_fields());
     put("limits", limits());
+    put("slew", slew());
+    put("emergency_stop", topic_or(emergency_stop_parameters()));
+    put("override", topic_or(override_parameters()));
   } else if (kind == kNetwork) {
     put("network", {{"anyOf", {{{"type", "string"}}, network()}}});
   }

@@ -8,11 +8,14 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/messages/translation.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::fused {
@@ -47,9 +50,31 @@ class NamedSource : public Source {
   const Part& part_;
 };
 
+/// A simulator's port is an element of its own, "brain out", and its end "brain out.out".
+std::string element_of(const std::string& simulator_end) {
+  return fmt::format("{} {}", experiment::node_of(simulator_end),
+                     experiment::port_of(simulator_end));
+}
+std::string element_end(const std::string& simulator_end) {
+  return fmt::format("{}.{}", element_of(simulator_end), experiment::port_of(simulator_end));
+}
+
+/// Those that a command's spike_timeout speaks of.
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
+  return experiment::spike_timeout(command) == 0
+             ? std::vector<const Link*>{}
+             : experiment::spikes_behind(experiment, command.name);
+}
+
 /// A command is a node that maps, and what sends behind it.
 std::string sender_of(const Part& part) {
   return part.name + std::string(kSender);
+}
+
+/// Bags are those of ROS 1, whatever the robot speaks.
+messages::Translation translation_to_ros1(const std::string& type) {
+  return {type, messages::Catalog::for_type(messages::Dialect::ros2, type),
+          messages::Catalog::for_type(messages::Dialect::ros1, type)};
 }
 
 }  // namespace
@@ -144,8 +169,13 @@ void Assembly::add_command(const Part& part) {
   const auto fields = static_cast<std::uint32_t>(map.size());
   const auto upstream = nearest_sensor(experiment_, part.name);
   const auto driver = std::ranges::find(experiment_.links, part.name + ".in", &Link::to);
-  commands_.push_back(transport_.command({part, map, upstream.has_value(), keep_messages(part),
-                                          driver == experiment_.links.end() ? "" : driver->from}));
+  CommandSpec spec{part, map, upstream.has_value(), keep_messages(part),
+                   driver == experiment_.links.end() ? "" : driver->from};
+  spec.sensors = experiment::watched_sensors(experiment_, part);
+  for (const Link* link : watched_spikes(experiment_, part)) {
+    spec.spike_widths.push_back(link->width);
+  }
+  commands_.push_back(transport_.command(spec));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});
@@ -155,6 +185,25 @@ void Assembly::add_command(const Part& part) {
     // The time at which the data behind a command came takes as long as these data.
     description_.connections.push_back({upstream->sensor + ".pace", sender_of(part) + ".pace", 1,
                                         upstream->delay_ticks, part.where});
+  }
+  add_watched(part);
+}
+
+void Assembly::add_watched(const Part& part) {
+  std::size_t i = 0;
+  for (const Part* sensor : experiment::sensors_behind(experiment_, part.name)) {
+    // Without the delay of the data: that a sensor is silent is no matter of how far they are.
+    description_.connections.push_back({sensor->name + ".pace",
+                                        fmt::format("{}.sensor_{}", sender_of(part), i++), 1, 0,
+                                        part.where});
+  }
+  i = 0;
+  for (const Link* link : watched_spikes(experiment_, part)) {
+    const bool outside = is_simulator_end(experiment_, link->from);
+    description_.connections.push_back(
+        {end_of(*link), fmt::format("{}.spikes_{}", sender_of(part), i++), link->width,
+         outside ? fused_edge_delay(experiment_, *link) : link->delay_ticks.value_or(0),
+         part.where});
   }
 }
 
@@ -174,10 +223,23 @@ Keep Assembly::keep_messages(const Part& part) {
   if (!messages_) {
     return {};
   }
-  const bag::Topic topic{part.parameters.text("topic"), part.parameters.text("message"), part.name};
-  return [recorder = messages_.get(), connection = messages_->add(topic)](
-             TimeNs time, std::span<const std::byte> message) {
+  const std::string& type = part.parameters.text("message");
+  const auto connection = messages_->add({part.parameters.text("topic"), type, part.name});
+  const auto keep = [recorder = messages_.get(), connection](TimeNs time,
+                                                             std::span<const std::byte> message) {
     recorder->take(connection, time, message);
+  };
+  if (experiment_.ros != experiment::Ros::ros2) {
+    return keep;
+  }
+  return [keep, translation = translation_to_ros1(type), bytes = std::vector<std::byte>()](
+             TimeNs time, std::span<const std::byte> message) mutable {
+    try {
+      translation.translate(message, bytes);
+    } catch (const TransportError&) {
+      return;  // the node counts it as malformed
+    }
+    keep(time, bytes);
   };
 }
 
@@ -200,9 +262,8 @@ void Assembly::add_link_outside(const Link& link) {
   }
   // An element a port, so that each is an end of MUSIC's of its own: "brain out.out".
   const std::string& outside = from_outside ? link.from : link.to;
-  const std::string element =
-      fmt::format("{} {}", experiment::node_of(outside), experiment::port_of(outside));
-  const std::string end = fmt::format("{}.{}", element, experiment::port_of(outside));
+  const std::string element = element_of(outside);
+  const std::string end = element_end(outside);
   if (to_outside) {
     sinks_.push_back(simulators_->input(link));
     description_.sinks.push_back({element, sinks_.back().get()});
@@ -212,6 +273,10 @@ void Assembly::add_link_outside(const Link& link) {
   }
   description_.connections.push_back({from_outside ? end : link.from, to_outside ? end : link.to,
                                       link.width, fused_edge_delay(experiment_, link), link.where});
+}
+
+std::string Assembly::end_of(const Link& link) const {
+  return is_simulator_end(experiment_, link.from) ? element_end(link.from) : link.from;
 }
 
 record::Recorder& Assembly::recorder_of(const Part& part, const std::string& folder) {

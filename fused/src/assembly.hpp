@@ -48,6 +48,10 @@ class Assembly {
  private:
   void add_part(const experiment::Part& part);
   void add_command(const experiment::Part& part);
+  /// The ports of a command that watch what it depends on.
+  void add_watched(const experiment::Part& part);
+  /// An output in the graph: a simulator's is an element of its own.
+  std::string end_of(const experiment::Link& link) const;
   void add_links();
   /// A connection from a simulator, or to one.
   void add_link_outside(const experiment::Link& link);

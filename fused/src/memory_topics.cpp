@@ -83,13 +83,17 @@ class MemorySensor : public Source {
   bool fresh_ = false;
 };
 
+command::CommandSettings settings_of(const CommandSpec& spec) {
+  auto settings = command::simulated_settings(spec.part.parameters, spec.map,
+                                              command::CommandClock::lockstep, spec.with_pace);
+  add_safety(spec, settings);
+  return settings;
+}
+
 class MemoryCommand : public CommandEnd {
  public:
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec)
-      : MemoryCommand(
-            topics, spec,
-            command::simulated_settings(spec.part.parameters, spec.map,
-                                        command::CommandClock::lockstep, spec.with_pace)) {}
+      : MemoryCommand(topics, spec, settings_of(spec)) {}
 
   MemoryCommand(MemoryTopics& topics, const CommandSpec& spec,
                 const command::CommandSettings& settings)
@@ -101,8 +105,9 @@ class MemoryCommand : public CommandEnd {
         writer_(
             messages::Catalog::for_type(messages::Dialect::ros1, spec.part.mapping.message_type),
             spec.part.mapping.message_type, command::field_paths(spec.part.mapping)),
-        channel_(settings.gate, [this](auto values) { publish(values); }),
-        feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
+        settings_(settings),
+        channel_(command::channel_settings(settings), [this](auto values) { publish(values); }),
+        feed_(command::feed_settings(settings), channel_),
         keep_(spec.keep) {}
 
   std::vector<EndpointPort> ports() const override { return feed_.ports(); }
@@ -112,6 +117,11 @@ class MemoryCommand : public CommandEnd {
     feed_.take(step, now_);
     channel_.poll(now_);
     warn(step.signal_input(0));
+    warn_of_silence();
+    if (const auto cut = channel_.first_cut(); cut && !cut_warned_) {
+      cut_warned_ = true;
+      log::warning("node '{}': {}", name_, command::cut_warning(*cut, settings_));
+    }
   }
 
   void on_latency(command::TakeLatency take) override { feed_.on_latency(std::move(take)); }
@@ -136,6 +146,17 @@ class MemoryCommand : public CommandEnd {
     bad_ = bad;
   }
 
+  void warn_of_silence() {
+    const auto reason = channel_.stopped_by();
+    const bool silence = reason == StopReason::sensor_silent || reason == StopReason::spikes_silent;
+    if (silence && !silent_ && (!warned_at_ || now_ - *warned_at_ >= kNsPerSecond)) {
+      warned_at_ = now_;
+      log::warning("node '{}': the robot is stopped at {}: {}", name_, format_time(now_),
+                   command::stop_cause(*reason, settings_, feed_));
+    }
+    silent_ = silence;
+  }
+
   void publish(std::span<const double> values) {
     fields_.clear();
     if (all_channels_) {
@@ -156,6 +177,8 @@ class MemoryCommand : public CommandEnd {
   std::string name_;
   std::string from_;
   bool bad_ = false;
+  bool silent_ = false;
+  bool cut_warned_ = false;
   std::optional<TimeNs> warned_at_;
   std::string topic_;
   bool all_channels_;
@@ -163,6 +186,7 @@ class MemoryCommand : public CommandEnd {
   std::vector<messages::FieldValue> fields_;
   std::vector<std::byte> bytes_;
   TimeNs now_ = 0;
+  command::CommandSettings settings_;
   command::CommandChannel channel_;
   command::CommandFeed feed_;
   Keep keep_;

@@ -9,7 +9,7 @@ MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
   if (!robot) {
     return;
   }
-  robot_.emplace(vehicle::Options{robot->world, robot->seed}, folder);
+  robot_.emplace(vehicle::Options{robot->world, robot->seed}, folder, messages::Dialect::ros1);
   topics_.subscribe(
       "/cmd_vel", [this](std::span<const std::byte> message, TimeNs) { robot_->command(message); });
 }

@@ -22,8 +22,8 @@ Bytes copied(std::span<const std::byte> message) {
 
 experiment::SensorWidth look_at_robot(const experiment::Robot& robot) {
   const vehicle::Vehicle vehicle({robot.world, robot.seed});
-  robot::ScanMessage scan;
-  robot::OdometryMessage odometry;
+  robot::ScanMessage scan(messages::Dialect::ros1);
+  robot::OdometryMessage odometry(messages::Dialect::ros1);
   const std::map<Topic, Bytes> messages{
       {{"/scan", robot::kScanType}, copied(scan.write(vehicle.scan()))},
       {{"/odom", robot::kOdometryType}, copied(odometry.write(vehicle.odometry()))}};

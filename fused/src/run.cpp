@@ -210,14 +210,25 @@ void attempt(RunResult& result, Work&& work) {
   }
 }
 
+const char* how_to_look(experiment::Ros ros) {
+  switch (ros) {
+    case experiment::Ros::ros1:
+      return "; 'rostopic list' shows what there is";
+    case experiment::Ros::ros2:
+      return "; 'ros2 topic list' shows what there is";
+    case experiment::Ros::none:
+      break;
+  }
+  return "";
+}
+
 void warn_of_silence(const Experiment& experiment, const json& summary) {
   for (const auto& part : experiment.parts) {
     const std::string counter = part.name + ".messages";
     if (part.kind == experiment::kRosSensor && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning(
-          "not one message came on topic '{}'{}", part.parameters.text("topic"),
-          experiment.ros == experiment::Ros::none ? "" : "; 'rostopic list' shows what there is");
+      log::warning("not one message came on topic '{}'{}", part.parameters.text("topic"),
+                   how_to_look(experiment.ros));
     }
   }
 }
@@ -258,7 +269,7 @@ json resolved_json(const Experiment& experiment) {
               {"version", SPIKELOOP_VERSION},
               {"nodes", nodes},
               {"real_time_factor", experiment.real_time_factor},
-              {"ros", experiment.ros == experiment::Ros::ros1 ? "1" : "none"},
+              {"ros", experiment::name_of(experiment.ros)},
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {

@@ -33,7 +33,8 @@ nodes:
   grid: {{node: poisson_encoder, rate_max: 300 Hz}}
   pace: {{node: rate_encoder, rate_max: 500 Hz}}
   decoder: {{node: linear_readout, tau: 30 ms, weights: weights.json}}
-  wheels: {{node: ros_command, topic: /cmd_vel, message: Twist, fields: {{linear.x: 0, angular.z: 1}}}}
+  wheels: {{node: ros_command, topic: /cmd_vel, message: Twist, fields: {{linear.x: 0, angular.z: 1}},
+           limits: {{linear.x: [-2, 2], angular.z: [-9, 9]}}}}
 connections:
   - scan -> sectors [100] -> eye [10] -> decoder [10] -> wheels [2]
   - place -> grid [2, delay 3 ms]

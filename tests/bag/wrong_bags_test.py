@@ -81,7 +81,7 @@ def cases(scratch):
         "its place; leave one of the two out")
     yield text("bag}", "bag, wrld: arena.xml}"), f"{file}:3:24: robot: unknown key 'wrld'; known: bag"
     yield of("good.bag", sync="realtime\nros: 1"), (
-        f"{file}:4:14: key 'bag': a bag stands in the place of robot and ROS; leave  ros: 1  out")
+        f"{file}:4:14: key 'bag': a bag stands in the place of robot and ROS; leave  ros  out")
 
 
 def main():

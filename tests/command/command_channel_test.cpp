@@ -34,7 +34,7 @@ class CommandChannelTest : public testing::Test {
 
   std::vector<std::vector<double>> sent_;
   TimeNs next_ = 0;
-  CommandChannel channel_{{{0.02, 0.02}, kMs, 100 * kMs}, [this](auto values) {
+  CommandChannel channel_{{{{0.02, 0.02}, kMs, 100 * kMs}}, [this](auto values) {
                             sent_.emplace_back(values.begin(), values.end());
                           }};
 };
@@ -142,7 +142,7 @@ TEST_F(CommandChannelTest, zeros_are_repeated_in_the_pause_after_a_continue) {
 TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
   for (const StopReason reason : {StopReason::terminated, StopReason::ended}) {
     std::vector<std::vector<double>> sent;
-    CommandChannel channel({{0.02}, kMs, kMs},
+    CommandChannel channel({{{0.02}, kMs, kMs}},
                            [&](auto values) { sent.emplace_back(values.begin(), values.end()); });
     const double forward[] = {1.0};
     channel.command(forward, 0);

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <string>
@@ -112,6 +113,92 @@ TEST_F(CommandClockTest, InLockstepNothingButTheTicksCounts) {
   EXPECT_EQ(sent_, (std::vector<double>{0.5, 0.7}));
   sink.stop(StopReason::ended);
   EXPECT_EQ(sent_.back(), 0);
+}
+
+TEST_F(CommandClockTest, WhatPeopleSayCountsAtOnceByAnyOtherClock) {
+  for (const CommandClock clock : {CommandClock::wall, CommandClock::simulated}) {
+    CommandSettings with_topics = settings(clock);
+    with_topics.emergency_stop.topic = "/stop";
+    with_topics.manual.topic = "/by_hand";
+    with_topics.gate = {.deadband = {0.1}};
+    with_topics.watchdog = 60 * kNsPerSecond;
+    with_topics.max_age = 0;
+    sent_.clear();
+    CommandSink sink(with_topics, carrier());
+    tick(sink, kMs, 0.5, 0);
+    const double back = -0.3;
+    sink.override_with({&back, 1});
+    EXPECT_EQ(sent_, (std::vector<double>{0.5, -0.3}));
+    sink.emergency(true);
+    EXPECT_EQ(sent_, (std::vector<double>{0.5, -0.3, 0}));
+    EXPECT_EQ(counter(sink, "stops_emergency_stop"), 1U);
+    EXPECT_EQ(counter(sink, "overrides"), 1U);
+  }
+}
+
+TEST_F(CommandClockTest, InLockstepWhatPeopleSayCountsFromTheNextTick) {
+  CommandSettings with_topics = settings(CommandClock::lockstep);
+  with_topics.emergency_stop.topic = "/stop";
+  with_topics.manual = {.topic = "/by_hand", .timeout = 5 * kMs};
+  CommandSink sink(with_topics, carrier());
+  tick(sink, kMs, 0.5, 0);
+  const double back = -0.3;
+  sink.override_with({&back, 1});
+  EXPECT_EQ(sent_, std::vector<double>{0.5});
+  tick(sink, 2 * kMs, 0.5, 0);
+  EXPECT_EQ(sent_, (std::vector<double>{0.5, -0.3}));
+  tick(sink, 6 * kMs, 0.5, 0);
+  EXPECT_EQ(sent_.back(), -0.3);
+  tick(sink, 7 * kMs, 0.5, 0);
+  EXPECT_EQ(sent_.back(), 0.5) << "5 ms of simulated time are over";
+  sink.emergency(true);
+  EXPECT_EQ(sent_.back(), 0.5);
+  tick(sink, 8 * kMs, 0.5, 0);
+  EXPECT_EQ(sent_.back(), 0);
+}
+
+// The loop hangs, and a manual command is the last that anybody says.
+TEST_F(CommandClockTest, AManualCommandEndsWithoutTheLoop) {
+  CommandSettings with_topics = settings(CommandClock::wall);
+  with_topics.manual = {.topic = "/by_hand", .timeout = 100 * kMs};
+  with_topics.max_age = 0;
+  CommandSink sink(with_topics, carrier());
+  tick(sink, kMs, 0.5, 0);
+  for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 0; ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  const double back = -0.3;
+  sink.override_with({&back, 1});
+  EXPECT_EQ(counter(sink, "overrides"), 1U);
+  EXPECT_EQ(counter(sink, "resumed"), 1U);
+  for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 1; ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(counter(sink, "stops_no_tick"), 2U);
+  sink.stop(StopReason::ended);
+  EXPECT_EQ(sent_.back(), 0);
+}
+
+// Nobody may say that he is gone: the watch looks.
+TEST_F(CommandClockTest, ALostPublisherOfTheEmergencyStopIsNoticedWithoutAMessage) {
+  CommandSettings with_topics = settings(CommandClock::wall);
+  with_topics.emergency_stop = {.topic = "/stop", .required = true};
+  with_topics.max_age = 0;
+  with_topics.watchdog = 60 * kNsPerSecond;
+  std::atomic<bool> there{true};
+  CommandSink sink(with_topics, carrier());
+  sink.watch_publishers([&] { return there.load(); });
+  for (int i = 0; i < 1000 && counter(sink, "commands") == 0; ++i) {
+    tick(sink, kMs, 0.5, 0);
+    std::this_thread::sleep_for(5ms);
+  }
+  ASSERT_GT(counter(sink, "commands"), 0U);
+  const std::uint64_t before = counter(sink, "stops_emergency_stop_unknown");
+  there = false;
+  for (int i = 0; i < 1000 && counter(sink, "stops_emergency_stop_unknown") == before; ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(counter(sink, "stops_emergency_stop_unknown"), before + 1);
 }
 
 TEST_F(CommandClockTest, LockstepHasNoWatchdogForTheGuardEither) {

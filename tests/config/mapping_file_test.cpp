@@ -180,6 +180,8 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "m:1:59: 'mapping.x.scale' is \"a\", no finite number; write a number"},
       {twist("{\"x\": {\"channel\": 0, \"offset\": null}}"),
        "m:1:59: 'mapping.x.offset' is null, no finite number; write a number"},
+      {twist("{\"x\": {\"channel\": 0, \"slew\": 0}}"),
+       "m:1:59: 'mapping.x.slew' is 0, no rate of change; write a number above 0, or leave it out"},
       {twist("{}", ", \"min\": true"), "m:1:42: 'min' is true, no finite number; write a number"},
       {twist("{}", ", \"max\": {}"),
        "m:1:42: 'max' is an object, no finite number; write a number"},

@@ -1,4 +1,5 @@
 // What simulated time may wait for, with and without ROS, and in which layout.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "spikeloop/experiment/music_job.hpp"
@@ -28,9 +29,11 @@ class SyncKey : public testing::Test {
 
 TEST_F(SyncKey, OverRosARobotIsSteppedOrFollowed) {
   for (const bool robot : {true, false}) {
-    for (const Sync sync : {Sync::lockstep, Sync::sim_time}) {
-      const Read result =
-          read_with("ros: 1\nsync: " + std::string(experiment::name_of(sync)), robot);
+    for (const auto& [ros, sync] : {std::pair{"1", Sync::lockstep}, std::pair{"1", Sync::sim_time},
+                                    std::pair{"2", Sync::lockstep}, std::pair{"2", Sync::sim_time}}) {
+      const Read result = read_with(
+          fmt::format("ros: {}\nsync: {}", ros, experiment::name_of(sync)), robot);
+      EXPECT_EQ(experiment::name_of(result.experiment.ros), ros);
       EXPECT_THAT(result.faults, IsEmpty());
       EXPECT_EQ(result.experiment.sync, sync);
       EXPECT_EQ(result.experiment.sync_where.line, 4);
@@ -42,7 +45,7 @@ TEST_F(SyncKey, TheCommandLinesHasNoLine) {
   EXPECT_THAT(
       read_with("sync: realtime", true, {{}, {}, {}, Sync::sim_time}).faults,
       ElementsAre("x.yaml: key 'sync': sim_time follows the topic /clock, and there is no ROS; "
-                  "write  ros: 1,  or  sync: lockstep  for the robot in this process"));
+                  "write  ros: 2,  or  sync: lockstep  for the robot in this process"));
 }
 
 TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {

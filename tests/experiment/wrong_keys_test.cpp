@@ -213,19 +213,16 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"sim_time",
                   {{"tick: 1 ms", "sync: sim_time"}},
                   {"x.yaml:3:7: key 'sync': sim_time follows the topic /clock, and there is no "
-                   "ROS; write  ros: 1,  or  sync: lockstep  for the robot in this process"}},
-        WrongFile{"ROS 2",
-                  {{"tick: 1 ms", "ros: 2"}},
-                  {"x.yaml:3:6: key 'ros': ROS 2 is not in this version; write 1 or none"}},
+                   "ROS; write  ros: 2,  or  sync: lockstep  for the robot in this process"}},
         WrongFile{"lockstep without robot",
                   {{"tick: 1 ms", "sync: lockstep"}, {"robot: {simulator: mujoco}\n", ""}},
                   {"x.yaml:3:7: key 'sync': lockstep has no robot to step; write  robot: "
-                   "{simulator: mujoco},  ros: 1  for a robot that can be stepped "
+                   "{simulator: mujoco},  ros: 2  for a robot that can be stepped "
                    "(docs/stepping.md), or  sync: unpaced",
                    "x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
-                   "ros: 1, or  robot: {simulator: mujoco}",
+                   "ros: 2, or  robot: {simulator: mujoco}",
                    "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
-                   " ros: 1, or  robot: {simulator: mujoco}"}},
+                   " ros: 2, or  robot: {simulator: mujoco}"}},
         WrongFile{"robot that is no map",
                   {{"{simulator: mujoco}", "mujoco"}},
                   {"x.yaml:4:8: key 'robot': expected a map; write  robot: {simulator: mujoco, "

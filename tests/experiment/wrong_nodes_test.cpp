@@ -17,17 +17,17 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"no robot for a topic",
                   {{"robot: {simulator: mujoco}\n", ""}},
                   {"x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
-                   "ros: 1, or  robot: {simulator: mujoco}",
+                   "ros: 2, or  robot: {simulator: mujoco}",
                    "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
-                   " ros: 1, or  robot: {simulator: mujoco}"}},
+                   " ros: 2, or  robot: {simulator: mujoco}"}},
         WrongFile{"topic unknown to the robot",
                   {{"/scan", "/scann"}},
                   {"x.yaml:6:35: key 'topic': the robot has no topic /scann there; did you mean "
-                   "'/scan'?; with  ros: 1  any topic is possible"}},
+                   "'/scan'?; with  ros: 2  any topic is possible"}},
         WrongFile{"command topic unknown to the robot",
                   {{"/cmd_vel", "/motor"}},
                   {"x.yaml:10:38: key 'topic': the robot has no topic /motor there; known: "
-                   "/cmd_vel; with  ros: 1  any topic is possible"}},
+                   "/cmd_vel; with  ros: 2  any topic is possible"}},
         WrongFile{"unknown message type",
                   {{"LaserScan", "LaserScann"}},
                   {"x.yaml:6:51: unknown message type 'LaserScann'; did you mean 'LaserScan'?"}},
@@ -82,6 +82,66 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
                   {"x.yaml:10:109: key 'limits': [1,0] of 'linear.x' is no least and greatest "
                    "value; write  linear.x: [-0.5, 0.5]"}},
+        WrongFile{"slew of an unknown field",
+                  {{"angular.z: 1}", "angular.z: 1}, slew: {linear.y: 1}"}},
+                  {"x.yaml:10:107: key 'slew': 'linear.y' is not one of the fields; write it into  "
+                   "fields, too"}},
+        WrongFile{
+            "slew that is no rate",
+            {{"angular.z: 1}", "angular.z: 1}, slew: {linear.x: 0}"}},
+            {"x.yaml:10:107: key 'slew': 0 of 'linear.x' is no rate of change; write a number "
+             "above 0, as  linear.x: 1.0, in units a second"}},
+        WrongFile{"slew that is no map",
+                  {{"angular.z: 1}", "angular.z: 1}, slew: 1"}},
+                  {"x.yaml:10:107: key 'slew': '1' is no map; write  slew: {linear.x: 1.0}"}},
+        WrongFile{"slew of a field that is none",
+                  {{"linear.x: 0,", "linear.x: {channel: 0, slew: -1},"}},
+                  {"x.yaml:10:72: 'fields.linear.x.slew' is -1, no rate of change; write a number "
+                   "above 0, or leave it out"}},
+        WrongFile{"emergency stop with an unknown key",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {latchd: true}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': unknown key 'latchd'; did you mean "
+                   "'latched'?"}},
+        WrongFile{"emergency stop without a unit",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {timeout: 1}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': key 'timeout': 1 has no unit; write for "
+                   "example  timeout: 1 s"}},
+        WrongFile{"emergency stop that is no truth value",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {required: often}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': key 'required': 'often' is not a truth "
+                   "value; write true or false"}},
+        WrongFile{"emergency stop of an unknown message",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {message: std_msgs/Bol}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': unknown message type 'std_msgs/Bol'; did "
+                   "you mean 'std_msgs/Bool'?"}},
+        WrongFile{"emergency stop of an unknown field",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {field: dat}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': field path 'dat' of std_msgs/Bool: "
+                   "std_msgs/Bool has no field 'dat'; did you mean 'data'?"}},
+        WrongFile{"emergency stop that is a list",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: [/stop]"}},
+                  {"x.yaml:10:117: key 'emergency_stop': [\"/stop\"] is a list; write none, a "
+                   "topic, or  emergency_stop: {topic: /...}"}},
+        WrongFile{"emergency stop on the commands' topic",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
+                  {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
+                   "themselves; write another one"}},
+        WrongFile{"override without time",
+                  {{"angular.z: 1}", "angular.z: 1}, override: {timeout: 0 s}"}},
+                  {"x.yaml:10:111: key 'override': key 'timeout': 0 is out of bounds; write a "
+                   "value of at least 0.001 s"}},
+        WrongFile{"spike timeout that is none",
+                  {{"angular.z: 1}", "angular.z: 1}, spike_timeout: -1 s"}},
+                  {"x.yaml:10:116: key 'spike_timeout': -1 is out of bounds; write a value of at "
+                   "least 0 s"}},
+        WrongFile{
+            "spike timeout without spikes",
+            {{"connections:",
+              "  other: {node: ros_command, topic: /out, message: Float64MultiArray, "
+              "spike_timeout: 1 s}\nconnections:\n  - scan -> other [3]"},
+             {"robot: {simulator: mujoco}\n", "ros: 1\n"}},
+            {"x.yaml:11:86: key 'spike_timeout': no spikes are on the way to 'other'; leave it "
+             "out"}},
         WrongFile{"initial value that is none",
                   {{"message: LaserScan", "message: LaserScan, initial: zero"}},
                   {"x.yaml:6:71: key 'initial': 'zero' is neither a number nor 'none'; write for "

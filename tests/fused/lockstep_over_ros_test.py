@@ -1,11 +1,15 @@
 #!/usr/bin/python3
-"""Lockstep over ROS 1: the same to the bit as with the robot in the process, every time."""
+"""Lockstep over ROS: the same to the bit as with the robot in the process, every time."""
 
+import contextlib
 import pathlib
 import sys
 import tempfile
 
+import ros
 import runs
+
+RUNS = (("short", ["--duration", "5"]), ("long", ["--duration", "30", "--seed", "4"]))
 
 
 def main():
@@ -13,19 +17,24 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         near = runs.new_experiment(spikeloop, scratch / "near.yaml", sync="lockstep")
-        far = runs.new_experiment(spikeloop, scratch / "far.yaml", sync="lockstep", ros="1")
-        for name, options, repetitions in (
-                ("short", ["--duration", "5"], 2),
-                ("long", ["--duration", "30", "--seed", "4"], 1)):
+        for name, options in RUNS:
             runs.run(spikeloop, near, scratch / name, *options)
-            expected = runs.fingerprint(scratch / name)
-            for i in range(repetitions):
-                folder = scratch / f"{name}{i}"
-                summary, printed = runs.run(spikeloop, far, folder, *options)
-                assert runs.fingerprint(folder) == expected, f"{folder}: {summary}"
-                check(summary, printed, float(options[1]))
-        coarse(spikeloop, scratch)
-    print(f"the same to the bit over ROS and without; {summary['simulated_s']:.0f} s at "
+        expected = [runs.fingerprint(scratch / name) for name, _ in RUNS]
+        for version in "12":
+            with ros.domain() if version == "2" else contextlib.nullcontext():
+                over_ros(spikeloop, scratch, version, expected)
+
+
+def over_ros(spikeloop, scratch, version, expected):
+    far = runs.new_experiment(spikeloop, scratch / "far.yaml", sync="lockstep", ros=version)
+    for (name, options), wanted in zip(RUNS, expected):
+        for i in range(2 if name == "short" else 1):
+            folder = scratch / f"{name}{i}-ros{version}"
+            summary, printed = runs.run(spikeloop, far, folder, *options)
+            assert runs.fingerprint(folder) == wanted, f"{folder}: {summary}"
+            check(summary, printed, float(options[1]))
+    coarse(spikeloop, scratch, version)
+    print(f"the same to the bit over ROS {version} and without; {summary['simulated_s']:.0f} s at "
           f"{summary['real_time_factor']:.1f} times real time, "
           f"{1000 * summary['real_time_factor']:.0f} ticks/s")
 
@@ -43,11 +52,11 @@ def check(summary, printed, duration_s):
     assert taken - experiment["counters"]["wheels.commands"] in (0, 1), summary
 
 
-def coarse(spikeloop, scratch):
+def coarse(spikeloop, scratch, version):
     """A tick in which several scans become due."""
     prints = []
-    for name, ros in (("one", "none"), ("two", "1")):
-        file = runs.new_experiment(spikeloop, scratch / f"{name}.yaml", sync="lockstep", ros=ros,
+    for name, over in (("one", "none"), (f"two{version}", version)):
+        file = runs.new_experiment(spikeloop, scratch / f"{name}.yaml", sync="lockstep", ros=over,
                                    tick="130 ms", duration="6.5 s")
         runs.run(spikeloop, file, scratch / name)
         prints.append(runs.fingerprint(scratch / name))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Over ROS 1: a robot that was killed and that the master still knows, a process that is killed, a
+"""Over ROS: a robot that was killed and that the master still knows, a process that is killed, a
 sensor that another robot fills, a process that hangs."""
 
 import contextlib
@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import xmlrpc.client
 
 import ros
@@ -77,6 +78,17 @@ def living_robot(spikeloop, scratch):
         assert done.returncode == 2 and wanted in done.stderr, done
 
 
+def living_robot_of_ros2(spikeloop, scratch):
+    """One that sends /scan already is used, and goes on afterwards."""
+    file = runs.new_experiment(spikeloop, scratch / "used.yaml", ros="2", duration="3 s")
+    with ros.domain(), ros.program(runs.programs() / "spikeloop-robot", "--ros", "2") as process:
+        time.sleep(3)  # a world is read
+        summary, printed = runs.run(spikeloop, file, scratch / "used")
+        assert "/scan is published already: no robot is started" in printed, printed
+        assert summary["commands"] > 50 and "robot" not in summary["processes"], summary
+        assert process.poll() is None
+
+
 def killed(spikeloop, scratch):
     """What is killed is named."""
     file = runs.new_experiment(spikeloop, scratch / "long.yaml", ros="1", duration="60 s")
@@ -114,6 +126,7 @@ def main():
         scratch = pathlib.Path(scratch)
         dead_robot(spikeloop, scratch)
         living_robot(spikeloop, scratch)
+        living_robot_of_ros2(spikeloop, scratch)
         killed(spikeloop, scratch)
         stalled(spikeloop, scratch)
     print("a dead robot is replaced, a living one used, a killed process named, one that hangs ended")

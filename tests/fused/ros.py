@@ -1,10 +1,13 @@
-"""A ROS master of a test's own."""
+"""A ROS master, or a domain of ROS 2, of a test's own."""
 
 import contextlib
+import fcntl
 import os
+import pathlib
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 import xmlrpc.client
 
@@ -44,6 +47,35 @@ def master(scratch):
         core.wait(30)
         os.environ.clear()
         os.environ.update(before)
+
+
+@contextlib.contextmanager
+def domain():
+    """Puts this process and its children where no other test of this machine is, and nobody hears them.
+    tests/ros2/domain.hpp takes domains by the same files."""
+    before = dict(os.environ)
+    for number in range(1, 101):
+        path = pathlib.Path(tempfile.gettempdir()) / f"spikeloop-test-ros-domain-{number}"
+        with open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            os.environ.update(ROS_DOMAIN_ID=str(number), ROS_LOCALHOST_ONLY="1")
+            try:
+                yield number
+            finally:
+                os.environ.clear()
+                os.environ.update(before)
+            return
+    raise RuntimeError("a hundred tests use a ROS domain each")
+
+
+@contextlib.contextmanager
+def place(version, scratch):
+    """Where nodes of this version meet."""
+    with master(scratch) if version == "1" else domain():
+        yield
 
 
 @contextlib.contextmanager

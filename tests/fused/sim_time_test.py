@@ -162,23 +162,46 @@ def back(simulator, begin):
     ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
 
 
-def silence(begin):
+def silence(begin, command):
     run = begin("silence")
     run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
-             "set, and does the simulator publish /clock? 'rostopic hz /clock' shows it")
+             f"set, and does the simulator publish /clock? '{command} hz /clock' shows it")
     run.interrupt()
 
 
-def shipped_robot(spikeloop, scratch):
+def shipped_robot(spikeloop, scratch, version):
     for factor in ("0.5", "3"):
-        file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="sim_time", ros="1",
+        file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="sim_time", ros=version,
                                    duration="4 s", real_time_factor=factor)
-        summary, _ = runs.run(spikeloop, file, scratch / f"factor{factor}")
+        summary, _ = runs.run(spikeloop, file, scratch / f"factor{factor}-ros{version}")
         # A busy machine is slower; nothing is faster than the robot.
         assert 0.1 < summary["real_time_factor"] < float(factor) * 1.05, summary
         assert summary["distance_m"] > 0.3, summary
         counters = summary["processes"]["experiment"]["counters"]
         assert counters["wheels.stops_ended"] == 1, counters
+
+
+def followed_in_ros2(spikeloop, scratch):
+    """The clock of the shipped robot, which is paused, goes on, and begins again."""
+    robot = [runs.programs() / "spikeloop-robot", "--ros", "2"]
+    file = runs.new_experiment(spikeloop, scratch / "follower.yaml", sync="sim_time", ros="2",
+                               duration="60 s")
+    text = file.read_text()
+    own = next(line for line in text.splitlines() if line.startswith("robot:"))
+    file.write_text(text.replace(own, ""))
+    silence(lambda name: Run(spikeloop, file, scratch / f"{name}-ros2"), "ros2 topic")
+    run = Run(spikeloop, file, scratch / "follower")
+    with ros.program(*robot) as simulator:
+        ros.until((scratch / "follower/wheels.h5").exists, "run")
+        time.sleep(2)
+        simulator.send_signal(signal.SIGSTOP)
+        run.says("for 3 s: is the simulator paused? The experiment waits")
+        simulator.send_signal(signal.SIGCONT)
+        run.says("/clock goes on")
+    with ros.program(*robot):
+        report = run.end(3)
+    assert report["summary"].get("simulated_s", 0) < 60, report
+    run.says("the simulator was set back, or two programs publish it ('ros2 topic info /clock')")
 
 
 def main():
@@ -189,12 +212,15 @@ def main():
         file.write_text(EXPERIMENT)
         with ros.master(scratch):
             subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
-            silence(lambda name: Run(spikeloop, file, scratch / name))
+            silence(lambda name: Run(spikeloop, file, scratch / name), "rostopic")
             simulator = Simulator()
             for test in (pause, jump, back):
                 simulator.heard.clear()
                 test(simulator, lambda name: Run(spikeloop, file, scratch / name))
-        shipped_robot(spikeloop, scratch)
+        shipped_robot(spikeloop, scratch, "1")
+        with ros.domain():
+            followed_in_ros2(spikeloop, scratch)
+            shipped_robot(spikeloop, scratch, "2")
     print("as far as /clock: slow, paused, ahead; an error when it goes back")
 
 

@@ -377,8 +377,9 @@ TEST(Programs, AreKnownByTheLastPartOfTheBinary) {
   EXPECT_EQ(find_program(file, "d"), nullptr);
   EXPECT_EQ(find_program(file, "nobody"), nullptr);
   EXPECT_FALSE(all_ours(file));
-  EXPECT_FALSE(needs_ros(file));
-  EXPECT_TRUE(needs_ros(parse_music(kLoop, "f")));
+  EXPECT_FALSE(needs_ros(file, 1));
+  EXPECT_TRUE(needs_ros(parse_music(kLoop, "f"), 1));
+  EXPECT_FALSE(needs_ros(parse_music(kLoop, "f"), 2));
 }
 
 // As plug-ins' are: the launcher has their section recorded, and lets them keep their stamps.

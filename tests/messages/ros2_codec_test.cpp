@@ -49,6 +49,8 @@ TEST(Ros2Codec, encapsulation_and_padding) {
   // Two bytes of padding behind the message, as the options say, belong to no field.
   EXPECT_THAT(read(catalog, "b", bytes({0, 1, 0, 2, 7, 0, 1, 2, 0, 0})), ElementsAre(0x0201));
   EXPECT_THROW(read(catalog, "b", bytes({0, 1, 0, 2, 7, 0, 1, 2})), spikeloop::TransportError);
+  // One without the padding that it had.
+  EXPECT_THAT(read(own("uint16 a\nuint8 b"), "b", bytes({0, 1, 0, 1, 1, 2, 7})), ElementsAre(7));
   // Some transports pad without saying so.
   EXPECT_THAT(read(catalog, "b", bytes({0, 1, 0, 0, 7, 0, 1, 2, 0, 0})), ElementsAre(0x0201));
 }

@@ -57,6 +57,30 @@ TEST_F(ErrorTest, missing_and_wrong_keys) {
                 "'command_update_rate'"));
 }
 
+TEST_F(ErrorTest, what_stops_the_robot) {
+  const auto said = [&](const std::string& keys) {
+    const auto outcome = outcome_of(sensor_, command_ + keys);
+    EXPECT_EQ(outcome.exit_code, 2) << keys;
+    return outcome.text();
+  };
+  EXPECT_THAT(said("emergency_stop=/cmd_vel"),
+              HasSubstr("emergency_stop: /cmd_vel is the topic of the commands themselves; write "
+                        "another one, or none"));
+  EXPECT_THAT(said("override=/cmd_vel"),
+              HasSubstr("override: /cmd_vel is the topic of the commands themselves; write another "
+                        "one, or none"));
+  EXPECT_THAT(said("emergency_stop_field=dat"), HasSubstr("did you mean 'data'?"));
+  EXPECT_THAT(said("emergency_stop_message=std_msgs/Bol"),
+              HasSubstr("unknown message type 'std_msgs/Bol'"));
+  EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twist"),
+              HasSubstr("sensor_topics: '/in:geometry_msgs/Twist' is no topic with its type and "
+                        "timeout in s; write sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and "
+                        "others behind a comma"));
+  EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twist:0"),
+              HasSubstr("is no topic with its type"));
+  EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twits:1"), HasSubstr("Twits"));
+}
+
 TEST_F(ErrorTest, widths_and_channels) {
   // Defect 9 of the older program: a mapping index beyond the port was read out of bounds.
   const auto narrow = outcome_of(sensor_, command_, "", 1);
@@ -103,9 +127,11 @@ TEST_F(ErrorTest, help_names_every_key) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> programs = {
       {"ros_sensor_adapter",
        {"ros_topic", "message_type", "sensor_update_rate", "initial", "sensor_mapping_filename"}},
-      {"ros_command_adapter", {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel"}},
+      {"ros_command_adapter",
+       {"command_rate", "deadband", "watchdog", "max_age", "cmd_vel", "emergency_stop"}},
       {"ros_cont_adapter", {"ros_topic", "message_type"}},
-      {"cont_ros_adapter", {"/cmd_vel ", "mapping.json ", "Hz       20 "}},
+      {"cont_ros_adapter",
+       {"/cmd_vel ", "mapping.json ", "command_update_rate       Hz          20 "}},
       {"ros_event_sensor_adapter",
        {"ros_topic", "message_type", "polarity", "downsample", "roi", "latency", "refractory",
         "sensor_update_rate", "event.out -> "}},

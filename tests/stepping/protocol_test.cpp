@@ -9,6 +9,7 @@
 namespace spikeloop::stepping {
 namespace {
 
+using messages::Dialect;
 using nlohmann::json;
 using testing::AllOf;
 using testing::ElementsAre;
@@ -82,15 +83,17 @@ TEST(Protocol, WhatIsNoMessageOfItIsNamed) {
 }
 
 TEST(Protocol, StringsAreThoseOfRos) {
-  const auto bytes = string_message("h\xC3\xA9");
-  EXPECT_THAT(bytes, ElementsAre(std::byte{3}, std::byte{0}, std::byte{0}, std::byte{0},
-                                 std::byte{'h'}, std::byte{0xC3}, std::byte{0xA9}));
-  EXPECT_EQ(text_of(bytes), "h\xC3\xA9");
-  const std::string longer(70'000, 'z');
-  EXPECT_EQ(text_of(string_message(longer)), longer);
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_EQ(error_of([&] { text_of(std::span(bytes).first(size)); }),
-              "a std_msgs/String ends too early");
+  EXPECT_THAT(string_message(Dialect::ros1, "h\xC3\xA9"),
+              ElementsAre(std::byte{3}, std::byte{0}, std::byte{0}, std::byte{0}, std::byte{'h'},
+                          std::byte{0xC3}, std::byte{0xA9}));
+  for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
+    const auto bytes = string_message(ros, "h\xC3\xA9");
+    EXPECT_EQ(text_of(ros, bytes), "h\xC3\xA9");
+    const std::string longer(70'000, 'z');
+    EXPECT_EQ(text_of(ros, string_message(ros, longer)), longer);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_THROW(text_of(ros, std::span(bytes).first(size)), TransportError);
+    }
   }
 }
 

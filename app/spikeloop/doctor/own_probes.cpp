@@ -139,6 +139,7 @@ std::vector<Probe> own_probes() {
           fact("HDF5", true, [] { return ok(record::library_version()); }),
           library_probe({"MuJoCo", false, "spikeloop-robot", "libmujoco", "libmujoco2.2.2"}),
           library_probe({"roscpp", false, "spikeloop-ros", "libroscpp.", "libroscpp4d"}),
+          library_probe({"ddsc", false, "spikeloop-ros", "libddsc.", "libddsc0debian"}),
           fact("worlds", false, worlds)};
 }
 

@@ -118,13 +118,11 @@ class Importer {
     if (const MusicKey* rtf = pacing_key("rtf"); rtf != nullptr && !unpaced) {
       text += fmt::format("real_time_factor: {}\n", rtf->value);
     }
-    const bool ros = any([this](const MusicSection& section) {
-      const launch::Program* program = launch::find_program(file_, section);
-      return program != nullptr && program->ros;
-    });
     if (options_.robot) {
       text += "robot: {simulator: mujoco, world: arena.xml}\n";
-    } else if (ros) {
+    } else if (launch::needs_ros(file_, 2)) {
+      text += "ros: 2\n";
+    } else if (launch::needs_ros(file_, 1)) {
       text += "ros: 1\n";
     }
     write_plugins();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
@@ -13,6 +14,7 @@
 #include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -52,6 +54,7 @@ constexpr const char* kOfProcesses[] = {"np",
                                         "verbose",
                                         "pipeline_ticks",
                                         "host",
+                                        "ros",
                                         "ros_node_name",
                                         "sensor_update_rate",
                                         "master_timeout"};
@@ -77,6 +80,9 @@ std::string field_text(const CommandField& field) {
   }
   if (field.maximum) {
     add("max", *field.maximum);
+  }
+  if (field.slew) {
+    add("slew", *field.slew);
   }
   return fmt::format("\n      {}: {{{}}}", field.field, text);
 }
@@ -257,6 +263,35 @@ void NodeImporter::import_command(const MusicSection& section, const RosProgram&
       add(name, with_unit(key->value, std::string_view(name) == "deadband" ? "1" : "s"));
     }
   }
+  import_people(section);
+  if (find(section, "sensor_topics") != nullptr) {
+    note(
+        section.where,
+        fmt::format("'{}': an experiment watches the sensors on the way to a command itself; write "
+                    "timeout into those of sensor_topics",
+                    section.label));
+  }
+}
+
+/// The keys that begin alike as a map: `emergency_stop_timeout` is `timeout` in `emergency_stop`.
+void NodeImporter::import_people(const MusicSection& section) {
+  const auto import_map = [&](const std::string& name, const std::vector<std::string>& inner) {
+    std::vector<std::string> entries;
+    if (const MusicKey* topic = find(section, name); topic != nullptr && !topic->value.empty()) {
+      entries.push_back(fmt::format("topic: {}", yaml_text(topic->value)));
+    }
+    for (const std::string& key : inner) {
+      if (const MusicKey* found = find(section, fmt::format("{}_{}", name, key))) {
+        entries.push_back(fmt::format(
+            "{}: {}", key, key == "timeout" ? with_unit(found->value, "s") : found->value));
+      }
+    }
+    if (!entries.empty()) {
+      add(name.c_str(), fmt::format("{{{}}}", fmt::join(entries, ", ")));
+    }
+  };
+  import_map("emergency_stop", {"message", "field", "latched", "required", "timeout"});
+  import_map("override", {"timeout"});
 }
 
 void NodeImporter::add_fields(const MusicSection& section, const RosProgram& program) {
@@ -288,6 +323,14 @@ void NodeImporter::add_fields(const MusicSection& section, const RosProgram& pro
     fields += field_text(field);
   }
   add("fields", fields);
+  const MusicKey* limits = find(section, "default_limits");
+  const auto bounds = command::component_map(mapping, 0).bounds();
+  const auto others = command::default_bounds(mapping, bounds);
+  const bool without =
+      !std::ranges::equal(bounds, others, {}, &command::Bounds::maximum, &command::Bounds::maximum);
+  if (without && (limits == nullptr || limits->value != "true")) {
+    add("limits", experiment::kNoLimits);
+  }
 }
 
 void NodeImporter::load_plugin(const MusicSection& section, const MusicKey& key) {

@@ -53,6 +53,9 @@ void apply_options(MusicFile& file, const RunOptions& options) {
     set_everywhere(file, "strict", "true");
   }
   for (MusicSection& section : file.sections) {
+    if (options.ros && ros_version(file, section) != 0) {
+      set_key(section.keys, "ros", fmt::format("{}", *options.ros));
+    }
     if (options.record && find_program(file, section) != nullptr) {
       set_key(section.keys, "record", "true");
     }

@@ -66,9 +66,17 @@ std::vector<std::string> living(const RosMaster& master, const char* topic) {
 }  // namespace
 
 bool JobRun::start_ros() {
-  if (!needs_ros(effective_.file) && !options_.robot && !options_.roscore) {
-    return true;
-  }
+  const bool master =
+      needs_ros(effective_.file, 1) || options_.roscore || (options_.robot && robot_ros() == 1);
+  return (!master || find_master()) && (!options_.robot || start_robot());
+}
+
+int JobRun::robot_ros() const {
+  const bool ros2 = needs_ros(effective_.file, 2) && !needs_ros(effective_.file, 1);
+  return ros2 ? 2 : 1;
+}
+
+bool JobRun::find_master() {
   const RosMaster master(master_uri());
   ros_environment_["ROS_MASTER_URI"] = master.uri();
   ros_environment_["ROS_LOG_DIR"] = folder_ + "/ros";
@@ -91,11 +99,9 @@ bool JobRun::start_ros() {
           is_experiment ? "write  robot: {simulator: mujoco}  for a robot and a master of our own"
                         : "let us start one of our own: --roscore"));
     }
-    if (!start_roscore()) {
-      return false;
-    }
+    return start_roscore();
   }
-  return !options_.robot || start_robot();
+  return true;
 }
 
 bool JobRun::start_roscore() {
@@ -132,11 +138,13 @@ bool JobRun::start_roscore() {
                        roscore_trouble(*roscore_, RosMaster(ros_environment_["ROS_MASTER_URI"])));
 }
 
-bool JobRun::start_robot() {
+/// Says so when a master still knows a robot that has gone.
+bool JobRun::robot_is_there() {
+  if (robot_ros() == 2) {
+    return options_.published_in_ros2 && options_.published_in_ros2(kScanTopic);
+  }
   const RosMaster master(ros_environment_["ROS_MASTER_URI"]);
-  const auto scans = [&master] { return !living(master, kScanTopic).empty(); };
-  if (scans()) {
-    log::info("{} is published already: no robot is started", kScanTopic);
+  if (!living(master, kScanTopic).empty()) {
     return true;
   }
   for (const std::string& dead : master.publishers(kScanTopic)) {
@@ -145,8 +153,23 @@ bool JobRun::start_robot() {
         "our own is started; 'rosnode cleanup' makes the master forget the other one",
         dead, kScanTopic);
   }
+  return false;
+}
+
+/// Whether the robot that we have started publishes.
+bool JobRun::robot_publishes() {
+  return robot_ros() == 2
+             ? state_.has_ticked("robot")
+             : !living(RosMaster(ros_environment_["ROS_MASTER_URI"]), kScanTopic).empty();
+}
+
+bool JobRun::start_robot() {
+  if (robot_is_there()) {
+    log::info("{} is published already: no robot is started", kScanTopic);
+    return true;
+  }
   ProgramStart start;
-  start.arguments = {"spikeloop-robot", "--out", folder_};
+  start.arguments = {"spikeloop-robot", "--out", folder_, "--ros", std::to_string(robot_ros())};
   add_robot_option(effective_.file, "seed", "--seed", options_.robot_arguments, start.arguments);
   add_robot_option(effective_.file, "rtf", "--real-time-factor", options_.robot_arguments,
                    start.arguments);
@@ -154,14 +177,14 @@ bool JobRun::start_robot() {
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
-  crew_.turn_until([&] { return outcome_ || robot_->gone() || scans(); }, kRosStart);
+  crew_.turn_until([&] { return outcome_ || robot_->gone() || robot_publishes(); }, kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
-  } else if (!outcome_ && !scans()) {
+  } else if (!outcome_ && !robot_publishes()) {
     fail(kPartnerMissing, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
                                       kRosStart.count() / 1000, last_line(*robot_)));
   }

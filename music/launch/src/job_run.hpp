@@ -44,8 +44,12 @@ class JobRun {
 
   // Each returns whether the job goes on.
   bool start_ros();
+  bool find_master();
   bool start_roscore();
   bool start_robot();
+  int robot_ros() const;
+  bool robot_is_there();
+  bool robot_publishes();
   void start_programs();
 
   /// Whether a signal came before there was anything to stop.

@@ -151,6 +151,11 @@ bool JobState::any_ticked() const {
   });
 }
 
+bool JobState::has_ticked(const std::string& label) const {
+  const auto found = processes_.find(label);
+  return found != processes_.end() && found->second.ticked;
+}
+
 bool JobState::all_reported() const {
   bool any = false;
   for (const auto& [label, process] : processes_) {

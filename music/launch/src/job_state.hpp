@@ -52,6 +52,7 @@ class JobState {
   bool any_started() const;
   /// Whether any program of the file has ticked.
   bool any_ticked() const;
+  bool has_ticked(const std::string& label) const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
   std::string what_is_late(Clock::time_point now = Clock::now()) const;
   /// Why none of our programs has said that it lives, when these sections' programs do; true: but

@@ -80,6 +80,12 @@ bool is_mpi_speaking(std::string_view text) {
          process.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+constexpr const char* kMasterVariable = "ROS_MASTER_URI";
+/// Where nodes of ROS 2 look for each other.
+constexpr const char* kRos2Variables[] = {"ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY",
+                                          "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
+                                          "CYCLONEDDS_URI"};
+
 }  // namespace
 
 std::string own_directory() {
@@ -90,8 +96,12 @@ std::string own_directory() {
 std::vector<std::string> variables_of_job(const MusicFile& file) {
   std::vector<std::string> names{"PATH", "SPIKELOOP_FILE", "SPIKELOOP_FILE_NAME", "SPIKELOOP_OUT",
                                  "SPIKELOOP_STATUS"};
-  if (needs_ros(file)) {
-    names.emplace_back("ROS_MASTER_URI");
+  if (needs_ros(file, 1)) {
+    names.emplace_back(kMasterVariable);
+  }
+  if (needs_ros(file, 2)) {
+    std::ranges::copy_if(kRos2Variables, std::back_inserter(names),
+                         [](const char* name) { return std::getenv(name) != nullptr; });
   }
   if (any_script(file)) {
     names.emplace_back("PYTHONPATH");

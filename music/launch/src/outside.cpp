@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -19,8 +20,12 @@ namespace fs = std::filesystem;
 /// Where a program of ours meets the world.
 struct Place {
   std::string name;
+  int ros = 0;  ///< 0: no topic
   Location where;
 };
+
+/// The version of ROS, and a topic; 0, and an address.
+using Key = std::pair<int, std::string>;
 
 class OutsideCheck {
  public:
@@ -32,7 +37,7 @@ class OutsideCheck {
       if (program == nullptr || program->outside.key.empty()) {
         continue;
       }
-      if (program->ros) {
+      if (ros_version(file_, *section) == 1) {
         add_node_name(*section);
       }
       const Place place = place_of(*section, *program);
@@ -42,7 +47,7 @@ class OutsideCheck {
       if (!program->source) {
         add_writer(*section, *program, place);
       } else if (program->ros) {
-        listeners_.emplace(place.name, section);
+        listeners_.emplace(Key{place.ros, place.name}, section);
       }
     }
     for (const auto& [topic, listener] : listeners_) {
@@ -57,7 +62,7 @@ class OutsideCheck {
     const std::string written =
         key != nullptr ? key->value : std::string(program.outside.otherwise);
     return {program.ros ? topic_name(written) : canonical_address(written, section),
-            key != nullptr ? key->where : section.where};
+            ros_version(file_, section), key != nullptr ? key->where : section.where};
   }
 
   /// scan and /scan// are one topic, as long as no namespace is set. Empty: none.
@@ -93,8 +98,13 @@ class OutsideCheck {
   }
 
   /// The first that publishes there; tcp://*:PORT is every address with this port.
-  const MusicSection* writer_at(const std::string& place) const {
-    for (const auto& [name, section] : writers_) {
+  const MusicSection* writer_at(const Place& wanted) const {
+    const std::string& place = wanted.name;
+    for (const auto& [key, section] : writers_) {
+      const auto& [ros, name] = key;
+      if (ros != wanted.ros) {
+        continue;
+      }
       const bool same_port = name.starts_with("tcp://") && place.starts_with("tcp://") &&
                              name.substr(name.rfind(':')) == place.substr(place.rfind(':'));
       const bool every = name.starts_with("tcp://*:") || place.starts_with("tcp://*:");
@@ -122,8 +132,8 @@ class OutsideCheck {
   }
 
   void add_writer(const MusicSection& section, const Program& program, const Place& place) {
-    const MusicSection* first = writer_at(place.name);
-    writers_.emplace(place.name, &section);
+    const MusicSection* first = writer_at(place);
+    writers_.emplace(Key{place.ros, place.name}, &section);
     if (first == nullptr) {
       return;
     }
@@ -142,7 +152,7 @@ class OutsideCheck {
     }
   }
 
-  void check_echo(const std::string& topic, const MusicSection& listener) {
+  void check_echo(const Key& topic, const MusicSection& listener) {
     const auto writer = writers_.find(topic);
     if (writer == writers_.end()) {
       return;
@@ -152,14 +162,14 @@ class OutsideCheck {
         key == nullptr ? listener.where : key->where,
         fmt::format("'{}' subscribes to {}, which '{}' publishes: the job hears itself; write "
                     "another ros_topic in one of them",
-                    listener.label, topic, writer->second->label),
+                    listener.label, topic.second, writer->second->label),
         strict_);
   }
 
   const MusicFile& file_;
   bool strict_;
-  std::map<std::string, const MusicSection*> writers_;
-  std::map<std::string, const MusicSection*> listeners_;
+  std::map<Key, const MusicSection*> writers_;
+  std::map<Key, const MusicSection*> listeners_;
   std::map<std::string, const MusicSection*> nodes_;
   Findings findings_;
 };

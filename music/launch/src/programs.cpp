@@ -161,7 +161,7 @@ constexpr Program kNestScript{
 /// Runs the script of its key `script`.
 constexpr std::string_view kScriptProgram = "spikeloop-script";
 
-/// The nodes of an experiment that has simulators beside it; `ros=true` when topics are ROS's.
+/// The nodes of an experiment that has simulators beside it; `ros` says whose topics are.
 constexpr std::string_view kFusedProgram = "spikeloop-fused-music";
 constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true};
 constexpr Program kFusedOverRos{
@@ -273,7 +273,7 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
   }
   if (name == kFusedProgram) {
     const MusicKey* ros = file.find_key(section, "ros");
-    return ros != nullptr && ros->value == "true" ? &kFusedOverRos : &kFused;
+    return ros != nullptr && ros->value != "none" ? &kFusedOverRos : &kFused;
   }
   if (name == kAnyNode.name) {
     const MusicKey* node = file.find_key(section, "node");
@@ -313,11 +313,18 @@ bool any_script(const MusicFile& file) {
   });
 }
 
-bool needs_ros(const MusicFile& file) {
-  return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
-    const Program* program = find_program(file, section);
-    return program != nullptr && program->ros;
-  });
+int ros_version(const MusicFile& file, const MusicSection& section) {
+  const Program* program = find_program(file, section);
+  if (program == nullptr || !program->ros) {
+    return 0;
+  }
+  const MusicKey* key = file.find_key(section, "ros");
+  return key != nullptr && key->value == "2" ? 2 : 1;
+}
+
+bool needs_ros(const MusicFile& file, int version) {
+  return std::any_of(file.sections.begin(), file.sections.end(),
+                     [&](const auto& section) { return ros_version(file, section) == version; });
 }
 
 }  // namespace spikeloop::launch

@@ -68,7 +68,7 @@ nodes:
   encoder: {{node: rate_encoder, rate_max: 1000 Hz}}
 {network}  decoder: {{node: linear_readout, tau: 30 ms, weights: uniform}}
   wheels: {{node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, deadband: 0,
-           fields: {{linear.x: 0}}}}
+           fields: {{linear.x: 0}}, limits: none}}
 connections:
   - scan -> encoder [1] -> {spikes}decoder [1] -> wheels [1]
 """

@@ -8,25 +8,26 @@ namespace spikeloop::command {
 namespace {
 
 bool is_from_loop(StopReason reason) {
-  return reason <= StopReason::stale;
+  return reason < StopReason::silent;
 }
 bool is_final(StopReason reason) {
   return reason >= StopReason::terminated;
 }
+bool is_finite(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
 
 }  // namespace
 
-std::string_view stop_reason_name(StopReason reason) {
-  static constexpr std::array<std::string_view, kStopReasons> names = {
-      "without_value", "not_finite", "data_too_old", "no_tick", "continued", "terminated", "ended"};
-  return names[static_cast<std::size_t>(reason)];
-}
-
-CommandChannel::CommandChannel(const GateSettings& settings, Publish publish)
-    : gate_(settings), publish_(std::move(publish)), zero_(settings.deadband.size(), 0.0) {}
+CommandChannel::CommandChannel(const ChannelSettings& settings, Publish publish)
+    : gate_(settings.gate),
+      limiter_(settings.bounds, settings.gate.deadband.size()),
+      publish_(std::move(publish)),
+      zero_(settings.gate.deadband.size(), 0.0),
+      override_timeout_(settings.override_timeout) {}
 
 TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
-  if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); })) {
+  if (!is_finite(values)) {
     const bool nothing =
         std::ranges::all_of(values, [](double value) { return std::isnan(value); });
     return stop(nothing ? StopReason::no_value : StopReason::not_finite, now);
@@ -35,43 +36,118 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (state_ == State::closed) {
     return kNever;
   }
+  network_stop_.reset();
   // Whatever else has stopped the robot since then.
   if (now < suspended_until_) {
     return state_ == State::stopped ? gate_.next_due() : kNever;
   }
-  if (state_ != State::running) {
-    resumed_ += state_ == State::idle ? 0 : 1;
-    state_ = State::running;
-    gate_.forget();
+  if (held_) {
+    return repeat_zero(now);
   }
-  if (gate_.offer(values, now)) {
-    ++commands_;
-    publish_(gate_.current());
-  }
-  return gate_.next_due();
+  return drive(still_overridden(now) ? override_ : values, now);
 }
 
 TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   const std::lock_guard lock(mutex_);
-  if (state_ == State::closed || (state_ == State::idle && is_from_loop(reason))) {
+  if (state_ == State::closed) {
     return kNever;
   }
-  if (is_from_loop(reason) && state_ == State::stopped && reason_ == reason) {
-    if (gate_.offer(zero_, now)) {
-      publish_(zero_);
+  if (reason <= StopReason::silent) {
+    network_stop_ = reason;
+    if (held_) {
+      return repeat_zero(now);
     }
-    return gate_.next_due();
+    if (still_overridden(now)) {
+      return drive(override_, now);
+    }
+    return stop_network(reason, now);
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
-  state_ = is_final(reason)       ? State::closed
-           : is_from_loop(reason) ? State::stopped
-                                  : State::suspended;
+  state_ = is_final(reason) ? State::closed : State::suspended;
+  overridden_ = false;
   if (reason == StopReason::continued) {
     suspended_until_ = now + kContinuedPause;
   }
   send_zero(now);
+  return kNever;
+}
+
+TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
+  if (state_ == State::idle && is_from_loop(reason)) {
+    return kNever;
+  }
+  if (is_from_loop(reason) && state_ == State::stopped && reason_ == reason) {
+    return repeat_zero(now);
+  }
+  ++stops_[static_cast<std::size_t>(reason)];
+  reason_ = reason;
+  state_ = is_from_loop(reason) ? State::stopped : State::suspended;
+  send_zero(now);
   return state_ == State::stopped ? gate_.next_due() : kNever;
+}
+
+void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::closed || reason == held_) {
+    return;
+  }
+  held_ = reason;
+  overridden_ = false;
+  if (reason) {
+    ++stops_[static_cast<std::size_t>(*reason)];
+    reason_ = *reason;
+    state_ = State::stopped;
+    send_zero(now);
+  } else if (!driven_) {
+    state_ = State::idle;
+  } else if (network_stop_) {
+    stop_network(*network_stop_, now);
+  }
+}
+
+void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::closed || held_ || now < suspended_until_) {
+    return;
+  }
+  overrides_ += still_overridden(now) ? 0 : 1;
+  overridden_ = true;
+  override_until_ = now + override_timeout_;
+  override_.assign(values.begin(), values.end());
+  if (!is_finite(values)) {
+    override_ = zero_;
+    ++stops_[static_cast<std::size_t>(StopReason::not_finite)];
+    limiter_.restart(now);
+  }
+  drive(override_, now);
+}
+
+bool CommandChannel::still_overridden(TimeNs now) {
+  overridden_ = overridden_ && now < override_until_;
+  return overridden_;
+}
+
+TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
+  if (state_ != State::running) {
+    resumed_ += state_ == State::idle ? 0 : 1;
+    state_ = State::running;
+    gate_.forget();
+    limiter_.restart(now);
+  }
+  if (gate_.offer(limiter_.shape(values, now), now)) {
+    driven_ = true;
+    ++commands_;
+    publish_(gate_.current());
+  }
+  return next_due();
+}
+
+TimeNs CommandChannel::repeat_zero(TimeNs now) {
+  if (gate_.offer(zero_, now)) {
+    publish_(zero_);
+  }
+  return gate_.next_due();
 }
 
 void CommandChannel::send_zero(TimeNs now) {
@@ -79,8 +155,15 @@ void CommandChannel::send_zero(TimeNs now) {
   publish_(zero_);
 }
 
+TimeNs CommandChannel::next_due() const {
+  return std::min(gate_.next_due(), overridden_ ? override_until_ : kNever);
+}
+
 TimeNs CommandChannel::poll(TimeNs now) {
   const std::lock_guard lock(mutex_);
+  if (overridden_ && !still_overridden(now) && network_stop_) {
+    return stop_network(*network_stop_, now);
+  }
   if (state_ != State::running && state_ != State::stopped) {
     return kNever;
   }
@@ -88,7 +171,7 @@ TimeNs CommandChannel::poll(TimeNs now) {
     commands_ += state_ == State::running ? 1 : 0;
     publish_(gate_.current());
   }
-  return gate_.next_due();
+  return next_due();
 }
 
 std::optional<StopReason> CommandChannel::stopped_by() const {
@@ -97,9 +180,22 @@ std::optional<StopReason> CommandChannel::stopped_by() const {
   return driven ? std::nullopt : std::optional(reason_);
 }
 
+bool CommandChannel::overridden() const {
+  const std::lock_guard lock(mutex_);
+  return overridden_;
+}
+
+std::optional<Limiter::Cut> CommandChannel::first_cut() const {
+  const std::lock_guard lock(mutex_);
+  return limiter_.first_cut();
+}
+
 std::vector<Counter> CommandChannel::counters() const {
   const std::lock_guard lock(mutex_);
-  std::vector<Counter> counters = {{"commands", commands_}, {"resumed", resumed_}};
+  std::vector<Counter> counters = {{"commands", commands_},
+                                   {"resumed", resumed_},
+                                   {"overrides", overrides_},
+                                   {"limited", limiter_.cuts()}};
   for (std::size_t i = 0; i < kStopReasons; ++i) {
     counters.push_back(
         {"stops_" + std::string(stop_reason_name(static_cast<StopReason>(i))), stops_[i]});

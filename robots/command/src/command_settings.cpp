@@ -11,6 +11,19 @@ constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
 }  // namespace
 
+ChannelSettings channel_settings(const CommandSettings& settings) {
+  return {settings.gate, settings.bounds, settings.manual.timeout};
+}
+
+FeedSettings feed_settings(const CommandSettings& settings) {
+  return {.width = settings.width,
+          .with_pace = settings.with_pace,
+          .max_age = settings.max_age,
+          .sensors = settings.sensors,
+          .spike_widths = settings.spike_widths,
+          .spike_timeout = settings.spike_timeout};
+}
+
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock, bool with_pace) {
   const auto wall = [&](double simulated_s) {
@@ -33,6 +46,7 @@ CommandSettings command_settings(const Parameters& keys, const ComponentMap& map
   settings.max_age = from_seconds(keys.number("max_age"));
   settings.width = static_cast<std::uint32_t>(map.size());
   settings.with_pace = with_pace;
+  settings.bounds = map.bounds();
   return settings;
 }
 
@@ -49,6 +63,7 @@ CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& m
   settings.width = static_cast<std::uint32_t>(map.size());
   settings.with_pace = with_pace;
   settings.clock = clock;
+  settings.bounds = map.bounds();
   return settings;
 }
 

@@ -1,7 +1,6 @@
 #include "spikeloop/command/command_sink.hpp"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -9,38 +8,23 @@
 #include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::command {
-
 namespace {
 
-std::string cause(StopReason reason, const CommandSettings& settings) {
-  switch (reason) {
-    case StopReason::no_value:
-      return "there is no value to send";
-    case StopReason::not_finite:
-      return "a command has a value that is no finite number";
-    case StopReason::stale:
-      return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
-    case StopReason::silent:
-      return fmt::format("no tick came for {}", format_time(settings.watchdog));
-    case StopReason::continued:
-      return "a program of the job has died, or this one had been stopped (SIGCONT)";
-    case StopReason::terminated:
-    case StopReason::ended:
-      break;
-  }
-  return "the run is over";
-}
+/// How often the watch looks for what nobody tells: that a publisher is gone, that a time is over.
+constexpr TimeNs kLook = 20'000'000;
 
 }  // namespace
 
 CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
     : settings_(settings),
       carrier_(std::move(carrier)),
-      channel_(settings.gate, carrier_.publish),
-      feed_({settings.width, settings.with_pace, settings.max_age}, channel_),
-      watch_(settings.watchdog, {[this](StopReason reason) { stop_from_watch(reason); },
-                                 [this](TimeNs now) { return channel_.poll(now); },
-                                 carrier_.interrupted, carrier_.beat}) {}
+      channel_(channel_settings(settings), carrier_.publish),
+      feed_(feed_settings(settings), channel_),
+      interventions_(settings.emergency_stop, channel_),
+      watch_(settings.watchdog,
+             {[this](StopReason reason) { stop_from_watch(reason); },
+              [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted,
+              [this](TimeNs wall) { return beat(wall); }}) {}
 
 CommandSink::~CommandSink() {
   stop(StopReason::terminated);
@@ -56,6 +40,9 @@ void CommandSink::send(const Step& step) {
   }
   ticked_ = true;
   simulated_ = step.interval().end;
+  if (settings_.clock == CommandClock::lockstep) {
+    interventions_.apply(wall_now(), now());
+  }
   const TimeNs due = feed_.take(step, now());
   if (settings_.clock == CommandClock::wall) {
     watch_.heartbeat(due);
@@ -84,18 +71,56 @@ void CommandSink::stop_from_watch(StopReason reason) {
   announce(wall_now());
 }
 
+void CommandSink::emergency(bool stop) {
+  const TimeNs wall = wall_now();
+  interventions_.emergency(stop, wall);
+  intervene(wall);
+}
+
+void CommandSink::override_with(std::span<const double> values) {
+  interventions_.override_with(values);
+  intervene(wall_now());
+}
+
+void CommandSink::intervene(TimeNs wall) {
+  if (settings_.clock != CommandClock::lockstep) {
+    interventions_.apply(wall, now());
+    announce(wall);
+  }
+}
+
+TimeNs CommandSink::beat(TimeNs wall) {
+  const TimeNs next = carrier_.beat ? carrier_.beat(wall) : kNever;
+  if (settings_.emergency_stop.topic.empty() && settings_.manual.topic.empty()) {
+    return next;
+  }
+  intervene(wall);
+  if (settings_.clock == CommandClock::wall) {
+    // Also while the loop is silent: a manual command has its end.
+    channel_.poll(now());
+  }
+  return std::min(next, wall + kLook);
+}
+
 void CommandSink::announce(TimeNs now) {
-  const std::optional<StopReason> reason = channel_.stopped_by();
+  const State state{channel_.stopped_by(), channel_.overridden()};
+  const auto cut = channel_.first_cut();
   const std::lock_guard lock(announcing_);
-  if (reason == announced_ || (announced_at_ != 0 && now - announced_at_ < kNsPerSecond)) {
+  if (cut && !cut_announced_) {
+    cut_announced_ = true;
+    log::warning("{}", cut_warning(*cut, settings_));
+  }
+  if (state == announced_ || (announced_at_ != 0 && now - announced_at_ < kNsPerSecond)) {
     return;
   }
-  announced_ = reason;
+  const State before = std::exchange(announced_, state);
   announced_at_ = now;
-  if (!reason) {
-    log::warning("the robot is driven again");
-  } else if (*reason < StopReason::terminated) {
-    log::warning("the robot is stopped: {}", cause(*reason, settings_));
+  if (state.overridden) {
+    log::warning("the robot is driven by hand, on topic '{}'", settings_.manual.topic);
+  } else if (!state.stopped) {
+    log::warning("the robot is driven {}again", before.overridden ? "by the network " : "");
+  } else if (*state.stopped < StopReason::terminated) {
+    log::warning("the robot is stopped: {}", stop_cause(*state.stopped, settings_, feed_));
   }
 }
 

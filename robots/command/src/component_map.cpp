@@ -30,4 +30,12 @@ std::vector<double> ComponentMap::deadbands(double fraction) const {
   return bands;
 }
 
+std::vector<Bounds> ComponentMap::bounds() const {
+  std::vector<Bounds> bounds;
+  for (const Component& component : components_) {
+    bounds.push_back({component.minimum, component.maximum, component.slew});
+  }
+  return bounds;
+}
+
 }  // namespace spikeloop::command

@@ -147,7 +147,8 @@ class WireReader {
                            std::to_string(256 * at(0) + at(1)) +
                            ", not 1 (plain CDR in little endian), the one that ROS 2 has");
     }
-    const std::size_t padding = at(3) & 3u;
+    // Without its padding, as a transport may have handed it over, the size tells.
+    const std::size_t padding = size % 4 == 0 ? at(3) & 3u : 0;
     position_ = kEncapsulation;
     bytes_ = bytes_.first(size - std::min(padding, size - kEncapsulation));
   }
@@ -222,6 +223,12 @@ class WireWriter {
     }
   }
 
+  /// Numbers of this alignment, as they are.
+  void bytes(std::span<const std::byte> numbers, std::size_t alignment) {
+    align(alignment);
+    bytes_->insert(bytes_->end(), numbers.begin(), numbers.end());
+  }
+
   void length(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
   void text(std::string_view value) {
     length(value.size() + (kDialect == Dialect::ros2 ? 1 : 0));
@@ -258,12 +265,16 @@ class WireWriter {
     put(whole<std::uint32_t>(nanoseconds));
   }
 
+  void align(std::size_t alignment) {
+    if constexpr (kDialect == Dialect::ros2) {
+      const std::size_t beyond = (bytes_->size() - kEncapsulation) & (alignment - 1);
+      bytes_->resize(bytes_->size() + (beyond == 0 ? 0 : alignment - beyond));
+    }
+  }
+
   template <typename T>
   void put(T value) {
-    if constexpr (kDialect == Dialect::ros2) {
-      const std::size_t beyond = (bytes_->size() - kEncapsulation) & (sizeof(T) - 1);
-      bytes_->resize(bytes_->size() + (beyond == 0 ? 0 : sizeof(T) - beyond));
-    }
+    align(sizeof(T));
     const auto* data = reinterpret_cast<const std::byte*>(&value);
     bytes_->insert(bytes_->end(), data, data + sizeof(T));
   }

@@ -27,16 +27,16 @@ FieldValue text(std::string_view value) {
 
 }  // namespace
 
-Message::Message(const char* type, const std::vector<std::string>& paths)
-    : writer_(Catalog::builtin(messages::Dialect::ros1), type, paths) {}
+Message::Message(messages::Dialect ros, const char* type, const std::vector<std::string>& paths)
+    : writer_(Catalog::builtin(ros), type, paths) {}
 
 const std::vector<std::byte>& Message::write(std::span<const FieldValue> values) {
   writer_.write(values, bytes_);
   return bytes_;
 }
 
-ScanMessage::ScanMessage()
-    : Message(kScanType,
+ScanMessage::ScanMessage(messages::Dialect ros)
+    : Message(ros, kScanType,
               {"header.stamp.secs", "header.stamp.nsecs", "header.frame_id", "angle_min",
                "angle_max", "angle_increment", "scan_time", "range_min", "range_max", "ranges"}) {}
 
@@ -52,8 +52,8 @@ const std::vector<std::byte>& ScanMessage::write(const vehicle::LaserScan& scan)
                                    FieldValue{ranges, {}}});
 }
 
-OdometryMessage::OdometryMessage()
-    : Message(kOdometryType,
+OdometryMessage::OdometryMessage(messages::Dialect ros)
+    : Message(ros, kOdometryType,
               {"header.stamp.secs", "header.stamp.nsecs", "header.frame_id", "child_frame_id",
                "pose.pose.position.x", "pose.pose.position.y", "pose.pose.orientation.z",
                "pose.pose.orientation.w", "twist.twist.linear.x", "twist.twist.linear.y",
@@ -71,16 +71,17 @@ const std::vector<std::byte>& OdometryMessage::write(const vehicle::Odometry& od
                                    number(odometry.angular_z_rad_s)});
 }
 
-ClockMessage::ClockMessage() : Message(kClockType, {"clock.secs", "clock.nsecs"}) {}
+ClockMessage::ClockMessage(messages::Dialect ros)
+    : Message(ros, kClockType, {"clock.secs", "clock.nsecs"}) {}
 
 const std::vector<std::byte>& ClockMessage::write(TimeNs time) {
   const Stamp stamp(time);
   return Message::write(std::array{number(stamp.secs), number(stamp.nsecs)});
 }
 
-TwistReader::TwistReader()
-    : linear_(Catalog::builtin(messages::Dialect::ros1), kTwistType, "linear.x"),
-      angular_(Catalog::builtin(messages::Dialect::ros1), kTwistType, "angular.z") {}
+TwistReader::TwistReader(messages::Dialect ros)
+    : linear_(Catalog::builtin(ros), kTwistType, "linear.x"),
+      angular_(Catalog::builtin(ros), kTwistType, "angular.z") {}
 
 Command TwistReader::read(std::span<const std::byte> message) const {
   std::vector<double> values;

@@ -16,8 +16,12 @@ TimeNs next_multiple(TimeNs time, TimeNs period) {
 
 }  // namespace
 
-SteppedRobot::SteppedRobot(const vehicle::Options& options, const std::string& folder)
+SteppedRobot::SteppedRobot(const vehicle::Options& options, const std::string& folder,
+                           messages::Dialect ros)
     : vehicle_(options),
+      scan_(ros),
+      odometry_(ros),
+      twist_(ros),
       // A float: to the microsecond, or scans would be due a nanosecond after their tick.
       scan_period_(std::max<TimeNs>(kMs, 1000 * std::llround(vehicle_.scan().scan_time_s * 1e6))) {
   if (!folder.empty()) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "command_topics.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros_command {
@@ -53,7 +54,11 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
                              return guard_.beat(now);
                            },
                        .require = [this] { session_.require_alive(); }}),
+      topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
+                                              settings, sink_)),
       on_termination_([this] { sink_.stop(command::StopReason::terminated); }) {}
+
+RosCommand::~RosCommand() = default;
 
 void RosCommand::leave_to_guard_if_dead() {
   if (!session_.alive()) {

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
 namespace spikeloop::stepping {
@@ -87,25 +87,19 @@ Answer read_answer(std::string_view text) {
   });
 }
 
-std::vector<std::byte> string_message(std::string_view text) {
-  const messages::MessageWriter writer(messages::Catalog::builtin(messages::Dialect::ros1), kType,
-                                       {"data"});
+std::vector<std::byte> string_message(messages::Dialect ros, std::string_view text) {
+  const messages::MessageWriter writer(messages::Catalog::builtin(ros), kType, {"data"});
   std::vector<std::byte> bytes;
   const messages::FieldValue value{{}, text};
   writer.write(std::span(&value, 1), bytes);
   return bytes;
 }
 
-std::string text_of(std::span<const std::byte> message) {
-  constexpr std::size_t kLength = 4;  // ROS 1 writes it in front, the lowest byte first
-  std::size_t length = 0;
-  for (std::size_t i = 0; i < std::min(kLength, message.size()); ++i) {
-    length |= static_cast<std::size_t>(message[i]) << (8 * i);
-  }
-  if (message.size() < kLength || message.size() - kLength < length) {
-    throw TransportError("a std_msgs/String ends too early");
-  }
-  return {reinterpret_cast<const char*>(message.data()) + kLength, length};
+std::string text_of(messages::Dialect ros, std::span<const std::byte> message) {
+  const messages::TextField data(messages::Catalog::builtin(ros), kType, "data");
+  std::vector<std::string_view> texts;
+  data.read(message, texts);
+  return std::string(texts.at(0));
 }
 
 }  // namespace spikeloop::stepping

@@ -3,10 +3,11 @@
 //   {"message_type": "Twist", "mapping": {"linear.x": 0, "angular.z": 1}, "min": -1, "max": 1}
 //
 // A field may be an object instead of a channel:
-//   "linear.x": {"channel": 0, "scale": 0.5, "offset": 0, "min": -0.5, "max": 0.5}
+//   "linear.x": {"channel": 0, "scale": 0.5, "offset": 0, "min": -0.5, "max": 0.5, "slew": 2}
 // Its value is scale * channel + offset, then limited. The file's "min" and "max" hold for fields
-// that have none of their own; without any there is no limit. A field that ends with a slice,
-// "data[2:5]": 7, stands for its elements with channels from 7 on.
+// that have none of their own; without any there is no limit. "slew" is the fastest change of what
+// leaves, a second. A field that ends with a slice, "data[2:5]": 7, stands for its elements with
+// channels from 7 on.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,8 @@ struct CommandField {
   double offset = 0;
   std::optional<double> minimum{};  ///< none: no limit
   std::optional<double> maximum{};
-  Location where{};  ///< of its line in the file
+  std::optional<double> slew{};  ///< fastest change a second, above 0; none: any
+  Location where{};              ///< of its line in the file
 };
 
 struct CommandMapping {

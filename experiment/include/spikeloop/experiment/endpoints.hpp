@@ -24,7 +24,7 @@ std::optional<double> sensor_initial(const Parameters& parameters);
 /// read.
 std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message);
 /// @throws ConfigurationError at the field that the message does not have.
-void check_command_fields(const CommandMapping& mapping);
+void check_command_fields(const CommandMapping& mapping, messages::Dialect ros);
 
 /// The source of a playback, as wide as its recording, which resolve() has held against the
 /// connections. @throws FileError, ConfigurationError: no such file or stream.

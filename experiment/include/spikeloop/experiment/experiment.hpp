@@ -16,15 +16,21 @@
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::experiment {
 
 enum class Sync { realtime, unpaced, lockstep, sim_time };
-enum class Ros { none, ros1 };
+enum class Ros { none, ros1, ros2 };
 
 /// "realtime", "unpaced", "lockstep", "sim_time", as the key `sync` has them.
 Sync sync_named(std::string_view name);
 std::string_view name_of(Sync sync);
+/// "none", "1", "2", as the key `ros` has them.
+Ros ros_named(std::string_view name);
+std::string name_of(Ros ros);
+/// What messages are; without ROS as in ROS 1.
+messages::Dialect dialect_of(Ros ros);
 
 /// A node of the experiment.
 struct Part {
@@ -114,6 +120,7 @@ struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
+  std::optional<Ros> ros{};
   std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;

@@ -8,9 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/command_feed.hpp"
+#include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/command/component_map.hpp"
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -18,7 +20,7 @@
 
 namespace spikeloop::fused {
 
-/// Ports: `command` [a value a field] and, `with_pace`, `pace` [1].
+/// Ports: as command::CommandFeed.
 class CommandEnd : public Sink {
  public:
   /// Before the loop begins; as command::CommandFeed.
@@ -45,8 +47,13 @@ struct CommandSpec {
   const command::ComponentMap& map;  ///< channels to fields
   bool with_pace = false;
   Keep keep{};
-  std::string from{};  ///< the output that drives it, "decoder.out"
+  std::string from{};                             ///< the output that drives it, "decoder.out"
+  std::vector<command::WatchedSensor> sensors{};  ///< that it depends on
+  std::vector<std::uint32_t> spike_widths{};      ///< of the spikes that are watched
 };
+
+/// Adds to a command's settings what its experiment says of bounds and of all that stops the robot.
+void add_safety(const CommandSpec& spec, command::CommandSettings& settings);
 
 class Transport {
  public:

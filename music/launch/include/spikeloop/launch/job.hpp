@@ -35,7 +35,11 @@ struct JobOptions {
   /// is.
   std::function<std::string(const std::string&)> translate{};
   bool roscore = false;  ///< start a ROS master when none answers
-  bool robot = false;    ///< start spikeloop-robot when nobody publishes /scan
+  /// Start spikeloop-robot when nobody publishes /scan, over the ROS that the file's programs
+  /// speak: ROS 2, unless one of them speaks ROS 1.
+  bool robot = false;
+  /// Whether somebody publishes a topic of ROS 2; empty: nobody is asked.
+  std::function<bool(const std::string& topic)> published_in_ros2{};
   std::vector<std::string> robot_arguments{};
 };
 

@@ -22,7 +22,7 @@ struct Hosts {
   std::vector<std::string> variables{};
 };
 
-/// Those that a supervised job sets for its programs.
+/// Those that a supervised job sets for its programs, and those of ROS 2 that are set.
 std::vector<std::string> variables_of_job(const MusicFile& file);
 
 /// `mpirun -np SUM ... music FILE`.

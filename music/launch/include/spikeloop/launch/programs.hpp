@@ -25,7 +25,7 @@ struct Program {
   std::optional<Kind> input{};   ///< none: has no MUSIC input
   std::optional<Kind> output{};  ///< none: has no MUSIC output
   bool source = false;           ///< waits for the wall clock unless told otherwise
-  bool ros = false;              ///< needs a ROS master
+  bool ros = false;              ///< speaks ROS, of the version in its key `ros`
   bool tells_age = false;        ///< has the output `pace`
   bool measures_age = false;     ///< has the input `pace`
   Outside outside{};             ///< has no key: meets nobody
@@ -62,6 +62,8 @@ bool is_continuous(const MusicFile& file, const MusicConnection& connection);
 /// Whether every section's program is one of ours: then SIGUSR1 stops the job cleanly.
 bool all_ours(const MusicFile& file);
 bool any_script(const MusicFile& file);
-bool needs_ros(const MusicFile& file);
+/// The version of ROS that a section's program speaks; 0: none.
+int ros_version(const MusicFile& file, const MusicSection& section);
+bool needs_ros(const MusicFile& file, int version);
 
 }  // namespace spikeloop::launch

@@ -1,5 +1,5 @@
-// From numbers to commands that leave: the gate, and every reason for which a robot is stopped.
-// Whatever carries the commands, ROS 1 or ROS 2, is a function.
+// From numbers to commands that leave: limits, the gate, and every reason for which a robot is
+// stopped. Whatever carries the commands, ROS 1 or ROS 2, is a function.
 #pragma once
 
 #include <array>
@@ -9,72 +9,97 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "spikeloop/command/command_gate.hpp"
+#include "spikeloop/command/limiter.hpp"
+#include "spikeloop/command/stop_reason.hpp"
 #include "spikeloop/core/node.hpp"
 
 namespace spikeloop::command {
 
-enum class StopReason : std::uint8_t {
-  no_value,    ///< the input has lost its value
-  not_finite,  ///< NaN or infinity among the command's values
-  stale,       ///< the data behind the command are too old
-  silent,      ///< the loop has not ticked for too long
-  continued,   ///< SIGCONT: mpirun has seen a program die, or somebody had stopped us
-  terminated,  ///< SIGTERM, SIGINT, or an error
-  ended        ///< the run is over
-};
-inline constexpr std::size_t kStopReasons = 7;
-
 inline constexpr TimeNs kContinuedPause = 1'500'000'000;
 
-/// "data_too_old", ...: the name in counters.
-std::string_view stop_reason_name(StopReason reason);
+struct ChannelSettings {
+  GateSettings gate;
+  std::vector<Bounds> bounds{};  ///< one a component; fewer: the others have none
+  TimeNs override_timeout = 0;   ///< so long a manual command holds
+};
 
-/// Safe to use from the loop and from the watch at once. Publishing happens under its lock, so it
-/// must not block.
+/// Safe to use from the loop, the watch and those who bring messages at once. Publishing happens
+/// under its lock, so it must not block.
+///
+/// Who wins: the end of the run, a continue, the emergency stop, a manual command, a reason of the
+/// loop or its silence, the network's command.
 class CommandChannel {
  public:
   using Publish = std::function<void(std::span<const double>)>;
 
-  CommandChannel(const GateSettings& settings, Publish publish);
+  CommandChannel(const ChannelSettings& settings, Publish publish);
 
   /// A tick's command. Returns when poll() should be called if nothing else comes.
   /// A command with a value that is not finite is never sent: it stops the robot.
   TimeNs command(std::span<const double> values, TimeNs now);
 
-  /// Sends a zero command at once, past all rules. After `no_value`, `not_finite` and `stale`,
-  /// which the loop says again every tick, zeros are repeated at the command's period; after
-  /// `silent` nothing more leaves until the next tick's command, after `continued` not for another
-  /// kContinuedPause: mpirun sends SIGCONT when a program has died, and SIGTERM 1 s later. After
-  /// `terminated` and `ended` nothing more leaves at all. Before the first command only a request
-  /// from outside the loop sends anything.
+  /// Sends a zero command at once, past all rules. After the loop's reasons, which it says again
+  /// every tick, zeros are repeated at the command's period; after `silent` nothing more leaves
+  /// until the next tick's command, after `continued` not for another kContinuedPause: mpirun sends
+  /// SIGCONT when a program has died, and SIGTERM 1 s later. After `terminated` and `ended` nothing
+  /// more leaves at all. Before the first command only a request from outside the loop sends
+  /// anything. While manual commands hold, the loop's reasons and `silent` wait for their end.
   TimeNs stop(StopReason reason, TimeNs now);
+
+  /// As long as there is a reason (of the emergency stop), nothing but zeros leaves: at once, and
+  /// repeated at the command's period.
+  void hold(std::optional<StopReason> reason, TimeNs now);
+
+  /// A command by hand: leaves in place of the network's, as far as the bounds let it, until none
+  /// has come for the timeout. One that is not finite is a zero.
+  void override_with(std::span<const double> values, TimeNs now);
 
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
 
   /// Why the robot stands; nothing while it is driven, and before the first command.
   std::optional<StopReason> stopped_by() const;
+  /// Manual commands hold.
+  bool overridden() const;
+  /// The first value that the bounds have cut.
+  std::optional<Limiter::Cut> first_cut() const;
 
-  /// commands, repeated ones included; stops by reason; resumed.
+  /// commands, repeated ones included; resumed; overrides: times that manual commands took over;
+  /// limited: ticks whose command the bounds have cut; stops by reason.
   std::vector<Counter> counters() const;
 
  private:
+  // All below are called under the lock.
   void send_zero(TimeNs now);
+  TimeNs drive(std::span<const double> values, TimeNs now);
+  TimeNs stop_network(StopReason reason, TimeNs now);
+  TimeNs repeat_zero(TimeNs now);
+  bool still_overridden(TimeNs now);
+  TimeNs next_due() const;
 
   mutable std::mutex mutex_;
   CommandGate gate_;
+  Limiter limiter_;
   Publish publish_;
   std::vector<double> zero_;
   enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
   State state_ = State::idle;
   StopReason reason_ = StopReason::no_value;
+  bool driven_ = false;  ///< a command has left
+  /// Why the network does not drive, whoever else does.
+  std::optional<StopReason> network_stop_ = StopReason::no_value;
+  std::optional<StopReason> held_;
+  std::vector<double> override_;  ///< the newest manual command
+  TimeNs override_timeout_;
+  TimeNs override_until_ = 0;
+  bool overridden_ = false;
   TimeNs suspended_until_ = std::numeric_limits<TimeNs>::min();  ///< no command before
   std::uint64_t commands_ = 0;
   std::uint64_t resumed_ = 0;
+  std::uint64_t overrides_ = 0;
   std::array<std::uint64_t, kStopReasons> stops_{};
 };
 

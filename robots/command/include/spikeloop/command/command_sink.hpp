@@ -7,9 +7,13 @@
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "spikeloop/command/command_feed.hpp"
+#include "spikeloop/command/interventions.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
@@ -19,7 +23,8 @@ namespace spikeloop::command {
 enum class CommandClock : std::uint8_t {
   wall,
   simulated,  ///< commands leave in ticks only; the watchdog stays wall time
-  /// The same, and the robot does not move between ticks: neither silence nor SIGCONT stops it.
+  /// The same, and the robot does not move between ticks: neither silence nor SIGCONT stops it, and
+  /// what people say counts from the next tick on.
   lockstep
 };
 
@@ -30,9 +35,24 @@ struct CommandSettings {
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
   CommandClock clock = CommandClock::wall;
+  std::vector<WatchedSensor> sensors{};  ///< as FeedSettings, and the next two
+  std::vector<std::uint32_t> spike_widths{};
+  TimeNs spike_timeout = 0;
+  std::vector<std::string> fields{};  ///< for messages; the bounds run parallel to them
+  std::vector<Bounds> bounds{};
+  EmergencyStop emergency_stop{};
+  Override manual{};
 };
 
-/// Ports: `command` [width] and, where there is one, `pace` [1].
+ChannelSettings channel_settings(const CommandSettings& settings);
+FeedSettings feed_settings(const CommandSettings& settings);
+
+/// Why a robot stands, as a sentence goes on behind "the robot is stopped: ".
+std::string stop_cause(StopReason reason, const CommandSettings& settings, const CommandFeed& feed);
+/// A warning of a value that the bounds have cut.
+std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings);
+
+/// Ports: as CommandFeed.
 class CommandSink : public Sink {
  public:
   /// What carries the commands.
@@ -56,6 +76,14 @@ class CommandSink : public Sink {
   void alive();
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
+  /// As Interventions.
+  void watch_publishers(std::function<bool()> has_publishers) {
+    interventions_.watch_publishers(std::move(has_publishers));
+  }
+  /// The emergency stop is pressed, or released. Safe to call from any thread.
+  void emergency(bool stop);
+  /// A command by hand. Safe to call from any thread.
+  void override_with(std::span<const double> values);
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
@@ -65,7 +93,9 @@ class CommandSink : public Sink {
   TimeNs now() const;
   /// The watch's reasons.
   void stop_from_watch(StopReason reason);
-  /// Tells the user when the robot is stopped or driven again, at most once a second.
+  TimeNs beat(TimeNs wall);
+  void intervene(TimeNs wall);
+  /// Tells the user who drives the robot or why it stands, at most once a second.
   void announce(TimeNs now);
 
   CommandSettings settings_;
@@ -74,11 +104,18 @@ class CommandSink : public Sink {
   bool ticked_ = false;               ///< the loop's
   std::mutex stopping_;
   bool stopped_ = false;
+  struct State {
+    std::optional<StopReason> stopped;
+    bool overridden = false;
+    bool operator==(const State&) const = default;
+  };
   std::mutex announcing_;
-  std::optional<StopReason> announced_;
+  State announced_;
   TimeNs announced_at_ = 0;
+  bool cut_announced_ = false;
   CommandChannel channel_;
   CommandFeed feed_;
+  Interventions interventions_;
   Watch watch_;
 };
 

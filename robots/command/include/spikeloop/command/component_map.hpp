@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "spikeloop/command/limiter.hpp"
+
 namespace spikeloop::command {
 
 /// value = limit(scale * channel + offset)
@@ -15,6 +17,7 @@ struct Component {
   double offset = 0;
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
+  double slew = std::numeric_limits<double>::infinity();  ///< a second; not applied here
 };
 
 class ComponentMap {
@@ -26,6 +29,8 @@ class ComponentMap {
   /// `fraction` of each component's range: its limits, or without them what a channel in [-1, 1]
   /// gives.
   std::vector<double> deadbands(double fraction) const;
+  /// What a Limiter wants.
+  std::vector<Bounds> bounds() const;
   std::size_t size() const { return components_.size(); }
 
  private:

@@ -13,6 +13,10 @@ namespace spikeloop::command {
 /// @param width channels of the port, which all go when the mapping says so
 ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width);
 
+/// Those of a mapping's components, with the default ones for fields that have no limit of their
+/// own. @param bounds one a field; any number when the mapping is of all channels
+std::vector<Bounds> default_bounds(const CommandMapping& mapping, std::vector<Bounds> bounds);
+
 /// A path a component; "data" alone for all channels.
 std::vector<std::string> field_paths(const CommandMapping& mapping);
 

@@ -1,4 +1,4 @@
-// The vehicle's data as ROS 1 messages.
+// The vehicle's data as messages of ROS 1 or 2.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/messages/dialect.hpp"
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
@@ -21,7 +22,7 @@ inline constexpr const char* kTwistType = "geometry_msgs/Twist";
 /// One message type with fixed fields in a fixed order. The bytes hold until the next write.
 class Message {
  public:
-  Message(const char* type, const std::vector<std::string>& paths);
+  Message(messages::Dialect ros, const char* type, const std::vector<std::string>& paths);
 
  protected:
   const std::vector<std::byte>& write(std::span<const messages::FieldValue> values);
@@ -33,20 +34,20 @@ class Message {
 
 class ScanMessage : Message {
  public:
-  ScanMessage();
+  explicit ScanMessage(messages::Dialect ros);
   const std::vector<std::byte>& write(const vehicle::LaserScan& scan);
 };
 
 /// Pose in frame "odom" (the arena's own), twist in "base_link".
 class OdometryMessage : Message {
  public:
-  OdometryMessage();
+  explicit OdometryMessage(messages::Dialect ros);
   const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
 };
 
 class ClockMessage : Message {
  public:
-  ClockMessage();
+  explicit ClockMessage(messages::Dialect ros);
   const std::vector<std::byte>& write(TimeNs time);
 };
 
@@ -57,7 +58,7 @@ struct Command {
 
 class TwistReader {
  public:
-  TwistReader();
+  explicit TwistReader(messages::Dialect ros);
   /// @throws TransportError when the message is too short.
   Command read(std::span<const std::byte> message) const;
 

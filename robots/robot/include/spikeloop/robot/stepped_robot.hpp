@@ -22,7 +22,8 @@ class SteppedRobot {
 
   /// @param folder where trajectory.csv and world.json are written; empty: nowhere
   /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
-  SteppedRobot(const vehicle::Options& options, const std::string& folder);
+  /// @param ros what its messages are
+  SteppedRobot(const vehicle::Options& options, const std::string& folder, messages::Dialect ros);
 
   /// The messages that have become due since the last call, scans as often as the world says and
   /// odometry every 20 ms, each at most once: as things are now, at `time`.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
-#include "spikeloop/topics/arguments.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,6 +19,8 @@
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros_command {
+
+class CommandTopics;
 
 struct Address {
   std::string process;  ///< how the guard calls this one
@@ -36,6 +39,7 @@ class RosCommand : public Sink {
   /// @param sent told of every message that has left, in whatever thread it did; may be empty
   RosCommand(topics::Session& session, const Address& address,
              const command::CommandSettings& settings, Sent sent = {});
+  ~RosCommand() override;
 
   std::vector<EndpointPort> ports() const override { return sink_.ports(); }
   void send(const Step& step) override { sink_.send(step); }
@@ -59,6 +63,7 @@ class RosCommand : public Sink {
   std::atomic<std::uint64_t> count_{0};
   guard::Link guard_;
   command::CommandSink sink_;
+  std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
   status::TerminationHook on_termination_;
 };
 

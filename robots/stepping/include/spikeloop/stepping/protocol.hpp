@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::stepping {
 
@@ -47,7 +48,7 @@ Request read_request(std::string_view text);
 Answer read_answer(std::string_view text);
 
 /// The bytes of a std_msgs/String, and back. @throws TransportError when they end too early.
-std::vector<std::byte> string_message(std::string_view text);
-std::string text_of(std::span<const std::byte> message);
+std::vector<std::byte> string_message(messages::Dialect ros, std::string_view text);
+std::string text_of(messages::Dialect ros, std::span<const std::byte> message);
 
 }  // namespace spikeloop::stepping

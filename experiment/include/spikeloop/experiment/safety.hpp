@@ -1,0 +1,36 @@
+// What of an experiment stops its robot: the keys, and what lies behind a command.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/core/parameters.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::experiment {
+
+/// `limits: none`: fields have those in `fields` alone, not even the default ones.
+inline constexpr const char* kNoLimits = "none";
+
+/// The keys of a map behind `emergency_stop` and behind `override`.
+std::vector<ParameterDescription> emergency_stop_parameters();
+std::vector<ParameterDescription> override_parameters();
+
+/// `emergency_stop` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
+command::EmergencyStop emergency_stop(const Part& command);
+/// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
+command::Override manual_override(const Part& command);
+/// 0: the network may be silent.
+TimeNs spike_timeout(const Part& command);
+
+/// The sensors that a node depends on through the graph, in the file's order, with the `timeout` of
+/// each, or else the command's `sensor_timeout`.
+std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
+                                                    const Part& command);
+/// The parts that they are.
+std::vector<const Part*> sensors_behind(const Experiment& experiment, const std::string& node);
+/// The connections on which the last spikes on the way to a node travel, in the file's order.
+std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node);
+
+}  // namespace spikeloop::experiment

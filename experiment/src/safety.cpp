@@ -1,0 +1,183 @@
+#include "spikeloop/experiment/safety.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "faults.hpp"
+#include "spikeloop/core/unit_demand.hpp"
+#include "spikeloop/messages/field_path.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+using Parameter = ParameterDescription;
+
+constexpr const char* kNone = "none";
+
+Parameter text(const char* name, const char* value, const char* line) {
+  return {.name = name, .type = ParameterType::text, .default_value = value, .text = line};
+}
+Parameter boolean(const char* name, const char* line) {
+  return {.name = name, .type = ParameterType::boolean, .default_value = "false", .text = line};
+}
+
+/// The keys of the map behind a key, or of a topic alone: none of them.
+Parameters inner_keys(const Part& part, const char* key, const std::vector<Parameter>& declared) {
+  const std::string& written = part.parameters.text(key);
+  const Location where = part.parameters.where(key);
+  WrittenValues values;
+  if (written.starts_with('{')) {
+    const auto map = nlohmann::json::parse(written);
+    for (const auto& [name, value] : map.items()) {
+      values[name] = {value.is_string() ? value.get<std::string>() : value.dump(), where};
+    }
+  } else if (written.starts_with('[')) {
+    throw ConfigurationError(
+        where, fmt::format("key '{}': {} is a list; write none, a topic, or  {}: {{topic: /...}}",
+                           key, written, key));
+  } else if (!written.empty()) {
+    values["topic"] = {written, where};
+  }
+  try {
+    for (const Parameter& parameter : declared) {
+      if (const auto value = values.find(parameter.name); value != values.end()) {
+        demand_unit(fmt::format("key '{}'", key), parameter, value->second);
+      }
+    }
+    return spikeloop::resolve(declared, values, {});
+  } catch (const ConfigurationError& error) {
+    const std::string reason = reason_of(error);
+    throw ConfigurationError(where, reason.starts_with(fmt::format("key '{}'", key))
+                                        ? reason
+                                        : fmt::format("key '{}': {}", key, reason));
+  }
+}
+
+std::string topic_of(const Part& part, const char* key, const Parameters& keys,
+                     const std::string& otherwise) {
+  const std::string& written = keys.text("topic");
+  if (written == kNone) {
+    return "";
+  }
+  const std::string topic = written.empty() ? otherwise : written;
+  if (topic == part.parameters.text("topic")) {
+    throw ConfigurationError(
+        part.parameters.where(key),
+        fmt::format("key '{}': {} is the topic of the commands themselves; write another one", key,
+                    topic));
+  }
+  return topic;
+}
+
+/// Everything that a node depends on, itself included, as long as `follow` wants to go on.
+template <typename Follow>
+std::set<std::string> behind(const Experiment& experiment, const std::string& node,
+                             Follow&& follow) {
+  std::set<std::string> seen{node};
+  std::vector<std::string> open{node};
+  while (!open.empty()) {
+    const std::string current = open.back();
+    open.pop_back();
+    for (const Link& link : experiment.links) {
+      if (node_of(link.to) == current && follow(link) && seen.insert(node_of(link.from)).second) {
+        open.push_back(node_of(link.from));
+      }
+    }
+  }
+  return seen;
+}
+
+}  // namespace
+
+std::vector<Parameter> emergency_stop_parameters() {
+  return {text("topic", "/emergency_stop", "Its name; none: there is none"),
+          text("message", "std_msgs/Bool", "Its type"),
+          text("field", "data", "Path of the number that stops the robot when it is not 0"),
+          boolean("latched", "Once stopped, the robot stands until the run is over"),
+          boolean("required", "The robot stands while the topic has no publisher"),
+          {.name = "timeout",
+           .unit = "s",
+           .default_value = "0",
+           .minimum = 0,
+           .text = "Wall time without a message that stops the robot; 0: any"}};
+}
+
+std::vector<Parameter> override_parameters() {
+  return {text("topic", "", "Its name; not given: that of the commands with _manual behind it"),
+          {.name = "timeout",
+           .unit = "s",
+           .default_value = "500 ms",
+           .minimum = 1e-3,
+           .text = "So long a manual command holds"}};
+}
+
+command::EmergencyStop emergency_stop(const Part& part) {
+  const Parameters keys = inner_keys(part, "emergency_stop", emergency_stop_parameters());
+  command::EmergencyStop result{.topic = topic_of(part, "emergency_stop", keys, ""),
+                                .message_type = keys.text("message"),
+                                .field = keys.text("field"),
+                                .latched = keys.boolean("latched"),
+                                .required = keys.boolean("required"),
+                                .timeout = from_seconds(keys.number("timeout"))};
+  try {
+    const auto& catalog =
+        messages::Catalog::for_type(messages::Dialect::ros1, result.message_type);
+    result.message_type = catalog.full_name(result.message_type);
+    messages::FieldReader(catalog, result.message_type, result.field);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(part.parameters.where("emergency_stop"),
+                             fmt::format("key 'emergency_stop': {}", reason_of(error)));
+  }
+  return result;
+}
+
+command::Override manual_override(const Part& part) {
+  const Parameters keys = inner_keys(part, "override", override_parameters());
+  return {.topic = topic_of(part, "override", keys, part.parameters.text("topic") + "_manual"),
+          .timeout = from_seconds(keys.number("timeout"))};
+}
+
+TimeNs spike_timeout(const Part& command) {
+  return from_seconds(command.parameters.number("spike_timeout"));
+}
+
+std::vector<const Part*> sensors_behind(const Experiment& experiment, const std::string& node) {
+  const auto names = behind(experiment, node, [](const Link&) { return true; });
+  std::vector<const Part*> sensors;
+  for (const Part& part : experiment.parts) {
+    if (part.kind == kRosSensor && names.contains(part.name)) {
+      sensors.push_back(&part);
+    }
+  }
+  return sensors;
+}
+
+std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
+                                                    const Part& command) {
+  const Parameters& keys = command.parameters;
+  const double otherwise = keys.number(keys.given("sensor_timeout") ? "sensor_timeout" : "max_age");
+  std::vector<command::WatchedSensor> watched;
+  for (const Part* sensor : sensors_behind(experiment, command.name)) {
+    const Parameters& own = sensor->parameters;
+    const double timeout = own.given("timeout") ? own.number("timeout") : otherwise;
+    watched.push_back({own.text("topic"), from_seconds(timeout)});
+  }
+  return watched;
+}
+
+std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node) {
+  const auto names =
+      behind(experiment, node, [](const Link& link) { return link.kind != PortKind::spikes; });
+  std::vector<const Link*> links;
+  for (const Link& link : experiment.links) {
+    if (link.kind == PortKind::spikes && names.contains(node_of(link.to))) {
+      links.push_back(&link);
+    }
+  }
+  return links;
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,49 @@
+// What a component may be, and how fast it may change. A pure function of values and times.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::command {
+
+struct Bounds {
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  double slew = std::numeric_limits<double>::infinity();  ///< in units of the component a second
+};
+
+/// Follows values within their bounds: between any two times that it is asked, no component moves
+/// by more than its slew rate times the time between them.
+class Limiter {
+ public:
+  struct Cut {
+    std::size_t component = 0;
+    double value = 0;  ///< as it came
+  };
+
+  /// @param bounds one a component; fewer: the others have none
+  Limiter(std::vector<Bounds> bounds, std::size_t components);
+
+  /// The robot stands: from now on the way starts at zero.
+  void restart(TimeNs now);
+  /// What may leave now. Valid until the next call. `values` are finite.
+  std::span<const double> shape(std::span<const double> values, TimeNs now);
+  /// Calls in which a value lay beyond a minimum or maximum.
+  std::uint64_t cuts() const { return cuts_; }
+  const std::optional<Cut>& first_cut() const { return first_cut_; }
+
+ private:
+  std::vector<Bounds> bounds_;
+  std::vector<double> values_;  ///< at `time_`
+  TimeNs time_ = 0;
+  std::uint64_t cuts_ = 0;
+  std::optional<Cut> first_cut_;
+};
+
+}  // namespace spikeloop::command

@@ -1,0 +1,54 @@
+// What the user is told of a command.
+#include <fmt/format.h>
+
+#include "spikeloop/command/command_sink.hpp"
+
+namespace spikeloop::command {
+
+std::string stop_cause(StopReason reason, const CommandSettings& settings,
+                       const CommandFeed& feed) {
+  const EmergencyStop& emergency = settings.emergency_stop;
+  switch (reason) {
+    case StopReason::no_value:
+      return "there is no value to send";
+    case StopReason::not_finite:
+      return "a command has a value that is no finite number";
+    case StopReason::stale:
+      return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
+    case StopReason::sensor_silent:
+      return fmt::format("no message with a reading has come on topic '{}' for {}",
+                         feed.silent_sensor().topic, format_time(feed.silent_sensor().timeout));
+    case StopReason::spikes_silent:
+      return fmt::format("no spike has come for spike_timeout, {}",
+                         format_time(settings.spike_timeout));
+    case StopReason::silent:
+      return fmt::format("no tick came for {}", format_time(settings.watchdog));
+    case StopReason::continued:
+      return "a program of the job has died, or this one had been stopped (SIGCONT)";
+    case StopReason::emergency:
+      return fmt::format("the emergency stop, topic '{}', says so{}", emergency.topic,
+                         emergency.latched ? ", until the run is over" : "");
+    case StopReason::emergency_unknown:
+      return emergency.timeout == 0
+                 ? fmt::format("the emergency stop's topic '{}' has no publisher", emergency.topic)
+                 : fmt::format(
+                       "the emergency stop's topic '{}' has no publisher, or no message "
+                       "has come on it for {}",
+                       emergency.topic, format_time(emergency.timeout));
+    case StopReason::terminated:
+    case StopReason::ended:
+      break;
+  }
+  return "the run is over";
+}
+
+std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings) {
+  const Bounds& bounds = settings.bounds[cut.component];
+  const std::string& field = settings.fields[cut.component];
+  return fmt::format(
+      "the value {} of field '{}' is beyond its limits [{}, {}] and is cut, as others may be; to "
+      "drive faster, write  limits: {{{}: [LEAST, GREATEST]}}",
+      cut.value, field, bounds.minimum, bounds.maximum, field);
+}
+
+}  // namespace spikeloop::command

@@ -1,0 +1,36 @@
+#include "spikeloop/command/interventions.hpp"
+
+#include <utility>
+
+namespace spikeloop::command {
+
+void Interventions::watch_publishers(std::function<bool()> has_publishers) {
+  const std::lock_guard lock(asking_);
+  has_publishers_ = std::move(has_publishers);
+}
+
+void Interventions::emergency(bool stop, TimeNs wall) {
+  const std::lock_guard lock(mutex_);
+  rule_.take(stop, wall);
+}
+
+void Interventions::override_with(std::span<const double> values) {
+  const std::lock_guard lock(mutex_);
+  manual_.emplace(values.begin(), values.end());
+}
+
+void Interventions::apply(TimeNs wall, TimeNs now) {
+  bool published = false;
+  {
+    const std::lock_guard lock(asking_);
+    published = has_publishers_ && has_publishers_();
+  }
+  const std::lock_guard lock(mutex_);
+  channel_.hold(rule_.verdict(published, wall), now);
+  if (manual_) {
+    channel_.override_with(*manual_, now);
+    manual_.reset();
+  }
+}
+
+}  // namespace spikeloop::command

@@ -1,0 +1,41 @@
+#include "spikeloop/command/limiter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace spikeloop::command {
+
+Limiter::Limiter(std::vector<Bounds> bounds, std::size_t components)
+    : bounds_(std::move(bounds)), values_(components) {
+  bounds_.resize(components);
+}
+
+void Limiter::restart(TimeNs now) {
+  std::ranges::fill(values_, 0.0);
+  time_ = now;
+}
+
+std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now) {
+  const double elapsed = to_seconds(std::max<TimeNs>(0, now - time_));
+  std::optional<Cut> cut;
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const Bounds& bounds = bounds_[i];
+    const double target = std::clamp(values[i], bounds.minimum, bounds.maximum);
+    if (target != values[i] && !cut) {
+      cut = Cut{i, values[i]};
+    }
+    // Without a rate the value itself, not a sum that rounds.
+    const double way = std::isfinite(bounds.slew) ? bounds.slew * elapsed : bounds.slew;
+    const bool reached = std::fabs(target - values_[i]) <= way;
+    values_[i] = reached ? target : values_[i] + std::copysign(way, target - values_[i]);
+  }
+  if (cut) {
+    ++cuts_;
+    first_cut_ = first_cut_ ? first_cut_ : cut;
+  }
+  time_ = std::max(time_, now);
+  return values_;
+}
+
+}  // namespace spikeloop::command

@@ -1,0 +1,83 @@
+#include "command_topics.hpp"
+
+#include <exception>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/topics/catalog.hpp"
+
+namespace spikeloop::ros_command {
+
+CommandTopics::CommandTopics(topics::Session& session, const std::string& message_type,
+                             const std::vector<std::string>& fields,
+                             const command::CommandSettings& settings, command::CommandSink& sink)
+    : settings_(settings), sink_(sink) {
+  const auto reader = [&](const std::string& type, const std::string& field) {
+    return messages::FieldReader(topics::catalog_of(session.dialect(), type), type, field);
+  };
+  const command::EmergencyStop& stop = settings_.emergency_stop;
+  if (!stop.topic.empty()) {
+    emergency_fields_.push_back(reader(stop.message_type, stop.field));
+    emergency_ = subscribe(session, stop.topic, stop.message_type, &CommandTopics::take_emergency);
+    sink_.watch_publishers([this] { return emergency_->has_publishers(); });
+  }
+  if (!settings_.manual.topic.empty()) {
+    for (const std::string& field : fields) {
+      manual_fields_.push_back(reader(message_type, field));
+    }
+    manual_ = subscribe(session, settings_.manual.topic, message_type, &CommandTopics::take_manual);
+  }
+}
+
+CommandTopics::~CommandTopics() {
+  sink_.watch_publishers({});
+}
+
+std::unique_ptr<topics::RawSubscriber> CommandTopics::subscribe(
+    topics::Session& session, const std::string& topic, const std::string& message_type,
+    void (CommandTopics::*take)(std::span<const std::byte>)) {
+  return session.subscriber({.topic = topic,
+                             .message_type = message_type,
+                             .queue = 1,
+                             .take = [this, take](auto message) { (this->*take)(message); },
+                             .refuse =
+                                 [this](const topics::OtherType& other) {
+                                   if (!warned_.exchange(true)) {
+                                     log::warning("{}; it is not heard", other.text);
+                                   }
+                                 }});
+}
+
+void CommandTopics::take_emergency(std::span<const std::byte> message) {
+  bool stop = true;  // what cannot be read stops, too
+  try {
+    std::vector<double> values;
+    emergency_fields_.front().read(message, values);
+    stop = values.empty() || values.front() != 0;
+  } catch (const std::exception& error) {
+    log::warning("topic '{}': {}; the robot is stopped", settings_.emergency_stop.topic,
+                 error.what());
+  }
+  sink_.emergency(stop);
+}
+
+void CommandTopics::take_manual(std::span<const std::byte> message) {
+  std::vector<double> values;
+  try {
+    for (const messages::FieldReader& field : manual_fields_) {
+      field.read(message, values);
+    }
+  } catch (const std::exception& error) {
+    log::warning("topic '{}': {}; the message is left out", settings_.manual.topic, error.what());
+    return;
+  }
+  if (values.size() != settings_.width) {
+    if (!warned_.exchange(true)) {
+      log::warning("topic '{}': a message with {} values, where a command has {}, is left out",
+                   settings_.manual.topic, values.size(), settings_.width);
+    }
+    return;
+  }
+  sink_.override_with(values);
+}
+
+}  // namespace spikeloop::ros_command

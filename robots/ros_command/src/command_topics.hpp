@@ -1,0 +1,46 @@
+// The topics on which people stop the robot, or drive it themselves.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop::ros_command {
+
+/// What they bring goes to the sink in the session's thread, the moment it has arrived.
+class CommandTopics {
+ public:
+  /// @param message_type of the commands, and of those by hand
+  /// @param fields of the commands: a path a component, or one of a whole array
+  /// @throws ConfigurationError: unknown type or field, an impossible topic.
+  CommandTopics(topics::Session& session, const std::string& message_type,
+                const std::vector<std::string>& fields, const command::CommandSettings& settings,
+                command::CommandSink& sink);
+  ~CommandTopics();
+  CommandTopics(const CommandTopics&) = delete;
+  CommandTopics& operator=(const CommandTopics&) = delete;
+
+ private:
+  void take_emergency(std::span<const std::byte> message);
+  void take_manual(std::span<const std::byte> message);
+  std::unique_ptr<topics::RawSubscriber> subscribe(
+      topics::Session& session, const std::string& topic, const std::string& message_type,
+      void (CommandTopics::*take)(std::span<const std::byte>));
+
+  command::CommandSettings settings_;
+  command::CommandSink& sink_;
+  std::vector<messages::FieldReader> emergency_fields_;
+  std::vector<messages::FieldReader> manual_fields_;
+  std::atomic<bool> warned_{false};
+  std::unique_ptr<topics::RawSubscriber> emergency_;
+  std::unique_ptr<topics::RawSubscriber> manual_;
+};
+
+}  // namespace spikeloop::ros_command

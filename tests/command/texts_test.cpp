@@ -1,0 +1,75 @@
+// Every sentence that says why a robot stands, or that its values are cut.
+#include <gtest/gtest.h>
+
+#include "spikeloop/command/command_sink.hpp"
+
+namespace spikeloop::command {
+namespace {
+
+class TextsTest : public testing::Test {
+ protected:
+  TextsTest() {
+    settings_.width = 1;
+    settings_.gate.deadband = {0};
+    settings_.max_age = 1'000'000'000;
+    settings_.watchdog = 100'000'000;
+    settings_.spike_timeout = 2'000'000'000;
+    settings_.sensors = {{"/scan", 500'000'000}};
+    settings_.emergency_stop.topic = "/stop";
+    settings_.fields = {"linear.x"};
+    settings_.bounds = {{-1, 1}};
+  }
+  std::string cause(StopReason reason) const { return stop_cause(reason, settings_, feed_); }
+
+  CommandSettings settings_;
+  CommandChannel channel_{{{{0}}}, [](auto) {}};
+  CommandFeed feed_{{.width = 1, .sensors = {{"/scan", 500'000'000}}}, channel_};
+};
+
+TEST_F(TextsTest, every_reason_has_its_cause) {
+  EXPECT_EQ(cause(StopReason::no_value), "there is no value to send");
+  EXPECT_EQ(cause(StopReason::not_finite), "a command has a value that is no finite number");
+  EXPECT_EQ(cause(StopReason::stale), "the data are older than max_age, 1 s");
+  EXPECT_EQ(cause(StopReason::sensor_silent),
+            "no message with a reading has come on topic '/scan' for 500 ms");
+  EXPECT_EQ(cause(StopReason::spikes_silent), "no spike has come for spike_timeout, 2 s");
+  EXPECT_EQ(cause(StopReason::silent), "no tick came for 100 ms");
+  EXPECT_EQ(cause(StopReason::continued),
+            "a program of the job has died, or this one had been stopped (SIGCONT)");
+  EXPECT_EQ(cause(StopReason::terminated), "the run is over");
+  EXPECT_EQ(cause(StopReason::ended), "the run is over");
+}
+
+TEST_F(TextsTest, the_emergency_stop_says_which_topic) {
+  EXPECT_EQ(cause(StopReason::emergency), "the emergency stop, topic '/stop', says so");
+  EXPECT_EQ(cause(StopReason::emergency_unknown),
+            "the emergency stop's topic '/stop' has no publisher");
+  settings_.emergency_stop.latched = true;
+  settings_.emergency_stop.timeout = 200'000'000;
+  EXPECT_EQ(cause(StopReason::emergency),
+            "the emergency stop, topic '/stop', says so, until the run is over");
+  EXPECT_EQ(cause(StopReason::emergency_unknown),
+            "the emergency stop's topic '/stop' has no publisher, or no message has come on it for "
+            "200 ms");
+}
+
+TEST_F(TextsTest, a_cut_value_says_what_to_write) {
+  EXPECT_EQ(cut_warning({0, 1.5}, settings_),
+            "the value 1.5 of field 'linear.x' is beyond its limits [-1, 1] and is cut, as others "
+            "may be; to drive faster, write  limits: {linear.x: [LEAST, GREATEST]}");
+}
+
+TEST_F(TextsTest, counters_have_the_reasons_names) {
+  const char* names[] = {"without_value", "not_finite",     "data_too_old",
+                         "sensor_silent", "no_spike",       "no_tick",
+                         "continued",     "emergency_stop", "emergency_stop_unknown",
+                         "terminated",    "ended"};
+  const auto counters = channel_.counters();
+  ASSERT_EQ(counters.size(), 4 + kStopReasons);
+  for (std::size_t i = 0; i < kStopReasons; ++i) {
+    EXPECT_EQ(counters[4 + i].name, std::string("stops_") + names[i]);
+  }
+}
+
+}  // namespace
+}  // namespace spikeloop::command

@@ -1,0 +1,255 @@
+// A MUSIC job between topics of ROS 2: scans in, a matrix, commands out; and whatever kills its
+// adapter, a zero command. These are safety deadlines: they may be asserted.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/ros2/session.hpp"
+#include "tests/ros2/domain.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using namespace spikeloop::test;
+using messages::Catalog;
+using messages::Dialect;
+using testing::HasSubstr;
+using testing::Not;
+
+// The watchdog's 100 ms and 200 ms for a machine that does other things too.
+constexpr double kDeadlineMs = 300;
+
+struct Twist {
+  double linear_x = 0;
+  double angular_z = 0;
+  TimeNs time = 0;  ///< monotonic clock, on arrival
+
+  bool is_zero() const { return linear_x == 0 && angular_z == 0; }
+};
+
+/// Publishes /scan at 50 Hz and hears /cmd_vel.
+class Robot {
+ public:
+  explicit Robot(const topics::Place& place)
+      : session_({.node_name = "robot", .place = place}),
+        scan_(session_.publisher("/scan", "sensor_msgs/LaserScan")),
+        commands_(session_.subscriber({.topic = "/cmd_vel",
+                                       .message_type = "geometry_msgs/Twist",
+                                       .queue = 0,
+                                       .take = [this](auto message) { take(message); }})),
+        publisher_([this] {
+          while (!ending_) {
+            publish_scan();
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+          }
+        }) {}
+  ~Robot() {
+    ending_ = true;
+    publisher_.join();
+  }
+
+  std::vector<Twist> twists() const {
+    const std::lock_guard lock(mutex_);
+    return twists_;
+  }
+
+ private:
+  void publish_scan() {
+    const std::vector<double> ranges{3.5, 3.5, 1.5, 1.5};
+    const std::vector<double> least{0.5};
+    const std::vector<double> most{4.5};
+    std::vector<std::byte> message;
+    const messages::FieldValue values[] = {{ranges, {}}, {least, {}}, {most, {}}};
+    messages::MessageWriter(Catalog::builtin(Dialect::ros2), "sensor_msgs/LaserScan",
+                            {"ranges", "range_min", "range_max"})
+        .write(values, message);
+    scan_->publish(message);
+  }
+
+  void take(std::span<const std::byte> message) {
+    const TimeNs now = wall_now();
+    std::vector<double> values;
+    linear_.read(message, values);
+    angular_.read(message, values);
+    const std::lock_guard lock(mutex_);
+    twists_.push_back({values[0], values[1], now});
+  }
+
+  messages::FieldReader linear_{Catalog::builtin(Dialect::ros2), "geometry_msgs/Twist", "linear.x"};
+  messages::FieldReader angular_{Catalog::builtin(Dialect::ros2), "geometry_msgs/Twist",
+                                 "angular.z"};
+  mutable std::mutex mutex_;
+  std::vector<Twist> twists_;
+  ros2::Session session_;
+  std::unique_ptr<topics::RawPublisher> scan_;
+  std::unique_ptr<topics::RawSubscriber> commands_;
+  std::atomic<bool> ending_{false};
+  std::thread publisher_;
+};
+
+class Ros2Job : public testing::Test {
+ protected:
+  Ros2Job() {
+    directory_.write("twist.json",
+                     R"({"message_type": "Twist", "mapping": {"linear.x": 0, "angular.z": 1},
+                         "min": -1, "max": 1})");
+    directory_.write("sum.json", "[[0.5, 0.5, 0, 0], [0, 0, 0.5, 0.5]]");
+  }
+
+  static std::string binary(const std::string& name) {
+    return std::string(SPIKELOOP_BIN) + "/" + name;
+  }
+
+  /// scan [4] -> connect -> twist [2]
+  static std::string scan_to_twist(const std::string& global, const std::string& sensor = "",
+                                   const std::string& topic = "/scan") {
+    return fmt::format(
+        "music_timestep=0.002\nros=2\n{}\n"
+        "[sensor]\nbinary=ros_sensor_adapter\nnp=1\nros_topic={}\nmessage_type=Laserscan\n{}\n"
+        "[halves]\nbinary=connect_adapter\nnp=1\nweights_filename=sum.json\n"
+        "[command]\nbinary=ros_command_adapter\nnp=1\nros_topic=/cmd_vel\n"
+        "message_mapping_filename=twist.json\n"
+        "sensor.out -> halves.in [4]\nhalves.out -> command.in [2]\n",
+        global, topic, sensor);
+  }
+
+  Command launched(const std::string& text) {
+    Command made;
+    made.arguments = {binary("spikeloop"), "run", directory_.write("job.music", text)};
+    made.environment = domain_.place();
+    // No master may be asked for.
+    made.environment.insert({{"ROS_MASTER_URI", "http://localhost:1"},
+                             {"SPIKELOOP_STATUS", ""},
+                             {"SPIKELOOP_OUT", ""},
+                             {"SPIKELOOP_GUARD", ""}});
+    made.directory = directory_.path().string();
+    return made;
+  }
+
+  void run_until_it_drives() {
+    child_ = std::make_unique<Child>(launched(scan_to_twist("stoptime=100")));
+    ASSERT_TRUE(eventually(60, [&] {
+      const auto twists = robot_.twists();
+      return twists.size() > 3 && !twists.back().is_zero();
+    })) << child_->output();
+    EXPECT_EQ(robot_.twists().back().linear_x, 0.5);
+    EXPECT_EQ(robot_.twists().back().angular_z, -0.5);
+    ASSERT_GT(named("ros_command_ada"), 0);
+  }
+
+  /// The process of the job whose name, of which the kernel keeps 15 characters, is this.
+  pid_t named(const std::string& name) const {
+    for (const pid_t pid : child_->family()) {
+      std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
+      std::string comm;
+      if (std::getline(file, comm) && comm == name) {
+        return pid;
+      }
+    }
+    return -1;
+  }
+
+  void expect_zero_since(TimeNs begin, const char* what) {
+    TimeNs zero = 0;
+    eventually(10, [&] {
+      for (const Twist& twist : robot_.twists()) {
+        zero = zero == 0 && twist.time > begin && twist.is_zero() ? twist.time : zero;
+      }
+      return zero != 0;
+    });
+    const double ms = zero == 0 ? 1e9 : 1e-6 * static_cast<double>(zero - begin);
+    std::printf("%s: zero command after %.1f ms\n", what, ms);
+    EXPECT_LE(ms, kDeadlineMs) << what << "\n" << child_->output();
+  }
+
+  TemporaryDirectory directory_;
+  FreeDomain domain_;
+  Robot robot_{domain_.place()};
+  std::unique_ptr<Child> child_;
+};
+
+TEST_F(Ros2Job, adapter_killed) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
+  const TimeNs begin = wall_now();
+  kill(named("ros_command_ada"), SIGKILL);
+  expect_zero_since(begin, "adapter killed");
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_THAT(outcome.text(), HasSubstr("spikeloop: warning: the robot on /cmd_vel is stopped: its "
+                                        "command adapter 'command' has died"));
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL) << outcome.text();
+}
+
+TEST_F(Ros2Job, adapter_stopped) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
+  const pid_t adapter = named("ros_command_ada");
+  const TimeNs begin = wall_now();
+  kill(adapter, SIGSTOP);
+  expect_zero_since(begin, "adapter stopped");
+  kill(adapter, SIGCONT);
+  EXPECT_TRUE(
+      child_->wait_for("the command adapter 'command' is heard again", std::chrono::seconds(10)));
+  child_->signal(SIGINT);
+  EXPECT_EQ(child_->wait().exit_code, 130);
+}
+
+TEST_F(Ros2Job, everything_killed_at_once) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
+  const pid_t guard = named("spikeloop-guard");
+  ASSERT_GT(guard, 0);
+  const pid_t adapter = named("ros_command_ada");
+  const auto processes = child_->family();
+  const TimeNs begin = wall_now();
+  kill(adapter, SIGKILL);
+  for (const pid_t pid : processes) {
+    if (pid != guard) {
+      kill(pid, SIGKILL);
+    }
+  }
+  expect_zero_since(begin, "launcher, mpirun and adapter killed");
+  EXPECT_TRUE(eventually(20, [&] { return child_->family().empty(); }));
+}
+
+TEST_F(Ros2Job, interrupted) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
+  const TimeNs begin = wall_now();
+  child_->signal(SIGINT);
+  expect_zero_since(begin, "Ctrl-C");
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
+  EXPECT_THAT(outcome.text(), Not(HasSubstr("master")));
+}
+
+TEST_F(Ros2Job, a_topic_of_another_type) {
+  const auto outcome = run(launched(scan_to_twist("stoptime=20", "", "/cmd_vel")));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(outcome.text(),
+              HasSubstr("topic '/cmd_vel' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; "
+                        "write message_type=geometry_msgs/Twist or another ros_topic"));
+}
+
+TEST_F(Ros2Job, silence_and_names) {
+  const auto silent = run(launched(scan_to_twist("stoptime=4", "", "/nothing")));
+  EXPECT_EQ(silent.exit_code, 0) << silent.text();
+  EXPECT_THAT(silent.text(), HasSubstr("no message has come on topic '/nothing' for 2 s; 'ros2 "
+                                       "topic list' shows what there is"));
+  const auto wrong = run(launched(scan_to_twist("stoptime=1", "", "/front/2nd")));
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.text();
+  EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is no name of a ROS 2 topic"));
+}
+
+}  // namespace
