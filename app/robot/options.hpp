@@ -5,12 +5,16 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/robot/sensors.hpp"
+#include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 
 struct RunOptions {
   vehicle::Options vehicle;
+  std::optional<pictures::CameraOptions> camera{};
+  SpectatorOptions spectators{};
   double duration_s = 0;  ///< 0: until stopped
   double real_time_factor = 1;
   double clock_rate_hz = 100;
@@ -27,6 +31,9 @@ struct RunOptions {
 
   /// A topic's whole name: one that begins with '/' stands as it is, others follow the prefix.
   std::string topic(const std::string& name) const;
+  /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
+  std::string sensor_topic(const std::string& name) const;
+  SensorOptions sensors(messages::Dialect dialect) const { return {dialect, camera}; }
 };
 
 /// Nothing to run when help or version was asked for or the command line is wrong; then

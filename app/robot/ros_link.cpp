@@ -9,49 +9,35 @@
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::robot {
-namespace {
-
-/// One topic out. What nobody listens to is not even made.
-template <typename Message>
-class Topic {
- public:
-  Topic(topics::Session& session, const std::string& name, const char* type)
-      : message_(session.dialect()), publisher_(session.publisher(name, type)) {}
-
-  template <typename Value>
-  void publish(const Value& value) {
-    if (publisher_->has_subscribers()) publisher_->publish(message_.write(value));
-  }
-
- private:
-  Message message_;
-  std::unique_ptr<topics::RawPublisher> publisher_;
-};
-
-}  // namespace
-
 class RosLink::Impl {
  public:
-  Impl(const RunOptions& options, std::unique_ptr<topics::Session> session)
-      : session_(std::move(session)),
-        scan_(*session_, options.topic(options.scan_topic), kScanType),
-        odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
-        clock_(*session_, options.topic(options.clock_topic), kClockType),
-        twist_(session_->dialect()),
-        subscriber_(session_->subscriber({.topic = options.topic(options.command_topic),
-                                          .message_type = kTwistType,
-                                          .take = [this](auto message) { receive(message); }})) {}
+  Impl(const RunOptions& options, topics::Session& session, const std::vector<SensorTopic>& sensors)
+      : session_(session),
+        clock_message_(session.dialect()),
+        clock_(session.publisher(options.topic(options.clock_topic), kClockType)),
+        twist_(session.dialect()) {
+    for (const SensorTopic& sensor : sensors) {
+      sensors_.push_back(session.publisher(options.sensor_topic(sensor.name), sensor.type));
+    }
+    subscriber_ = session.subscriber({.topic = options.topic(options.command_topic),
+                                      .message_type = kTwistType,
+                                      .take = [this](auto message) { receive(message); }});
+  }
 
-  void publish(const vehicle::LaserScan& scan) { scan_.publish(scan); }
-  void publish(const vehicle::Odometry& odometry) { odometry_.publish(odometry); }
-  void publish_clock(TimeNs time) { clock_.publish(time); }
+  bool wanted(std::size_t sensor) const { return sensors_[sensor]->has_subscribers(); }
+  void publish(std::size_t sensor, std::span<const std::byte> message) {
+    sensors_[sensor]->publish(message);
+  }
+  void publish_clock(TimeNs time) {
+    if (clock_->has_subscribers()) clock_->publish(clock_message_.write(time));
+  }
 
   std::optional<Command> take_command() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(newest_, std::nullopt);
   }
   std::uint64_t commands() const { return commands_; }
-  bool alive() const { return session_->alive(); }
+  bool alive() const { return session_.alive(); }
 
  private:
   void receive(std::span<const std::byte> message) {
@@ -65,10 +51,10 @@ class RosLink::Impl {
     }
   }
 
-  std::unique_ptr<topics::Session> session_;
-  Topic<ScanMessage> scan_;
-  Topic<OdometryMessage> odometry_;
-  Topic<ClockMessage> clock_;
+  topics::Session& session_;
+  std::vector<std::unique_ptr<topics::RawPublisher>> sensors_;
+  ClockMessage clock_message_;
+  std::unique_ptr<topics::RawPublisher> clock_;
   TwistReader twist_;
   std::mutex mutex_;
   std::optional<Command> newest_;
@@ -89,16 +75,17 @@ std::unique_ptr<topics::Session> open_session(const RunOptions& options,
   return session::open(settings);
 }
 
-RosLink::RosLink(const RunOptions& options, std::unique_ptr<topics::Session> session)
-    : impl_(std::make_unique<Impl>(options, std::move(session))) {}
+RosLink::RosLink(const RunOptions& options, topics::Session& session,
+                 const std::vector<SensorTopic>& sensors)
+    : impl_(std::make_unique<Impl>(options, session, sensors)) {}
 
 RosLink::~RosLink() = default;
 
-void RosLink::publish(const vehicle::LaserScan& scan) {
-  impl_->publish(scan);
+bool RosLink::wanted(std::size_t sensor) const {
+  return impl_->wanted(sensor);
 }
-void RosLink::publish(const vehicle::Odometry& odometry) {
-  impl_->publish(odometry);
+void RosLink::publish(std::size_t sensor, std::span<const std::byte> message) {
+  impl_->publish(sensor, message);
 }
 void RosLink::publish_clock(TimeNs time) {
   impl_->publish_clock(time);

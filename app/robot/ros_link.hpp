@@ -1,12 +1,15 @@
-// The robot's end of ROS: three topics out, one in.
+// The robot's end of ROS: its sensors and the clock out, commands in.
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "options.hpp"
 #include "spikeloop/robot/messages.hpp"
+#include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::robot {
@@ -20,12 +23,15 @@ std::unique_ptr<topics::Session> open_session(const RunOptions& options,
 
 class RosLink {
  public:
-  /// Advertises and subscribes. @throws ConfigurationError when a topic is malformed.
-  RosLink(const RunOptions& options, std::unique_ptr<topics::Session> session);
+  /// Advertises `sensors`, and the clock; subscribes to commands.
+  /// @throws ConfigurationError when a topic is malformed.
+  RosLink(const RunOptions& options, topics::Session& session,
+          const std::vector<SensorTopic>& sensors);
   ~RosLink();
 
-  void publish(const vehicle::LaserScan& scan);
-  void publish(const vehicle::Odometry& odometry);
+  /// Whether somebody listens to a sensor.
+  bool wanted(std::size_t sensor) const;
+  void publish(std::size_t sensor, std::span<const std::byte> message);
   void publish_clock(TimeNs time);
 
   /// The newest command since the last call.

@@ -10,25 +10,28 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/robot/files.hpp"
+#include "spikeloop/robot/sensors.hpp"
+#include "spikeloop/robot/spectators.hpp"
 
 namespace spikeloop::robot {
 namespace {
 
 constexpr TimeNs kTick = 1'000'000;
-constexpr TimeNs kOdometryPeriod = 20'000'000;
+constexpr TimeNs kRowPeriod = 20'000'000;        // of the trajectory
 constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
 
 class Loop {
  public:
   Loop(const RunOptions& options, const status::Sender& status, vehicle::Vehicle& vehicle,
-       RosLink& ros)
+       topics::Session& session)
       : options_(options),
         status_(status),
         vehicle_(vehicle),
-        ros_(ros),
+        sensors_(vehicle, options.sensors(session.dialect())),
+        spectators_(vehicle, options.spectators),
+        ros_(options, session, sensors_.topics()),
         pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
-        clock_period_(whole_ticks(1 / options.clock_rate_hz)),
-        scan_period_(whole_ticks(static_cast<double>(vehicle.scan().scan_time_s))) {
+        clock_period_(whole_ticks(1 / options.clock_rate_hz)) {
     if (!options.out.empty()) {
       write_world(options.out, vehicle, options.vehicle.seed);
       trajectory_.emplace(options.out);
@@ -47,6 +50,7 @@ class Loop {
         vehicle_.command(command->linear_m_s, command->angular_rad_s);
       }
       vehicle_.step(kTick);
+      spectators_.look(vehicle_);
       report_progress();
       if (!ros_.alive()) {
         finish();
@@ -60,7 +64,6 @@ class Loop {
   }
 
  private:
-  // At least one: a world may ask for more scans than there are ticks.
   static TimeNs whole_ticks(double seconds) {
     return std::max<TimeNs>(1, std::llround(seconds * 1e9 / static_cast<double>(kTick))) * kTick;
   }
@@ -68,15 +71,15 @@ class Loop {
   // Everything that is due at `t`, which no subscriber has to hear about at 0: ROS takes a stamp
   // of zero for none.
   void publish(TimeNs t) {
-    if (t % kOdometryPeriod == 0 && trajectory_) {
+    if (t % kRowPeriod == 0 && trajectory_) {
       trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
     }
-    if (t == 0) return;
-    if (t % scan_period_ == 0) {
-      ros_.publish(vehicle_.scan());
-      ++scans_;
+    for (std::size_t i = 0; i < sensors_.topics().size(); ++i) {
+      if (!sensors_.due(i, t) || t == 0) continue;
+      if (i == 0) ++scans_;
+      if (ros_.wanted(i)) ros_.publish(i, sensors_.write(i, vehicle_));
     }
-    if (t % kOdometryPeriod == 0) ros_.publish(vehicle_.odometry());
+    if (t == 0) return;
     if (t % clock_period_ == 0) ros_.publish_clock(t);  // after what is of that time
   }
 
@@ -91,6 +94,7 @@ class Loop {
 
   void finish() {
     if (trajectory_) trajectory_->close();
+    spectators_.finish(vehicle_);
     const auto result = vehicle_.statistics();
     const auto pace = pacer_->report();
     status_.report({{"commands", ros_.commands()},
@@ -110,10 +114,11 @@ class Loop {
   const RunOptions& options_;
   const status::Sender& status_;
   vehicle::Vehicle& vehicle_;
-  RosLink& ros_;
+  Sensors sensors_;
+  Spectators spectators_;
+  RosLink ros_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs clock_period_;
-  TimeNs scan_period_;
   std::optional<TrajectoryFile> trajectory_;
   std::uint64_t scans_ = 0;
   TimeNs reported_ = 0;
@@ -126,8 +131,7 @@ void run(const RunOptions& options, const topics::RosArguments& arguments,
   vehicle::Vehicle vehicle(options.vehicle);
   auto session = open_session(options, arguments, stop);
   if (session == nullptr) return;
-  RosLink ros(options, std::move(session));
-  Loop loop(options, status, vehicle, ros);
+  Loop loop(options, status, vehicle, *session);
   status.started();
   loop.run(stop);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -19,23 +20,27 @@ constexpr std::chrono::seconds kPatience{50};
 
 }  // namespace
 
-StepLink::StepLink(const RunOptions& options, std::unique_ptr<topics::Session> session)
-    : session_(std::move(session)),
-      scan_(*session_, options.topic(options.scan_topic), kScanType),
-      odometry_(*session_, options.topic(options.odometry_topic), kOdometryType),
-      clock_message_(session_->dialect()),
-      clock_(session_->publisher(options.topic(options.clock_topic), kClockType)),
-      answers_(session_->publisher(stepping::kSteppedTopic, stepping::kType, 0)),
-      command_topic_(session_->whole_topic(options.topic(options.command_topic))),
-      command_subscriber_(session_->subscriber({.topic = command_topic_,
-                                                .message_type = kTwistType,
-                                                .queue = 0,
-                                                .take = [this](auto twist) { take(twist); }})),
-      request_subscriber_(
-          session_->subscriber({.topic = stepping::kStepTopic,
-                                .message_type = stepping::kType,
-                                .queue = 0,
-                                .take = [this](auto message) { take_request(message); }})) {}
+StepLink::StepLink(const RunOptions& options, topics::Session& session,
+                   const std::vector<SensorTopic>& sensors)
+    : session_(session),
+      clock_message_(session.dialect()),
+      clock_(session.publisher(options.topic(options.clock_topic), kClockType)),
+      answers_(session.publisher(stepping::kSteppedTopic, stepping::kType, 0)),
+      command_topic_(session.whole_topic(options.topic(options.command_topic))) {
+  for (const SensorTopic& sensor : sensors) {
+    const std::string topic = options.sensor_topic(sensor.name);
+    sensors_.push_back({session.whole_topic(topic), session.publisher(topic, sensor.type, 0)});
+  }
+  command_subscriber_ = session.subscriber(
+      {.topic = command_topic_, .message_type = kTwistType, .queue = 0, .take = [this](auto twist) {
+         take(twist);
+       }});
+  request_subscriber_ =
+      session.subscriber({.topic = stepping::kStepTopic,
+                          .message_type = stepping::kType,
+                          .queue = 0,
+                          .take = [this](auto message) { take_request(message); }});
+}
 
 void StepLink::take(std::span<const std::byte> twist) {
   {
@@ -50,7 +55,7 @@ void StepLink::take_request(std::span<const std::byte> message) {
   {
     const std::lock_guard lock(mutex_);
     try {
-      requests_.push_back(stepping::text_of(session_->dialect(), message));
+      requests_.push_back(stepping::text_of(session_.dialect(), message));
     } catch (const Error& error) {
       log::warning("topic {}: {}", stepping::kStepTopic, error.what());
     }
@@ -91,11 +96,23 @@ std::optional<stepping::Request> StepLink::next(const std::atomic<bool>& stop) {
   return std::nullopt;
 }
 
-void StepLink::begin() {
+void StepLink::begin(const std::vector<std::string>& sensors) {
   const std::lock_guard lock(mutex_);
   commands_ = 0;
   newest_.reset();
-  scan_.count = odometry_.count = 0;
+  for (Topic& sensor : sensors_) {
+    sensor.taken = std::ranges::find(sensors, sensor.name) != sensors.end();
+    sensor.count = 0;
+  }
+}
+
+bool StepLink::wanted(std::size_t sensor) const {
+  return sensors_[sensor].taken || sensors_[sensor].publisher->has_subscribers();
+}
+
+void StepLink::publish(std::size_t sensor, std::span<const std::byte> message) {
+  sensors_[sensor].publisher->publish(message);
+  ++sensors_[sensor].count;
 }
 
 std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& sent,
@@ -112,7 +129,7 @@ std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& se
     problem = fmt::format(
         "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
         commands_ > wanted ? fmt::format("; somebody else drives, too: '{} info {}'",
-                                         topics::topic_command(session_->dialect()), command_topic_)
+                                         topics::topic_command(session_.dialect()), command_topic_)
                            : "");
   }
   return std::exchange(newest_, std::nullopt);
@@ -125,17 +142,17 @@ void StepLink::publish_clock(TimeNs time) {
 }
 
 void StepLink::answer(TimeNs time) {
-  answers_->publish(stepping::string_message(
-      session_->dialect(),
-      to_text(stepping::Answer{
-          .time = time,
-          .published = {{scan_.name, scan_.count}, {odometry_.name, odometry_.count}}})));
+  stepping::Answer answer{.time = time};
+  for (const Topic& sensor : sensors_) {
+    if (sensor.taken || sensor.count > 0) answer.published[sensor.name] = sensor.count;
+  }
+  answers_->publish(stepping::string_message(session_.dialect(), to_text(answer)));
 }
 
 void StepLink::refuse(const std::string& problem) {
   log::warning("{}", problem);
   answers_->publish(
-      stepping::string_message(session_->dialect(), to_text(stepping::Answer{.error = problem})));
+      stepping::string_message(session_.dialect(), to_text(stepping::Answer{.error = problem})));
 }
 
 }  // namespace spikeloop::robot

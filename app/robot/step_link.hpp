@@ -12,6 +12,7 @@
 
 #include "options.hpp"
 #include "spikeloop/robot/messages.hpp"
+#include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/stepping/protocol.hpp"
 #include "spikeloop/topics/session.hpp"
 
@@ -21,38 +22,34 @@ class StepLink {
  public:
   using Bytes = std::vector<std::byte>;
 
-  StepLink(const RunOptions& options, std::unique_ptr<topics::Session> session);
+  StepLink(const RunOptions& options, topics::Session& session,
+           const std::vector<SensorTopic>& sensors);
 
   /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
   /// cannot read.
   std::optional<stepping::Request> next(const std::atomic<bool>& stop);
-  /// Counts begin with 0.
-  void begin();
+  /// Counts begin with 0. `sensors` are the topics that the experiment takes.
+  void begin(const std::vector<std::string>& sensors);
   /// Waits until so many commands have come, then gives the newest of those not given yet.
   /// @param problem what is wrong with their number
   std::optional<Bytes> take_command(const stepping::Counts& sent, const std::atomic<bool>& stop,
                                     std::string& problem);
-  void publish_scan(std::span<const std::byte> message) { scan_.publish(message); }
-  void publish_odometry(std::span<const std::byte> message) { odometry_.publish(message); }
+  /// Whether the experiment takes a sensor, or somebody else listens to it.
+  bool wanted(std::size_t sensor) const;
+  void publish(std::size_t sensor, std::span<const std::byte> message);
   void publish_clock(TimeNs time);
   void answer(TimeNs time);
   void refuse(const std::string& problem);
 
   std::uint64_t commands() const { return commands_; }
-  std::uint64_t scans() const { return scan_.count; }
-  bool alive() const { return session_->alive(); }
+  std::uint64_t scans() const { return sensors_.front().count; }
+  bool alive() const { return session_.alive(); }
 
  private:
   struct Topic {
-    Topic(topics::Session& session, const std::string& topic, const char* type)
-        : name(session.whole_topic(topic)), publisher(session.publisher(topic, type, 0)) {}
-    void publish(std::span<const std::byte> message) {
-      publisher->publish(message);
-      ++count;
-    }
-
     std::string name;
     std::unique_ptr<topics::RawPublisher> publisher;
+    bool taken = false;  // by the experiment
     std::uint64_t count = 0;
   };
 
@@ -62,9 +59,8 @@ class StepLink {
   void take(std::span<const std::byte> twist);
   void take_request(std::span<const std::byte> message);
 
-  std::unique_ptr<topics::Session> session_;
-  Topic scan_;
-  Topic odometry_;
+  topics::Session& session_;
+  std::vector<Topic> sensors_;
   ClockMessage clock_message_;
   std::unique_ptr<topics::RawPublisher> clock_;
   std::unique_ptr<topics::RawPublisher> answers_;

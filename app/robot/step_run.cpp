@@ -6,7 +6,6 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
-#include "spikeloop/topics/names.hpp"
 #include "step_link.hpp"
 
 namespace spikeloop::robot {
@@ -16,10 +15,13 @@ using stepping::Request;
 
 class SteppedRun {
  public:
-  SteppedRun(const RunOptions& options, StepLink& link, const std::atomic<bool>& stop)
-      : options_(options), link_(link), stop_(stop) {
-    robot_.emplace(options.vehicle, options.out, topics::dialect_of(options.ros));
-  }
+  SteppedRun(const RunOptions& options, topics::Session& session, const std::atomic<bool>& stop)
+      : node_name_(options.node_name),
+        options_{options.vehicle, options.sensors(session.dialect()), options.spectators,
+                 options.out},
+        robot_(std::in_place, options_),
+        link_(options, session, robot_->topics()),
+        stop_(stop) {}
 
   void run() {
     while (const auto request = link_.next(stop_)) {
@@ -28,17 +30,18 @@ class SteppedRun {
     if (!link_.alive()) {
       throw TransportError(
           fmt::format("ROS has shut this node down after {}; does another node have the name '{}'?",
-                      format_time(robot_->time()), options_.node_name));
+                      format_time(robot_->time()), node_name_));
     }
   }
 
   SteppedRobot& robot() { return *robot_; }
+  const StepLink& link() const { return link_; }
 
  private:
   void take(const Request& request) {
     switch (request.kind) {
       case Request::Kind::begin:
-        begin();
+        begin(request);
         return;
       case Request::Kind::step:
         step(request);
@@ -48,12 +51,14 @@ class SteppedRun {
     }
   }
 
-  void begin() {
-    if (begun_) {  // once more from the start
-      robot_.emplace(options_.vehicle, options_.out, topics::dialect_of(options_.ros));
+  void begin(const Request& request) {
+    if (begun_) {  // once more from the start, and not onto the same film
+      options_.spectators.film.reset();
+      robot_.reset();  // one window at a time
+      robot_.emplace(options_);
     }
     begun_ = true;
-    link_.begin();
+    link_.begin(request.sensors);
     answer();
   }
 
@@ -79,16 +84,18 @@ class SteppedRun {
 
   void answer() {
     const TimeNs now = robot_->time();
-    robot_->publish(now, {[this](auto scan) { link_.publish_scan(scan); },
-                          [this](auto odometry) { link_.publish_odometry(odometry); }});
+    robot_->publish(
+        now, [this](std::size_t sensor) { return link_.wanted(sensor); },
+        [this](std::size_t sensor, auto message) { link_.publish(sensor, message); });
     link_.publish_clock(now);
     link_.answer(now);
   }
 
-  const RunOptions& options_;
-  StepLink& link_;
-  const std::atomic<bool>& stop_;
+  std::string node_name_;
+  RobotOptions options_;
   std::optional<SteppedRobot> robot_;
+  StepLink link_;
+  const std::atomic<bool>& stop_;
   bool begun_ = false;
 };
 
@@ -111,13 +118,12 @@ void run_stepped(const RunOptions& options, const topics::RosArguments& argument
   if (session == nullptr) {
     return;
   }
-  StepLink link(options, std::move(session));
-  SteppedRun loop(options, link, stop);
+  SteppedRun loop(options, *session, stop);
   status.started();
   status.first_tick();
   loop.run();
   loop.robot().finish();
-  report(loop.robot(), link, status);
+  report(loop.robot(), loop.link(), status);
 }
 
 }  // namespace spikeloop::robot

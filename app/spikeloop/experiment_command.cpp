@@ -160,6 +160,25 @@ void refuse_own_recordings(const Experiment& experiment, const std::string& fold
   }
 }
 
+/// Where there is no robot of ours, or one in a process that takes no options.
+void refuse_spectators(const ExperimentArguments& arguments, const Experiment& experiment) {
+  if (!arguments.spectators.any()) {
+    return;
+  }
+  const char* name = arguments.spectators.window ? "--view" : "--render";
+  if (!experiment.robot || !experiment.robot->bag.empty()) {
+    throw ConfigurationError(fmt::format(
+        "{} shows a simulated robot, and this experiment has none; leave it out", name));
+  }
+  if (experiment.ros == experiment::Ros::none && experiment::has_simulator(experiment)) {
+    throw ConfigurationError(fmt::format(
+        "{} cannot show the robot beside simulators without ROS; write  ros: 1  in the experiment, "
+        "or leave it out",
+        name));
+  }
+  arguments.spectators.options();  // what is wrong with them is said before there is a folder
+}
+
 void tell_folder(Console::Volume volume, const ExperimentFolder& folder) {
   if (volume != Console::Volume::quiet) {
     put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
@@ -213,7 +232,8 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
 }
 
 /// The robot that the experiment has, started when nobody publishes its topics.
-void add_robot(const Experiment& experiment, launch::JobOptions& options) {
+void add_robot(const Experiment& experiment, const robot::SpectatorWords& spectators,
+               launch::JobOptions& options) {
   if (!experiment.robot || experiment.ros == experiment::Ros::none) {
     return;
   }
@@ -222,6 +242,15 @@ void add_robot(const Experiment& experiment, launch::JobOptions& options) {
   options.published_in_ros2 = published_in_ros2;
   options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
                              fmt::format("--seed={}", experiment.robot->seed)};
+  const auto add = [&](const std::vector<std::string>& more) {
+    options.robot_arguments.insert(options.robot_arguments.end(), more.begin(), more.end());
+  };
+  if (const auto& camera = experiment.robot->camera) {
+    add({fmt::format("--camera={}x{}", camera->width, camera->height),
+         fmt::format("--camera-rate={}", camera->rate_hz),
+         fmt::format("--camera-fov={}", camera->field_of_view_deg)});
+  }
+  add(spectators.arguments());
   if (experiment.sync == experiment::Sync::lockstep) {
     options.robot_arguments.emplace_back("--step");
   } else if (experiment.sync == experiment::Sync::sim_time) {
@@ -237,7 +266,7 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
   options.folder = folder;
   options.start_timeout = arguments.start_timeout;
   options.stall_timeout = arguments.stall_timeout;
-  add_robot(experiment, options);
+  add_robot(experiment, arguments.spectators, options);
   return options;
 }
 
@@ -348,12 +377,13 @@ bool is_experiment(const std::string& file) {
 }
 
 int run_in_process(const Experiment& experiment, const ExperimentFolder& folder, bool record,
-                   Console::Volume volume) {
+                   Console::Volume volume, const robot::SpectatorOptions& spectators) {
   RunLog log(folder.path());
   log_file.store(log.descriptor());
   begin_log(log, experiment, "fused");
   const fused::RunOptions options{.folder = folder.path(),
                                   .record = record,
+                                  .spectators = spectators,
                                   .about = about_run(partners_of(experiment, false))};
   const int exit_code = logged(log, [&] { return run_here(experiment, options, volume, log); });
   log_file.store(-1);
@@ -382,6 +412,7 @@ int run_experiment(const ExperimentArguments& arguments) {
   }
   const Experiment& experiment = *loaded.experiment;
   refuse_own_recordings(experiment, arguments.folder);
+  refuse_spectators(arguments, experiment);
   if (arguments.layout == Layout::separate) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);
@@ -405,7 +436,7 @@ int run_experiment(const ExperimentArguments& arguments) {
                     arguments.timeout_given));
   }
   return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
-                        arguments.volume);
+                        arguments.volume, arguments.spectators.options());
 }
 
 int run_with_simulators(const ExperimentArguments& arguments, const Experiment& written,

@@ -11,6 +11,7 @@
 #include "experiment_folder.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/robot/spectators.hpp"
 
 namespace spikeloop::app {
 
@@ -30,6 +31,7 @@ struct ExperimentArguments {
   std::chrono::milliseconds stall_timeout{60'000};
   std::string timeout_given{};  ///< the option, when one of them was
   Console::Volume volume = Console::Volume::normal;
+  robot::SpectatorWords spectators{};  ///< of the robot
 };
 
 /// Returns the exit code. @throws Error when it cannot begin.
@@ -41,7 +43,8 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
 
 /// Runs an experiment without ROS to its end, or until a signal comes. Returns the exit code.
 int run_in_process(const experiment::Experiment& experiment, const ExperimentFolder& folder,
-                   bool record, Console::Volume volume);
+                   bool record, Console::Volume volume,
+                   const robot::SpectatorOptions& spectators = {});
 
 /// Runs an experiment with simulators, the fused layout, as a MUSIC job. Returns the exit code.
 int run_with_simulators(const ExperimentArguments& arguments,

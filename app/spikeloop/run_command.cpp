@@ -29,6 +29,7 @@ struct RunArguments {
   std::string sync;
   std::string ros;
   std::string layout = "fused";
+  robot::SpectatorWords spectators;
   bool no_record = false;
   bool no_pace = false;
   bool quiet = false;
@@ -42,6 +43,7 @@ struct RunArguments {
 constexpr const char* kFooter = R"(Examples:
   spikeloop run braitenberg.yaml          an experiment file, in one process; leaves runs/braitenberg-1
   spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
+  spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
   spikeloop run loop.music --seed 7 --record --out run2
   spikeloop run loop.music --dry-run      what would be started, and how
@@ -123,6 +125,26 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       ->excludes(quiet);
 }
 
+/// Who watches the robot.
+void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
+  auto* render = command.add_option(
+      "--render", spectators.render,
+      "Film the robot: FILE.mp4 (.webm, .mkv, .gif; needs ffmpeg), a folder of pictures, or "
+      "FILE.png: the end, with the path driven");
+  command
+      .add_option("--render-view", spectators.view, "above, chase, camera, or several: above+chase")
+      ->capture_default_str()
+      ->needs(render);
+  command.add_option("--render-size", spectators.size, "WIDTHxHEIGHT in pixels")
+      ->capture_default_str()
+      ->needs(render);
+  command.add_option("--render-rate", spectators.rate_hz, "Pictures in a simulated second")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str()
+      ->needs(render);
+  command.add_flag("--view", spectators.window, "Show the robot in a window; needs a display");
+}
+
 /// Those that only one kind of file has stand under a heading of their own.
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   command
@@ -134,13 +156,16 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
       ->check(CLI::IsMember({"fused", "separate"}))
       ->capture_default_str();
   command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
+  add_picture_options(command, arguments.spectators);
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
                                 std::initializer_list<const char*> names) {
     for (const char* name : names) {
       list.push_back(command.get_option(name)->group(heading));
     }
   };
-  group(arguments.for_experiment, "Experiment files", {"--layout", "--sync", "--no-record"});
+  group(arguments.for_experiment, "Experiment files",
+        {"--layout", "--sync", "--no-record", "--render", "--render-view", "--render-size",
+         "--render-rate", "--view"});
   group(
       arguments.for_music, ".music files",
       {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run"});
@@ -180,6 +205,7 @@ int run_file(const RunArguments& arguments) {
     experiment.overrides.ros = experiment::ros_named(arguments.ros);
   }
   experiment.volume = volume_of(arguments);
+  experiment.spectators = arguments.spectators;
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);
   experiment.stall_timeout = milliseconds(arguments.stall_timeout_s);
   for (const CLI::Option* option : arguments.timeouts) {

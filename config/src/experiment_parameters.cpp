@@ -66,11 +66,44 @@ std::vector<ParameterDescription> robot_parameters() {
        .default_value = "",
        .minimum = 0,
        .text = "Places the obstacles; the experiment's when it is left out"},
+      {.name = "camera",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text =
+           "Its pictures on /camera/image_raw: {width: 64, height: 48, rate: 20 Hz, fov: 80 deg}; "
+           "off when it is left out"},
       {.name = "bag",
        .type = ParameterType::text,
        .default_value = "",
        .text = "A bag of ROS 1 in the robot's place, alone: sensors take their topics' messages "
                "from it"}};
+}
+
+std::vector<ParameterDescription> camera_parameters() {
+  return {{.name = "width",
+           .type = ParameterType::integer,
+           .default_value = "64",
+           .minimum = 1,
+           .maximum = 4096,
+           .text = "Pixels from left to right"},
+          {.name = "height",
+           .type = ParameterType::integer,
+           .default_value = "48",
+           .minimum = 1,
+           .maximum = 4096,
+           .text = "Pixels from top to bottom"},
+          {.name = "rate",
+           .unit = "Hz",
+           .default_value = "20 Hz",
+           .minimum = 0.001,
+           .maximum = 1000,
+           .text = "Pictures in a simulated second"},
+          {.name = "fov",
+           .unit = "deg",
+           .default_value = "80 deg",
+           .minimum = 1,
+           .maximum = 170,
+           .text = "Field of view, from the left edge to the right one"}};
 }
 
 std::vector<ParameterDescription> connection_parameters() {

@@ -124,7 +124,7 @@ std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults
 }
 
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
-  return [reader = std::move(reader)](const Part& sensor) -> std::uint32_t {
+  return [reader = std::move(reader)](const Part& sensor) -> std::optional<std::uint32_t> {
     try {
       check_topic(sensor, *reader);
     } catch (const ConfigurationError&) {

@@ -34,7 +34,7 @@ std::uint32_t sensor_width(const Part& part, const Trial& trial) {
   if (rule.image && rule.image->values()) {
     return *rule.image->values();
   }
-  return trial.sensor_width ? trial.sensor_width(part) : 0;
+  return trial.sensor_width ? trial.sensor_width(part).value_or(0) : 0;
 }
 
 std::uint32_t known_width(const Part& part, Direction direction, const Trial& trial) {

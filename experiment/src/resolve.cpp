@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -100,6 +101,31 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
 }
 
+/// Of  camera: {width: 64, height: 48},  which stands here as JSON.
+std::optional<Camera> read_camera(const Parameters& robot, Faults& faults) {
+  const std::string& text = robot.text("camera");
+  if (text.empty()) {
+    return std::nullopt;
+  }
+  const Location where = robot.where("camera");
+  const auto map = nlohmann::json::parse(text, nullptr, false);
+  if (!map.is_object()) {
+    faults.add(where, fmt::format("key 'camera': '{}' is no map; write  camera: {{width: 64, "
+                                  "height: 48}}",
+                                  text));
+    return std::nullopt;
+  }
+  WrittenValues written;
+  for (const auto& [name, value] : map.items()) {
+    written[name] = {value.is_string() ? value.get<std::string>() : value.dump(), where};
+  }
+  const Parameters keys =
+      resolve_keys(camera_parameters(), {written, "camera", where, {}, {}}, {}, faults);
+  return Camera{static_cast<std::uint32_t>(keys.integer("width")),
+                static_cast<std::uint32_t>(keys.integer("height")), keys.number("rate"),
+                keys.number("fov")};
+}
+
 /// What the robot's messages give its sensors; empty when that is not known.
 SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
                        const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults) {
@@ -129,7 +155,8 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
                       robot.where,
-                      {}};
+                      {},
+                      read_camera(keys, faults)};
   SensorWidth width;
   if (look_at_robot && faults.count() == before) {
     faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
@@ -156,6 +183,9 @@ void check_ways(const Experiment& experiment, Faults& faults) {
   }
 }
 
+constexpr const char* kImageTopic = "/camera/image_raw";
+constexpr const char* kInfoTopic = "/camera/camera_info";
+
 /// What the robot in this process sends and takes.
 struct RobotTopic {
   const char* kind;
@@ -164,6 +194,12 @@ struct RobotTopic {
 };
 constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserScan"},
                                        {kRosSensor, "/odom", "nav_msgs/Odometry"},
+                                       {kRosSensor, "/imu", "sensor_msgs/Imu"},
+                                       {kRosSensor, "/joint_states", "sensor_msgs/JointState"},
+                                       {kRosSensor, "/tf", "tf2_msgs/TFMessage"},
+                                       {kRosSensor, "/light", "std_msgs/Float64MultiArray"},
+                                       {kRosSensor, kImageTopic, "sensor_msgs/Image"},
+                                       {kRosSensor, kInfoTopic, "sensor_msgs/CameraInfo"},
                                        {kRosCommand, "/cmd_vel", "geometry_msgs/Twist"}};
 
 void check_robot_topic(const Part& part, const Experiment& experiment) {
@@ -185,6 +221,13 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
     known.emplace_back(robot.topic);
     if (topic != robot.topic) {
       continue;
+    }
+    if ((topic == kImageTopic || topic == kInfoTopic) && !experiment.robot->camera) {
+      throw ConfigurationError(
+          part.parameters.where("topic"),
+          fmt::format("key 'topic': the robot's camera, which sends {}, is off; write  robot: "
+                      "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
+                      topic));
     }
     const std::string& message = part.parameters.text("message");
     if (message == robot.message) {

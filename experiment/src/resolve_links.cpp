@@ -129,7 +129,17 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
 
 void check_against_robot(const Part& part, const Experiment& experiment,
                          const SensorWidth& sensor_width) {
-  const std::uint32_t values = sensor_width ? sensor_width(part) : 0;
+  const std::optional<std::uint32_t> known = sensor_width ? sensor_width(part) : 0;
+  if (!known && experiment.ros == Ros::none) {
+    // The topic is one of the robot's, with the right message: check_robot_topic().
+    throw ConfigurationError(
+        part.parameters.where("topic"),
+        fmt::format("key 'topic': the robot sends nothing on {} in this world, which has no lamps; "
+                    "write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
+                    "(docs/robot.md)",
+                    part.parameters.text("topic")));
+  }
+  const std::uint32_t values = known.value_or(0);
   for (const Link& link : experiment.links) {
     if (node_of(link.from) == part.name && values != 0 && values != link.width) {
       throw ConfigurationError(

@@ -315,6 +315,7 @@ std::string json_schema(const Kinds& kinds) {
   schema.update(object_of(experiment_parameters()));
   Json& properties = schema["properties"];
   properties["robot"] = object_of(robot_parameters());
+  properties["robot"]["properties"]["camera"].update(object_of(camera_parameters()));
   properties["robot"]["description"] =
       "The robot that is simulated in this process, or a bag in its place";
   properties["robot"]["oneOf"] = {{{"required", {"simulator"}}},

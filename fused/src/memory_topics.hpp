@@ -18,6 +18,7 @@ class MemoryTopics {
   using Take = std::function<void(std::span<const std::byte>, TimeNs now)>;
 
   void subscribe(const std::string& topic, Take take) { takers_[topic].push_back(std::move(take)); }
+  bool has(const std::string& topic) const { return takers_.contains(topic); }
   void publish(const std::string& topic, std::span<const std::byte> message, TimeNs now) const {
     const auto found = takers_.find(topic);
     if (found != takers_.end()) {

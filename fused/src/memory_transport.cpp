@@ -1,15 +1,23 @@
 #include "memory_transport.hpp"
 
+#include "sensor_options.hpp"
 #include "spikeloop/robot/files.hpp"
 
 namespace spikeloop::fused {
 
 MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
-                                 const std::string& folder) {
+                                 const std::string& folder,
+                                 const robot::SpectatorOptions& spectators) {
   if (!robot) {
     return;
   }
-  robot_.emplace(vehicle::Options{robot->world, robot->seed}, folder, messages::Dialect::ros1);
+  robot_.emplace(robot::RobotOptions{.vehicle = {robot->world, robot->seed},
+                                     .sensors = sensor_options(*robot),
+                                     .spectators = spectators,
+                                     .folder = folder});
+  for (const robot::SensorTopic& topic : robot_->topics()) {
+    names_.push_back(topic.name.starts_with('/') ? topic.name : "/" + topic.name);
+  }
   topics_.subscribe(
       "/cmd_vel", [this](std::span<const std::byte> message, TimeNs) { robot_->command(message); });
 }
@@ -18,8 +26,9 @@ void MemoryTransport::begin(TimeNs time) {
   if (!robot_) {
     return;
   }
-  robot_->publish(time, {[&](auto scan) { topics_.publish("/scan", scan, time); },
-                         [&](auto odometry) { topics_.publish("/odom", odometry, time); }});
+  robot_->publish(
+      time, [&](std::size_t topic) { return topics_.has(names_[topic]); },
+      [&](std::size_t topic, auto message) { topics_.publish(names_[topic], message, time); });
 }
 
 void MemoryTransport::end(TimeNs time) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "memory_topics.hpp"
 #include "spikeloop/fused/transport.hpp"
@@ -11,12 +12,13 @@
 
 namespace spikeloop::fused {
 
-/// Topics: /scan (as often as the world says), /odom (every 20 ms), /cmd_vel.
+/// Topics: those of robot::Sensors, and /cmd_vel.
 class MemoryTransport : public Transport {
  public:
   /// @param robot none: nothing is at the other end
   /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
-  MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder);
+  MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder,
+                  const robot::SpectatorOptions& spectators = {});
 
   std::unique_ptr<Source> sensor(const SensorSpec& spec) override {
     return make_memory_sensor(topics_, spec);
@@ -34,6 +36,7 @@ class MemoryTransport : public Transport {
  private:
   MemoryTopics topics_;
   std::optional<robot::SteppedRobot> robot_;
+  std::vector<std::string> names_;  // of its topics
 };
 
 }  // namespace spikeloop::fused

@@ -4,8 +4,9 @@
 #include <span>
 #include <utility>
 
+#include "sensor_options.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
-#include "spikeloop/robot/messages.hpp"
+#include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::fused {
@@ -22,15 +23,22 @@ Bytes copied(std::span<const std::byte> message) {
 
 experiment::SensorWidth look_at_robot(const experiment::Robot& robot) {
   const vehicle::Vehicle vehicle({robot.world, robot.seed});
-  robot::ScanMessage scan(messages::Dialect::ros1);
-  robot::OdometryMessage odometry(messages::Dialect::ros1);
-  const std::map<Topic, Bytes> messages{
-      {{"/scan", robot::kScanType}, copied(scan.write(vehicle.scan()))},
-      {{"/odom", robot::kOdometryType}, copied(odometry.write(vehicle.odometry()))}};
-  return [messages](const experiment::Part& sensor) -> std::uint32_t {
+  robot::SensorOptions options = sensor_options(robot);
+  options.blind = true;
+  robot::Sensors sensors(vehicle, options);
+  std::map<Topic, Bytes> messages;
+  for (std::size_t i = 0; i < sensors.topics().size(); ++i) {
+    const robot::SensorTopic& topic = sensors.topics()[i];
+    const std::string name = topic.name.starts_with('/') ? topic.name : "/" + topic.name;
+    messages[{name, topic.type}] = copied(sensors.write(i, vehicle));
+  }
+  return [messages](const experiment::Part& sensor) -> std::optional<std::uint32_t> {
     const Parameters& keys = sensor.parameters;
     const auto message = messages.find({keys.text("topic"), keys.text("message")});
-    return message == messages.end() ? 0 : experiment::count_values(keys, message->second);
+    if (message == messages.end()) {
+      return std::nullopt;
+    }
+    return experiment::count_values(keys, message->second);
   };
 }
 

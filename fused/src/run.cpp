@@ -276,6 +276,12 @@ json resolved_json(const Experiment& experiment) {
     result["robot"] = experiment.robot->bag.empty() ? json{{"world", experiment.robot->world},
                                                            {"seed", experiment.robot->seed}}
                                                     : json{{"bag", experiment.robot->bag}};
+    if (const auto& camera = experiment.robot->camera) {
+      result["robot"]["camera"] = {{"width", camera->width},
+                                   {"height", camera->height},
+                                   {"rate_hz", camera->rate_hz},
+                                   {"fov_deg", camera->field_of_view_deg}};
+    }
   }
   result["experiment_file"] = std::filesystem::absolute(experiment.origin).string();
   result["files"] = json::object();
@@ -291,7 +297,7 @@ RunResult run(const Experiment& experiment, const RunOptions& options, const Run
     BagTransport transport(experiment.robot->bag);
     return run(experiment, transport, options, events, simulators);
   }
-  MemoryTransport transport(experiment.robot, options.folder);
+  MemoryTransport transport(experiment.robot, options.folder, options.spectators);
   return run(experiment, transport, options, events, simulators);
 }
 

@@ -44,6 +44,26 @@ TEST(MessageWriter, arrays_are_as_long_as_their_values) {
   }
 }
 
+TEST(MessageWriter, bytes_are_the_same_as_their_numbers) {
+  for (const Dialect dialect : {Dialect::ros1, Dialect::ros2}) {
+    const MessageWriter writer(Catalog::builtin(dialect), "Image", {"height", "data"});
+    const double height = 2;
+    std::vector<double> numbers;
+    std::vector<std::byte> pixels;
+    for (int i = 0; i < 300; ++i) {
+      numbers.push_back(i % 256);
+      pixels.push_back(static_cast<std::byte>(i));
+    }
+    std::vector<std::byte> one;
+    std::vector<std::byte> other;
+    writer.write(std::vector<FieldValue>{{{&height, 1}}, {numbers}}, one);
+    writer.write(std::vector<FieldValue>{{{&height, 1}}, {.bytes = pixels}}, other);
+    EXPECT_EQ(one, other);
+    EXPECT_THROW(writer.write(std::vector<FieldValue>{{.bytes = pixels}, {numbers}}, other),
+                 std::logic_error);
+  }
+}
+
 TEST(MessageWriter, errors_say_what_to_write) {
   EXPECT_EQ(
       error_of("Twist", {"linear.x", "linear.x"}),

@@ -45,7 +45,7 @@ TEST_F(ErrorTest, missing_and_wrong_keys) {
               HasSubstr("section 'command' has no ros_topic; write ros_topic=/cmd_vel"));
   EXPECT_THAT(outcome_of("ros_topic=/in", command_).text(),
               HasSubstr("message_type is missing; write message_type=Laserscan, Twist, FloatArray, "
-                        "Odom or package/Type"));
+                        "Odom, package/Type or the path of a .msg file"));
   EXPECT_THAT(outcome_of("ros_topic=/in\nmessage_type=Laserscam", command_).text(),
               HasSubstr("Laserscam"));
   EXPECT_THAT(outcome_of(sensor_ + "initial=many", command_).text(),

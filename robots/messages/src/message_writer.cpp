@@ -23,6 +23,10 @@ bool takes(const FieldPath& path, std::size_t level, std::size_t field) {
   return level < path.steps.size() && path.steps[level].field == field;
 }
 
+std::size_t count_of(const FieldValue& value) {
+  return value.numbers.size() + value.bytes.size();
+}
+
 std::size_t array_length(const FieldLayout& field, std::size_t level, const Active& active) {
   if (field.array != ArrayKind::variable) {
     return field.array == ArrayKind::fixed ? field.count : 1;
@@ -34,7 +38,7 @@ std::size_t array_length(const FieldLayout& field, std::size_t level, const Acti
   for (const Progress* progress : active) {
     const PathStep& step = progress->path->steps[level];
     const std::size_t last =
-        step.last != PathStep::kEnd ? step.last : step.first + progress->value.numbers.size();
+        step.last != PathStep::kEnd ? step.last : step.first + count_of(progress->value);
     length = std::max({length, last, step.least_length});
   }
   return length;
@@ -87,6 +91,10 @@ void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
   const std::size_t length = array_length(field, level, active);
   if (field.array == ArrayKind::variable) {
     writer.length(length);
+  }
+  if (active.size() == 1 && !active.front()->value.bytes.empty()) {
+    writer.bytes(active.front()->value.bytes);
+    return;
   }
   if (field.element_bytes == std::size_t{0}) {
     return;  // ROS 1's messages without fields: any number of them is nothing
@@ -189,7 +197,13 @@ void MessageWriter::check_text(const FieldPath& path, std::string_view text) con
   }
 }
 
-void MessageWriter::check_numbers(const FieldPath& path, std::size_t count) const {
+void MessageWriter::check_numbers(const FieldPath& path, const FieldValue& value) const {
+  const std::size_t count = count_of(value);
+  if (!value.bytes.empty() &&
+      (path.target().primitive != Primitive::uint8 || path.target().array != ArrayKind::variable ||
+       path.steps.back().first != 0 || path.steps.back().last != PathStep::kEnd)) {
+    throw std::logic_error("MessageWriter::write needs numbers for what is no whole uint8[]");
+  }
   const auto width = path.width();
   if (width && *width != count) {
     throw ConfigurationError(fmt::format("field '{}' of {} takes {} values, not {}", path.text,
@@ -213,11 +227,11 @@ void MessageWriter::write(std::span<const FieldValue> values,
   message.clear();
   std::vector<Progress> progress;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
-    const FieldValue value = i < given ? values[i] : FieldValue{{}, texts_[i - given]};
+    const FieldValue value = i < given ? values[i] : FieldValue{{}, texts_[i - given], {}};
     if (paths_[i].is_text()) {
       check_text(paths_[i], value.text);
     } else {
-      check_numbers(paths_[i], value.numbers.size());
+      check_numbers(paths_[i], value);
     }
     progress.push_back({&paths_[i], value, 0});
   }

@@ -230,6 +230,10 @@ class WireWriter {
   }
 
   void length(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
+  /// Elements of one byte each.
+  void bytes(std::span<const std::byte> values) {
+    bytes_->insert(bytes_->end(), values.begin(), values.end());
+  }
   void text(std::string_view value) {
     length(value.size() + (kDialect == Dialect::ros2 ? 1 : 0));
     const auto* data = reinterpret_cast<const std::byte*>(value.data());

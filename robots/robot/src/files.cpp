@@ -84,6 +84,7 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
         {"angle_min_rad", scan.angle_min_rad},
         {"angle_increment_rad", scan.angle_increment_rad}}},
       {"obstacles", nlohmann::json::array()}};
+  if (vehicle.cue_place() > 0) world["cue_place"] = vehicle.cue_place();
   for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
   const std::string path = in_directory(directory, "world.json");
   errno = 0;

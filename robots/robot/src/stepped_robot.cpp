@@ -1,54 +1,46 @@
 #include "spikeloop/robot/stepped_robot.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace spikeloop::robot {
 namespace {
 
-constexpr TimeNs kMs = 1'000'000;
-constexpr TimeNs kOdometryPeriod = 20 * kMs;
+constexpr TimeNs kRowPeriod = 20'000'000;  // of the trajectory
 
-/// The first multiple of `period` after `time`.
-TimeNs next_multiple(TimeNs time, TimeNs period) {
-  return (time / period + 1) * period;
+TimeNs next_row(TimeNs time) {
+  return (time / kRowPeriod + 1) * kRowPeriod;
 }
 
 }  // namespace
 
-SteppedRobot::SteppedRobot(const vehicle::Options& options, const std::string& folder,
-                           messages::Dialect ros)
-    : vehicle_(options),
-      scan_(ros),
-      odometry_(ros),
-      twist_(ros),
-      // A float: to the microsecond, or scans would be due a nanosecond after their tick.
-      scan_period_(std::max<TimeNs>(kMs, 1000 * std::llround(vehicle_.scan().scan_time_s * 1e6))) {
-  if (!folder.empty()) {
-    write_world(folder, vehicle_, options.seed);
-    trajectory_.emplace(folder);
+SteppedRobot::SteppedRobot(const RobotOptions& options)
+    : vehicle_(options.vehicle),
+      sensors_(vehicle_, options.sensors),
+      spectators_(vehicle_, options.spectators),
+      twist_(options.sensors.dialect) {
+  if (!options.folder.empty()) {
+    write_world(options.folder, vehicle_, options.vehicle.seed);
+    trajectory_.emplace(options.folder);
   }
 }
 
-void SteppedRobot::publish(TimeNs time, const Outputs& outputs) {
-  if (time >= next_scan_) {
-    outputs.scan(scan_.write(vehicle_.scan()));
-    next_scan_ = next_multiple(time, scan_period_);
-  }
-  if (time >= next_odometry_) {
-    outputs.odometry(odometry_.write(vehicle_.odometry()));
-    next_odometry_ = next_multiple(time, kOdometryPeriod);
+void SteppedRobot::publish(TimeNs time, const Wanted& wanted, const Publish& publish) {
+  for (std::size_t topic = 0; topic < topics().size(); ++topic) {
+    if (sensors_.due(topic, time) && wanted(topic)) {
+      publish(topic, sensors_.write(topic, vehicle_));
+    }
   }
 }
 
-/// Stops at every row of the trajectory.
+/// Stops at every row of the trajectory, and at every picture.
 void SteppedRobot::advance(TimeNs time) {
   for (TimeNs now = vehicle_.time(); now < time;) {
-    if (trajectory_ && now % kOdometryPeriod == 0) {
+    if (trajectory_ && now % kRowPeriod == 0) {
       trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
     }
-    const TimeNs next = std::min(time, next_multiple(now, kOdometryPeriod));
+    const TimeNs next = std::min({time, next_row(now), std::max(now + 1, spectators_.next())});
     vehicle_.step(next - now);
+    spectators_.look(vehicle_);
     now = next;
   }
   if (command_) {
@@ -63,6 +55,7 @@ void SteppedRobot::finish() {
     trajectory_->close();
     trajectory_.reset();
   }
+  spectators_.finish(vehicle_);
 }
 
 }  // namespace spikeloop::robot

@@ -65,6 +65,8 @@ struct ExperimentFile {
 std::vector<ParameterDescription> experiment_parameters();
 /// Those of `robot`, and of a connection that is written as a map. An empty default: none.
 std::vector<ParameterDescription> robot_parameters();
+/// Those of the map  camera  in `robot`.
+std::vector<ParameterDescription> camera_parameters();
 std::vector<ParameterDescription> connection_parameters();
 
 /// Parses the text of a file; `path` only names it in locations. Tells everything that is wrong,

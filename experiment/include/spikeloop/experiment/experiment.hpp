@@ -71,11 +71,20 @@ struct Output {
   std::uint32_t width = 0;  ///< 0: nothing says it
 };
 
+/// The robot's camera.
+struct Camera {
+  std::uint32_t width = 64;  ///< pixels
+  std::uint32_t height = 48;
+  double rate_hz = 20;
+  double field_of_view_deg = 80;  ///< from the left to the right edge
+};
+
 struct Robot {
   std::string world = "arena.xml";
   std::uint64_t seed = 1;
   Location where;
   std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
+  std::optional<Camera> camera{};
 };
 
 struct Experiment {
@@ -126,8 +135,9 @@ struct Overrides {
   bool try_nodes = true;
 };
 
-/// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for.
-using SensorWidth = std::function<std::uint32_t(const Part& sensor)>;
+/// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for;
+/// nothing: this robot does not send it.
+using SensorWidth = std::function<std::optional<std::uint32_t>(const Part& sensor)>;
 /// @throws Error when there is no such robot.
 using LookAtRobot = std::function<SensorWidth(const Robot&)>;
 

@@ -21,6 +21,7 @@
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/simulators.hpp"
 #include "spikeloop/fused/transport.hpp"
+#include "spikeloop/robot/spectators.hpp"
 
 namespace spikeloop::fused {
 
@@ -39,6 +40,8 @@ struct RunOptions {
   /// experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
+  /// Who watches the robot in this process.
+  robot::SpectatorOptions spectators{};
   /// An object that resolved.json has beside the experiment: versions, machine.
   nlohmann::json about{};
 };

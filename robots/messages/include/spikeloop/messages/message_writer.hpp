@@ -13,8 +13,10 @@ namespace spikeloop::messages {
 
 /// What a path is to be: numbers, or a text for a field of type string.
 struct FieldValue {
-  std::span<const double> numbers;
-  std::string_view text;
+  std::span<const double> numbers{};
+  std::string_view text{};
+  /// In place of numbers: all elements of a variable array of uint8, as a picture.
+  std::span<const std::byte> bytes{};
 };
 
 class MessageWriter {
@@ -34,6 +36,8 @@ class MessageWriter {
   /// have their default value, or are zero or empty.
   /// @throws ConfigurationError when a path gets another number of values than it names, or more
   /// values or a longer text than the field can hold.
+  /// @throws std::logic_error when bytes are given for another field than a whole variable array
+  /// of uint8.
   void write(std::span<const FieldValue> values, std::vector<std::byte>& message) const;
 
   const TypeLayout& type() const { return *type_; }
@@ -41,7 +45,7 @@ class MessageWriter {
  private:
   void add(FieldPath path);
   void check_text(const FieldPath& path, std::string_view text) const;
-  void check_numbers(const FieldPath& path, std::size_t count) const;
+  void check_numbers(const FieldPath& path, const FieldValue& value) const;
 
   std::shared_ptr<const TypeLayout> type_;
   std::vector<FieldPath> paths_;

@@ -27,7 +27,8 @@ class TrajectoryFile {
   TimeNs flushed_ = 0;
 };
 
-/// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres.
+/// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres; where
+/// a cue stands.
 /// @throws FileError.
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle, std::uint64_t seed);
 

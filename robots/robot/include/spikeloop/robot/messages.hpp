@@ -1,4 +1,4 @@
-// The vehicle's data as messages of ROS 1 or 2.
+// The vehicle's data as messages of ROS, 1 or 2.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,33 @@
 #include "spikeloop/messages/dialect.hpp"
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/pictures/camera.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 
 inline constexpr const char* kScanType = "sensor_msgs/LaserScan";
 inline constexpr const char* kOdometryType = "nav_msgs/Odometry";
+inline constexpr const char* kImuType = "sensor_msgs/Imu";
+inline constexpr const char* kJointStateType = "sensor_msgs/JointState";
+inline constexpr const char* kTransformType = "tf2_msgs/TFMessage";
+inline constexpr const char* kLightType = "std_msgs/Float64MultiArray";
+inline constexpr const char* kImageType = "sensor_msgs/Image";
+inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
 inline constexpr const char* kClockType = "rosgraph_msgs/Clock";
 inline constexpr const char* kTwistType = "geometry_msgs/Twist";
+
+/// Frames: the arena's; the vehicle's (x ahead, y left, z up); the laser's; the camera's optical
+/// one (x right, y down, z into the picture).
+inline constexpr const char* kOdometryFrame = "odom";
+inline constexpr const char* kVehicleFrame = "base_link";
+inline constexpr const char* kLaserFrame = "laser";
+inline constexpr const char* kCameraFrame = "camera_optical";
 
 /// One message type with fixed fields in a fixed order. The bytes hold until the next write.
 class Message {
  public:
-  Message(messages::Dialect ros, const char* type, const std::vector<std::string>& paths);
+  Message(messages::Dialect dialect, const char* type, const std::vector<std::string>& paths);
 
  protected:
   const std::vector<std::byte>& write(std::span<const messages::FieldValue> values);
@@ -34,20 +48,71 @@ class Message {
 
 class ScanMessage : Message {
  public:
-  explicit ScanMessage(messages::Dialect ros);
+  explicit ScanMessage(messages::Dialect dialect);
   const std::vector<std::byte>& write(const vehicle::LaserScan& scan);
 };
 
 /// Pose in frame "odom" (the arena's own), twist in "base_link".
 class OdometryMessage : Message {
  public:
-  explicit OdometryMessage(messages::Dialect ros);
+  explicit OdometryMessage(messages::Dialect dialect);
   const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
+};
+
+/// In frame "base_link", as REP 145 has it. No noise, so all covariances are 0: not known.
+class ImuMessage : Message {
+ public:
+  explicit ImuMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(const vehicle::Imu& imu);
+};
+
+class JointStateMessage : Message {
+ public:
+  explicit JointStateMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(const vehicle::JointStates& states);
+};
+
+/// odom to base_link as the odometry says, base_link to laser and to camera_optical.
+class TransformMessage : Message {
+ public:
+  /// @param camera nothing: the vehicle has none
+  TransformMessage(messages::Dialect dialect, const vehicle::Mount& laser,
+                   const std::optional<vehicle::Mount>& camera);
+  const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
+
+ private:
+  struct Link {
+    const char* from;
+    const char* to;
+    vehicle::Mount mount;
+  };
+  std::vector<Link> fixed_;
+};
+
+/// Two values: left, right (lux).
+class LightMessage : Message {
+ public:
+  explicit LightMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(const vehicle::Light& light);
+};
+
+/// Encoding rgb8, in frame "camera_optical".
+class ImageMessage : Message {
+ public:
+  explicit ImageMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(TimeNs stamp, const pictures::Image& image);
+};
+
+/// A pinhole without distortion ("plumb_bob" of zeros).
+class CameraInfoMessage : Message {
+ public:
+  explicit CameraInfoMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(TimeNs stamp, const pictures::CameraOptions& camera);
 };
 
 class ClockMessage : Message {
  public:
-  explicit ClockMessage(messages::Dialect ros);
+  explicit ClockMessage(messages::Dialect dialect);
   const std::vector<std::byte>& write(TimeNs time);
 };
 
@@ -58,7 +123,7 @@ struct Command {
 
 class TwistReader {
  public:
-  explicit TwistReader(messages::Dialect ros);
+  explicit TwistReader(messages::Dialect dialect);
   /// @throws TransportError when the message is too short.
   Command read(std::span<const std::byte> message) const;
 

@@ -2,37 +2,47 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "spikeloop/pictures/film.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/messages.hpp"
+#include "spikeloop/robot/sensors.hpp"
+#include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 
+struct RobotOptions {
+  vehicle::Options vehicle{};
+  SensorOptions sensors{};
+  SpectatorOptions spectators{};
+  /// Where trajectory.csv and world.json are written; empty: nowhere.
+  std::string folder{};
+};
+
 /// Begins at time 0. Only what it is told decides what it does: the same calls give the same bytes.
 class SteppedRobot {
  public:
-  using Publish = std::function<void(std::span<const std::byte>)>;
-  struct Outputs {
-    Publish scan;
-    Publish odometry;
-  };
+  /// Whether somebody wants the messages of a topic; the others are not made.
+  using Wanted = std::function<bool(std::size_t topic)>;
+  using Publish = std::function<void(std::size_t topic, std::span<const std::byte> message)>;
 
-  /// @param folder where trajectory.csv and world.json are written; empty: nowhere
-  /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
-  /// @param ros what its messages are
-  SteppedRobot(const vehicle::Options& options, const std::string& folder, messages::Dialect ros);
+  /// @throws Error as vehicle::Vehicle, Sensors, Spectators; FileError when the folder cannot be
+  /// written.
+  explicit SteppedRobot(const RobotOptions& options);
 
-  /// The messages that have become due since the last call, scans as often as the world says and
-  /// odometry every 20 ms, each at most once: as things are now, at `time`.
-  void publish(TimeNs time, const Outputs& outputs);
+  const std::vector<SensorTopic>& topics() const { return sensors_.topics(); }
+  /// The messages that have become due since the last call, each topic's at most once: as things
+  /// are now, at `time`.
+  void publish(TimeNs time, const Wanted& wanted, const Publish& publish);
   /// A geometry_msgs/Twist: the newest one holds when the next advance is over.
   void command(std::span<const std::byte> twist) { command_ = twist_.read(twist); }
   /// Advances to `time` on the command before; from there on the newest one holds.
   void advance(TimeNs time);
-  /// Ends the trajectory.
+  /// Ends the trajectory and the film. @throws FileError.
   void finish();
 
   TimeNs time() const { return vehicle_.time(); }
@@ -40,14 +50,11 @@ class SteppedRobot {
 
  private:
   vehicle::Vehicle vehicle_;
+  Sensors sensors_;
+  Spectators spectators_;
   std::optional<TrajectoryFile> trajectory_;
-  ScanMessage scan_;
-  OdometryMessage odometry_;
   TwistReader twist_;
   std::optional<Command> command_;
-  TimeNs scan_period_ = 0;
-  TimeNs next_scan_ = 0;
-  TimeNs next_odometry_ = 0;
 };
 
 }  // namespace spikeloop::robot

@@ -1,0 +1,63 @@
+// Everything that the robot tells: topics, and when their messages are due.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/pictures/camera.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
+
+namespace spikeloop::robot {
+
+struct SensorOptions {
+  messages::Dialect dialect = messages::Dialect::ros1;
+  /// None: the camera is off.
+  std::optional<pictures::CameraOptions> camera{};
+  /// Pictures are black: only their size is asked for, and OpenGL is not needed.
+  bool blind = false;
+};
+
+struct SensorTopic {
+  std::string name;  ///< "scan"; with a '/' before it where no prefix belongs
+  std::string type;
+  TimeNs period = 0;
+};
+
+/// | topic             | carries                    | every                     |
+/// |-------------------|----------------------------|---------------------------|
+/// | scan              | sensor_msgs/LaserScan      | as the world says (50 ms) |
+/// | odom              | nav_msgs/Odometry          | 20 ms                     |
+/// | imu               | sensor_msgs/Imu            | 10 ms                     |
+/// | joint_states      | sensor_msgs/JointState     | 20 ms                     |
+/// | /tf               | tf2_msgs/TFMessage         | 20 ms                     |
+/// | light             | std_msgs/Float64MultiArray | 20 ms, in a world with lamps |
+/// | camera/image_raw  | sensor_msgs/Image          | as its options say        |
+/// | camera/camera_info | sensor_msgs/CameraInfo    | with the image            |
+class Sensors {
+ public:
+  /// @throws ConfigurationError, TransportError as pictures::Camera.
+  Sensors(const vehicle::Vehicle& vehicle, const SensorOptions& options);
+  ~Sensors();
+  Sensors(Sensors&&) noexcept;
+  Sensors& operator=(Sensors&&) noexcept;
+
+  const std::vector<SensorTopic>& topics() const;
+  /// The message of a topic as things are now. Holds until its next one.
+  /// @param index in topics()
+  std::span<const std::byte> write(std::size_t index, const vehicle::Vehicle& vehicle);
+
+  /// Whether a message has become due since the last call, each multiple of the period at most
+  /// once; time 0 is one.
+  bool due(std::size_t index, TimeNs time);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace spikeloop::robot

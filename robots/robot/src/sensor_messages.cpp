@@ -1,0 +1,149 @@
+// Messages of the sensors beside laser and odometry.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "spikeloop/robot/messages.hpp"
+#include "values.hpp"
+
+namespace spikeloop::robot {
+namespace {
+
+using messages::Dialect;
+using messages::FieldValue;
+
+constexpr std::size_t kWheels = 4;
+
+std::vector<std::string> with_header(const std::vector<std::string>& paths) {
+  std::vector<std::string> all{"header.stamp.secs", "header.stamp.nsecs", "header.frame_id"};
+  all.insert(all.end(), paths.begin(), paths.end());
+  return all;
+}
+
+std::vector<std::string> joint_paths() {
+  std::vector<std::string> paths;
+  for (std::size_t i = 0; i < kWheels; ++i) paths.push_back(fmt::format("name[{}]", i));
+  paths.insert(paths.end(), {"position", "velocity", "effort"});
+  return with_header(paths);
+}
+
+std::vector<std::string> transform_paths(std::size_t count) {
+  std::vector<std::string> paths;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const char* field :
+         {"header.stamp.secs", "header.stamp.nsecs", "header.frame_id", "child_frame_id",
+          "transform.translation.x", "transform.translation.y", "transform.translation.z",
+          "transform.rotation.w", "transform.rotation.x", "transform.rotation.y",
+          "transform.rotation.z"}) {
+      paths.push_back(fmt::format("transforms[{}].{}", i, field));
+    }
+  }
+  return paths;
+}
+
+/// The camera's matrices have capital letters in ROS 1.
+std::vector<std::string> camera_info_paths(Dialect dialect) {
+  const bool capital = dialect == Dialect::ros1;
+  return with_header({"height", "width", "distortion_model", capital ? "D" : "d",
+                      capital ? "K" : "k", capital ? "R" : "r", capital ? "P" : "p"});
+}
+
+}  // namespace
+
+ImuMessage::ImuMessage(Dialect dialect)
+    : Message(dialect, kImuType,
+              with_header({"orientation.w", "orientation.x", "orientation.y", "orientation.z",
+                           "angular_velocity.x", "angular_velocity.y", "angular_velocity.z",
+                           "linear_acceleration.x", "linear_acceleration.y",
+                           "linear_acceleration.z"})) {}
+
+const std::vector<std::byte>& ImuMessage::write(const vehicle::Imu& imu) {
+  const Stamp stamp(imu.stamp);
+  std::vector<FieldValue> values{number(stamp.secs), number(stamp.nsecs), text(kVehicleFrame)};
+  for (const double& value : imu.orientation) values.push_back(number(value));
+  for (const double& value : imu.angular_velocity_rad_s) values.push_back(number(value));
+  for (const double& value : imu.linear_acceleration_m_s2) values.push_back(number(value));
+  return Message::write(values);
+}
+
+JointStateMessage::JointStateMessage(Dialect dialect)
+    : Message(dialect, kJointStateType, joint_paths()) {}
+
+const std::vector<std::byte>& JointStateMessage::write(const vehicle::JointStates& states) {
+  const Stamp stamp(states.stamp);
+  std::vector<FieldValue> values{number(stamp.secs), number(stamp.nsecs), text("")};
+  for (const std::string& name : states.names) values.push_back(text(name));
+  values.insert(values.end(), {numbers(states.positions_rad), numbers(states.velocities_rad_s),
+                               numbers(states.torques_n_m)});
+  return Message::write(values);
+}
+
+TransformMessage::TransformMessage(Dialect dialect, const vehicle::Mount& laser,
+                                   const std::optional<vehicle::Mount>& camera)
+    : Message(dialect, kTransformType, transform_paths(camera ? 3 : 2)),
+      fixed_{{kVehicleFrame, kLaserFrame, laser}} {
+  if (camera) fixed_.push_back({kVehicleFrame, kCameraFrame, *camera});
+}
+
+const std::vector<std::byte>& TransformMessage::write(const vehicle::Odometry& odometry) {
+  const Stamp stamp(odometry.stamp);
+  const double half_turn = odometry.pose.theta_rad / 2;
+  std::vector<Link> links{{kOdometryFrame,
+                           kVehicleFrame,
+                           {{odometry.pose.x_m, odometry.pose.y_m, 0},
+                            {std::cos(half_turn), 0, 0, std::sin(half_turn)}}}};
+  links.insert(links.end(), fixed_.begin(), fixed_.end());
+  std::vector<FieldValue> values;
+  for (const Link& link : links) {
+    values.insert(values.end(),
+                  {number(stamp.secs), number(stamp.nsecs), text(link.from), text(link.to)});
+    for (const double& value : link.mount.position_m) values.push_back(number(value));
+    for (const double& value : link.mount.orientation) values.push_back(number(value));
+  }
+  return Message::write(values);
+}
+
+LightMessage::LightMessage(Dialect dialect) : Message(dialect, kLightType, {"data"}) {}
+
+const std::vector<std::byte>& LightMessage::write(const vehicle::Light& light) {
+  const std::array<double, 2> values{light.left_lux, light.right_lux};
+  return Message::write(std::array{numbers(values)});
+}
+
+ImageMessage::ImageMessage(Dialect dialect)
+    : Message(dialect, kImageType, with_header({"height", "width", "encoding", "step", "data"})) {}
+
+const std::vector<std::byte>& ImageMessage::write(TimeNs time, const pictures::Image& image) {
+  const Stamp stamp(time);
+  const double height = image.size.height;
+  const double width = image.size.width;
+  const double step = 3 * width;
+  return Message::write(std::array{number(stamp.secs), number(stamp.nsecs), text(kCameraFrame),
+                                   number(height), number(width), text("rgb8"), number(step),
+                                   FieldValue{.bytes = std::as_bytes(std::span(image.rgb))}});
+}
+
+CameraInfoMessage::CameraInfoMessage(Dialect dialect)
+    : Message(dialect, kCameraInfoType, camera_info_paths(dialect)) {}
+
+const std::vector<std::byte>& CameraInfoMessage::write(TimeNs time,
+                                                       const pictures::CameraOptions& camera) {
+  const Stamp stamp(time);
+  const double height = camera.size.height;
+  const double width = camera.size.width;
+  const double focal = pictures::focal_length(camera);
+  // The middle of the picture, where pixel 0 has its middle at 0.
+  const double x = (width - 1) / 2;
+  const double y = (height - 1) / 2;
+  const std::array<double, 5> distortion{};
+  const std::array<double, 9> intrinsic{focal, 0, x, 0, focal, y, 0, 0, 1};
+  const std::array<double, 9> rectification{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::array<double, 12> projection{focal, 0, x, 0, 0, focal, y, 0, 0, 0, 1, 0};
+  return Message::write(std::array{number(stamp.secs), number(stamp.nsecs), text(kCameraFrame),
+                                   number(height), number(width), text("plumb_bob"),
+                                   numbers(distortion), numbers(intrinsic), numbers(rectification),
+                                   numbers(projection)});
+}
+
+}  // namespace spikeloop::robot
