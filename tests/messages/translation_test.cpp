@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "content.hpp"
 #include "spikeloop/core/error.hpp"
@@ -26,11 +27,17 @@ std::vector<std::string> common_types() {
   return types;
 }
 
-/// What both can say: no number of a header.
+/// What both can say: no number of a header, no byte with a sign.
 Content common_content(const std::string& type, unsigned seed) {
   Content content =
       spikeloop::test::random_content(*Catalog::builtin(Dialect::ros1).layout(type), seed);
   std::erase_if(content.numbers, [](const auto& entry) { return entry.first.ends_with("seq"); });
+  for (auto& [path, numbers] : content.numbers) {
+    if (type.starts_with("std_msgs/Byte")) {
+      std::ranges::transform(numbers, numbers.begin(),
+                             [](double number) { return std::min(std::abs(number), 127.0); });
+    }
+  }
   return content;
 }
 
