@@ -123,8 +123,7 @@ command::EmergencyStop emergency_stop(const Part& part) {
                                 .required = keys.boolean("required"),
                                 .timeout = from_seconds(keys.number("timeout"))};
   try {
-    const auto& catalog =
-        messages::Catalog::for_type(messages::Dialect::ros1, result.message_type);
+    const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, result.message_type);
     result.message_type = catalog.full_name(result.message_type);
     messages::FieldReader(catalog, result.message_type, result.field);
   } catch (const ConfigurationError& error) {

@@ -29,10 +29,11 @@ class SyncKey : public testing::Test {
 
 TEST_F(SyncKey, OverRosARobotIsSteppedOrFollowed) {
   for (const bool robot : {true, false}) {
-    for (const auto& [ros, sync] : {std::pair{"1", Sync::lockstep}, std::pair{"1", Sync::sim_time},
-                                    std::pair{"2", Sync::lockstep}, std::pair{"2", Sync::sim_time}}) {
-      const Read result = read_with(
-          fmt::format("ros: {}\nsync: {}", ros, experiment::name_of(sync)), robot);
+    for (const auto& [ros, sync] :
+         {std::pair{"1", Sync::lockstep}, std::pair{"1", Sync::sim_time},
+          std::pair{"2", Sync::lockstep}, std::pair{"2", Sync::sim_time}}) {
+      const Read result =
+          read_with(fmt::format("ros: {}\nsync: {}", ros, experiment::name_of(sync)), robot);
       EXPECT_EQ(experiment::name_of(result.experiment.ros), ros);
       EXPECT_THAT(result.faults, IsEmpty());
       EXPECT_EQ(result.experiment.sync, sync);

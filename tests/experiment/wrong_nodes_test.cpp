@@ -34,12 +34,13 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"mujoco}", "mujoco, camera: on}"}},
                   {"x.yaml:4:36: key 'camera': 'on' is no map; write  camera: {width: 64, height: "
                    "48}"}},
-        WrongFile{"a camera's keys",
-                  {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
-                  {"x.yaml:4:36: camera: unknown key 'wdth'; did you mean 'width'?",
-                   "x.yaml:4:36: camera: key 'rate': 20 has no unit; write for example  rate: 20 Hz",
-                   "x.yaml:4:36: key 'fov': 200 is out of bounds; write a value from 1 to 170 "
-                   "deg"}},
+        WrongFile{
+            "a camera's keys",
+            {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
+            {"x.yaml:4:36: camera: unknown key 'wdth'; did you mean 'width'?",
+             "x.yaml:4:36: camera: key 'rate': 20 has no unit; write for example  rate: 20 Hz",
+             "x.yaml:4:36: key 'fov': 200 is out of bounds; write a value from 1 to 170 "
+             "deg"}},
         WrongFile{"command topic unknown to the robot",
                   {{"/cmd_vel", "/motor"}},
                   {"x.yaml:10:38: key 'topic': the robot has no topic /motor there; known: "

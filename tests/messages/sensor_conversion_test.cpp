@@ -37,7 +37,8 @@ std::vector<std::byte> scan(const std::vector<double>& ranges, double least = 0.
 
 SensorConversion conversion(std::string_view type, std::uint32_t width, bool strict = false,
                             const std::vector<std::string>& fields = {}) {
-  return SensorConversion(Catalog::builtin(Dialect::ros1), type, plain_fields(fields), width, strict);
+  return SensorConversion(Catalog::builtin(Dialect::ros1), type, plain_fields(fields), width,
+                          strict);
 }
 
 template <typename Action>

@@ -1,6 +1,6 @@
 // The session's thread: it waits for conditions of DDS and does what belongs to them. Listeners of
-// DDS would save some 15 us a message (benchmarks/ros2_latency.cpp), and hold up Cyclone's receiving
-// thread, and with it every topic, while one message is being decoded.
+// DDS would save some 15 us a message (benchmarks/ros2_latency.cpp), and hold up Cyclone's
+// receiving thread, and with it every topic, while one message is being decoded.
 #pragma once
 
 #include <dds/dds.h>
