@@ -78,6 +78,14 @@ bool has_connection(XmlRpcValue connections, const std::string& subscriber,
 
 }  // namespace
 
+bool has_publishers(const std::string& self, const std::string& topic) {
+  try {
+    return !publishers_of(self, topic).empty();
+  } catch (const XmlRpc::XmlRpcException&) {
+    return false;  // an answer of another form than ROS's
+  }
+}
+
 bool publishers_know(const std::string& self, const std::string& topic) {
   try {
     const std::vector<std::string> nodes = publishers_of(self, topic);

@@ -121,6 +121,10 @@ std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription 
   return std::make_unique<RawSubscriber>(*impl_->node, std::move(subscription));
 }
 
+bool Session::has_publishers(const std::string& topic) const {
+  return ros1::has_publishers(node_name(), topic);
+}
+
 bool Session::publishers_know_us(const std::string& topic) const {
   return publishers_know(node_name(), topic);
 }

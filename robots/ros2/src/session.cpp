@@ -103,6 +103,10 @@ std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription 
   return std::make_unique<Subscriber>(*impl_, where, std::move(subscription));
 }
 
+bool Session::has_publishers(const std::string& topic) const {
+  return !impl_->graph.writers(dds_topic(topic)).empty();
+}
+
 bool Session::publishers_know_us(const std::string& topic) const {
   return impl_->acquaintance.with_publishers(dds_topic(topic));
 }

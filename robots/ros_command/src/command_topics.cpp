@@ -1,11 +1,32 @@
 #include "command_topics.hpp"
 
+#include <chrono>
 #include <exception>
+#include <thread>
 
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/topics/catalog.hpp"
 
 namespace spikeloop::ros_command {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// So long a run waits for those who can stop its robot.
+constexpr milliseconds kLongestWait{2'000};
+
+/// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
+/// robot drives would not be heard.
+void wait_for_publishers(const topics::Session& session, const std::string& topic) {
+  const std::string whole = session.whole_topic(topic);
+  const auto end = std::chrono::steady_clock::now() + kLongestWait;
+  while (std::chrono::steady_clock::now() < end && session.has_publishers(whole) &&
+         !session.publishers_know_us(whole)) {
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+}
+
+}  // namespace
 
 CommandTopics::CommandTopics(topics::Session& session, const std::string& message_type,
                              const std::vector<std::string>& fields,
@@ -25,6 +46,9 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
       manual_fields_.push_back(reader(message_type, field));
     }
     manual_ = subscribe(session, settings_.manual.topic, message_type, &CommandTopics::take_manual);
+  }
+  if (emergency_) {
+    wait_for_publishers(session, stop.topic);
   }
 }
 

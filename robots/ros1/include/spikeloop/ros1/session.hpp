@@ -45,6 +45,7 @@ class Session : public topics::Session {
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so
   /// some time before.
+  bool has_publishers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
 
  private:

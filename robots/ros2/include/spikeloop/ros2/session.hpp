@@ -38,6 +38,7 @@ class Session final : public topics::Session {
                                                   std::uint32_t queue = 10,
                                                   bool latched = false) override;
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
+  bool has_publishers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
 
   struct Impl;
