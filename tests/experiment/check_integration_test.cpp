@@ -232,8 +232,8 @@ TEST(Run, TimeoutsAreForSeveralProcesses) {
   const Outcome outcome = spikeloop({"run", "x.yaml", "--stall-timeout", "5"}, directory);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
-            "spikeloop: --stall-timeout is for runs in several processes (--layout separate,  ros: "
-            "1,  a simulator), and this one has a single process; leave it out\n");
+            "spikeloop: --stall-timeout is for runs in several processes (--layout separate,  ros,  a "
+            "simulator), and this one has a single process; leave it out\n");
 }
 
 TEST(Check, WhatNewPrintsIsRight) {
