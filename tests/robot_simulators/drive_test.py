@@ -80,7 +80,7 @@ class Drive(unittest.TestCase):
         self.assertGreater(farthest_m, 0.3)
 
     def test_every_experiment_with_either_clock(self):
-        for file in sorted(SIMULATORS.glob("*/braitenberg_ros1.yaml")):
+        for file in sorted(SIMULATORS.glob("*/braitenberg*.yaml")):
             for sync in ("realtime", "sim_time"):
                 with self.subTest(f"{file.parent.name}/{file.name}", sync=sync):
                     self.drive(file, sync)

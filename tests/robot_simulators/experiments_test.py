@@ -26,7 +26,7 @@ class Experiments(unittest.TestCase):
         self.assertEqual({path.parent for path in EXPERIMENTS}, set(FOLDERS))
 
     def test_check_finds_nothing_wrong(self):
-        for path in (path for path in EXPERIMENTS if "ros: 1" in path.read_text(encoding="utf-8")):
+        for path in EXPERIMENTS:
             with self.subTest(path.parent.name + "/" + path.name):
                 code, said = spikeloop("check", path.name, folder=path.parent)
                 self.assertEqual(code, 0, said)
