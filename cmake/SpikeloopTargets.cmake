@@ -23,6 +23,8 @@ add_library(spikeloop_warnings INTERFACE)
 target_compile_options(spikeloop_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
+  # Files compiled together look to it like headers, and their anonymous namespaces like a mistake.
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
   $<$<BOOL:${SPIKELOOP_WERROR}>:-Werror>)
 
 if(SPIKELOOP_SANITIZE)

@@ -231,9 +231,10 @@ TEST(Run, TimeoutsAreForSeveralProcesses) {
   directory.write("x.yaml", spikeloop({"new"}, directory).out);
   const Outcome outcome = spikeloop({"run", "x.yaml", "--stall-timeout", "5"}, directory);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.err,
-            "spikeloop: --stall-timeout is for runs in several processes (--layout separate,  ros,  a "
-            "simulator), and this one has a single process; leave it out\n");
+  EXPECT_EQ(
+      outcome.err,
+      "spikeloop: --stall-timeout is for runs in several processes (--layout separate,  ros,  a "
+      "simulator), and this one has a single process; leave it out\n");
 }
 
 TEST(Check, WhatNewPrintsIsRight) {

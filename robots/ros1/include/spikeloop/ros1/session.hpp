@@ -43,9 +43,9 @@ class Session : public topics::Session {
                                                   bool latched = false) override;
   /// Without `refuse`, roscpp refuses publishers of another type, in silence.
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
+  bool has_publishers(const std::string& topic) const override;
   /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so
   /// some time before.
-  bool has_publishers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
 
  private:

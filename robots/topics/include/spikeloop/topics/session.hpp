@@ -100,7 +100,8 @@ class Session {
                                                   bool latched = false) = 0;
   /// @throws ConfigurationError for an unknown type or an impossible topic.
   virtual std::unique_ptr<RawSubscriber> subscriber(Subscription subscription) = 0;
-  /// Whether anybody publishes a topic, as far as ROS 1's master, or ROS 2's discovery, knows by now.
+  /// Whether anybody publishes a topic, as far as ROS 1's master, or ROS 2's discovery, knows by
+  /// now.
   /// @param topic as whole_topic() gives it
   virtual bool has_publishers(const std::string& topic) const = 0;
   /// Whether a topic has publishers, and each of them counts this node among its subscribers: what
