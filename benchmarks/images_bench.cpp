@@ -3,16 +3,14 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
-#include <cstdio>  // jpeglib.h needs it
-#include <cstdlib>
+#include <span>
 #include <string>
 #include <vector>
-
-#include <jpeglib.h>
 
 #include "spikeloop/images/image_conversion.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
+#include "tests/images/jpeg_file.hpp"
 
 namespace {
 
@@ -23,44 +21,17 @@ constexpr std::uint32_t kHeight = 480;
 constexpr double kPicturesASecond = 30;
 
 /// A scene with edges and fine structure.
-std::vector<std::byte> scene(std::uint32_t bytes_a_pixel) {
-  std::vector<std::byte> bytes;
+std::vector<std::uint8_t> scene(std::uint32_t bytes_a_pixel) {
+  std::vector<std::uint8_t> bytes;
   for (std::uint32_t y = 0; y < kHeight; ++y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) {
       for (std::uint32_t c = 0; c < bytes_a_pixel; ++c) {
         const std::uint32_t block = (x / 80 + y / 60) % 2 * 100;
-        bytes.push_back(static_cast<std::byte>(block + x / 8 + (x * y + 7 * c) % 23 + 20 * c));
+        bytes.push_back(static_cast<std::uint8_t>(block + x / 8 + (x * y + 7 * c) % 23 + 20 * c));
       }
     }
   }
   return bytes;
-}
-
-std::vector<std::byte> jpeg(std::vector<std::byte> rgb) {
-  jpeg_compress_struct info{};
-  jpeg_error_mgr errors{};
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* buffer = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &buffer, &size);
-  info.image_width = kWidth;
-  info.image_height = kHeight;
-  info.input_components = 3;
-  info.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, 80, TRUE);
-  jpeg_start_compress(&info, TRUE);
-  while (info.next_scanline < kHeight) {
-    auto* row = reinterpret_cast<JSAMPROW>(rgb.data()) + info.next_scanline * kWidth * 3;
-    jpeg_write_scanlines(&info, &row, 1);
-  }
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  const auto* first = reinterpret_cast<const std::byte*>(buffer);
-  std::vector<std::byte> file(first, first + size);
-  std::free(buffer);
-  return file;
 }
 
 /// `percent_of_a_core`: of 30 pictures a second, by the processor's time.
@@ -72,17 +43,17 @@ void count_share(benchmark::State& state) {
 
 void raw(benchmark::State& state, const std::string& encoding, std::uint32_t bytes_a_pixel,
          const ImageSettings& settings) {
-  const std::vector<std::byte> bytes = scene(bytes_a_pixel);
+  const std::vector<std::uint8_t> bytes = scene(bytes_a_pixel);
   ImageConversion conversion(settings);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        conversion.convert({kWidth, kHeight, kWidth * bytes_a_pixel, encoding, false, bytes}));
+    benchmark::DoNotOptimize(conversion.convert({kWidth, kHeight, kWidth * bytes_a_pixel, encoding,
+                                                 false, std::as_bytes(std::span(bytes))}));
   }
   count_share(state);
 }
 
 void compressed(benchmark::State& state, const ImageSettings& settings) {
-  const std::vector<std::byte> file = jpeg(scene(3));
+  const std::vector<std::byte> file = spikeloop::test::jpeg_file(scene(3), kWidth, kHeight, {});
   ImageConversion conversion(settings);
   for (auto _ : state) {
     benchmark::DoNotOptimize(conversion.convert_compressed(file));
@@ -96,10 +67,8 @@ void message(benchmark::State& state, spikeloop::messages::Dialect dialect,
   using namespace spikeloop::messages;
   const auto& catalog = Catalog::builtin(dialect);
   const std::vector<double> sizes[] = {{kWidth}, {kHeight}, {3 * kWidth}};
-  std::vector<double> data;
-  for (const std::byte byte : scene(3)) {
-    data.push_back(std::to_integer<int>(byte));
-  }
+  const std::vector<std::uint8_t> samples = scene(3);
+  const std::vector<double> data(samples.begin(), samples.end());
   std::vector<std::byte> bytes;
   MessageWriter(catalog, "sensor_msgs/Image", {"width", "height", "step", "data", "encoding"})
       .write(

@@ -9,8 +9,8 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/topics/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
@@ -28,8 +28,8 @@ class ClockPacer : public Pacer {
         tick_(tick),
         waiting_(waiting),
         alive_(std::move(alive)),
-        seconds_(topics::catalog_of(session.dialect(), kType), kType, "clock.secs"),
-        nanoseconds_(topics::catalog_of(session.dialect(), kType), kType, "clock.nsecs"),
+        seconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.secs"),
+        nanoseconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.nsecs"),
         subscriber_(session.subscriber(
             {.topic = kTopic, .message_type = kType, .queue = 0, .take = [this](auto message) {
                take(message);

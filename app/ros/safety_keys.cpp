@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "spikeloop/command/mapping.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/topics/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
@@ -68,7 +68,7 @@ command::EmergencyStop emergency_stop(const Parameters& keys, messages::Dialect 
   const char* about =
       keys.given("emergency_stop_field") ? "emergency_stop_field" : "emergency_stop_message";
   return located_at(keys.where(about), [&] {
-    const auto& catalog = topics::catalog_of(ros, stop.message_type);
+    const auto& catalog = messages::Catalog::for_type(ros, stop.message_type);
     stop.message_type = catalog.full_name(stop.message_type);
     messages::FieldReader(catalog, stop.message_type, stop.field);
     return stop;
@@ -119,7 +119,7 @@ std::vector<SensorTopic> sensor_topics(const Parameters& keys, messages::Dialect
     topics.push_back(located_at(keys.where("sensor_topics"), [&] {
       topics::check_topic(ros, topic.sensor.topic);
       topic.message_type =
-          topics::catalog_of(ros, topic.message_type).full_name(topic.message_type);
+          messages::Catalog::for_type(ros, topic.message_type).full_name(topic.message_type);
       return topic;
     }));
   }

@@ -4,12 +4,9 @@
 #include <zlib.h>
 
 #include <cmath>
-#include <cstdio>  // jpeglib.h needs it
-#include <cstdlib>
 #include <random>
 
-#include <jpeglib.h>
-
+#include "tests/images/jpeg_file.hpp"
 #include "tests/images/pictures.hpp"
 
 namespace {
@@ -43,39 +40,7 @@ Picture picture_of(const std::string& encoding, const std::vector<std::uint8_t>&
 
 std::vector<std::byte> jpeg(const std::vector<std::uint8_t>& bytes, J_COLOR_SPACE in,
                             J_COLOR_SPACE file, bool progressive = false) {
-  jpeg_compress_struct info{};
-  jpeg_error_mgr errors{};
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* buffer = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &buffer, &size);
-  info.image_width = kWidth;
-  info.image_height = kHeight;
-  info.input_components = static_cast<int>(bytes.size()) / (kWidth * kHeight);
-  info.in_color_space = in;
-  jpeg_set_defaults(&info);
-  jpeg_set_colorspace(&info, file);
-  jpeg_set_quality(&info, 98, TRUE);
-  for (int i = 0; i < info.num_components; ++i) {
-    info.comp_info[i].h_samp_factor = info.comp_info[i].v_samp_factor = 1;
-  }
-  if (progressive) {
-    jpeg_simple_progression(&info);
-  }
-  jpeg_start_compress(&info, TRUE);
-  while (info.next_scanline < info.image_height) {
-    auto* row =
-        const_cast<std::uint8_t*>(bytes.data()) +
-        info.next_scanline * info.image_width * static_cast<unsigned>(info.input_components);
-    jpeg_write_scanlines(&info, &row, 1);
-  }
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  const auto* first = reinterpret_cast<const std::byte*>(buffer);
-  std::vector<std::byte> result(first, first + size);
-  std::free(buffer);
-  return result;
+  return test::jpeg_file(bytes, kWidth, kHeight, {in, file, 98, false, progressive});
 }
 
 /// @param bytes rows as PNG has them

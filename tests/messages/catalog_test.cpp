@@ -4,22 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "spikeloop/core/error.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace {
 
 using namespace spikeloop::messages;
+using spikeloop::test::error_of;
 using testing::HasSubstr;
 using testing::StrEq;
-
-template <typename Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const spikeloop::ConfigurationError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 // std_msgs/Duration and actionlib_msgs/GoalStatus as their pages on docs.ros.org list them.
 TEST(Catalog, md5_with_constants_is_the_published_one) {

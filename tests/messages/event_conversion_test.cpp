@@ -9,24 +9,17 @@
 #include <stdexcept>
 
 #include "event_message.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace {
 
 using namespace spikeloop;
 using namespace spikeloop::messages;
+using test::error_of;
 using test::event_message;
 using test::RawEvent;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::vector<int> channels_of(EventConversion& conversion, const std::vector<std::byte>& bytes) {
   EventMessage message;

@@ -7,10 +7,12 @@
 #include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace {
 
 using namespace spikeloop::messages;
+using spikeloop::test::error_of;
 using testing::ElementsAre;
 
 using Bytes = std::vector<std::byte>;
@@ -46,16 +48,6 @@ std::vector<std::string_view> texts(const Catalog& catalog, std::string_view typ
   std::vector<std::string_view> found;
   TextField(catalog, type, path).read(bytes, found);
   return found;
-}
-
-template <typename Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const spikeloop::ConfigurationError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 class Selectors : public testing::TestWithParam<Dialect> {

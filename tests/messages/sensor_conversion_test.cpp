@@ -8,10 +8,12 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace {
 
 using namespace spikeloop::messages;
+using spikeloop::test::error_of;
 using testing::DoubleEq;
 using testing::ElementsAre;
 using testing::IsNan;
@@ -39,16 +41,6 @@ SensorConversion conversion(std::string_view type, std::uint32_t width, bool str
                             const std::vector<std::string>& fields = {}) {
   return SensorConversion(Catalog::builtin(Dialect::ros1), type, plain_fields(fields), width,
                           strict);
-}
-
-template <typename Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const spikeloop::ConfigurationError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(SensorConversion, scan_is_scaled_to_one) {

@@ -11,12 +11,14 @@
 #include "settings.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace {
 
 using namespace spikeloop;
 using namespace spikeloop::ros1;
+using test::error_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
@@ -25,22 +27,12 @@ using testing::StartsWith;
 
 constexpr TimeNs kMs = 1'000'000;
 
-template <typename Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(Master, address) {
   EXPECT_EQ(parse_master_uri("http://robot:11311").host, "robot");
   EXPECT_EQ(parse_master_uri("http://robot:11311/").port, 11311);
   for (const std::string uri : {"", "robot:11311", "http://robot", "http://:11311", "http://r:0",
                                 "http://r:99999", "http://r:x", "https://robot:11311"}) {
-    EXPECT_EQ(error_of([&] { parse_master_uri(uri); }),
+    EXPECT_EQ(error_of<Error>([&] { parse_master_uri(uri); }),
               "ROS_MASTER_URI is '" + uri +
                   "', which is no address; write http://HOST:PORT, as in http://localhost:11311");
   }
@@ -58,7 +50,7 @@ TEST(Master, uri_comes_from_the_arguments_or_the_environment) {
 TEST(Master, nobody_there) {
   const std::string uri = "http://localhost:" + std::to_string(test::free_port());
   const TimeNs begin = wall_now();
-  EXPECT_EQ(error_of([&] { require_master(uri, 300 * kMs); }),
+  EXPECT_EQ(error_of<Error>([&] { require_master(uri, 300 * kMs); }),
             "no ROS master answers at " + uri +
                 " within 300 ms (Connection refused); start one with roscore, or set "
                 "ROS_MASTER_URI to where it is");
@@ -66,18 +58,20 @@ TEST(Master, nobody_there) {
 }
 
 TEST(Master, no_such_host) {
-  EXPECT_THAT(error_of([&] { require_master("http://no-such-host.invalid:11311", 100 * kMs); }),
-              MatchesRegex("no ROS master answers at http://no-such-host.invalid:11311 within "
-                           "100 ms: the host name 'no-such-host.invalid' cannot be resolved "
-                           "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to "
-                           "/etc/hosts, or set ROS_MASTER_URI to where the master is"));
+  EXPECT_THAT(
+      error_of<Error>([&] { require_master("http://no-such-host.invalid:11311", 100 * kMs); }),
+      MatchesRegex("no ROS master answers at http://no-such-host.invalid:11311 within "
+                   "100 ms: the host name 'no-such-host.invalid' cannot be resolved "
+                   "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to "
+                   "/etc/hosts, or set ROS_MASTER_URI to where the master is"));
 }
 
 // Something listens but never answers: roscpp would hang.
 TEST(Master, silent_host) {
   const test::SilentHost host;
   const TimeNs begin = wall_now();
-  EXPECT_THAT(error_of([&] { require_master(host.uri(), 300 * kMs); }), HasSubstr("(no answer)"));
+  EXPECT_THAT(error_of<Error>([&] { require_master(host.uri(), 300 * kMs); }),
+              HasSubstr("(no answer)"));
   EXPECT_LT(wall_now() - begin, 3 * kNsPerSecond);
 }
 
@@ -92,7 +86,7 @@ TEST(Master, lost_connection) {
     ::close(heard);
     ::close(lost);
   });
-  EXPECT_EQ(error_of([&] { require_master(host.uri(), 20 * kNsPerSecond); }), "no error");
+  EXPECT_EQ(error_of<Error>([&] { require_master(host.uri(), 20 * kNsPerSecond); }), "no error");
   host.stop();
   master.join();
 }
@@ -127,10 +121,10 @@ TEST(Session, names) {
     const std::string text =
         "'" + name +
         "' is no name of a ROS node; write a letter followed by letters, digits and '_'";
-    EXPECT_EQ(error_of([&] { Session(test::node_at(core.uri(), name)); }), text);
+    EXPECT_EQ(error_of<Error>([&] { Session(test::node_at(core.uri(), name)); }), text);
     SessionSettings with_argument = test::node_at(core.uri(), "robot");
     with_argument.arguments = {{"__name", name}};
-    EXPECT_EQ(error_of([&] { const Session session(with_argument); }), text);
+    EXPECT_EQ(error_of<Error>([&] { const Session session(with_argument); }), text);
   }
   const Session session(test::node_at(core.uri(), "ros_command_node"));
   EXPECT_THAT(session.node_name(), StartsWith("/ros_command_node_"));

@@ -4,22 +4,14 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/ros2/names.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace {
 
 using namespace spikeloop;
 using namespace spikeloop::ros2;
+using test::error_of;
 using testing::HasSubstr;
-
-template <typename Work>
-std::string error_of(Work&& work) {
-  try {
-    work();
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::string whole(const std::string& topic, const topics::RosArguments& arguments) {
   const NodeIdentity node = node_identity("brain", arguments);

@@ -5,25 +5,18 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/error.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace spikeloop::stepping {
 namespace {
 
 using messages::Dialect;
 using nlohmann::json;
+using test::error_of;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::StartsWith;
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const TransportError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 // The texts of docs/stepping.md.
 TEST(Protocol, RequestsAsTheyAreDocumented) {
@@ -71,14 +64,16 @@ TEST(Protocol, WhatIsNoMessageOfItIsNamed) {
   };
   for (const std::string text : {"", "{", "[]", "7", R"({"to_ns": "1"})", R"({"to_ns": 1})",
                                  R"({"begin": true})", R"({"begin": 1})"}) {
-    EXPECT_THAT(error_of([&] { read_request(text); }), wrong("/spikeloop/step", text));
+    EXPECT_THAT(error_of<TransportError>([&] { read_request(text); }),
+                wrong("/spikeloop/step", text));
   }
   for (const std::string text : {"{'time_ns': 0}", R"({"time_ns": 0})", R"({"error": 3})",
                                  R"({"time_ns": 0, "published": {"/scan": "one"}})"}) {
-    EXPECT_THAT(error_of([&] { read_answer(text); }), wrong("/spikeloop/stepped", text));
+    EXPECT_THAT(error_of<TransportError>([&] { read_answer(text); }),
+                wrong("/spikeloop/stepped", text));
   }
   EXPECT_THAT(
-      error_of([] { read_answer(std::string(1000, 'x')); }),
+      error_of<TransportError>([] { read_answer(std::string(1000, 'x')); }),
       StartsWith("topic /spikeloop/stepped has brought '" + std::string(200, 'x') + "...'"));
 }
 

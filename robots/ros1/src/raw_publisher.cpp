@@ -13,7 +13,7 @@
 #include <memory>
 #include <thread>
 
-#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
@@ -61,7 +61,7 @@ bool begins_with_header(const messages::TypeLayout& type) {
 RawPublisher::RawPublisher(ros::NodeHandle& node, const std::string& topic,
                            const std::string& message_type, std::uint32_t queue, bool latched) {
   topics::check_topic(messages::Dialect::ros1, topic);
-  const auto& catalog = topics::catalog_of(messages::Dialect::ros1, message_type);
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, message_type);
   const std::string type = catalog.full_name(message_type);
   ros::AdvertiseOptions options(
       topic, queue, catalog.md5(type), type, catalog.full_text(type),

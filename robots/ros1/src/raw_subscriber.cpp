@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "raw_message.hpp"
-#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
@@ -16,7 +16,8 @@ namespace spikeloop::ros1 {
 class RawSubscriber::Receiver {
  public:
   explicit Receiver(topics::Subscription subscription) : wanted_(std::move(subscription)) {
-    const auto& catalog = topics::catalog_of(messages::Dialect::ros1, wanted_.message_type);
+    const auto& catalog =
+        messages::Catalog::for_type(messages::Dialect::ros1, wanted_.message_type);
     type_ = catalog.full_name(wanted_.message_type);
     md5_ = catalog.md5(type_);
   }

@@ -3,6 +3,7 @@
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
+#include <functional>
 #include <mutex>
 #include <set>
 #include <string>
@@ -100,8 +101,8 @@ class DomainNumbers {
 };
 
 /// One at a time, so that an error gets what Cyclone DDS says of it.
-template <typename Create>
-dds_entity_t created(const char* what, const discovery::Discovery& where, Create&& create) {
+dds_entity_t created(const char* what, const discovery::Discovery& where,
+                     const std::function<dds_entity_t()>& create) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   CycloneLog::instance().keep();

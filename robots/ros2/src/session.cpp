@@ -9,7 +9,7 @@
 
 #include "publisher.hpp"
 #include "session_impl.hpp"
-#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "subscriber.hpp"
 
 namespace spikeloop::ros2 {
@@ -64,7 +64,8 @@ Session::Impl::Impl(const topics::SessionSettings& settings)
 
 Endpoint endpoint(const Session::Impl& session, const std::string& topic,
                   const std::string& message_type) {
-  const messages::Catalog& catalog = topics::catalog_of(messages::Dialect::ros2, message_type);
+  const messages::Catalog& catalog =
+      messages::Catalog::for_type(messages::Dialect::ros2, message_type);
   const std::string type = catalog.full_name(message_type);
   Endpoint result{.topic = session.names.whole(topic),
                   .message_type = type,

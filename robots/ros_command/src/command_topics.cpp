@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/topics/catalog.hpp"
+#include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::ros_command {
 namespace {
@@ -14,6 +14,9 @@ using std::chrono::milliseconds;
 
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
+
+/// A button that is pressed and released at once must not lose the press to the release.
+constexpr std::uint32_t kPresses = 100;
 
 /// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
 /// robot drives would not be heard.
@@ -33,19 +36,20 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
                              const command::CommandSettings& settings, command::CommandSink& sink)
     : settings_(settings), sink_(sink) {
   const auto reader = [&](const std::string& type, const std::string& field) {
-    return messages::FieldReader(topics::catalog_of(session.dialect(), type), type, field);
+    return messages::FieldReader(messages::Catalog::for_type(session.dialect(), type), type, field);
   };
   const command::EmergencyStop& stop = settings_.emergency_stop;
   if (!stop.topic.empty()) {
     emergency_fields_.push_back(reader(stop.message_type, stop.field));
-    emergency_ = subscribe(session, stop.topic, stop.message_type, &CommandTopics::take_emergency);
+    emergency_ = subscribe(session, stop.topic, stop.message_type, kPresses,
+                           &CommandTopics::take_emergency);
     sink_.watch_publishers([this] { return emergency_->has_publishers(); });
   }
   if (!settings_.manual.topic.empty()) {
     for (const std::string& field : fields) {
       manual_fields_.push_back(reader(message_type, field));
     }
-    manual_ = subscribe(session, settings_.manual.topic, message_type, &CommandTopics::take_manual);
+    manual_ = subscribe(session, settings_.manual.topic, message_type, 1, &CommandTopics::take_manual);
   }
   if (emergency_) {
     wait_for_publishers(session, stop.topic);
@@ -58,10 +62,10 @@ CommandTopics::~CommandTopics() {
 
 std::unique_ptr<topics::RawSubscriber> CommandTopics::subscribe(
     topics::Session& session, const std::string& topic, const std::string& message_type,
-    void (CommandTopics::*take)(std::span<const std::byte>)) {
+    std::uint32_t queue, void (CommandTopics::*take)(std::span<const std::byte>)) {
   return session.subscriber({.topic = topic,
                              .message_type = message_type,
-                             .queue = 1,
+                             .queue = queue,
                              .take = [this, take](auto message) { (this->*take)(message); },
                              .refuse =
                                  [this](const topics::OtherType& other) {

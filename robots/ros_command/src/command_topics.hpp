@@ -32,7 +32,7 @@ class CommandTopics {
   void take_manual(std::span<const std::byte> message);
   std::unique_ptr<topics::RawSubscriber> subscribe(
       topics::Session& session, const std::string& topic, const std::string& message_type,
-      void (CommandTopics::*take)(std::span<const std::byte>));
+      std::uint32_t queue, void (CommandTopics::*take)(std::span<const std::byte>));
 
   command::CommandSettings settings_;
   command::CommandSink& sink_;

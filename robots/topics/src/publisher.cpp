@@ -1,7 +1,7 @@
 #include "spikeloop/topics/publisher.hpp"
 
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/message_writer.hpp"
-#include "spikeloop/topics/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::topics {
@@ -18,8 +18,9 @@ bool is_one_array(const messages::Catalog& catalog, const std::string& message_t
 struct Publisher::Impl {
   Impl(Session& session, const std::string& topic, const std::string& message_type,
        const std::vector<std::string>& fields)
-      : writer(catalog_of(session.dialect(), message_type), message_type, fields),
-        one_array(is_one_array(catalog_of(session.dialect(), message_type), message_type, fields)) {
+      : writer(messages::Catalog::for_type(session.dialect(), message_type), message_type, fields),
+        one_array(is_one_array(messages::Catalog::for_type(session.dialect(), message_type),
+                               message_type, fields)) {
     check_topic(session.dialect(), topic);
     publisher = session.publisher(topic, message_type);
   }
@@ -51,7 +52,8 @@ Publisher::~Publisher() = default;
 
 void Publisher::check(messages::Dialect ros, const std::string& topic,
                       const std::string& message_type, const std::vector<std::string>& fields) {
-  const messages::MessageWriter writer(catalog_of(ros, message_type), message_type, fields);
+  const messages::MessageWriter writer(messages::Catalog::for_type(ros, message_type), message_type,
+                                       fields);
   check_topic(ros, topic);
 }
 

@@ -6,16 +6,16 @@
 
 #include "intake.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
-#include "spikeloop/topics/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::topics {
 namespace {
 
 messages::SensorConversion conversion_of(messages::Dialect ros, const SensorSettings& settings) {
-  return {catalog_of(ros, settings.message_type), settings.message_type, settings.rule,
-          settings.width, settings.strict};
+  return {messages::Catalog::for_type(ros, settings.message_type), settings.message_type,
+          settings.rule, settings.width, settings.strict};
 }
 
 }  // namespace
