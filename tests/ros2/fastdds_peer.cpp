@@ -5,9 +5,9 @@
 //
 // MODE: subnet (as ROS 2 by default), localhost (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST),
 // localhost-only (ROS_LOCALHOST_ONLY=1 in Humble), or udp (subnet without shared memory, which a
-// killed process would leave behind), latched (udp, and Twists that were sent before). With
-// localhost, ROS_STATIC_PEERS has an address more. GID_BYTES: says the nodes of ros_discovery_info,
-// too.
+// killed process would leave behind), latched (udp, and Twists that were sent before), best-effort
+// (udp, and scans that are not sent again). With localhost, ROS_STATIC_PEERS has an address more.
+// GID_BYTES: says the nodes of ros_discovery_info, too.
 #include <signal.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -59,7 +59,7 @@ DomainParticipantQos participant_qos(const std::string& mode) {
   const auto udp = std::make_shared<UDPv4TransportDescriptor>();
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
-  if (mode != "udp" && mode != "latched") {
+  if (mode != "udp" && mode != "latched" && mode != "best-effort") {
     qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
   }
   if (mode == "localhost-only") {
@@ -199,8 +199,12 @@ int run(int argc, char** argv) {
       [](const Twist& twist) { std::printf("twist %g %g\n", twist.values[0], twist.values[5]); });
   std::unique_ptr<DataReaderListener> nodes;
   Peer peer(static_cast<std::uint32_t>(std::atoi(argv[1])), argv[2]);
-  DataWriter* scans = peer.publisher()->create_datawriter(peer.topic<LaserScan>("rt/scan"),
-                                                          endpoint_qos(DATAWRITER_QOS_DEFAULT));
+  DataWriterQos scan_qos = endpoint_qos(DATAWRITER_QOS_DEFAULT);
+  if (std::string(argv[2]) == "best-effort") {
+    scan_qos.reliability().kind = BEST_EFFORT_RELIABILITY_QOS;
+  }
+  DataWriter* scans =
+      peer.publisher()->create_datawriter(peer.topic<LaserScan>("rt/scan"), scan_qos);
   DataReaderQos twist_qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
   if (std::string(argv[2]) == "latched") {
     twist_qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;

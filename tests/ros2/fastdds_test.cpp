@@ -105,6 +105,23 @@ TEST_F(FastDdsTest, gets_what_was_latched_before) {
   EXPECT_EQ(other->output().find("0.125"), std::string::npos);
 }
 
+/// Of publishers of both kinds.
+class EveryMessageTest : public FastDdsTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(EveryMessageTest, comes_once) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  Heard heard;
+  const auto scans = session.subscriber(heard.subscription("/scan", "sensor_msgs/LaserScan", 0));
+  const auto other = robot(GetParam());
+  ASSERT_TRUE(eventually(kLong, [&] { return heard.count() >= 20; }));
+  const std::vector<Bytes> messages = heard.messages();
+  const auto first = value_at<std::int32_t>(messages.front(), 0);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    ASSERT_EQ(value_at<std::int32_t>(messages[i], 0), first + static_cast<int>(i));
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Publishers, EveryMessageTest, testing::Values("udp", "best-effort"));
+
 /// On Fast DDS or on a node of ours.
 class RobotTest : public FastDdsTest, public testing::WithParamInterface<const char*> {
  protected:

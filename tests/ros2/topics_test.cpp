@@ -85,6 +85,28 @@ TEST_F(TopicsTest, loses_none_of_many_messages_when_every_one_is_wanted) {
   }
 }
 
+TEST_F(TopicsTest, has_lost_messages_sent_again_when_every_one_is_wanted) {
+  topics::SessionSettings lossy = settings("far_robot");
+  lossy.place["CYCLONEDDS_URI"] =
+      "<CycloneDDS><Domain><Internal><Test><XmitLossiness>200</XmitLossiness></Test></Internal>"
+      "</Domain></CycloneDDS>";  // per mille
+  Session far_robot(lossy);
+  const auto publisher = far_robot.publisher("/in", "std_msgs/String", 0);
+  const auto subscriber = brain_.subscriber(heard_.subscription("/in", "std_msgs/String", 0));
+  Heard newest;
+  const auto best_effort = brain_.subscriber(newest.subscription("/in", "std_msgs/String", 10));
+  wait_for_match(*publisher, *subscriber);
+  constexpr std::uint32_t kMessages = 300;
+  for (std::uint32_t i = 0; i < kMessages; ++i) {
+    publisher->publish(message_of(pattern(16, i)));
+  }
+  ASSERT_TRUE(eventually(kLong, [&] { return heard_.count() >= kMessages; })) << heard_.count();
+  for (std::uint32_t i = 0; i < kMessages; ++i) {
+    ASSERT_EQ(fields_of(heard_.messages()[i]), pattern(16, i));
+  }
+  EXPECT_LT(newest.count(), kMessages) << "nothing was lost on the way";
+}
+
 TEST_F(TopicsTest, knows_who_is_there) {
   const auto publisher = robot_.publisher("/in", "std_msgs/String");
   EXPECT_FALSE(publisher->has_subscribers());

@@ -18,12 +18,6 @@ std::string user_data_of(const dds_qos_t* qos) {
   return text;
 }
 
-bool is_reliable(const dds_qos_t* qos) {
-  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
-  dds_duration_t blocking = 0;
-  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
-}
-
 }  // namespace
 
 bool is_same(const dds_guid_t& a, const dds_guid_t& b) {
@@ -98,7 +92,6 @@ void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
   const Writer writer{.topic = endpoint.topic_name,
                       .type = endpoint.type_name,
                       .user_data = user_data_of(endpoint.qos),
-                      .reliable = is_reliable(endpoint.qos),
                       .participant = endpoint.participant_key};
   {
     const std::lock_guard lock(mutex_);

@@ -21,7 +21,6 @@ struct Writer {
   std::string topic;      ///< in DDS
   std::string type;       ///< in DDS
   std::string user_data;  ///< ROS 2 since Iron: "typehash=RIHS01_...;"
-  bool reliable = false;
   dds_guid_t participant{};
 };
 

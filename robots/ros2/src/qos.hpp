@@ -21,8 +21,8 @@ Qos user_data_qos(const std::string& user_data);
 /// @param latched kept for those that come later, too (ROS 2: transient local)
 Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 
-/// Of a subscriber, for any publisher: best effort, the newest `queue` messages. 0: reliable, all
-/// of them.
-Qos reader_qos(std::uint32_t queue, const std::string& user_data);
+/// Of a subscriber: the newest `queue` messages, 0: all. Not reliable: best effort, for any
+/// publisher.
+Qos reader_qos(std::uint32_t queue, bool reliable, const std::string& user_data);
 
 }  // namespace spikeloop::ros2

@@ -218,7 +218,8 @@ RawData::RawData(const ddsi_sertype* type_of, ddsi_serdata_kind kind_of, std::si
 }
 
 RawTopic::RawTopic(dds_entity_t participant, const std::string& dds_topic,
-                   const std::string& dds_type) {
+                   const std::string& dds_type)
+    : name(dds_topic) {
   auto own = std::make_unique<ddsi_sertype>();
   ddsi_sertype_init(own.get(), dds_type.c_str(), &kTypeOps, &kDataOps, true);
   own->allowed_data_representation = DDS_DATA_REPRESENTATION_FLAG_XCDR1;

@@ -30,6 +30,7 @@ struct RawData : ddsi_serdata {
 
 /// A topic of DDS whose messages are RawData.
 struct RawTopic {
+  std::string name;  ///< "rt/scan"
   dds_entity_t entity = 0;
   const ddsi_sertype* type = nullptr;  ///< lives as long as the topic
 

@@ -12,9 +12,6 @@
 namespace spikeloop::ros2 {
 namespace {
 
-/// Of one topic at a time, so that a busy one does not hold up the others.
-constexpr int kMostAtOnce = 16;
-
 bool is_plain_little_endian(std::span<const std::byte> message) {
   return message[0] == std::byte{0} && message[1] == std::byte{1};
 }
@@ -43,46 +40,25 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
       endpoint_(endpoint),
       subscription_(std::move(subscription)),
       topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
-      reader_(dds_create_reader(session.participant.entity(), topic_.entity,
-                                reader_qos(subscription_.queue, endpoint.user_data).get(),
-                                nullptr)),
-      arrived_(dds_create_readcondition(reader_, DDS_ANY_STATE)) {
-  if (arrived_ < 0) {
-    throw TransportError(fmt::format("Cyclone DDS makes no reader of '{}': {}", endpoint_.topic,
-                                     dds_strretcode(reader_ < 0 ? reader_ : arrived_)));
+      reader_(session, topic_,
+              reader_qos(subscription_.queue, subscription_.queue == 0, endpoint.user_data),
+              Writers::any, [this](auto message) { take(message); }) {
+  if (subscription_.queue == 0) {
+    best_effort_.emplace(session, topic_, reader_qos(0, false, endpoint.user_data),
+                         Writers::best_effort, [this](auto message) { take(message); });
   }
   session_.acquaintance.subscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
-  session_.nodes.add_reader(reader_);
-  ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });
   listener_ = session_.graph.listen(endpoint_.dds_name(),
                                     [this](const Writer& writer) { look_at(writer); });
 }
 
 Subscriber::~Subscriber() {
   session_.graph.forget(listener_);
-  session_.dispatcher.remove(ticket_, arrived_);
-  session_.nodes.remove(reader_);
   session_.acquaintance.unsubscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
-  dds_delete(reader_);
 }
 
 bool Subscriber::has_publishers() const {
-  dds_subscription_matched_status_t status{};
-  return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK &&
-         status.current_count > 0;
-}
-
-// One by one: what waits beyond the queue is lost, and nothing waits elsewhere.
-void Subscriber::take_some() {
-  for (int i = 0; i < kMostAtOnce; ++i) {
-    const TakenMessage taken(reader_);
-    if (!taken.any()) {
-      return;
-    }
-    if (taken.valid()) {
-      take(taken.message());
-    }
-  }
+  return reader_.has_writers() || (best_effort_ && best_effort_->has_writers());
 }
 
 void Subscriber::take(std::span<const std::byte> message) {
@@ -112,13 +88,6 @@ void Subscriber::look_at(const Writer& writer) {
             .text = fmt::format("topic '{}' carries another version of {}: its type hash is {}, "
                                 "ours {}; write the path of the publisher's .msg file as the type",
                                 endpoint_.topic, endpoint_.message_type, theirs, ours)});
-  }
-  if (subscription_.queue == 0 && !writer.reliable) {
-    log::warning(
-        "a publisher of '{}' is best effort, so nothing of it comes: every message is wanted, "
-        "which "
-        "takes reliable publishers",
-        endpoint_.topic);
   }
 }
 

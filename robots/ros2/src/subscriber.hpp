@@ -1,9 +1,9 @@
 // A topic in over DDS.
 #pragma once
 
-#include <atomic>
+#include <optional>
 
-#include "raw_type.hpp"
+#include "reader.hpp"
 #include "session_impl.hpp"
 
 namespace spikeloop::ros2 {
@@ -17,7 +17,6 @@ class Subscriber final : public topics::RawSubscriber {
   bool has_publishers() const override;
 
  private:
-  void take_some();
   void take(std::span<const std::byte> message);
   void look_at(const Writer& writer);
   void refuse(const topics::OtherType& other);
@@ -26,10 +25,9 @@ class Subscriber final : public topics::RawSubscriber {
   Endpoint endpoint_;
   topics::Subscription subscription_;
   RawTopic topic_;
-  dds_entity_t reader_;
-  dds_entity_t arrived_;  ///< a read condition
   bool complained_ = false;
-  Dispatcher::Ticket ticket_ = 0;
+  Reader reader_;
+  std::optional<Reader> best_effort_{};  ///< beside a reliable one, for publishers that are not
   Graph::Listener listener_ = 0;
 };
 

@@ -15,8 +15,8 @@ using std::chrono::milliseconds;
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
 
-/// A button that is pressed and released at once must not lose the press to the release.
-constexpr std::uint32_t kPresses = 100;
+/// A press is neither lost by the network, nor to the release that follows at once.
+constexpr std::uint32_t kEveryPress = 0;
 
 /// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
 /// robot drives would not be heard.
@@ -41,7 +41,7 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
   const command::EmergencyStop& stop = settings_.emergency_stop;
   if (!stop.topic.empty()) {
     emergency_fields_.push_back(reader(stop.message_type, stop.field));
-    emergency_ = subscribe(session, stop.topic, stop.message_type, kPresses,
+    emergency_ = subscribe(session, stop.topic, stop.message_type, kEveryPress,
                            &CommandTopics::take_emergency);
     sink_.watch_publishers([this] { return emergency_->has_publishers(); });
   }
@@ -49,7 +49,8 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
     for (const std::string& field : fields) {
       manual_fields_.push_back(reader(message_type, field));
     }
-    manual_ = subscribe(session, settings_.manual.topic, message_type, 1, &CommandTopics::take_manual);
+    manual_ =
+        subscribe(session, settings_.manual.topic, message_type, 1, &CommandTopics::take_manual);
   }
   if (emergency_) {
     wait_for_publishers(session, stop.topic);

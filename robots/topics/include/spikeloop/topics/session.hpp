@@ -51,7 +51,8 @@ struct Subscription {
   std::string topic;
   std::string message_type;  ///< "sensor_msgs/LaserScan"
   /// Messages that may wait for the session's thread; of more, the oldest are lost. 1: the newest
-  /// alone; 0: any number.
+  /// alone; 0: any number. ROS 2: with 0, what the network loses is sent again, unless the
+  /// publisher is best effort.
   std::uint32_t queue = 1;
   /// Called in a thread of the session the moment a message of this type has arrived; the bytes are
   /// valid until it returns. Must not throw.

@@ -1,0 +1,87 @@
+#include "reader.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::ros2 {
+namespace {
+
+/// Of one topic at a time, so that a busy one does not hold up the others.
+constexpr int kMostAtOnce = 16;
+
+/// Writers that have come and gone; a reader that outlives as many looks again at those there are.
+constexpr std::size_t kMostKnown = 1'000;
+
+bool is_reliable(const dds_qos_t* qos) {
+  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
+  dds_duration_t blocking = 0;
+  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+}
+
+}  // namespace
+
+Reader::Reader(Session::Impl& session, const RawTopic& topic, const Qos& qos, Writers writers,
+               std::function<void(std::span<const std::byte>)> take)
+    : session_(session),
+      writers_(writers),
+      take_(std::move(take)),
+      reader_(dds_create_reader(session.participant.entity(), topic.entity, qos.get(), nullptr)),
+      arrived_(dds_create_readcondition(reader_, DDS_ANY_STATE)) {
+  if (arrived_ < 0) {
+    const char* const reason = dds_strretcode(reader_ < 0 ? reader_ : arrived_);
+    dds_delete(reader_);
+    throw TransportError(
+        fmt::format("Cyclone DDS makes no reader of '{}': {}", topic.name, reason));
+  }
+  session_.nodes.add_reader(reader_);
+  ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });
+}
+
+Reader::~Reader() {
+  session_.dispatcher.remove(ticket_, arrived_);
+  session_.nodes.remove(reader_);
+  dds_delete(reader_);
+}
+
+bool Reader::has_writers() const {
+  dds_subscription_matched_status_t status{};
+  return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK &&
+         status.current_count > 0;
+}
+
+// One by one: what waits beyond the queue is lost, and nothing waits elsewhere.
+void Reader::take_some() {
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const TakenMessage taken(reader_);
+    if (!taken.any()) {
+      return;
+    }
+    if (taken.valid() && is_wanted(taken.writer())) {
+      take_(taken.message());
+    }
+  }
+}
+
+bool Reader::is_wanted(dds_instance_handle_t writer) {
+  if (writers_ == Writers::any) {
+    return true;
+  }
+  if (const auto known = wanted_.find(writer); known != wanted_.end()) {
+    return known->second;
+  }
+  const std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&dds_builtintopic_free_endpoint)>
+      endpoint(dds_get_matched_publication_data(reader_, writer), &dds_builtintopic_free_endpoint);
+  if (!endpoint) {
+    return true;  // gone already; rather twice than not at all
+  }
+  if (wanted_.size() >= kMostKnown) {
+    wanted_.clear();
+  }
+  return wanted_.emplace(writer, !is_reliable(endpoint->qos)).first->second;
+}
+
+}  // namespace spikeloop::ros2
