@@ -57,6 +57,10 @@ TEST(DiscoveryTest, static_peers_are_tried_after_this_machine) {
         parse({{"ROS_AUTOMATIC_DISCOVERY_RANGE", range}, {"ROS_STATIC_PEERS", "192.0.2.7"}});
     EXPECT_THAT(cyclone_settings(found, kNetwork, 0),
                 HasSubstr("<Peer address=\"192.0.2.2\"/><Peer address=\"192.0.2.7\"/></Peers>"));
+    // They are beyond the interface of the highest priority.
+    EXPECT_THAT(cyclone_settings(found, kNetwork, 0),
+                HasSubstr("autodetermine=\"true\" priority=\"1\"/><NetworkInterface name=\"lo\" "
+                          "multicast=\"true\" priority=\"0\"/>"));
   }
 }
 

@@ -6,7 +6,8 @@
 // MODE: subnet (as ROS 2 by default), localhost (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST),
 // localhost-only (ROS_LOCALHOST_ONLY=1 in Humble), or udp (subnet without shared memory, which a
 // killed process would leave behind), latched (udp, and Twists that were sent before), best-effort
-// (udp, and scans that are not sent again). GID_BYTES: says the nodes of ros_discovery_info, too.
+// (udp, and scans that are not sent again). With localhost, ROS_STATIC_PEERS has an address more.
+// GID_BYTES: says the nodes of ros_discovery_info, too.
 #include <signal.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -42,6 +43,12 @@ using eprosima::fastrtps::rtps::Locator_t;
 
 constexpr std::uint32_t kPeersRange = 32;  // ports tried on the peer, as rmw_fastrtps
 
+Locator_t locator_of(const std::string& address) {
+  Locator_t locator;
+  IPLocator::setIPv4(locator, address);
+  return locator;
+}
+
 DomainParticipantQos participant_qos(const std::string& mode) {
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   const std::string enclave = "enclave=/;";
@@ -61,9 +68,11 @@ DomainParticipantQos participant_qos(const std::string& mode) {
     udp->maxInitialPeersRange = kPeersRange;
     // A list of its own, with any port, takes the place of the default one with its multicast.
     qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(Locator_t());
-    Locator_t peer;
-    IPLocator::setIPv4(peer, "127.0.0.1");
-    qos.wire_protocol().builtin.initialPeersList.push_back(peer);
+    auto& peers = qos.wire_protocol().builtin.initialPeersList;
+    peers.push_back(locator_of("127.0.0.1"));
+    if (const char* peer = std::getenv("ROS_STATIC_PEERS"); peer != nullptr) {
+      peers.push_back(locator_of(peer));
+    }
   }
   return qos;
 }

@@ -46,8 +46,10 @@ class FastDdsTest : public testing::Test {
     }
     return start(arguments);
   }
-  static std::unique_ptr<Child> start(const std::vector<std::string>& arguments) {
-    auto child = std::make_unique<Child>(test::Command{.arguments = arguments});
+  std::unique_ptr<Child> start(const std::vector<std::string>& arguments) {
+    // Only nodes of ours read it.
+    auto child = std::make_unique<Child>(
+        test::Command{.arguments = arguments, .environment = domain_.place()});
     EXPECT_TRUE(child->wait_for("ready", kLongMilliseconds)) << child->output();
     return child;
   }

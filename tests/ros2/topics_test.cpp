@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
@@ -290,6 +291,26 @@ TEST(Ros2Session, says_what_cyclone_dds_refuses) {
   }
   // And the next one starts.
   EXPECT_EQ(Session({.node_name = "brain", .place = domain.place()}).node_name(), "/brain");
+}
+
+TEST(Ros2Session, warns_of_a_peer_without_an_address) {
+  const test::FreeDomain domain;
+  std::vector<std::string> said;
+  std::mutex mutex;
+  log::set_sink([&](log::Level, std::string_view message) {
+    const std::lock_guard lock(mutex);
+    said.emplace_back(message);
+  });
+  {
+    const Session session({.node_name = "brain",
+                           .place = {{"ROS_DOMAIN_ID", domain.text()},
+                                     {"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"},
+                                     {"ROS_STATIC_PEERS", "no-such-robot.invalid;127.0.0.1"}}});
+  }
+  log::set_sink({});
+  EXPECT_THAT(said,
+              testing::Contains(testing::HasSubstr("no-such-robot.invalid: unknown address")));
+  EXPECT_THAT(said, testing::Not(testing::Contains(testing::HasSubstr("127.0.0.1"))));
 }
 
 TEST(Ros2Session, takes_interfaces_from_cyclonedds_uri) {

@@ -119,12 +119,18 @@ std::string peer_list(const std::vector<std::string>& addresses) {
 /// The network's interface and this machine's own: Fast DDS announces the former's address alone
 /// when it is told to stay on the machine, Cyclone DDS the latter's. Linux does not say that `lo`
 /// can multicast; Cyclone would then do without it everywhere.
-std::string interface_list(const Interfaces& machine) {
+///
+/// Cyclone 0.10 tries peers from the interface of the highest priority alone, which is `lo` unless
+/// we say another; nothing leaves the machine from there. Without peers `lo` is better: nodes of
+/// this machine then hear each other when the network has gone.
+std::string interface_list(const Interfaces& machine, bool peers) {
   std::string list;
   if (!machine.addresses.empty()) {
-    list = R"(<NetworkInterface autodetermine="true"/>)";
+    list = fmt::format(R"(<NetworkInterface autodetermine="true"{}/>)",
+                       peers ? R"( priority="1")" : "");
   }
-  list += fmt::format(R"(<NetworkInterface name="{}" multicast="true"/>)", machine.loopback);
+  list += fmt::format(R"(<NetworkInterface name="{}" multicast="true"{}/>)", machine.loopback,
+                      peers ? R"( priority="0")" : "");
   return element("Interfaces", list);
 }
 
@@ -156,8 +162,9 @@ std::string meeting(const Discovery& discovery, const Interfaces& machine) {
   peers.insert(peers.end(), machine.addresses.begin(), machine.addresses.end());
   peers.insert(peers.end(), discovery.peers.begin(), discovery.peers.end());
   const char* multicast = discovery.range == Range::subnet ? "spdp" : "false";
-  const std::string chosen =
-      names_interfaces(discovery.cyclone) ? std::string() : interface_list(machine);
+  const std::string chosen = names_interfaces(discovery.cyclone)
+                                 ? std::string()
+                                 : interface_list(machine, !discovery.peers.empty());
   return element("General", chosen + element("AllowMulticast", multicast)) +
          element("Discovery",
                  element("ParticipantIndex", "auto") +
