@@ -10,16 +10,11 @@ import sys
 import tempfile
 import time
 
-import rospy
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
-from std_msgs.msg import Bool
-
+import robots
 import time_to_zero
-from time_to_zero import ros
+from robots import ros
 
 EXPERIMENT = """experiment: people
-ros: 1
 nodes:
   scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
   odom: {node: ros_sensor, topic: /odom, message: nav_msgs/Odometry, fields: [pose.pose.position.x],
@@ -50,64 +45,47 @@ connections:
 """
 
 
-class Person(time_to_zero.Robot):
-    def __init__(self):
-        super().__init__()
-        self.odometry = rospy.Publisher("/odom", Odometry, queue_size=1, tcp_nodelay=True)
-        self.odom_on = True
-        rospy.Timer(rospy.Duration(0.02), self._send_odometry)
-
-    def _send_odometry(self, _):
-        if self.odom_on:
-            self.odometry.publish(Odometry())
-
-    def last(self):
-        return self.heard[-1][1] if self.heard else None
-
-
 def stop_and_release(person):
     begin = time.monotonic()
-    person.stop.publish(Bool(True))
+    person.press_stop(True)
     assert person.time_to_zero_ms(begin) < time_to_zero.MARGIN_MS
     time.sleep(0.5)
-    assert not person.drives_after(begin), "driven while the emergency stop is pressed"
-    person.manual.publish(Twist())
+    pressed = begin + time_to_zero.MARGIN_MS / 1e3
+    assert not person.drives_since(pressed), "driven while the emergency stop is pressed"
+    person.drive_by_hand(0)
     time.sleep(0.1)
-    assert not person.drives_after(begin), "driven by hand while the emergency stop is pressed"
-    person.stop.publish(Bool(False))
+    assert not person.drives_since(pressed), "driven by hand while the emergency stop is pressed"
+    person.press_stop(False)
     ros.until(person.is_driven, "driving after the release", 10)
 
 
 def drive_by_hand(person):
-    message = Twist()
-    message.linear.x = 0.3
     for _ in range(10):
-        person.manual.publish(message)
+        person.drive_by_hand(0.3)
         time.sleep(0.05)
     by_hand = {value for at, value in person.heard if at > time.monotonic() - 0.3}
     assert by_hand == {0.3}, by_hand
-    message.linear.x = 7
-    person.manual.publish(message)
+    person.drive_by_hand(7)
     ros.until(lambda: person.last() == 0.8, "the upper limit", 1)
     ros.until(lambda: person.is_driven() and person.last() not in (0.3, 0.8), "the network", 10)
 
 
 def lose_a_sensor(person, printed):
     begin = time.monotonic()
-    person.odom_on = False
+    person.odometry(False)
     assert person.time_to_zero_ms(begin) < 400 + 2 * time_to_zero.MARGIN_MS
     ros.until(lambda: "has come on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
-    person.odom_on = True
+    person.odometry(True)
     ros.until(person.is_driven, "driving when it is back", 10)
 
 
-def with_people(spikeloop, person, layout, folder):
+def with_people(spikeloop, person, version, layout, folder):
     (folder / "people.yaml").write_text(EXPERIMENT)
     printed = folder / f"{layout}.txt"
     person.heard.clear()
     with open(printed, "w", encoding="utf-8") as log:
         process = subprocess.Popen(
-            [spikeloop, "run", str(folder / "people.yaml"), "--layout", layout, "--out",
+            [spikeloop, "run", str(folder / "people.yaml"), "--ros", version, "--layout", layout, "--out",
              str(folder / layout)], stdout=log, stderr=log)
     try:
         ros.until(lambda: person.is_driven() or process.poll() is not None, "a command", 90)
@@ -129,13 +107,14 @@ def with_people(spikeloop, person, layout, folder):
 
 
 def main():
-    spikeloop = str(pathlib.Path(sys.argv[1]).resolve() / "spikeloop")
-    with tempfile.TemporaryDirectory() as folder, ros.master(pathlib.Path(folder)):
-        person = Person()
-        person.sending.set()
+    programs, version = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
+    with tempfile.TemporaryDirectory() as scratch, robots.robot(
+            version, programs, pathlib.Path(scratch)) as person:
+        person.scans(True)
+        person.odometry(True)
         for layout in ("fused", "separate"):
-            with_people(spikeloop, person, layout, pathlib.Path(folder))
-    print("people stop and drive the robot in both layouts")
+            with_people(str(programs / "spikeloop"), person, version, layout, pathlib.Path(scratch))
+    print(f"people stop and drive the robot in both layouts over ROS {version}")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""spike_timeout in one process: a network that falls silent stops the robot where that is asked for, at its
+"""spike_timeout in one process, its robot there or over ROS 1 or 2: a network that falls silent stops the robot where that is asked for, at its
 simulated time, and nowhere else; the separate layout refuses the key."""
 
+import contextlib
 import json
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+from robots import ros
 
 EXPERIMENT = """experiment: silent
 duration: 3 s
@@ -23,35 +26,47 @@ connections:
 """
 
 
-def run(spikeloop, folder, more):
+def run(spikeloop, folder, version, more):
     (folder / "silent.yaml").write_text(EXPERIMENT.format(more=more))
-    done = subprocess.run([spikeloop, "run", str(folder / "silent.yaml"), "--out", str(folder / "run")],
+    over = ["--ros", version] if version else []
+    done = subprocess.run([spikeloop, "run", str(folder / "silent.yaml"), *over, "--out", str(folder / "run")],
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, done
-    return done, json.loads((folder / "run/summary.json").read_text())
+    summary = json.loads((folder / "run/summary.json").read_text())
+    counters = summary["processes"]["experiment"]["counters"] if version else summary["counters"]
+    return done.stderr, summary["distance_m"], counters["wheels.stops_no_spike"]
+
+
+def stops(spikeloop, version):
+    """Where it is asked for, at its time."""
+    with tempfile.TemporaryDirectory() as folder:
+        _, driven, stopped = run(spikeloop, pathlib.Path(folder), version, "")
+        assert stopped == 0 and driven > 0.2, (stopped, driven)
+    with tempfile.TemporaryDirectory() as folder:
+        said, distance, stopped = run(spikeloop, pathlib.Path(folder), version, ", spike_timeout: 1 s")
+    assert stopped == 1 and 0 < distance < 0.6 * driven, (stopped, distance, driven)
+    at = " at 1.002 s" if not version else ""
+    assert f"the robot is stopped{at}: no spike has come for spike_timeout, 1 s" in said, said
+
+
+def is_refused(spikeloop):
+    """In the separate layout."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "silent.yaml"
+        file.write_text(EXPERIMENT.format(more=", spike_timeout: 1 s").replace("lockstep", "realtime\nros: 2"))
+        done = subprocess.run([spikeloop, "export", str(file), "--out", folder + "/job"],
+                              capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "silent.yaml:" in done.stderr and "key 'spike_timeout': the " \
+        "separate layout has none, because no spike reaches the command's process; leave it out, " \
+        "or use the fused layout" in done.stderr, done
 
 
 def main():
     spikeloop = str(pathlib.Path(sys.argv[1]).resolve() / "spikeloop")
-    with tempfile.TemporaryDirectory() as folder:
-        folder = pathlib.Path(folder)
-        done, summary = run(spikeloop, folder, "")
-        assert summary["counters"]["wheels.stops_no_spike"] == 0 and summary["distance_m"] > 0.2, summary
-        driven = summary["distance_m"]
-    with tempfile.TemporaryDirectory() as folder:
-        folder = pathlib.Path(folder)
-        done, summary = run(spikeloop, folder, ", spike_timeout: 1 s")
-        assert summary["counters"]["wheels.stops_no_spike"] == 1, summary
-        assert 0 < summary["distance_m"] < 0.6 * driven, (summary["distance_m"], driven)
-        assert "node 'wheels': the robot is stopped at 1.002 s: no spike has come for spike_timeout, 1 s" \
-            in done.stderr, done.stderr
-        separate = (folder / "silent.yaml").read_text().replace("lockstep", "realtime\nros: 1")
-        (folder / "silent.yaml").write_text(separate)
-        done = subprocess.run([spikeloop, "export", str(folder / "silent.yaml"), "--out",
-                               str(folder / "job")], capture_output=True, text=True, check=False)
-        assert done.returncode == 2 and "silent.yaml:" in done.stderr and "key 'spike_timeout': the " \
-            "separate layout has none, because no spike reaches the command's process; leave it out, " \
-            "or use the fused layout" in done.stderr, done
+    is_refused(spikeloop)
+    for version in ("", "1", "2"):
+        with ros.domain() if version == "2" else contextlib.nullcontext():
+            stops(spikeloop, version)
     print("a silent network stops the robot where that is asked for")
 
 

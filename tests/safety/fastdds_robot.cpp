@@ -1,0 +1,123 @@
+// A robot, and the person beside it, on another vendor's DDS. A test leads it by lines on its
+// standard input:
+//
+//     scans 1 | 0       ten readings of 3 m on /scan, 50 times a second, or none any more
+//     odometry 1 | 0    the same of /odom
+//     stop 1 | 0        one message on /emergency_stop
+//     manual X          one message on /cmd_vel_manual, whose linear.x is X
+//
+// It says "ready", then "scan T" for every scan that it has sent and "twist T X" for every message
+// on /cmd_vel: times are CLOCK_MONOTONIC in seconds, X linear.x. It ends with its input.
+//
+//     fastdds_robot DOMAIN
+#include <atomic>
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "tests/ros2/fastdds_node.hpp"
+
+namespace fastdds_peer {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{20};
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// What is said once is a line, whichever thread says it.
+void say(const char* what, double at, double value) {
+  std::printf("%s %.6f %.17g\n", what, at, value);
+  std::fflush(stdout);
+}
+
+/// Sends its sensors' messages in a thread of its own.
+class Sensors {
+ public:
+  explicit Sensors(Peer& peer)
+      : scans_(peer.publisher()->create_datawriter(peer.topic<LaserScan>("rt/scan"),
+                                                   endpoint_qos(DATAWRITER_QOS_DEFAULT))),
+        odometry_(peer.publisher()->create_datawriter(peer.topic<Odometry>("rt/odom"),
+                                                      endpoint_qos(DATAWRITER_QOS_DEFAULT))),
+        thread_([this] { run(); }) {}
+  ~Sensors() {
+    over = true;
+    thread_.join();
+  }
+
+  std::atomic<bool> scanning{false}, moving{false}, over{false};
+
+ private:
+  void run() {
+    LaserScan scan;
+    scan.frame_id = "laser";
+    scan.range_min = 0.1F;
+    scan.range_max = 4.1F;
+    scan.ranges.assign(10, 3.0F);
+    Odometry pose;
+    for (auto due = std::chrono::steady_clock::now(); !over; due += kPeriod) {
+      std::this_thread::sleep_until(due);
+      if (scanning) {
+        scans_->write(&scan);
+        say("scan", now_s(), 0);
+      }
+      if (moving) {
+        odometry_->write(&pose);
+      }
+    }
+  }
+
+  DataWriter* scans_;
+  DataWriter* odometry_;
+  std::thread thread_;
+};
+
+int run(int argc, char** argv) {
+  if (argc != 2) {
+    throw std::runtime_error("write fastdds_robot DOMAIN");
+  }
+  Listener<Twist> commands(
+      [](const Twist& twist, const SampleInfo&) { say("twist", now_s(), twist.values[0]); });
+  // Without shared memory, which a killed process would leave behind.
+  Peer peer(static_cast<std::uint32_t>(std::stoi(argv[1])), "udp");
+  DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
+  qos.history().kind = KEEP_ALL_HISTORY_QOS;
+  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), qos, &commands);
+  DataWriter* const stop = peer.publisher()->create_datawriter(
+      peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
+  DataWriter* const manual = peer.publisher()->create_datawriter(
+      peer.topic<Twist>("rt/cmd_vel_manual"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
+  Sensors sensors(peer);
+  std::cout << "ready" << std::endl;
+  double value = 0;
+  for (std::string word; std::cin >> word >> value;) {
+    if (word == "scans") {
+      sensors.scanning = value != 0;
+    } else if (word == "odometry") {
+      sensors.moving = value != 0;
+    } else if (word == "stop") {
+      Bool message{static_cast<std::uint8_t>(value != 0)};
+      stop->write(&message);
+    } else if (word == "manual") {
+      Twist message;
+      message.values[0] = value;
+      manual->write(&message);
+    } else {
+      throw std::runtime_error("unknown word '" + word + "'");
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace fastdds_peer
+
+int main(int argc, char** argv) {
+  try {
+    return fastdds_peer::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "fastdds_robot: " << error.what() << '\n';
+    return 1;
+  }
+}

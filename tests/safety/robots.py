@@ -1,0 +1,149 @@
+"""Robots with people beside them that are no part of Spikeloop: they send sensors' messages and hear commands
+with the monotonic time of their arrival, over ROS 1 by rospy, over ROS 2 on Fast DDS."""
+
+import contextlib
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "fused"))
+import ros  # noqa: E402  (the master, or the domain, of a test's own)
+
+
+class Robot:
+    """What both have. `heard`: (time, linear.x) of every command; `sent_at`: when the newest scan left."""
+
+    def __init__(self):
+        self.heard = []
+        self.sent_at = 0.0
+
+    def is_driven(self):
+        now = time.monotonic()
+        recent = [value for at, value in self.heard[-3:] if now - at < 0.2]
+        return len(recent) == 3 and all(recent)
+
+    def last(self):
+        return self.heard[-1][1] if self.heard else None
+
+    def time_to_zero_ms(self, begin, patience_s=10):
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end:
+            for at, value in list(self.heard):
+                if at > begin and value == 0:
+                    return 1e3 * (at - begin)
+            time.sleep(0.002)
+        return float("inf")
+
+    def drives_since(self, begin):
+        """What came since then and was no zero."""
+        return [value for at, value in self.heard if at > begin and value != 0]
+
+    def drives_after(self, begin):
+        """What came after the first zero since then and was none."""
+        zero = next((at for at, value in self.heard if at > begin and value == 0), begin)
+        return [value for at, value in self.heard if at > zero and value != 0]
+
+
+class Ros1Robot(Robot):
+    def __init__(self):
+        super().__init__()
+        import rospy
+        from geometry_msgs.msg import Twist
+        from nav_msgs.msg import Odometry
+        from sensor_msgs.msg import LaserScan
+        from std_msgs.msg import Bool
+        rospy.init_node("robot", disable_signals=True, anonymous=True)
+
+        def publisher(topic, kind):
+            return rospy.Publisher(topic, kind, queue_size=1, tcp_nodelay=True)
+        self._twist, self._bool = Twist, Bool
+        self._scans, self._odometry = publisher("/scan", LaserScan), publisher("/odom", Odometry)
+        self._stop, self._manual = publisher("/emergency_stop", Bool), publisher("/cmd_vel_manual", Twist)
+        rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
+        self._scanning = self._moving = False
+        self._scan = LaserScan(range_min=0.1, range_max=4.1, ranges=[3.0] * 10)
+        self._pose = Odometry()
+        threading.Thread(target=self._send, daemon=True).start()
+
+    def _take(self, message):
+        self.heard.append((time.monotonic(), message.linear.x))
+
+    def _send(self):
+        while True:
+            if self._scanning:
+                self.sent_at = time.monotonic()
+                self._scans.publish(self._scan)
+            if self._moving:
+                self._odometry.publish(self._pose)
+            time.sleep(0.02)
+
+    def scans(self, on):
+        self._scanning = on
+
+    def odometry(self, on):
+        self._moving = on
+
+    def press_stop(self, pressed):
+        self._stop.publish(self._bool(pressed))
+
+    def drive_by_hand(self, speed):
+        message = self._twist()
+        message.linear.x = speed
+        self._manual.publish(message)
+
+    def end(self):
+        pass
+
+
+class Ros2Robot(Robot):
+    """fastdds_robot, led line by line."""
+
+    def __init__(self, program):
+        super().__init__()
+        self._process = subprocess.Popen([program, os.environ["ROS_DOMAIN_ID"]], text=True,
+                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        assert self._process.stdout.readline() == "ready\n", "fastdds_robot does not start"
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self._process.stdout:
+            what, at, value = line.split()
+            if what == "scan":
+                self.sent_at = float(at)
+            else:
+                self.heard.append((float(at), float(value)))
+
+    def _lead(self, word, value):
+        self._process.stdin.write(f"{word} {value}\n")
+        self._process.stdin.flush()
+
+    def scans(self, on):
+        self._lead("scans", int(on))
+
+    def odometry(self, on):
+        self._lead("odometry", int(on))
+
+    def press_stop(self, pressed):
+        self._lead("stop", int(pressed))
+
+    def drive_by_hand(self, speed):
+        self._lead("manual", speed)
+
+    def end(self):
+        self._process.stdin.close()
+        self._process.wait(30)
+
+
+@contextlib.contextmanager
+def robot(version, programs, scratch):
+    """A robot over this version of ROS, where nobody else is.
+    @param programs the directory of Spikeloop's, beside that of the tests'"""
+    with ros.place(version, scratch):
+        made = Ros1Robot() if version == "1" else Ros2Robot(programs.parent / "tests/bin/fastdds_robot")
+        try:
+            yield made
+        finally:
+            made.end()
