@@ -135,8 +135,9 @@ SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
     if (!first) {
       return 0;
     }
-    return sensor.kind == kRosEventSensor ? count_channels(sensor.parameters, first->bytes)
-                                          : count_values(sensor.parameters, first->bytes);
+    return sensor.kind == kRosEventSensor
+               ? count_channels(sensor.parameters, first->bytes)
+               : count_values(sensor.parameters, messages::Dialect::ros1, first->bytes);
   };
 }
 

@@ -61,12 +61,12 @@ std::uint32_t count_channels(const Parameters& parameters, std::span<const std::
   }
 }
 
-std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message) {
+std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
+                           std::span<const std::byte> message) {
   try {
     const std::string& type = parameters.text("message");
-    return messages::SensorConversion::count(
-        messages::Catalog::for_type(messages::Dialect::ros1, type), type, sensor_rule(parameters),
-        message);
+    return messages::SensorConversion::count(messages::Catalog::for_type(ros, type), type,
+                                             sensor_rule(parameters), message);
   } catch (const Error&) {
     return 0;  // told elsewhere
   }

@@ -185,7 +185,7 @@ class Writer : JobWriter {
   }
 
   void write_people(const Part& part) {
-    const command::EmergencyStop stop = emergency_stop(part);
+    const command::EmergencyStop stop = emergency_stop(part, dialect_of(experiment_.ros));
     const auto truth = [](bool value) { return value ? "true" : "false"; };
     const char* from = "emergency_stop";
     add(part, from, stop.topic.empty() ? "none" : stop.topic);

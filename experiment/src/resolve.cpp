@@ -160,7 +160,7 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
   SensorWidth width;
   if (look_at_robot && faults.count() == before) {
     faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
-                   [&] { width = look_at_robot(*experiment.robot); });
+                   [&] { width = look_at_robot(*experiment.robot, dialect_of(experiment.ros)); });
   }
   return width;
 }

@@ -172,7 +172,7 @@ void check_endpoint(Part& part, const std::string& directory, messages::Dialect 
     canonical();
     part.mapping = command_mapping(part.parameters);
     check_command_fields(part.mapping, ros);
-    emergency_stop(part);
+    emergency_stop(part, ros);
     manual_override(part);
   }
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "faults.hpp"
+#include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/unit_demand.hpp"
 #include "spikeloop/messages/field_path.hpp"
 
@@ -120,7 +121,7 @@ std::vector<Parameter> override_parameters() {
            .text = "So long a manual command holds"}};
 }
 
-command::EmergencyStop emergency_stop(const Part& part) {
+command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
   const Parameters keys = inner_keys(part, "emergency_stop", emergency_stop_parameters());
   command::EmergencyStop result{.topic = topic_of(part, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
@@ -129,8 +130,10 @@ command::EmergencyStop emergency_stop(const Part& part) {
                                 .required = keys.boolean("required"),
                                 .timeout = from_seconds(keys.number("timeout"))};
   try {
-    const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, result.message_type);
-    result.message_type = catalog.full_name(result.message_type);
+    const auto& catalog = messages::Catalog::for_type(ros, result.message_type);
+    if (!is_definition_file(result.message_type)) {
+      result.message_type = catalog.full_name(result.message_type);
+    }
     messages::FieldReader(catalog, result.message_type, result.field);
   } catch (const ConfigurationError& error) {
     throw ConfigurationError(part.parameters.where("emergency_stop"),

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
+#include "spikeloop/config/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
@@ -71,10 +73,19 @@ std::string sender_of(const Part& part) {
   return part.name + std::string(kSender);
 }
 
-/// Bags are those of ROS 1, whatever the robot speaks.
-messages::Translation translation_to_ros1(const std::string& type) {
-  return {type, messages::Catalog::for_type(messages::Dialect::ros2, type),
-          messages::Catalog::for_type(messages::Dialect::ros1, type)};
+/// Bags are those of ROS 1, whatever the robot speaks. None, and a warning: ROS 1 does not know
+/// such messages.
+std::optional<messages::Translation> translation_to_ros1(const bag::Topic& topic) {
+  try {
+    return messages::Translation(topic.type,
+                                 messages::Catalog::for_type(messages::Dialect::ros2, topic.type),
+                                 messages::Catalog::for_type(messages::Dialect::ros1, topic.type));
+  } catch (const ConfigurationError& error) {
+    log::warning(
+        "topic '{}' is left out of {}, which is a bag of ROS 1: {}; spikeloop replay needs it",
+        topic.name, kMessagesFile, reason_of(error));
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -172,6 +183,7 @@ void Assembly::add_command(const Part& part) {
   CommandSpec spec{part, map, upstream.has_value(), keep_messages(part),
                    driver == experiment_.links.end() ? "" : driver->from};
   spec.sensors = experiment::watched_sensors(experiment_, part);
+  spec.ros = experiment::dialect_of(experiment_.ros);
   for (const Link* link : watched_spikes(experiment_, part)) {
     spec.spike_widths.push_back(link->width);
   }
@@ -222,23 +234,29 @@ Keep Assembly::keep_messages(const Part& part) {
     return {};
   }
   const std::string& type = part.parameters.text("message");
-  const auto connection = messages_->add({part.parameters.text("topic"), type, part.name});
-  const auto keep = [recorder = messages_.get(), connection](TimeNs time,
-                                                             std::span<const std::byte> message) {
-    recorder->take(connection, time, message);
+  const bag::Topic topic{part.parameters.text("topic"), type, part.name};
+  const auto keep = [recorder = messages_.get()](std::uint32_t connection) {
+    return [recorder, connection](TimeNs time, std::span<const std::byte> message) {
+      recorder->take(connection, time, message);
+    };
   };
   if (experiment_.ros != experiment::Ros::ros2) {
-    return keep;
+    return keep(messages_->add(topic));
   }
-  return [keep, translation = translation_to_ros1(type), bytes = std::vector<std::byte>()](
-             TimeNs time, std::span<const std::byte> message) mutable {
-    try {
-      translation.translate(message, bytes);
-    } catch (const TransportError&) {
-      return;  // the node counts it as malformed
-    }
-    keep(time, bytes);
-  };
+  const auto translation = translation_to_ros1(topic);
+  if (!translation) {
+    return {};
+  }
+  return
+      [keep = keep(messages_->add(topic)), translation = *translation,
+       bytes = std::vector<std::byte>()](TimeNs time, std::span<const std::byte> message) mutable {
+        try {
+          translation.translate(message, bytes);
+        } catch (const TransportError&) {
+          return;  // the node counts it as malformed
+        }
+        keep(time, bytes);
+      };
 }
 
 void Assembly::add_links() {

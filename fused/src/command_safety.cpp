@@ -13,7 +13,7 @@ void add_safety(const CommandSpec& spec, command::CommandSettings& settings) {
   settings.sensors = spec.sensors;
   settings.spike_widths = spec.spike_widths;
   settings.spike_timeout = experiment::spike_timeout(part);
-  settings.emergency_stop = experiment::emergency_stop(part);
+  settings.emergency_stop = experiment::emergency_stop(part, spec.ros);
   settings.manual = experiment::manual_override(part);
 }
 

@@ -21,10 +21,11 @@ Bytes copied(std::span<const std::byte> message) {
 
 }  // namespace
 
-experiment::SensorWidth look_at_robot(const experiment::Robot& robot) {
+experiment::SensorWidth look_at_robot(const experiment::Robot& robot, messages::Dialect ros) {
   const vehicle::Vehicle vehicle({robot.world, robot.seed});
   robot::SensorOptions options = sensor_options(robot);
   options.blind = true;
+  options.dialect = ros;
   robot::Sensors sensors(vehicle, options);
   std::map<Topic, Bytes> messages;
   for (std::size_t i = 0; i < sensors.topics().size(); ++i) {
@@ -32,13 +33,13 @@ experiment::SensorWidth look_at_robot(const experiment::Robot& robot) {
     const std::string name = topic.name.starts_with('/') ? topic.name : "/" + topic.name;
     messages[{name, topic.type}] = copied(sensors.write(i, vehicle));
   }
-  return [messages](const experiment::Part& sensor) -> std::optional<std::uint32_t> {
+  return [messages, ros](const experiment::Part& sensor) -> std::optional<std::uint32_t> {
     const Parameters& keys = sensor.parameters;
     const auto message = messages.find({keys.text("topic"), keys.text("message")});
     if (message == messages.end()) {
       return std::nullopt;
     }
-    return experiment::count_values(keys, message->second);
+    return experiment::count_values(keys, ros, message->second);
   };
 }
 

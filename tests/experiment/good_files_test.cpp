@@ -13,6 +13,7 @@ using experiment::Experiment;
 using experiment::Link;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 class GoodFiles : public testing::Test {
  protected:
@@ -89,6 +90,21 @@ TEST_F(GoodFiles, MessagesHaveNamesOrFiles) {
                   "message: sensor_msgs/msg/JointState, fields: {\"velocity[name=left]\": 0}"}}));
   EXPECT_EQ(known.part("scan").parameters.text("message"), "sensor_msgs/JointState");
   EXPECT_EQ(known.part("wheels").mapping.message_type, "sensor_msgs/JointState");
+}
+
+TEST_F(GoodFiles, MessagesAreThoseOfItsRos) {
+  const auto stopped_by = [&](const std::string& ros, const std::string& field) {
+    Files files(with({{"robot: {simulator: mujoco}", "ros: " + ros},
+                      {"angular.z: 1}",
+                       "angular.z: 1}, emergency_stop: {message: std_msgs/Header, "
+                       "field: " +
+                           field + "}"}}),
+                {});
+    return read(files, kinds_, {}).faults;
+  };
+  EXPECT_THAT(stopped_by("1", "seq"), IsEmpty());
+  EXPECT_THAT(stopped_by("2", "stamp.nanosec"), IsEmpty());
+  EXPECT_THAT(stopped_by("2", "seq"), SizeIs(1));  // ROS 2 has no such field
 }
 
 TEST_F(GoodFiles, RobotHasItsOwnSeed) {

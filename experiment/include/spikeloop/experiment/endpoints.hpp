@@ -26,9 +26,10 @@ std::optional<double> sensor_initial(const Parameters& parameters);
 messages::EventSettings event_settings(const Parameters& parameters);
 /// Channels that the camera of a message takes of a ros_event_sensor; 0: it cannot be read.
 std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message);
-/// Number of values that a message gives a ros_sensor; 0: as many as are asked for, or it cannot be
-/// read.
-std::uint32_t count_values(const Parameters& parameters, std::span<const std::byte> message);
+/// Number of values that a message of this ROS gives a ros_sensor; 0: as many as are asked for, or
+/// it cannot be read.
+std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
+                           std::span<const std::byte> message);
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping, messages::Dialect ros);
 

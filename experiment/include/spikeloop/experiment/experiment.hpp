@@ -138,8 +138,8 @@ struct Overrides {
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for;
 /// nothing: this robot does not send it.
 using SensorWidth = std::function<std::optional<std::uint32_t>(const Part& sensor)>;
-/// @throws Error when there is no such robot.
-using LookAtRobot = std::function<SensorWidth(const Robot&)>;
+/// Of the robot that speaks this ROS. @throws Error when there is no such robot.
+using LookAtRobot = std::function<SensorWidth(const Robot&, messages::Dialect)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not

@@ -17,8 +17,9 @@ inline constexpr const char* kNoLimits = "none";
 std::vector<ParameterDescription> emergency_stop_parameters();
 std::vector<ParameterDescription> override_parameters();
 
-/// `emergency_stop` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
-command::EmergencyStop emergency_stop(const Part& command);
+/// `emergency_stop` of a ros_command: none, a topic, or a map, whose message is one of this ROS.
+/// @throws ConfigurationError.
+command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros);
 /// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
 command::Override manual_override(const Part& command);
 /// 0: the network may be silent.

@@ -6,7 +6,8 @@
 namespace spikeloop::fused {
 
 /// Makes the robot once; the numbers of values are those of its messages.
+/// @param ros whose messages they are
 /// @throws Error as vehicle::Vehicle: no such world, or one that cannot be used.
-experiment::SensorWidth look_at_robot(const experiment::Robot& robot);
+experiment::SensorWidth look_at_robot(const experiment::Robot& robot, messages::Dialect ros);
 
 }  // namespace spikeloop::fused

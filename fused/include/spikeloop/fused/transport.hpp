@@ -50,6 +50,7 @@ struct CommandSpec {
   std::string from{};                             ///< the output that drives it, "decoder.out"
   std::vector<command::WatchedSensor> sensors{};  ///< that it depends on
   std::vector<std::uint32_t> spike_widths{};      ///< of the spikes that are watched
+  messages::Dialect ros = messages::Dialect::ros1;
 };
 
 /// Adds to a command's settings what its experiment says of bounds and of all that stops the robot.
