@@ -2,36 +2,41 @@
 // whose range steps from minimum to maximum at random moments, and takes the wall time until the
 // first command that follows the step. Prints one JSON object.
 //
-//   spikeloop-latency-probe --scan-topic /scan --command-topic /cmd_vel --trials 100 --beams 1
-#include <ros/ros.h>
-#include <topic_tools/shape_shifter.h>
-
+//   spikeloop-latency-probe --ros 2 --scan-topic /scan --command-topic /cmd_vel --trials 100
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <cstdio>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <span>
 #include <thread>
 #include <vector>
 
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "spikeloop/session/open.hpp"
 
 namespace {
 
 using spikeloop::TimeNs;
 using spikeloop::wall_now;
+using spikeloop::topics::Session;
 using namespace spikeloop::messages;
 
+constexpr const char* kScan = "sensor_msgs/LaserScan";
+constexpr const char* kTwist = "geometry_msgs/Twist";
 constexpr double kRangeMin = 0.1;
 constexpr double kRangeMax = 5.0;
 constexpr TimeNs kPeriod = 50'000'000;  // 20 Hz
 
 struct Options {
+  int ros = 1;
   std::string scan_topic = "/scan";
   std::string command_topic = "/cmd_vel";
   int trials = 100;
@@ -43,15 +48,10 @@ struct Options {
 // Publishes scans of one range on all beams.
 class ScanPublisher {
  public:
-  ScanPublisher(ros::NodeHandle& node, const Options& options)
-      : writer_(Catalog::builtin(Dialect::ros1), "sensor_msgs/LaserScan",
-                {"range_min", "range_max", "ranges"}),
-        ranges_(options.beams) {
-    const Catalog& catalog = Catalog::builtin(Dialect::ros1);
-    const std::string type = "sensor_msgs/LaserScan";
-    shape_.morph(catalog.md5(type), type, catalog.full_text(type), "");
-    publisher_ = shape_.advertise(node, options.scan_topic, 1);
-  }
+  ScanPublisher(Session& session, const Options& options)
+      : writer_(Catalog::builtin(session.dialect()), kScan, {"range_min", "range_max", "ranges"}),
+        ranges_(options.beams),
+        publisher_(session.publisher(options.scan_topic, kScan, 1)) {}
 
   void publish(double range) {
     std::fill(ranges_.begin(), ranges_.end(), range);
@@ -59,32 +59,28 @@ class ScanPublisher {
     const double high[] = {kRangeMax};
     const FieldValue values[] = {{low, {}}, {high, {}}, {ranges_, {}}};
     writer_.write(values, bytes_);
-    ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(bytes_.data()),
-                                       static_cast<std::uint32_t>(bytes_.size()));
-    shape_.read(stream);
-    publisher_.publish(shape_);
+    publisher_->publish(bytes_);
   }
 
-  bool heard() const { return publisher_.getNumSubscribers() > 0; }
+  bool heard() const { return publisher_->has_subscribers(); }
 
  private:
   MessageWriter writer_;
   std::vector<double> ranges_;
   std::vector<std::byte> bytes_;
-  topic_tools::ShapeShifter shape_;
-  ros::Publisher publisher_;
+  std::unique_ptr<spikeloop::topics::RawPublisher> publisher_;
 };
 
 // Waits for the first command whose first component is greater than the one before it: before the
 // step the readout only decays.
 class CommandWatch {
  public:
-  CommandWatch(ros::NodeHandle& node, const Options& options)
-      : reader_(Catalog::builtin(Dialect::ros1), "geometry_msgs/Twist", "linear.x") {
-    subscriber_ = node.subscribe<topic_tools::ShapeShifter>(
-        options.command_topic, 100, [this](const auto& message) { take(*message); }, nullptr,
-        ros::TransportHints().tcpNoDelay());
-  }
+  CommandWatch(Session& session, const Options& options)
+      : reader_(Catalog::builtin(session.dialect()), kTwist, "linear.x"),
+        subscriber_(session.subscriber({.topic = options.command_topic,
+                                        .message_type = kTwist,
+                                        .queue = 100,
+                                        .take = [this](auto message) { take(message); }})) {}
 
   void arm() {
     const std::lock_guard lock(mutex_);
@@ -102,14 +98,10 @@ class CommandWatch {
   std::uint64_t received() const { return received_; }
 
  private:
-  void take(const topic_tools::ShapeShifter& message) {
+  void take(std::span<const std::byte> message) {
     const TimeNs now = wall_now();
-    std::vector<std::byte> bytes(message.size());
-    ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()),
-                                       static_cast<std::uint32_t>(bytes.size()));
-    message.write(stream);
     std::vector<double> value;
-    reader_.read(bytes, value);
+    reader_.read(message, value);
     const std::lock_guard lock(mutex_);
     ++received_;
     if (risen_at_ == 0 && value[0] > last_) {
@@ -120,12 +112,12 @@ class CommandWatch {
   }
 
   FieldReader reader_;
-  ros::Subscriber subscriber_;
   std::mutex mutex_;
   std::condition_variable condition_;
   TimeNs risen_at_ = 0;
   double last_ = 0.0;
   std::atomic<std::uint64_t> received_{0};
+  std::unique_ptr<spikeloop::topics::RawSubscriber> subscriber_;
 };
 
 void sleep_until(TimeNs wall) {
@@ -143,7 +135,7 @@ void publish_until(ScanPublisher& scans, double range, TimeNs until) {
 
 bool wait_for_job(ScanPublisher& scans, CommandWatch& commands) {
   const TimeNs deadline = wall_now() + 30 * spikeloop::kNsPerSecond;
-  while (ros::ok() && wall_now() < deadline) {
+  while (wall_now() < deadline) {
     scans.publish(kRangeMin);
     sleep_until(wall_now() + kPeriod);
     if (scans.heard() && commands.received() > 5) {
@@ -165,7 +157,7 @@ std::vector<double> measure(ScanPublisher& scans, CommandWatch& commands, const 
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> jitter(0.0, 1.0);
   std::vector<double> latencies;
-  for (int i = 0; i < options.trials && ros::ok(); ++i) {
+  for (int i = 0; i < options.trials; ++i) {
     const double low = options.low_s + jitter(random);
     publish_until(scans, kRangeMin, wall_now() + spikeloop::from_seconds(low));
     commands.arm();
@@ -181,11 +173,11 @@ std::vector<double> measure(ScanPublisher& scans, CommandWatch& commands, const 
 }
 
 int run(const Options& options) {
-  ros::NodeHandle node;
-  ScanPublisher scans(node, options);
-  CommandWatch commands(node, options);
-  ros::AsyncSpinner spinner(1);
-  spinner.start();
+  const auto session =
+      spikeloop::session::open({{.node_name = "latency_probe", .unique_name = true},
+                                options.ros == 1 ? Dialect::ros1 : Dialect::ros2});
+  ScanPublisher scans(*session, options);
+  CommandWatch commands(*session, options);
   if (!wait_for_job(scans, commands)) {
     std::fprintf(stderr,
                  "spikeloop-latency-probe: no command came within 30 s; is the job running?\n");
@@ -212,16 +204,16 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures the latency from a scan to the first command that follows it, for spikeloop bench",
       "spikeloop-latency-probe");
+  app.add_option("--ros", options.ros, "version of ROS")->check(CLI::IsMember({1, 2}));
   app.add_option("--scan-topic", options.scan_topic);
   app.add_option("--command-topic", options.command_topic);
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
   app.add_option("--beams", options.beams)->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  ros::init(ros::M_string{}, "latency_probe", ros::init_options::AnonymousName);
-  if (!ros::master::check()) {
-    std::fprintf(stderr, "spikeloop-latency-probe: no ROS master at %s; start roscore\n",
-                 ros::master::getURI().c_str());
+  try {
+    return run(options);
+  } catch (const spikeloop::Error& error) {
+    std::fprintf(stderr, "spikeloop-latency-probe: %s\n", error.what());
     return 3;
   }
-  return run(options);
 }

@@ -1,4 +1,4 @@
-"""Part c: from a laser scan to the first command that follows it, over ROS 1.
+"""Part c: from a laser scan to the first command that follows it, over ROS.
 
 One channel, a scan at 20 Hz that steps from minimum to maximum at random moments, a rate encoder up
 to 1000 Hz, deadband 0. Separate: every program a process of its own, joined by MUSIC; fused: the
@@ -24,6 +24,7 @@ music_timestep={tick_s}
 [sensor]
   np=1
   binary=ros_sensor_adapter
+  ros={ros}
   ros_topic=/scan
   message_type=LaserScan
 [encoder]
@@ -39,6 +40,7 @@ music_timestep={tick_s}
 [command]
   np=1
   binary=ros_command_adapter
+  ros={ros}
   ros_topic=/cmd_vel
   deadband=0
   message_mapping_filename=mapping.json
@@ -62,7 +64,7 @@ output: [relay]
 """
 EXPERIMENT = """experiment: latency
 tick: {tick_ms:g} ms
-ros: 1
+ros: {ros}
 nodes:
   scan: {{node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}}
   encoder: {{node: rate_encoder, rate_max: 1000 Hz}}
@@ -92,8 +94,24 @@ def free_port():
         return probe.getsockname()[1]
 
 
+class Domain:
+    """A domain of ROS 2 for the length of a `with` block, on this machine alone."""
+
+    version = 2
+
+    def __enter__(self):
+        self.environment = dict(os.environ, ROS_DOMAIN_ID=str(100 + os.getpid() % 100),
+                                ROS_LOCALHOST_ONLY="1")
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+
 class Roscore:
     """A ROS master on a free port for the length of a `with` block."""
+
+    version = 1
 
     def __enter__(self):
         port = free_port()
@@ -120,31 +138,35 @@ class Roscore:
         self.process.wait(10)
 
 
-def write_job(folder, tick_ms, network):
+def write_job(folder, ros, tick_ms, network):
     spikes = ("encoder.out -> network.in [1]\nnetwork.out -> decoder.in [1]" if network
               else "encoder.out -> decoder.in [1]")
-    text = JOB.format(tick_s=tick_ms / 1000, network=NETWORK if network else "", spikes=spikes)
+    text = JOB.format(ros=ros, tick_s=tick_ms / 1000, network=NETWORK if network else "", spikes=spikes)
     (folder / "job.music").write_text(text)
     (folder / "job.yaml").write_text(EXPERIMENT.format(
-        tick_ms=tick_ms, spikes="brain [1] -> " if network else "",
+        ros=ros, tick_ms=tick_ms, spikes="brain [1] -> " if network else "",
         network="  brain: {simulator: builtin, network: network.yaml}\n" if network else ""))
     (folder / "mapping.json").write_text(json.dumps(MAPPING))
     (folder / "network.yaml").write_text(REPEATER)
 
 
-def measure(programs, roscore, layout, tick_ms, trials, network, timeout_s=None):
-    """One row: the probe's figures and the command adapter's own. Raises LatencyError."""
+def measure(programs, place, layout, tick_ms, trials, network, timeout_s=None):
+    """One row: the probe's figures and the command adapter's own.
+
+    place: a Roscore or a Domain, where job and probe meet. Raises LatencyError.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        write_job(folder, tick_ms, network)
+        write_job(folder, place.version, tick_ms, network)
         arguments = ["job.yaml", "--no-record"] if layout == "fused" else ["job.music"]
         with open(folder / "said", "w", encoding="utf-8") as said:
             job = subprocess.Popen(
                 [programs / "spikeloop", "run", *arguments, "--quiet", "--out", "out"], cwd=folder,
-                env=roscore.environment, start_new_session=True, stderr=said)
+                env=place.environment, start_new_session=True, stderr=said)
         try:
-            probe = subprocess.run([programs / PROBE, "--trials", str(trials)],
-                                   env=roscore.environment, capture_output=True, text=True,
+            probe = subprocess.run([programs / PROBE, "--ros", str(place.version),
+                                    "--trials", str(trials)],
+                                   env=place.environment, capture_output=True, text=True,
                                    timeout=timeout_s or 60 + 2 * trials, check=False)
         except subprocess.TimeoutExpired as error:
             raise LatencyError(f"no end within {error.timeout:.0f} s") from None
@@ -157,7 +179,7 @@ def measure(programs, roscore, layout, tick_ms, trials, network, timeout_s=None)
                                f"{last[0] if last else 'nothing'}")
         row = json.loads(probe.stdout)
         summary = json.loads((folder / "out/summary.json").read_text())
-    row.update(layout=layout, tick_ms=tick_ms, network=network,
+    row.update(ros=place.version, layout=layout, tick_ms=tick_ms, network=network,
                inside_median_ms=summary.get("latency_median_ms"))
     return row
 
@@ -199,13 +221,13 @@ def part_c(programs, plan, results, say, deadline_in):
 
 def table(rows):
     """The lines of a table."""
-    yield (f"{'layout':<9}{'tick':>8} {'network':>8} {'answered':>9} {'median':>9} {'p90':>9} "
-           f"{'p99':>9} {'max':>9} {'inside':>14} {'ROS':>9}")
+    yield (f"{'ROS':<4}{'layout':<9}{'tick':>8} {'network':>8} {'answered':>9} {'median':>9} {'p90':>9} "
+           f"{'p99':>9} {'max':>9} {'inside':>14} {'rest':>9}")
     for row in rows:
         inside = row["inside_median_ms"]
-        ros = None if inside is None else row["median_ms"] - inside
-        yield (f"{row['layout']:<9}{row['tick_ms']:>5g} ms {'yes' if row['network'] else 'no':>8} "
+        rest = None if inside is None else row["median_ms"] - inside
+        yield (f"{row['ros']:<4}{row['layout']:<9}{row['tick_ms']:>5g} ms {'yes' if row['network'] else 'no':>8} "
                f"{row['answered']:>5}/{row['trials']:<3} " +
                " ".join(f"{row[key]:>6.2f} ms" for key in
                         ("median_ms", "p90_ms", "p99_ms", "max_ms")) +
-               (f" {inside:>11.2f} ms {ros:>6.2f} ms" if inside is not None else ""))
+               (f" {inside:>11.2f} ms {rest:>6.2f} ms" if inside is not None else ""))
