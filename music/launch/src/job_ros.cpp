@@ -176,14 +176,20 @@ bool JobRun::start_robot() {
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
-  crew_.turn_until([&] { return outcome_ || robot_->gone() || robot_publishes(); }, kRosStart);
+  bool publishes = false;  // once is enough: a busy master answers late
+  crew_.turn_until(
+      [&] {
+        publishes = robot_publishes();
+        return outcome_ || robot_->gone() || publishes;
+      },
+      kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
-  } else if (!outcome_ && !robot_publishes()) {
+  } else if (!outcome_ && !publishes) {
     fail(kPartnerMissing,
          fmt::format("robot: has not published {} within {} s{}", options_.scan_topic,
                      kRosStart.count() / 1000, last_line(*robot_)));
