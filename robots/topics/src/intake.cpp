@@ -14,6 +14,15 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
+/// Where this node looks for others: the first thing that is wrong when nothing comes.
+std::string meeting_place(const Session& session) {
+  const Place place = session.place();
+  const char* const variable =
+      session.dialect() == messages::Dialect::ros1 ? "ROS_MASTER_URI" : "ROS_DOMAIN_ID";
+  const auto found = place.find(variable);
+  return found == place.end() ? std::string() : fmt::format("{}={}", variable, found->second);
+}
+
 }  // namespace
 
 Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
@@ -41,9 +50,10 @@ void Intake::receive(std::span<const std::byte> message) {
 void Intake::refuse(const OtherType& other) {
   std::string text = other.text;
   if (!other.type.empty()) {
-    text +=
-        fmt::format("; write {}another ros_topic",
-                    settings_.type_is_a_key ? fmt::format("message_type={} or ", other.type) : "");
+    text += fmt::format("; write {}another topic",
+                        settings_.type_is_a_key
+                            ? fmt::format("{} as the type of the messages, or ", other.type)
+                            : "");
   }
   bool warn = false;
   {
@@ -65,8 +75,9 @@ void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
     return;
   }
   told = true;
-  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is",
-               settings_.topic, format_time(kPatience), topic_command(session_.dialect()));
+  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is with {}",
+               settings_.topic, format_time(kPatience), topic_command(session_.dialect()),
+               meeting_place(session_));
 }
 
 void Intake::require_sound() const {
