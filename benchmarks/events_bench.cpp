@@ -9,7 +9,7 @@
 
 #include "spikeloop/messages/event_array.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
-#include "spikeloop/topics/event_playback.hpp"
+#include "spikeloop/messages/event_playback.hpp"
 
 namespace spikeloop {
 namespace {
@@ -87,7 +87,7 @@ BENCHMARK_CAPTURE(convert, refractory, {.refractory = 1, .width = kWidth * kHeig
 void play(benchmark::State& state) {
   const auto bytes = message(static_cast<std::size_t>(state.range(0)));
   messages::EventConversion conversion({.width = kWidth * kHeight}, messages::Dialect::ros1);
-  topics::EventPlayback playback(40 * kTick);
+  messages::EventPlayback playback(40 * kTick);
   TimeNs begin = 0;
   playback.step({}, {begin, begin + kTick});
   for (auto _ : state) {

@@ -10,6 +10,7 @@
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/session/open.hpp"
+#include "spikeloop/topics/event_sensor.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop {
@@ -84,6 +85,43 @@ RosTransport::RosTransport(const experiment::Experiment& experiment,
 }
 
 std::unique_ptr<Source> RosTransport::sensor(const fused::SensorSpec& spec) {
+  return spec.part.kind == experiment::kRosEventSensor ? event_sensor(spec) : signal_sensor(spec);
+}
+
+/// A robot that is stepped says how many messages it has sent, and all of them count.
+template <typename Sensor>
+void RosTransport::add_to_robot(const std::string& topic, const Sensor& sensor) {
+  if (robot_) {
+    robot_->add_sensor({session_->whole_topic(topic), [&sensor] { return sensor.has_publishers(); },
+                        [&sensor] { return sensor.received(); },
+                        [&sensor] { sensor.require_sound(); }});
+  }
+}
+
+template <typename Settings>
+void RosTransport::add_surroundings(const fused::SensorSpec& spec, Settings& settings) {
+  settings.keep = spec.keep;
+  settings.simulated_pace = in_simulated_time(experiment_.sync);
+  if (robot_) {
+    settings.queue = 0;
+    settings.arrived = [this] { waiting_.notify(); };
+  }
+}
+
+std::unique_ptr<Source> RosTransport::event_sensor(const fused::SensorSpec& spec) {
+  const Parameters& keys = spec.part.parameters;
+  topics::EventSensorSettings settings{.topic = keys.text("topic"),
+                                       .events = experiment::event_settings(keys),
+                                       .latency = from_seconds(keys.number("latency")),
+                                       .from_begin = robot_.has_value()};
+  settings.events.width = spec.width;
+  add_surroundings(spec, settings);
+  auto sensor = std::make_unique<topics::EventSensor>(*session_, settings);
+  add_to_robot(settings.topic, *sensor);
+  return sensor;
+}
+
+std::unique_ptr<Source> RosTransport::signal_sensor(const fused::SensorSpec& spec) {
   const experiment::Part& part = spec.part;
   topics::SensorSettings settings{.topic = part.parameters.text("topic"),
                                   .message_type = part.parameters.text("message"),
@@ -91,19 +129,9 @@ std::unique_ptr<Source> RosTransport::sensor(const fused::SensorSpec& spec) {
                                   .width = spec.width,
                                   .strict = true,
                                   .initial = experiment::sensor_initial(part.parameters)};
-  settings.keep = spec.keep;
-  settings.simulated_pace = in_simulated_time(experiment_.sync);
-  if (robot_) {
-    settings.queue = 0;  // every message counts
-    settings.arrived = [this] { waiting_.notify(); };
-  }
+  add_surroundings(spec, settings);
   auto sensor = std::make_unique<topics::Sensor>(*session_, settings);
-  if (robot_) {
-    robot_->add_sensor({session_->whole_topic(settings.topic),
-                        [&sensor = *sensor] { return sensor.has_publishers(); },
-                        [&sensor = *sensor] { return sensor.received(); },
-                        [&sensor = *sensor] { sensor.require_sound(); }});
-  }
+  add_to_robot(settings.topic, *sensor);
   return sensor;
 }
 

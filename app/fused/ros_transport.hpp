@@ -26,6 +26,12 @@ class RosTransport : public fused::Transport {
   void finish() override;
 
  private:
+  std::unique_ptr<Source> signal_sensor(const fused::SensorSpec& spec);
+  std::unique_ptr<Source> event_sensor(const fused::SensorSpec& spec);
+  template <typename Settings>
+  void add_surroundings(const fused::SensorSpec& spec, Settings& settings);
+  template <typename Sensor>
+  void add_to_robot(const std::string& topic, const Sensor& sensor);
   command::CommandSettings command_settings(const fused::CommandSpec& spec) const;
 
   const experiment::Experiment& experiment_;

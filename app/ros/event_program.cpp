@@ -1,49 +1,25 @@
 // ros_event_sensor_adapter: an event camera as spikes.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
+#include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
 
 namespace spikeloop {
 namespace {
 
-std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
-  constexpr double kMostPixels = 65536;
+std::vector<ParameterDescription> program_parameters(const RosProgram& program) {
   auto parameters = connection_parameters(program);
-  parameters.push_back({.name = "message_type",
-                        .type = ParameterType::text,
-                        .default_value = "dvs_msgs/EventArray",
-                        .text = "That, or event_camera_msgs/EventPacket, encoded as evt3 or mono"});
-  parameters.push_back({.name = "polarity",
-                        .type = ParameterType::choice,
-                        .default_value = "both",
-                        .choices = {"both", "on", "off", "split"},
-                        .text = "Events that are sent: all alike, those of brighter or of darker "
-                                "pixels, or each on channels of their own"});
-  parameters.push_back({.name = "downsample",
-                        .type = ParameterType::integer,
-                        .default_value = "1",
-                        .minimum = 1,
-                        .maximum = kMostPixels,
-                        .text = "Blocks of so many by so many pixels share a channel"});
-  parameters.push_back({.name = "roi",
-                        .type = ParameterType::text,
-                        .default_value = "",
-                        .text = "Only this part of the camera: x,y,width,height in pixels"});
-  parameters.push_back({.name = "latency",
-                        .unit = "s",
-                        .default_value = "0.04",
-                        .minimum = 0,
-                        .maximum = 60,
-                        .text = "How long after it happened an event is sent; at least as long as "
-                                "the driver collects events for a message, and a tick"});
-  parameters.push_back({.name = "refractory",
-                        .unit = "s",
-                        .default_value = "0",
-                        .minimum = 0,
-                        .maximum = 60,
-                        .text = "Events of a channel so soon after its last one are left out"});
+  parameters.push_back(
+      {.name = "message_type",
+       .type = ParameterType::text,
+       .default_value = "dvs_msgs/EventArray",
+       .text = "That, or event_camera_msgs/EventPacket, encoded as evt3, evt2 or mono"});
+  std::ranges::move(sensing::event_parameters(), std::back_inserter(parameters));
   parameters.push_back({.name = "sensor_update_rate",
                         .unit = "Hz",
                         .default_value = "30",
@@ -54,17 +30,9 @@ std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
 
 messages::EventSettings event_settings(const music::Process& process,
                                        const Parameters& parameters) {
-  messages::EventSettings settings;
-  settings.message_type = parameters.text("message_type");
-  located_at(parameters.where("message_type"),
-             [&] { messages::check_event_type(settings.message_type); });
-  settings.polarity = messages::polarity_named(parameters.text("polarity"));
-  settings.downsample = static_cast<std::uint32_t>(parameters.integer("downsample"));
-  if (const std::string& roi = parameters.text("roi"); !roi.empty()) {
-    settings.region =
-        located_at(parameters.where("roi"), [&] { return messages::parse_region(roi); });
-  }
-  settings.refractory = from_seconds(parameters.number("refractory"));
+  const std::string& type = parameters.text("message_type");
+  located_at(parameters.where("message_type"), [&] { messages::check_event_type(type); });
+  messages::EventSettings settings = sensing::event_settings(parameters, type);
   settings.width = process.width("out");
   settings.where = process.where("out");
   return settings;
@@ -77,7 +45,7 @@ music::ProgramText event_text(const RosProgram& program) {
   text.name = program.name;
   text.summary = "The events of a camera as spikes, each at its own time";
   text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
-  text.parameters = event_parameters(program);
+  text.parameters = program_parameters(program);
   text.example = fmt::format(
       "  stoptime=10\n  [event]\n  binary={}\n  np=1\n  ros_topic=/dvs/events\n"
       "  roi=100,60,128,128\n  downsample=4\n  polarity=split\n"
@@ -104,7 +72,7 @@ int run_events(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
   process.set_defaults({.pace = true, .accept_one_tick = false});
   process.declare_ports({"out"});
-  const Parameters parameters = process.read(event_parameters(program));
+  const Parameters parameters = process.read(program_parameters(program));
   topics::EventSensorSettings settings;
   settings.topic = required_topic(process, parameters, "/dvs/events");
   settings.events = event_settings(process, parameters);

@@ -79,17 +79,13 @@ std::string any_robot(const std::string& ros) {
   return fmt::format("ROS {}: any robot", ros);
 }
 
-bool is_topic(const Part& part) {
-  return part.kind == experiment::kRosSensor || part.kind == experiment::kRosCommand;
-}
-
 Box box_of(const Part& part) {
   Box box;
   box.name = part.name;
   box.kind = part.kind;
   const bool network = part.kind == experiment::kNetwork || experiment::is_simulator(part);
   box.style = network ? BoxStyle::network : BoxStyle::plain;
-  if (is_topic(part)) {
+  if (experiment::has_topic(part.kind)) {
     box.topic = part.parameters.text("topic");
     box.sends = part.kind == experiment::kRosCommand;
   }

@@ -64,8 +64,7 @@ void check_kind(const std::string& folder, const json& resolved) {
 
 bool has_topics(const json& resolved) {
   for (const auto& [name, keys] : resolved["nodes"].items()) {
-    const std::string kind = keys.value("node", "");
-    if (kind == experiment::kRosSensor || kind == experiment::kRosCommand) {
+    if (experiment::has_topic(keys.value("node", ""))) {
       return true;
     }
   }

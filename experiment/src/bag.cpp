@@ -12,7 +12,7 @@ namespace spikeloop::experiment {
 namespace {
 
 bool is_sensor(const Part& part, const std::set<std::string>& whole) {
-  return part.kind == kRosSensor && whole.contains(part.name);
+  return takes_messages(part.kind) && whole.contains(part.name);
 }
 
 /// The first tick at which something of this time is there.
@@ -132,7 +132,11 @@ SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
     }
     bag::Stream stream = reader->stream(sensor.parameters.text("topic"), sensor.name);
     const auto first = stream.next();
-    return first ? count_values(sensor.parameters, first->bytes) : 0;
+    if (!first) {
+      return 0;
+    }
+    return sensor.kind == kRosEventSensor ? count_channels(sensor.parameters, first->bytes)
+                                          : count_values(sensor.parameters, first->bytes);
   };
 }
 

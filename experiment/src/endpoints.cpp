@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/record/playback.hpp"
+#include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
@@ -29,6 +32,32 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
         parameters.where("initial"),
         fmt::format("key 'initial': '{}' is neither a number nor 'none'; write for example 0",
                     text));
+  }
+}
+
+messages::EventSettings event_settings(const Parameters& parameters) {
+  const std::string& type = parameters.text("message");
+  located_at(parameters.where("message"), [&] { messages::check_event_type(type); });
+  try {
+    return sensing::event_settings(parameters, type);
+  } catch (const ConfigurationError&) {
+    throw ConfigurationError(
+        parameters.where("roi"),
+        fmt::format("key 'roi': '{}' is no region of pixels; write its left upper corner and its "
+                    "size, as  roi: [100, 60, 128, 128]",
+                    parameters.text("roi")));
+  }
+}
+
+std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message) {
+  try {
+    const std::uint64_t channels =
+        messages::event_channels(event_settings(parameters), messages::Dialect::ros1, message);
+    return channels <= std::numeric_limits<std::uint32_t>::max()
+               ? static_cast<std::uint32_t>(channels)
+               : 0;
+  } catch (const Error&) {
+    return 0;  // told elsewhere
   }
 }
 

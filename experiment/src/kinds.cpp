@@ -1,10 +1,12 @@
 #include "spikeloop/experiment/kinds.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/record/playback.hpp"
+#include "spikeloop/sensing/event_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -48,6 +50,24 @@ NodeDescription ros_sensor() {
           "timeout", "s", "1 s", 0,
           "So long without a message that has a reading, and the robot is stopped; 0: never; not "
           "given: as sensor_timeout of the command says")};
+  return sensor;
+}
+
+NodeDescription ros_event_sensor() {
+  NodeDescription sensor;
+  sensor.name = kRosEventSensor;
+  sensor.text = "The events of a camera as spikes, each at its own time";
+  sensor.ports = {out(PortKind::spikes, "A channel a pixel, or a block of pixels")};
+  sensor.parameters = {
+      text("topic", std::nullopt, "Its name, as /dvs/events"),
+      text("message", std::nullopt,
+           "Its type: dvs_msgs/EventArray, or event_camera_msgs/EventPacket, encoded as evt3, evt2 "
+           "or mono")};
+  std::ranges::move(sensing::event_parameters(), std::back_inserter(sensor.parameters));
+  sensor.parameters.push_back(
+      number("timeout", "s", "0", 0,
+             "So long without a message, and the robot is stopped; 0: never, as a camera that sees "
+             "nothing new may send nothing"));
   return sensor;
 }
 
@@ -109,6 +129,7 @@ Kinds::Kinds() {
     endpoints_.emplace(description.name, Endpoint{role, NodeClass{description, {}}});
   };
   add(Role::source, ros_sensor());
+  add(Role::source, ros_event_sensor());
   add(Role::sink, ros_command());
   add(Role::source, playback(kSpikePlayback, PortKind::spikes, "Recorded spikes once more"));
   add(Role::source,

@@ -37,9 +37,22 @@ std::uint32_t sensor_width(const Part& part, const Trial& trial) {
   return trial.sensor_width ? trial.sensor_width(part).value_or(0) : 0;
 }
 
+/// So does a region of a camera.
+std::uint32_t event_width(const Part& part, const Trial& trial) {
+  const messages::EventSettings settings = event_settings(part.parameters);
+  if (settings.region) {
+    return static_cast<std::uint32_t>(
+        messages::event_channels(settings, settings.region->width, settings.region->height));
+  }
+  return trial.sensor_width ? trial.sensor_width(part).value_or(0) : 0;
+}
+
 std::uint32_t known_width(const Part& part, Direction direction, const Trial& trial) {
   if (part.kind == kRosSensor) {
     return trial.whole.contains(part.name) ? sensor_width(part, trial) : 0;
+  }
+  if (part.kind == kRosEventSensor) {
+    return trial.whole.contains(part.name) ? event_width(part, trial) : 0;
   }
   return table_width(part, direction);
 }

@@ -93,6 +93,8 @@ class Writer : JobWriter {
       add_script(part);
     } else if (part.kind == kRosSensor) {
       write_sensor(part);
+    } else if (part.kind == kRosEventSensor) {
+      write_event_sensor(part);
     } else if (part.kind == kRosCommand) {
       write_command(part);
     } else if (part.role == Role::source) {
@@ -144,6 +146,21 @@ class Writer : JobWriter {
     add(part, "initial", part.parameters.text("initial"));
   }
 
+  void write_event_sensor(const Part& part) {
+    add(part, "binary", "ros_event_sensor_adapter");
+    add(part, "ros", name_of(experiment_.ros));
+    add(part, "ros_topic", part.parameters.text("topic"), "topic");
+    add(part, "message_type", part.parameters.text("message"), "message");
+    for (const char* key : {"polarity", "downsample", "latency", "refractory"}) {
+      if (part.parameters.given(key)) {
+        add(part, key, part.written.at(key).text);
+      }
+    }
+    if (const auto roi = event_settings(part.parameters).region) {
+      add(part, "roi", fmt::format("{},{},{},{}", roi->x, roi->y, roi->width, roi->height));
+    }
+  }
+
   void write_command(const Part& part) {
     add(part, "binary", "ros_command_adapter");
     add(part, "ros", name_of(experiment_.ros));
@@ -189,7 +206,8 @@ class Writer : JobWriter {
     const TimeNs max_age = from_seconds(part.parameters.number("max_age"));
     std::vector<std::string> listed;
     for (std::size_t i = 0; i < watched.size(); ++i) {
-      const bool by_pace = watched.size() == 1 && max_age != 0 && max_age <= watched[i].timeout;
+      const bool by_pace = watched.size() == 1 && sensors[i]->kind == kRosSensor && max_age != 0 &&
+                           max_age <= watched[i].timeout;
       if (watched[i].timeout != 0 && !by_pace) {
         listed.push_back(fmt::format("{}:{}:{}", watched[i].topic,
                                      sensors[i]->parameters.text("message"),

@@ -213,6 +213,14 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
     return;  // check_bag()
   }
   const std::string& topic = part.parameters.text("topic");
+  if (part.kind == kRosEventSensor) {
+    throw ConfigurationError(
+        part.parameters.where("topic"),
+        fmt::format("key 'topic': the robot in this process has no event camera that sends {}; "
+                    "write  ros: 2  for one that has, or take the changes of its pictures "
+                    "(docs/images.md, \"Events from frames\")",
+                    topic));
+  }
   std::vector<std::string> known;
   for (const RobotTopic& robot : kRobotTopics) {
     if (part.kind != robot.kind) {
@@ -267,8 +275,7 @@ void check_topics(const Experiment& experiment, const std::set<std::string>& who
                   Faults& faults) {
   check_one_sender_a_topic(experiment, whole, faults);
   for (const Part& part : experiment.parts) {
-    const bool topic = part.kind == kRosSensor || part.kind == kRosCommand;
-    if (topic && whole.contains(part.name) && experiment.ros == Ros::none) {
+    if (has_topic(part.kind) && whole.contains(part.name) && experiment.ros == Ros::none) {
       faults.attempt(part.where, [&] { check_robot_topic(part, experiment); });
     }
   }

@@ -130,7 +130,7 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
 void check_against_robot(const Part& part, const Experiment& experiment,
                          const SensorWidth& sensor_width) {
   const std::optional<std::uint32_t> known = sensor_width ? sensor_width(part) : 0;
-  if (!known && experiment.ros == Ros::none) {
+  if (!known && part.kind == kRosSensor && experiment.ros == Ros::none) {
     // The topic is one of the robot's, with the right message: check_robot_topic().
     throw ConfigurationError(
         part.parameters.where("topic"),
@@ -155,6 +155,18 @@ void check_against_robot(const Part& part, const Experiment& experiment,
   }
 }
 
+/// A camera without a region says how many pixels it has when its first message comes.
+void check_events(const Part& part, const Experiment& experiment) {
+  messages::EventSettings settings = event_settings(part.parameters);
+  for (const Link& link : experiment.links) {
+    if (node_of(link.from) == part.name) {
+      settings.width = link.width;
+      settings.where = link.where;
+      messages::EventConversion(settings, dialect_of(experiment.ros));
+    }
+  }
+}
+
 /// What only widths decide.
 void check_part(const Part& part, const Experiment& experiment, const SensorWidth& sensor_width) {
   if (part.kind == kRosSensor) {
@@ -169,6 +181,9 @@ void check_part(const Part& part, const Experiment& experiment, const SensorWidt
                                  experiment.width(part.name, "out"), true);
       return 0;
     });
+  } else if (part.kind == kRosEventSensor) {
+    check_against_robot(part, experiment, sensor_width);
+    check_events(part, experiment);
   } else if (part.kind == kRosCommand) {
     in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
     if (spike_timeout(part) != 0 && spikes_behind(experiment, part.name).empty()) {

@@ -165,6 +165,9 @@ void check_endpoint(Part& part, const std::string& directory, messages::Dialect 
     canonical();
     sensor_initial(part.parameters);
     sensor_rule(part.parameters);
+  } else if (part.kind == kRosEventSensor) {
+    canonical();
+    event_settings(part.parameters);
   } else if (part.kind == kRosCommand) {
     canonical();
     part.mapping = command_mapping(part.parameters);

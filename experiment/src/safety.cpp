@@ -72,6 +72,12 @@ std::string topic_of(const Part& part, const char* key, const Parameters& keys,
   return topic;
 }
 
+/// Of an event camera silence says nothing, unless the experiment says that it does.
+bool is_watched(const Part& part) {
+  return part.kind == kRosSensor ||
+         (part.kind == kRosEventSensor && part.parameters.number("timeout") > 0);
+}
+
 /// Everything that a node depends on, itself included, as long as `follow` wants to go on.
 template <typename Follow>
 std::set<std::string> behind(const Experiment& experiment, const std::string& node,
@@ -154,7 +160,7 @@ std::vector<const Part*> sensors_behind(const Experiment& experiment, const std:
   const auto names = behind(experiment, node, [](const Link&) { return true; });
   std::vector<const Part*> sensors;
   for (const Part& part : experiment.parts) {
-    if (part.kind == kRosSensor && names.contains(part.name)) {
+    if (is_watched(part) && names.contains(part.name)) {
       sensors.push_back(&part);
     }
   }

@@ -189,6 +189,13 @@ Json image() {
   return schema;
 }
 
+/// [x, y, width, height]
+Json region() {
+  Json list = list_of({{"type", "integer"}, {"minimum", 0}});
+  list["minItems"] = list["maxItems"] = 4;
+  return list;
+}
+
 Json limits() {
   Json pair = list_of({{"type", "number"}});
   pair["minItems"] = pair["maxItems"] = 2;
@@ -228,6 +235,8 @@ void put_structures(const std::string& kind, Json& properties) {
   if (kind == kRosSensor) {
     put("fields", sensor_fields());
     put("image", image());
+  } else if (kind == kRosEventSensor) {
+    put("roi", region());
   } else if (kind == kRosCommand) {
     put("fields", command_fields());
     put("limits", limits());

@@ -148,7 +148,7 @@ void Assembly::add_part(const Part& part) {
       return;
     case Role::source: {
       const std::uint32_t width = experiment_.width(part.name, "out");
-      sources_.push_back(part.kind == experiment::kRosSensor
+      sources_.push_back(experiment::takes_messages(part.kind)
                              ? std::make_unique<NamedSource>(
                                    transport_.sensor({part, width, keep_messages(part)}), part)
                              : experiment::playback(part));
@@ -209,9 +209,7 @@ void Assembly::add_watched(const Part& part) {
 
 /// In the run folder of an experiment that has topics.
 void Assembly::open_bag(const std::string& folder) {
-  const auto has_topic = [](const Part& part) {
-    return part.kind == experiment::kRosSensor || part.kind == experiment::kRosCommand;
-  };
+  const auto has_topic = [](const Part& part) { return experiment::has_topic(part.kind); };
   if (std::ranges::any_of(experiment_.parts, has_topic)) {
     messages_ = std::make_unique<bag::Recorder>(
         folder + "/" + kMessagesFile,

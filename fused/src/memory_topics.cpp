@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "spikeloop/command/command_feed.hpp"
 #include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/messages/event_conversion.hpp"
+#include "spikeloop/messages/event_playback.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
@@ -81,6 +84,74 @@ class MemorySensor : public Source {
   Keep keep_;
   TimeNs arrived_ = 0;
   bool fresh_ = false;
+};
+
+/// Nothing comes before the run begins, and so nothing is left out.
+class MemoryEventSensor : public Source {
+ public:
+  MemoryEventSensor(MemoryTopics& topics, const SensorSpec& spec)
+      : topic_(spec.part.parameters.text("topic")),
+        settings_(settings_of(spec)),
+        conversion_(settings_, messages::Dialect::ros1),
+        playback_(from_seconds(spec.part.parameters.number("latency"))),
+        keep_(spec.keep) {
+    topics.subscribe(topic_, [this](auto message, TimeNs now) { take(message, now); });
+  }
+
+  std::vector<EndpointPort> ports() const override {
+    return {{"out", PortKind::spikes, settings_.width}, {"pace", PortKind::signal, 1}};
+  }
+
+  void receive(const Step& step) override {
+    step.spike_output().emit(playback_.step(fresh_, step.interval()));
+    if (!fresh_.empty()) {
+      const SignalOutput pace = step.signal_output();
+      pace.values()[0] = to_seconds(step.interval().begin);
+      pace.commit();
+    }
+    fresh_.clear();
+  }
+
+  std::vector<Counter> counters() const override {
+    const auto& counts = conversion_.counts();
+    return {{"messages", counts.messages},
+            {"events", counts.events},
+            {"left_out", counts.left_out},
+            {"refractory", counts.refractory},
+            {"outside_camera", counts.outside_camera},
+            {"waiting", playback_.waiting()},
+            {"late_events", playback_.late()},
+            {"worst_lateness_ns", static_cast<std::uint64_t>(playback_.worst_lateness())},
+            {"clock_jumps", playback_.clock_jumps()},
+            {"malformed", counts.malformed}};
+  }
+
+ private:
+  static messages::EventSettings settings_of(const SensorSpec& spec) {
+    messages::EventSettings settings = experiment::event_settings(spec.part.parameters);
+    settings.width = spec.width;
+    return settings;
+  }
+
+  void take(std::span<const std::byte> message, TimeNs now) {
+    if (keep_) {
+      keep_(now, message);
+    }
+    messages::EventMessage events;
+    if (conversion_.convert(message, events)) {
+      fresh_.push_back(std::move(events));
+    }
+    if (const std::string warning = conversion_.take_warning(); !warning.empty()) {
+      log::warning("topic '{}': {}", topic_, warning);
+    }
+  }
+
+  std::string topic_;
+  messages::EventSettings settings_;
+  messages::EventConversion conversion_;
+  messages::EventPlayback playback_;
+  Keep keep_;
+  std::vector<messages::EventMessage> fresh_;  ///< since the last tick
 };
 
 command::CommandSettings settings_of(const CommandSpec& spec) {
@@ -195,6 +266,9 @@ class MemoryCommand : public CommandEnd {
 }  // namespace
 
 std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const SensorSpec& spec) {
+  if (spec.part.kind == experiment::kRosEventSensor) {
+    return std::make_unique<MemoryEventSensor>(topics, spec);
+  }
   return std::make_unique<MemorySensor>(topics, spec);
 }
 

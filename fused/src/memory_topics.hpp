@@ -32,7 +32,7 @@ class MemoryTopics {
   std::map<std::string, std::vector<Take>> takers_;
 };
 
-/// The newest message of a topic. `pace` is the simulated time at which it came.
+/// The newest message of a topic, or its events. `pace` is the simulated time at which it came.
 std::unique_ptr<Source> make_memory_sensor(MemoryTopics& topics, const SensorSpec& spec);
 
 /// Commands leave by the rules of ros_command, all times simulated: nothing depends on the wall

@@ -225,7 +225,7 @@ const char* how_to_look(experiment::Ros ros) {
 void warn_of_silence(const Experiment& experiment, const json& summary) {
   for (const auto& part : experiment.parts) {
     const std::string counter = part.name + ".messages";
-    if (part.kind == experiment::kRosSensor && summary.contains("counters") &&
+    if (experiment::takes_messages(part.kind) && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
       log::warning("not one message came on topic '{}'{}", part.parameters.text("topic"),
                    how_to_look(experiment.ros));

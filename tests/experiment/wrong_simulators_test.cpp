@@ -68,8 +68,9 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:8:17: unknown node class 'neuron'; known: argmax, clip, connect, delay, "
                    "discretize, function, linear_readout, low_pass, nef_encoder, network, "
                    "normalise, poisson_encoder, population_encoder, population_vector, "
-                   "rate_encoder, rate_window, ros_command, ros_sensor, sigmoid, signal_playback, "
-                   "spike_playback, step_forward_encoder, temporal_contrast_encoder, threshold, "
+                   "rate_encoder, rate_window, ros_command, ros_event_sensor, ros_sensor, sigmoid, "
+                   "signal_playback, spike_playback, step_forward_encoder, "
+                   "temporal_contrast_encoder, threshold, "
                    "time_to_first_spike_encoder, winner_take_all"},
                   {{"brain.py", kScript}}},
         WrongFile{"port in both directions",

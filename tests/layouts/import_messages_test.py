@@ -123,7 +123,9 @@ def messages(spikeloop, folder):
              "x.music:1:1: [a] runs zmq_cont_adapter, which no node of an experiment does; keep  "
              "spikeloop run x.music"),
             (pair("ros_event_sensor_adapter", "linear_decoder"), 1,
-             "x.music:1:1: [a] runs ros_event_sensor_adapter, which no node"),
+             "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/dvs/events"),
+            (pair("ros_event_sensor_adapter", "linear_decoder", "ros_topic=/e\nroi=1,2\n"), 1,
+             "x.music:5:1: '1,2' is no region of pixels; write x,y,width,height"),
             (pair("ros_sensor_adapter"), 1,
              "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/scan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/scan\n"), 1,

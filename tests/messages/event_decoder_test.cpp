@@ -254,6 +254,139 @@ TEST(EventDecoder, evt3_random_streams) {
   }
 }
 
+/// What the specification of EVT 2.0 says of the words, from the sender's side.
+class Evt2Encoder {
+ public:
+  void word(std::uint64_t type, std::uint64_t rest) {
+    for (int i = 0; i < 4; ++i) {
+      bytes.push_back(static_cast<std::byte>((type << 28 | rest) >> (8 * i) & 0xff));
+    }
+  }
+  void time(std::uint64_t us) { word(0x8, us / 64 % (1ULL << 28)); }
+  void event(std::uint64_t us, std::uint64_t x, std::uint64_t y, bool on) {
+    if (us / 64 != upper_) {
+      upper_ = us / 64;
+      time(us);
+    }
+    word(on ? 0x1 : 0x0, us % 64 << 22 | x << 11 | y);
+  }
+
+  std::vector<std::byte> bytes;
+
+ private:
+  std::uint64_t upper_ = ~0ULL;
+};
+
+EventPacket evt2(const std::vector<std::byte>& bytes, std::uint64_t sequence = 0) {
+  return {720, 1280, sequence, 0, "evt2", false, bytes};
+}
+
+TEST(EventDecoder, evt2_single_events) {
+  Evt2Encoder camera;
+  camera.event(5, 7, 3, true);
+  camera.event(63, 8, 3, false);
+  camera.event(64, 1279, 719, true);
+  camera.event(12'345'678'901, 2047, 2047, false);
+  EventDecoder decoder;
+  EXPECT_THAT(
+      decoded(decoder, evt2(camera.bytes)),
+      ElementsAre(Event{5'000, 7, 3, true}, Event{63'000, 8, 3, false},
+                  Event{64'000, 1279, 719, true}, Event{12'345'678'901'000, 2047, 2047, false}));
+}
+
+TEST(EventDecoder, evt2_keeps_its_time_from_packet_to_packet_and_loses_it_with_one) {
+  Evt2Encoder camera;
+  camera.word(0x1, 9);  // no time has come
+  camera.event(1'000, 1, 2, true);
+  EventDecoder decoder;
+  EXPECT_THAT(decoded(decoder, evt2(camera.bytes, 4)), ElementsAre(Event{1'000'000, 1, 2, true}));
+  camera.bytes.clear();
+  camera.event(1'001, 3, 4, false);
+  EXPECT_THAT(decoded(decoder, evt2(camera.bytes, 5)), ElementsAre(Event{1'001'000, 3, 4, false}));
+  EXPECT_THAT(decoded(decoder, evt2(camera.bytes, 7)), IsEmpty());
+  Evt2Encoder again;
+  again.event(1'003, 3, 4, false);
+  EXPECT_THAT(decoded(decoder, evt2(again.bytes, 8)), ElementsAre(Event{1'003'000, 3, 4, false}));
+}
+
+TEST(EventDecoder, evt2_time_goes_on_when_34_bits_are_over) {
+  Evt2Encoder camera;
+  std::vector<Event> expected;
+  for (std::uint64_t us = 77; us < 3 * (1ULL << 34); us += 3'000'000'017) {
+    camera.event(us, 1, 1, true);
+    expected.emplace_back(static_cast<TimeNs>(1'000 * us), 1, 1, true);
+  }
+  EventDecoder decoder;
+  EXPECT_EQ(decoded(decoder, evt2(camera.bytes)), expected);
+}
+
+TEST(EventDecoder, evt2_words_of_other_use_are_passed_over) {
+  Evt2Encoder camera;
+  camera.event(1, 1, 1, true);
+  for (const unsigned type : {0xaU, 0xeU, 0xfU}) {
+    camera.word(type, 0xfff'ffff);
+  }
+  camera.event(1, 2, 1, true);
+  EventDecoder decoder;
+  EXPECT_EQ(decoded(decoder, evt2(camera.bytes)).size(), 2u);
+}
+
+TEST(EventDecoder, evt2_big_endian) {
+  const std::vector<std::byte> bytes{std::byte{0x80}, std::byte{0},    std::byte{0},
+                                     std::byte{2},    std::byte{0x10}, std::byte{0x40},
+                                     std::byte{0x28}, std::byte{7}};
+  EventPacket packet = evt2(bytes);
+  packet.big_endian = true;
+  EventDecoder decoder;
+  EXPECT_THAT(decoded(decoder, packet), ElementsAre(Event{129'000, 5, 7, true}));
+}
+
+TEST(EventDecoder, another_encoding_begins_anew) {
+  EventDecoder decoder;
+  Evt2Encoder late;
+  late.event(5'000'000'000, 1, 1, true);
+  EXPECT_EQ(decoded(decoder, evt2(late.bytes, 1)).size(), 1u);
+  Evt3Encoder camera;
+  camera.event(5, 7, 3, true);
+  EXPECT_THAT(decoded(decoder, evt3(camera.bytes, 2)), ElementsAre(Event{5'000, 7, 3, true}));
+  const Evt2Encoder nothing;
+  EXPECT_THAT(decoded(decoder, evt2(nothing.bytes, 3)), IsEmpty());
+  const std::vector<std::byte> event(4);
+  EXPECT_THAT(decoded(decoder, evt2(event, 4)), IsEmpty()) << "the time was that of evt3";
+}
+
+/// Bursts at random places and times, cut into packets anywhere between words.
+TEST(EventDecoder, evt2_random_streams) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::mt19937_64 random(seed);
+    Evt2Encoder camera;
+    std::vector<Event> expected;
+    std::uint64_t us = random() % (1ULL << 33);
+    for (int i = 0; i < 1'000; ++i) {
+      us += random() % (i % 50 == 0 ? 1ULL << 33 : 100);
+      const auto x = static_cast<int>(random() % 1280);
+      const auto y = static_cast<int>(random() % 720);
+      const bool on = random() % 2 == 0;
+      camera.event(us, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), on);
+      expected.emplace_back(static_cast<TimeNs>(1'000 * us), x, y, on);
+    }
+    EventDecoder decoder;
+    std::vector<Event> all;
+    std::uint64_t sequence = 0;
+    for (std::size_t at = 0; at < camera.bytes.size();) {
+      const std::size_t count =
+          std::min<std::size_t>(4 * (random() % 200), camera.bytes.size() - at);
+      const std::vector<std::byte> part(
+          camera.bytes.begin() + static_cast<std::ptrdiff_t>(at),
+          camera.bytes.begin() + static_cast<std::ptrdiff_t>(at + count));
+      const auto events = decoded(decoder, evt2(part, sequence++));
+      all.insert(all.end(), events.begin(), events.end());
+      at += count;
+    }
+    ASSERT_EQ(all, expected) << "seed " << seed;
+  }
+}
+
 TEST(EventDecoder, mono) {
   std::vector<std::byte> bytes;
   const auto put = [&](std::uint64_t dt, std::uint64_t x, std::uint64_t y, bool on) {
@@ -280,7 +413,7 @@ TEST(EventDecoder, mono) {
 TEST(EventDecoder, what_is_wrong_is_said) {
   const std::vector<std::byte> three(3);
   EXPECT_EQ(error_of({480, 640, 0, 0, "libcaer", false, {}}),
-            "its encoding 'libcaer' is not known; let the driver send evt3 or mono");
+            "its encoding 'libcaer' is not known; let the driver send evt3, evt2 or mono");
   EXPECT_EQ(error_of({480, 640, 0, 0, "evt3", false, three}),
             "its 3 bytes of events are no whole number of 2 each, as evt3 has them");
   EXPECT_EQ(error_of({480, 640, 0, 0, "mono", false, three}),
@@ -298,6 +431,20 @@ TEST(EventDecoder, what_is_wrong_is_said) {
   camera.word(0xd, 0x123);
   EXPECT_EQ(error_of(evt3(camera.bytes)),
             "word 4 of its events is 0xd123, and EVT 3.0 has none of this type");
+}
+
+TEST(EventDecoder, what_is_wrong_with_evt2_is_said) {
+  const std::vector<std::byte> six(6);
+  EXPECT_EQ(error_of(evt2(six)),
+            "its 6 bytes of events are no whole number of 4 each, as evt2 has them");
+  EXPECT_EQ(error_of({2049, 640, 0, 0, "evt2", false, {}}),
+            "its camera has 640 x 2049 pixels; the driver must set width and height, at most 2048 "
+            "each with evt2");
+  Evt2Encoder camera;
+  camera.event(1, 1, 1, true);
+  camera.word(0x4, 0x123);
+  EXPECT_EQ(error_of(evt2(camera.bytes)),
+            "word 2 of its events is 0x40000123, and EVT 2.0 has none of this type");
 }
 
 TEST(EventDecoder, garbage_is_decoded_or_refused) {

@@ -17,6 +17,7 @@
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/messages/event_conversion.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -119,6 +120,8 @@ ImportedNode NodeImporter::import(const MusicSection& section) {
   const NodeProgram* older = find_node_program(program);
   if (ros != nullptr && ros->way == RosWay::messages_to_signal) {
     import_sensor(section);
+  } else if (ros != nullptr && ros->way == RosWay::messages_to_spikes) {
+    import_event_sensor(section);
   } else if (ros != nullptr && ros->way == RosWay::signal_to_messages) {
     import_command(section, *ros);
   } else if (older != nullptr || program == "spikeloop-node") {
@@ -240,6 +243,29 @@ void NodeImporter::import_sensor(const MusicSection& section) {
          fmt::format("'{}': a message of another length than the connection ends an experiment; "
                      "the program leaves out values, or keeps old ones",
                      section.label));
+  }
+}
+
+void NodeImporter::import_event_sensor(const MusicSection& section) {
+  node_.description = &kinds_.find(experiment::kRosEventSensor).description;
+  add("node", experiment::kRosEventSensor);
+  add("topic", yaml_text(required(section, "ros_topic", "/dvs/events")));
+  const MusicKey* type = find(section, "message_type");
+  add("message", type == nullptr ? "dvs_msgs/EventArray" : yaml_text(type->value));
+  for (const char* name : {"polarity", "downsample"}) {
+    if (const MusicKey* key = find(section, name)) {
+      add(name, yaml_text(key->value));
+    }
+  }
+  for (const char* name : {"latency", "refractory"}) {
+    if (const MusicKey* key = find(section, name)) {
+      add(name, with_unit(key->value, "s"));
+    }
+  }
+  if (const MusicKey* roi = find(section, "roi"); roi != nullptr && !roi->value.empty()) {
+    const messages::Region region =
+        located_at(roi->where, [&] { return messages::parse_region(roi->value); });
+    add("roi", fmt::format("[{}, {}, {}, {}]", region.x, region.y, region.width, region.height));
   }
 }
 

@@ -35,6 +35,7 @@ class NodeImporter {
  private:
   void refuse_script(const MusicSection& section, const launch::Program* program) const;
   void import_sensor(const MusicSection& section);
+  void import_event_sensor(const MusicSection& section);
   void import_command(const MusicSection& section, const RosProgram& program);
   void import_people(const MusicSection& section);
   void import_class(const MusicSection& section, const NodeProgram* program);

@@ -77,6 +77,23 @@ void check_event_type(const std::string& message_type) {
   }
 }
 
+std::uint64_t event_channels(const EventSettings& settings, std::uint32_t width,
+                             std::uint32_t height) {
+  const Region region = settings.region.value_or(Region{0, 0, width, height});
+  return (settings.polarity == Polarity::split ? 2ull : 1ull) *
+         blocks(region.width, settings.downsample) * blocks(region.height, settings.downsample);
+}
+
+std::uint64_t event_channels(const EventSettings& settings, Dialect dialect,
+                             std::span<const std::byte> message) {
+  if (settings.message_type == kEventPacket) {
+    const EventPacket packet = read_event_packet(dialect, message);
+    return event_channels(settings, packet.width, packet.height);
+  }
+  const EventArray array(message, dialect);
+  return event_channels(settings, array.width(), array.height());
+}
+
 EventConversion::EventConversion(const EventSettings& settings, Dialect dialect)
     : settings_(settings), dialect_(dialect) {
   located_at(settings_.where, [&] { check_event_type(settings_.message_type); });
@@ -90,9 +107,7 @@ EventConversion::EventConversion(const EventSettings& settings, Dialect dialect)
 
 void EventConversion::check_width(std::string_view what, std::uint32_t width,
                                   std::uint32_t height) const {
-  const std::uint64_t channels = (settings_.polarity == Polarity::split ? 2ull : 1ull) *
-                                 blocks(width, settings_.downsample) *
-                                 blocks(height, settings_.downsample);
+  const std::uint64_t channels = event_channels(settings_, width, height);
   if (channels != settings_.width) {
     throw ConfigurationError(
         settings_.where,
@@ -128,6 +143,11 @@ void EventConversion::fit(std::uint32_t width, std::uint32_t height) {
   if (polarity == Polarity::split) {
     first_of_polarity_[0] = static_cast<std::int32_t>(settings_.width / 2);
   }
+}
+
+void EventConversion::restart() {
+  decoder_ = {};
+  std::ranges::fill(last_, kNever);
 }
 
 /// Sensor clocks jump back when a recording begins again: an event before the last one is none that

@@ -27,8 +27,20 @@ enum class Word : std::uint8_t {
   continued_12 = 0xf
 };
 
-constexpr std::uint32_t kSidePixels = 2048;  // 11 bits
-constexpr std::uint32_t kHalfTime = 4096;    // 12 bits
+/// The highest 4 bits of a word of EVT 2.0.
+enum class LongWord : std::uint8_t {
+  off = 0x0,
+  on = 0x1,
+  time_upper = 0x8,
+  trigger = 0xa,
+  others = 0xe,
+  continued = 0xf
+};
+
+constexpr std::uint32_t kSidePixels = 2048;            // 11 bits
+constexpr std::uint32_t kHalfTime = 4096;              // 12 bits
+constexpr std::uint32_t kUpperTimeOfEvt2 = 1U << 28U;  // 28 bits
+constexpr TimeNs kMicrosecond = 1000;
 
 template <typename T>
 T load(const std::byte* at, bool big_endian) {
@@ -67,17 +79,22 @@ void EventDecoder::decode(const EventPacket& packet, std::vector<CameraEvent>& e
     decode_mono(packet, events);
     return;
   }
-  if (packet.encoding != "evt3") {
+  const bool evt2 = packet.encoding == "evt2";
+  if (!evt2 && packet.encoding != "evt3") {
     throw TransportError(
-        fmt::format("its encoding '{}' is not known; let the driver send evt3 or mono",
+        fmt::format("its encoding '{}' is not known; let the driver send evt3, evt2 or mono",
                     packet.encoding.substr(0, 40)));
+  }
+  if (evt2 != evt2_) {
+    *this = {};
+    evt2_ = evt2;
   }
   if (next_sequence_ && packet.sequence != *next_sequence_) {
     forget();
   }
   next_sequence_ = packet.sequence + 1;
   try {
-    decode_evt3(packet, events);
+    evt2 ? decode_evt2(packet, events) : decode_evt3(packet, events);
   } catch (const TransportError&) {
     forget();
     events.clear();
@@ -99,6 +116,35 @@ void EventDecoder::decode_mono(const EventPacket& packet, std::vector<CameraEven
     events.push_back({static_cast<TimeNs>(packet.time_base + (word & 0xffff'ffff)),
                       static_cast<std::uint16_t>(word >> 32 & 0xffff),
                       static_cast<std::uint16_t>(word >> 48 & 0x7fff), (word >> 63) != 0});
+  }
+}
+
+void EventDecoder::decode_evt2(const EventPacket& packet, std::vector<CameraEvent>& events) {
+  check_camera(packet, kSidePixels, sizeof(std::uint32_t));
+  for (std::size_t at = 0; at < packet.events.size(); at += sizeof(std::uint32_t)) {
+    const auto word = load<std::uint32_t>(packet.events.data() + at, packet.big_endian);
+    const auto type = static_cast<LongWord>(word >> 28U);
+    switch (type) {
+      case LongWord::off:
+      case LongWord::on:
+        if (upper_known_) {
+          const TimeNs us = ((turns_ * kUpperTimeOfEvt2 + upper_) << 6U) + (word >> 22U & 0x3fU);
+          events.push_back({kMicrosecond * us, static_cast<std::uint16_t>(word >> 11U & 0x7ffU),
+                            static_cast<std::uint16_t>(word & 0x7ffU), type == LongWord::on});
+        }
+        break;
+      case LongWord::time_upper:
+        take_upper_time(word & (kUpperTimeOfEvt2 - 1), kUpperTimeOfEvt2);
+        break;
+      case LongWord::trigger:
+      case LongWord::others:
+      case LongWord::continued:
+        break;
+      default:
+        throw TransportError(
+            fmt::format("word {} of its events is {:#010x}, and EVT 2.0 has none of this type",
+                        at / sizeof(std::uint32_t), word));
+    }
   }
 }
 
@@ -135,7 +181,7 @@ void EventDecoder::decode_evt3(const EventPacket& packet, std::vector<CameraEven
         time_known_ = upper_known_;
         break;
       case Word::time_upper:
-        take_upper_time(rest);
+        take_upper_time(rest, kHalfTime);
         break;
       case Word::padding:
       case Word::trigger:
@@ -165,10 +211,11 @@ void EventDecoder::take_vector(std::uint32_t bits, std::uint32_t count,
 }
 
 /// Cameras send the upper half again and again, now and then a little out of order.
-void EventDecoder::take_upper_time(std::uint32_t upper) {
-  if (upper + kHalfTime / 2 < upper_) {
+/// @param turn where it begins again with 0
+void EventDecoder::take_upper_time(std::uint32_t upper, std::uint32_t turn) {
+  if (upper + turn / 2 < upper_) {
     ++turns_;
-  } else if (upper > upper_ + kHalfTime / 2 && turns_ > 0) {
+  } else if (upper > upper_ + turn / 2 && turns_ > 0) {
     --turns_;
   }
   if (upper != upper_) {
@@ -186,7 +233,6 @@ void EventDecoder::forget() {
 }
 
 TimeNs EventDecoder::time() const {
-  constexpr TimeNs kMicrosecond = 1000;
   return kMicrosecond * ((turns_ * kHalfTime + static_cast<TimeNs>(upper_)) * kHalfTime +
                          static_cast<TimeNs>(lower_));
 }

@@ -1,18 +1,24 @@
 #include "spikeloop/topics/event_sensor.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <mutex>
 
 #include "intake.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/topics/event_playback.hpp"
+#include "spikeloop/messages/event_playback.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::topics {
 namespace {
 
-/// No message is to be lost while the session's thread has no time.
-constexpr std::uint32_t kQueue = 1000;
+/// A message, as it came and as events.
+struct Arrival {
+  messages::EventMessage events{};
+  std::vector<std::byte> bytes{};  ///< when somebody keeps it
+  TimeNs at = 0;
+  bool good = false;
+};
 
 }  // namespace
 
@@ -20,25 +26,62 @@ struct EventSensor::Impl {
   Impl(Session& session, const EventSensorSettings& wanted)
       : settings(wanted),
         conversion(wanted.events, session.dialect()),
+        begun(wanted.from_begin),
         playback(wanted.latency),
         intake(session,
-               {.topic = wanted.topic, .type = wanted.events.message_type, .queue = kQueue},
-               [this](std::span<const std::byte> bytes, TimeNs) { take(bytes); }) {}
+               {.topic = wanted.topic, .type = wanted.events.message_type, .queue = wanted.queue},
+               [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  void take(std::span<const std::byte> bytes) {
-    messages::EventMessage message;
-    const bool good = conversion.convert(bytes, message);
-    const std::string warning = conversion.take_warning();
+  void take(std::span<const std::byte> bytes, TimeNs now) {
+    const bool of_run = begun;
+    if (of_run && !restarted) {
+      // Nothing of the run hangs on what was before it, so that its messages alone give it again.
+      conversion.restart();
+      restarted = true;
+    }
+    Arrival arrival{.at = now};
+    arrival.good = conversion.convert(bytes, arrival.events);
+    if (settings.keep) {
+      arrival.bytes.assign(bytes.begin(), bytes.end());
+    }
+    publish(std::move(arrival), of_run);
+    ++received;
+    if (settings.arrived) {
+      settings.arrived();
+    }
+    if (const std::string warning = conversion.take_warning(); !warning.empty()) {
+      log::warning("topic '{}': {}", settings.topic, warning);
+    }
+  }
+
+  void publish(Arrival arrival, bool of_run) {
+    const std::lock_guard lock(mutex);
+    counts = conversion.counts();
+    if (of_run) {
+      arrivals.push_back(std::move(arrival));
+    } else {
+      before_begin += arrival.events.events.size();
+    }
+  }
+
+  /// In the loop: what has come since the tick before.
+  void take_arrivals(TimeNs begin) {
+    begun = true;
+    taken.clear();
     {
       const std::lock_guard lock(mutex);
-      counts = conversion.counts();
-      if (good) {
-        arrived.push_back(std::move(message));
-      }
+      taken.swap(arrivals);
     }
-    if (!warning.empty()) {
-      log::warning("topic '{}': {}", settings.topic, warning);
+    fresh.clear();
+    for (Arrival& arrival : taken) {
+      if (settings.keep) {
+        settings.keep(begin, arrival.bytes);
+      }
+      if (arrival.good) {
+        newest_at = arrival.at;
+        fresh.push_back(std::move(arrival.events));
+      }
     }
   }
 
@@ -58,13 +101,19 @@ struct EventSensor::Impl {
 
   EventSensorSettings settings;
   messages::EventConversion conversion;  // used in the session's thread only
+  bool restarted = settings.from_begin;
 
+  std::atomic<bool> begun;
   mutable std::mutex mutex;  // held for a moment, never across a tick
-  std::vector<messages::EventMessage> arrived;
+  std::vector<Arrival> arrivals;
   messages::EventConversion::Counts counts;
+  std::uint64_t before_begin = 0;  // events
+  std::atomic<std::uint64_t> received{0};
 
-  std::vector<messages::EventMessage> taken;  // used by the loop only
-  EventPlayback playback;
+  std::vector<Arrival> taken;  // used by the loop only
+  std::vector<messages::EventMessage> fresh;
+  TimeNs newest_at = 0;
+  messages::EventPlayback playback;
   bool told_late = false;
   Intake intake;  // last: no callback comes before there is all the rest, or after
 };
@@ -80,23 +129,26 @@ void EventSensor::check(messages::Dialect ros, const EventSensorSettings& settin
 }
 
 std::vector<EndpointPort> EventSensor::ports() const {
-  return {{"out", PortKind::spikes, impl_->settings.events.width}};
+  return {{"out", PortKind::spikes, impl_->settings.events.width}, {"pace", PortKind::signal, 1}};
 }
 
 void EventSensor::receive(const Step& step) {
-  impl_->intake.check();
-  impl_->taken.clear();
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->taken.swap(impl_->arrived);
-  }
-  step.spike_output().emit(impl_->playback.step(impl_->taken, step.interval()));
+  const TimeNs begin = step.interval().begin;
+  const bool simulated = impl_->settings.simulated_pace;
+  impl_->intake.check(simulated ? std::optional(begin) : std::nullopt);
+  impl_->take_arrivals(begin);
+  step.spike_output().emit(impl_->playback.step(impl_->fresh, step.interval()));
   impl_->mind_lateness();
+  if (!impl_->fresh.empty()) {
+    const SignalOutput pace = step.signal_output();
+    pace.values()[0] = to_seconds(simulated ? begin : impl_->newest_at);
+    pace.commit();
+  }
 }
 
 std::vector<Counter> EventSensor::counters() const {
   const std::uint64_t wrong_type = impl_->intake.wrong_type();
-  const EventPlayback& playback = impl_->playback;
+  const messages::EventPlayback& playback = impl_->playback;
   const std::lock_guard lock(impl_->mutex);
   const auto& counts = impl_->counts;
   return {{"messages", counts.messages},
@@ -104,13 +156,25 @@ std::vector<Counter> EventSensor::counters() const {
           {"left_out", counts.left_out},
           {"refractory", counts.refractory},
           {"outside_camera", counts.outside_camera},
-          {"before_begin", playback.before_begin()},
+          {"before_begin", impl_->before_begin},
           {"waiting", playback.waiting()},
           {"late_events", playback.late()},
           {"worst_lateness_ns", static_cast<std::uint64_t>(playback.worst_lateness())},
           {"clock_jumps", playback.clock_jumps()},
           {"malformed", counts.malformed},
           {"wrong_type", wrong_type}};
+}
+
+bool EventSensor::has_publishers() const {
+  return impl_->intake.has_publishers();
+}
+
+std::uint64_t EventSensor::received() const {
+  return impl_->received;
+}
+
+void EventSensor::require_sound() const {
+  impl_->intake.require_sound();
 }
 
 }  // namespace spikeloop::topics

@@ -15,10 +15,20 @@ namespace spikeloop::experiment {
 enum class Role { source, node, sink, simulator };
 
 inline constexpr const char* kRosSensor = "ros_sensor";
+inline constexpr const char* kRosEventSensor = "ros_event_sensor";
 inline constexpr const char* kRosCommand = "ros_command";
 inline constexpr const char* kSpikePlayback = "spike_playback";
 inline constexpr const char* kSignalPlayback = "signal_playback";
 inline constexpr const char* kNetwork = "network";
+
+/// Whether a kind of node takes the messages of a topic.
+inline bool takes_messages(std::string_view kind) {
+  return kind == kRosSensor || kind == kRosEventSensor;
+}
+/// Whether it has a topic at all.
+inline bool has_topic(std::string_view kind) {
+  return takes_messages(kind) || kind == kRosCommand;
+}
 
 class Kinds {
  public:

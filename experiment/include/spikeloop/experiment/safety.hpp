@@ -25,7 +25,8 @@ command::Override manual_override(const Part& command);
 TimeNs spike_timeout(const Part& command);
 
 /// The sensors that a node depends on through the graph, in the file's order, with the `timeout` of
-/// each, or else the command's `sensor_timeout`.
+/// each, or else the command's `sensor_timeout`. A ros_event_sensor is one of them when it has a
+/// `timeout`.
 std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
                                                     const Part& command);
 /// The parts that they are.

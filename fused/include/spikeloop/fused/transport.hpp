@@ -62,7 +62,7 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  /// Ports: `out` [width] and `pace` [1].
+  /// Of a ros_sensor or a ros_event_sensor. Ports: `out` [width] and `pace` [1].
   virtual std::unique_ptr<Source> sensor(const SensorSpec& spec) = 0;
   virtual std::unique_ptr<CommandEnd> command(const CommandSpec& spec) = 0;
 

@@ -48,6 +48,13 @@ struct EventSettings {
   Location where{};                ///< of the port, for messages
 };
 
+/// The channels that a camera of so many pixels takes, or its region.
+std::uint64_t event_channels(const EventSettings& settings, std::uint32_t width,
+                             std::uint32_t height);
+/// Those that the camera of this message takes. @throws TransportError when it cannot be read.
+std::uint64_t event_channels(const EventSettings& settings, Dialect dialect,
+                             std::span<const std::byte> message);
+
 /// The events of one message: sensor stamps and channels, as they came.
 struct EventMessage {
   std::vector<Spike> events;
@@ -81,6 +88,9 @@ class EventConversion {
   /// @throws ConfigurationError with both sizes when the camera does not fit the port or the region
   /// does not lie in the camera.
   bool convert(std::span<const std::byte> bytes, EventMessage& message);
+
+  /// From here on as if no message had come before; the counts go on.
+  void restart();
 
   const Counts& counts() const { return counts_; }
   /// What the last convert() found worth telling, once a kind; else empty.

@@ -28,6 +28,10 @@ struct EventPacket {
 /// - `mono` (event_camera_msgs): 64 bits an event; nanoseconds since time_base in bits 0 to 31, x
 /// in
 ///   32 to 47, y in 48 to 62, brighter in 63.
+/// - `evt2` (Prophesee's EVT 2.0): words of 32 bits, of which the highest 4 say what they are: an
+///   event with x, y and the lower 6 bits of the time in microseconds, or the upper 28 bits of the
+///   times to come. As with evt3, the time is continued beyond its 34 bits (4.8 h), and nothing is
+///   decoded before a time has come.
 /// - `evt3` (Prophesee's EVT 3.0): words of 16 bits, of which the highest 4 say what the others
 ///   change: the time in microseconds (24 bits in two halves), y, x of an event, or x and polarity
 ///   of a vector whose bits are 12 or 8 pixels. What a packet does not say holds from the one
@@ -44,15 +48,17 @@ class EventDecoder {
 
  private:
   void decode_mono(const EventPacket& packet, std::vector<CameraEvent>& events) const;
+  void decode_evt2(const EventPacket& packet, std::vector<CameraEvent>& events);
   void decode_evt3(const EventPacket& packet, std::vector<CameraEvent>& events);
   void take_vector(std::uint32_t bits, std::uint32_t count, std::vector<CameraEvent>& events);
-  void take_upper_time(std::uint32_t upper);
+  void take_upper_time(std::uint32_t upper, std::uint32_t turn);
   void forget();
   TimeNs time() const;
 
   std::optional<std::uint64_t> next_sequence_;
-  std::int64_t turns_ = 0;   ///< of the 24 bits
-  std::uint32_t upper_ = 0;  ///< the upper 12 of them
+  bool evt2_ = false;        ///< what the state is of
+  std::int64_t turns_ = 0;   ///< of the 24 bits, or 34
+  std::uint32_t upper_ = 0;  ///< the upper 12 of them, or 28
   std::uint32_t lower_ = 0;  ///< the lower 12
   std::uint32_t row_ = 0;
   std::uint32_t column_ = 0;  ///< where the next vector begins

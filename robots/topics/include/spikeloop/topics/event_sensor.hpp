@@ -1,7 +1,11 @@
 // An event camera's topic as a source of spikes, each at its own time.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,10 +18,23 @@ namespace spikeloop::topics {
 struct EventSensorSettings {
   std::string topic;
   messages::EventSettings events;
-  TimeNs latency = 0;  ///< see EventPlayback
+  TimeNs latency = 0;  ///< see messages::EventPlayback
+  /// What has come before the first receive() is of the run, too: the robot waits for it. Else it
+  /// is from before the run began, and is left out.
+  bool from_begin = false;
+  /// `pace` and what is said of silence go by the simulated time of the tick that first uses a
+  /// message.
+  bool simulated_pace = false;
+  std::uint32_t queue = 1000;       ///< messages that may wait; 0: any number
+  std::function<void()> arrived{};  ///< in the session's thread, after every message
+  /// Told in receive() of every message that this tick uses, in order; `time` is its begin. May be
+  /// empty.
+  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
 };
 
-/// Port: `out` [events.width], spikes. The topic's type is events.message_type.
+/// Ports: `out` [events.width], spikes; `pace` [1], the monotonic time in seconds at which the
+/// newest message that this tick uses arrived, without value before the first. The topic's type is
+/// events.message_type.
 ///
 /// Counters: messages, events; of these left_out, refractory, outside_camera, before_begin, which
 /// are not sent, and waiting, which are not sent yet; late_events, worst_lateness_ns, clock_jumps,
@@ -37,6 +54,12 @@ class EventSensor : public Source {
   /// does not fit the port.
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
+
+  bool has_publishers() const;
+  /// Messages that have come and are known to the next receive().
+  std::uint64_t received() const;
+  /// Throws what receive() would.
+  void require_sound() const;
 
  private:
   struct Impl;

@@ -1,8 +1,8 @@
-#include "spikeloop/topics/event_playback.hpp"
+#include "spikeloop/messages/event_playback.hpp"
 
 #include <algorithm>
 
-namespace spikeloop::topics {
+namespace spikeloop::messages {
 namespace {
 
 bool earlier(const Spike& a, const Spike& b) {
@@ -11,7 +11,7 @@ bool earlier(const Spike& a, const Spike& b) {
 
 }  // namespace
 
-void EventPlayback::add(const messages::EventMessage& message, const Interval& interval) {
+void EventPlayback::add(const EventMessage& message, const Interval& interval) {
   if (!message.newest) {
     return;
   }
@@ -39,21 +39,16 @@ void EventPlayback::sort_behind(std::size_t begin) {
   }
 }
 
-std::span<const Spike> EventPlayback::step(std::span<const messages::EventMessage> messages,
+std::span<const Spike> EventPlayback::step(std::span<const EventMessage> messages,
                                            const Interval& interval) {
   if (2 * sent_ >= queue_.size()) {  // seldom, so that its cost does not count
     queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(sent_));
     sent_ = 0;
   }
   const std::size_t before = queue_.size();
-  for (const messages::EventMessage& message : messages) {
-    if (begun_) {
-      add(message, interval);
-    } else {
-      before_begin_ += message.events.size();
-    }
+  for (const EventMessage& message : messages) {
+    add(message, interval);
   }
-  begun_ = true;
   sort_behind(before);
   const auto first = queue_.begin() + static_cast<std::ptrdiff_t>(sent_);
   const auto last = std::upper_bound(first, queue_.end(), make_spike(interval.end, 0), earlier);
@@ -62,4 +57,4 @@ std::span<const Spike> EventPlayback::step(std::span<const messages::EventMessag
   return due;
 }
 
-}  // namespace spikeloop::topics
+}  // namespace spikeloop::messages

@@ -5,7 +5,7 @@
 
 #include "spikeloop/core/time.hpp"
 
-namespace spikeloop::topics {
+namespace spikeloop::messages {
 
 /// Both clocks go equally fast; the first message says how far apart they are.
 class SensorClock {
@@ -29,4 +29,4 @@ class SensorClock {
   std::uint64_t jumps_ = 0;
 };
 
-}  // namespace spikeloop::topics
+}  // namespace spikeloop::messages

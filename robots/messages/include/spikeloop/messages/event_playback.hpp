@@ -8,42 +8,37 @@
 
 #include "spikeloop/core/signal.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
-#include "spikeloop/topics/sensor_clock.hpp"
+#include "spikeloop/messages/sensor_clock.hpp"
 
-namespace spikeloop::topics {
+namespace spikeloop::messages {
 
 /// A camera collects events and sends them together, so a message's oldest event is as old as the
 /// message is long. `latency` is that while: what happened at simulated time s is sent at
 /// s + latency, in the interval that contains it. What comes later than that is sent right behind
-/// the begin of the interval, and counted; nothing is dropped once the run has begun.
+/// the begin of the interval, and counted; nothing is dropped.
 class EventPlayback {
  public:
   explicit EventPlayback(TimeNs latency) : latency_(latency) {}
 
   /// The spikes of this interval, sorted by time; valid until the next call.
-  /// @param messages those that have come since the last call, in the order in which they came. At
-  /// the first call they came before the run began, and are left out.
-  std::span<const Spike> step(std::span<const messages::EventMessage> messages,
-                              const Interval& interval);
+  /// @param messages those that have come since the last call, in the order in which they came
+  std::span<const Spike> step(std::span<const EventMessage> messages, const Interval& interval);
 
   std::uint64_t late() const { return late_; }
   TimeNs worst_lateness() const { return worst_lateness_; }
   std::uint64_t clock_jumps() const { return clock_.jumps(); }
-  std::uint64_t before_begin() const { return before_begin_; }  ///< events that were left out
   std::size_t waiting() const { return queue_.size() - sent_; }
 
  private:
-  void add(const messages::EventMessage& message, const Interval& interval);
+  void add(const EventMessage& message, const Interval& interval);
   void sort_behind(std::size_t begin);
 
   TimeNs latency_;
   SensorClock clock_;
   std::vector<Spike> queue_;  ///< sorted by time
   std::size_t sent_ = 0;      ///< so many at its begin have been sent
-  bool begun_ = false;
   std::uint64_t late_ = 0;
   TimeNs worst_lateness_ = 0;
-  std::uint64_t before_begin_ = 0;
 };
 
-}  // namespace spikeloop::topics
+}  // namespace spikeloop::messages

@@ -1,6 +1,6 @@
-#include "spikeloop/topics/sensor_clock.hpp"
+#include "spikeloop/messages/sensor_clock.hpp"
 
-namespace spikeloop::topics {
+namespace spikeloop::messages {
 
 void SensorClock::take(TimeNs newest, TimeNs now) {
   const bool jumped = set_ && (newest < newest_ || simulated(newest) > now + kFarthest);
@@ -12,4 +12,4 @@ void SensorClock::take(TimeNs newest, TimeNs now) {
   set_ = true;
 }
 
-}  // namespace spikeloop::topics
+}  // namespace spikeloop::messages

@@ -1,0 +1,135 @@
+// Event cameras in experiment files: keys, widths, what is wrong, and the same as a MUSIC job.
+#include <fmt/format.h>
+
+#include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/safety.hpp"
+#include "tests/experiment/wrong_file.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using experiment::Experiment;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// @param head in place of  ros: 2
+std::string events(const std::string& keys, const std::string& width = " [48]",
+                   const std::string& head = "ros: 2") {
+  return fmt::format(
+      "duration: 1 s\n{}\nnodes:\n"
+      "  eye: {{node: ros_event_sensor, topic: /events, message: EventPacket{}}}\n"
+      "  count: {{node: rate_window, window: 100 ms}}\n"
+      "  go: {{node: ros_command, topic: /go, message: std_msgs/Float64MultiArray}}\n"
+      "connections:\n  - eye -> count{} -> go\n",
+      head, keys, width);
+}
+
+class Events : public testing::Test {
+ protected:
+  Experiment good(const std::string& text) {
+    files_.push_back(std::make_unique<Files>(text));
+    Read result = read(*files_.back(), kinds_);
+    EXPECT_THAT(result.faults, IsEmpty()) << text;
+    return std::move(result.experiment);
+  }
+  std::vector<std::string> faults(const std::string& text) {
+    return read(Files(text), kinds_).faults;
+  }
+
+  experiment::Kinds kinds_;
+  std::vector<std::unique_ptr<Files>> files_;
+};
+
+TEST_F(Events, DefaultsAreThoseOfTheProgram) {
+  const Experiment experiment = good(events(""));
+  const Parameters& keys = experiment.part("eye").parameters;
+  EXPECT_EQ(keys.text("message"), "event_camera_msgs/EventPacket");
+  EXPECT_EQ(keys.text("polarity"), "both");
+  EXPECT_EQ(keys.integer("downsample"), 1);
+  EXPECT_DOUBLE_EQ(keys.number("latency"), 0.04);
+  EXPECT_EQ(keys.number("refractory"), 0);
+  EXPECT_EQ(keys.number("timeout"), 0);
+}
+
+TEST_F(Events, ARegionSaysTheWidth) {
+  const auto width = [&](const std::string& keys) { return good(events(keys, "")).links[0].width; };
+  EXPECT_EQ(width(", roi: [100, 60, 128, 64]"), 128U * 64U);
+  EXPECT_EQ(width(", roi: [100, 60, 13, 5], downsample: 4"), 4U * 2U);
+  EXPECT_EQ(width(", roi: \"100,60,13,5\", polarity: split"), 2U * 13U * 5U);
+}
+
+TEST_F(Events, WhatIsWrongIsSaid) {
+  EXPECT_THAT(
+      faults(events(", roi: [0, 0, 4]")),
+      ElementsAre("x.yaml:4:76: key 'roi': '[0,0,4]' is no region of pixels; write its left "
+                  "upper corner and its size, as  roi: [100, 60, 128, 128]"));
+  EXPECT_THAT(faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
+              ElementsAre("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels (polarity=both, "
+                          "downsample=2), but the port has 48; write [4] in its connection"));
+  EXPECT_THAT(faults(events(", polarity: spilt")),
+              ElementsAre("x.yaml:4:81: key 'polarity': 'spilt' is not a choice; did you mean "
+                          "'split'?; write one of: both, on, off, split"));
+  EXPECT_THAT(faults(events(", latency: 20")),
+              ElementsAre("x.yaml:4:80: node 'eye': key 'latency': 20 has no unit; write for "
+                          "example  latency: 20 s"));
+  EXPECT_THAT(faults(events(", region: [0, 0, 4, 4]")),
+              ElementsAre("x.yaml:4:71: node 'eye': unknown key 'region'; known: topic, message, "
+                          "polarity, downsample, roi, latency, refractory, timeout"));
+  std::string scan = events("");
+  scan.replace(scan.find("EventPacket"), 11, "LaserScan");
+  EXPECT_THAT(faults(scan),
+              ElementsAre("x.yaml:4:58: message type 'sensor_msgs/LaserScan' has no events of a "
+                          "camera; known: dvs_msgs/EventArray, event_camera_msgs/EventPacket"));
+}
+
+TEST_F(Events, SomebodyMustSendThem) {
+  const auto rest = testing::HasSubstr("/go");  // nobody takes commands there, either
+  EXPECT_THAT(
+      faults(events("", " [48]", "robot: {simulator: mujoco}")),
+      ElementsAre("x.yaml:4:40: key 'topic': the robot in this process has no event camera that "
+                  "sends /events; write  ros: 2  for one that has, or take the changes of its "
+                  "pictures (docs/images.md, \"Events from frames\")",
+                  rest));
+  EXPECT_THAT(faults(events("", " [48]", "seed: 1")),
+              ElementsAre("x.yaml:4:3: node 'eye': nobody is at the other end of topic "
+                          "/events; write  ros: 2, or  robot: {simulator: mujoco}",
+                          rest));
+}
+
+TEST_F(Events, SilenceStopsTheRobotOnlyWhenThatIsWritten) {
+  const Experiment silent = good(events(""));
+  EXPECT_THAT(watched_sensors(silent, silent.part("go")), IsEmpty());
+  const Experiment watched = good(events(", timeout: 300 ms"));
+  const auto sensors = watched_sensors(watched, watched.part("go"));
+  ASSERT_EQ(sensors.size(), 1U);
+  EXPECT_EQ(sensors[0].topic, "/events");
+  EXPECT_EQ(sensors[0].timeout, 300'000'000);
+}
+
+TEST_F(Events, AreAProgramInTheSeparateLayout) {
+  const Experiment experiment =
+      good(events(", polarity: split, downsample: 2, roi: [1, 2, 3, 4], latency: 20 ms, "
+                  "refractory: 1 ms, timeout: 300 ms",
+                  ""));
+  const experiment::MusicJob job = experiment::music_job(experiment, "folder");
+  const MusicSection& eye = job.file.section("eye");
+  const auto key = [&](const MusicSection& section, const char* name) {
+    const MusicKey* found = job.file.find_key(section, name);
+    return found == nullptr ? "none" : found->value;
+  };
+  EXPECT_EQ(key(eye, "binary"), "ros_event_sensor_adapter");
+  EXPECT_EQ(key(eye, "ros"), "2");
+  EXPECT_EQ(key(eye, "ros_topic"), "/events");
+  EXPECT_EQ(key(eye, "message_type"), "event_camera_msgs/EventPacket");
+  EXPECT_EQ(key(eye, "polarity"), "split");
+  EXPECT_EQ(key(eye, "downsample"), "2");
+  EXPECT_EQ(key(eye, "roi"), "1,2,3,4");
+  EXPECT_EQ(key(eye, "latency"), "20 ms");
+  EXPECT_EQ(key(eye, "refractory"), "1 ms");
+  // No pace tells of a camera: the command listens itself.
+  EXPECT_EQ(key(job.file.section("go"), "sensor_topics"),
+            "/events:event_camera_msgs/EventPacket:0.300000000");
+}
+
+}  // namespace
+}  // namespace spikeloop::test
