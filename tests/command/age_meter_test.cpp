@@ -43,4 +43,16 @@ TEST(AgeMeter, percentiles_by_nearest_rank) {
   EXPECT_DOUBLE_EQ(meter.report().age_max_ms, 200);
 }
 
+TEST(AgeMeter, percentiles_are_those_of_the_newest_messages) {
+  AgeMeter meter;
+  constexpr int kMany = AgeMeter::kKept;
+  for (int i = 1; i <= kMany + kMany / 2 + 1; ++i) {
+    const TimeNs age = i <= kMany ? 1 : 9;
+    meter.update(i, i * spikeloop::kNsPerSecond + age * kMs);
+  }
+  EXPECT_EQ(meter.report().messages, kMany + kMany / 2 + 1U);
+  EXPECT_DOUBLE_EQ(meter.report().latency_median_ms, 9);
+  EXPECT_DOUBLE_EQ(meter.report().latency_p99_ms, 9);
+}
+
 }  // namespace

@@ -18,6 +18,7 @@ const double kNan = std::nan("");
 
 class CommandChannelTest : public testing::Test {
  protected:
+  void TearDown() override { EXPECT_EQ(count("sent"), sent_.size()); }
   void command(double a, double b, TimeNs now) {
     const double values[] = {a, b};
     next_ = channel_.command(values, now);

@@ -65,9 +65,9 @@ TEST_F(TextsTest, counters_have_the_reasons_names) {
                          "continued",     "emergency_stop", "emergency_stop_unknown",
                          "terminated",    "ended"};
   const auto counters = channel_.counters();
-  ASSERT_EQ(counters.size(), 4 + kStopReasons);
+  ASSERT_EQ(counters.size(), 5 + kStopReasons);
   for (std::size_t i = 0; i < kStopReasons; ++i) {
-    EXPECT_EQ(counters[4 + i].name, std::string("stops_") + names[i]);
+    EXPECT_EQ(counters[5 + i].name, std::string("stops_") + names[i]);
   }
 }
 

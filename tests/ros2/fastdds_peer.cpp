@@ -10,84 +10,16 @@
 // GID_BYTES: says the nodes of ros_discovery_info, too.
 #include <signal.h>
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
-#include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
-#include "fastdds_types.hpp"
+#include "fastdds_node.hpp"
 
 namespace fastdds_peer {
 namespace {
-
-using namespace eprosima::fastdds::dds;
-using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
-using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::Locator_t;
-
-constexpr std::uint32_t kPeersRange = 32;  // ports tried on the peer, as rmw_fastrtps
-
-Locator_t locator_of(const std::string& address) {
-  Locator_t locator;
-  IPLocator::setIPv4(locator, address);
-  return locator;
-}
-
-DomainParticipantQos participant_qos(const std::string& mode) {
-  DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
-  const std::string enclave = "enclave=/;";
-  qos.user_data().data_vec({enclave.begin(), enclave.end()});
-  if (mode == "subnet") {
-    return qos;
-  }
-  const auto udp = std::make_shared<UDPv4TransportDescriptor>();
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-  if (mode != "udp" && mode != "latched" && mode != "best-effort") {
-    qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
-  }
-  if (mode == "localhost-only") {
-    udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  } else if (mode == "localhost") {
-    udp->maxInitialPeersRange = kPeersRange;
-    // A list of its own, with any port, takes the place of the default one with its multicast.
-    qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(Locator_t());
-    auto& peers = qos.wire_protocol().builtin.initialPeersList;
-    peers.push_back(locator_of("127.0.0.1"));
-    if (const char* peer = std::getenv("ROS_STATIC_PEERS"); peer != nullptr) {
-      peers.push_back(locator_of(peer));
-    }
-  }
-  return qos;
-}
-
-template <typename Qos>
-Qos endpoint_qos(Qos qos) {
-  qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = VOLATILE_DURABILITY_QOS;
-  qos.history().kind = KEEP_LAST_HISTORY_QOS;
-  qos.history().depth = 10;
-  qos.endpoint().history_memory_policy =
-      eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  qos.data_sharing().off();
-  return qos;
-}
 
 template <typename Qos>
 Qos node_qos(Qos qos, std::size_t gid_bytes) {
@@ -98,66 +30,10 @@ Qos node_qos(Qos qos, std::size_t gid_bytes) {
   return qos;
 }
 
-template <typename Message>
-class Listener : public DataReaderListener {
- public:
-  explicit Listener(std::function<void(const Message&)> hear) : hear_(std::move(hear)) {}
-
-  void on_data_available(DataReader* reader) override {
-    Message message;
-    SampleInfo info;
-    try {
-      while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
-        if (info.valid_data) {
-          hear_(message);
-        }
-      }
-    } catch (const std::exception& error) {
-      std::printf("cannot read %s: %s\n", Message::type(), error.what());
-    }
-    std::fflush(stdout);
-  }
-
- private:
-  std::function<void(const Message&)> hear_;
-};
-
-class Peer {
- public:
-  Peer(std::uint32_t domain, const std::string& mode)
-      : participant_(DomainParticipantFactory::get_instance()->create_participant(
-            domain, participant_qos(mode))) {
-    if (participant_ == nullptr) {
-      throw std::runtime_error("no participant");
-    }
-    publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
-    subscriber_ = participant_->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
-  }
-  ~Peer() {
-    participant_->delete_contained_entities();
-    DomainParticipantFactory::get_instance()->delete_participant(participant_);
-  }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
-
-  template <typename Message>
-  Topic* topic(const char* name) {
-    TypeSupport(new Type<Message>).register_type(participant_);
-    return participant_->create_topic(name, Message::type(), TOPIC_QOS_DEFAULT);
-  }
-  Publisher* publisher() { return publisher_; }
-  Subscriber* subscriber() { return subscriber_; }
-
- private:
-  DomainParticipant* participant_;
-  Publisher* publisher_ = nullptr;
-  Subscriber* subscriber_ = nullptr;
-};
-
 template <std::size_t GidBytes>
 std::unique_ptr<DataReaderListener> tell_nodes(Peer& peer) {
   using Info = ParticipantEntitiesInfo<GidBytes>;
-  auto listener = std::make_unique<Listener<Info>>([](const Info& info) {
+  auto listener = std::make_unique<Listener<Info>>([](const Info& info, const SampleInfo&) {
     for (const auto& node : info.nodes) {
       std::printf("node %s %s readers %zu writers %zu\n", node.space.c_str(), node.name.c_str(),
                   node.readers.size(), node.writers.size());
@@ -195,8 +71,9 @@ int run(int argc, char** argv) {
   ::sigemptyset(&signals);
   ::sigaddset(&signals, SIGTERM);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  Listener<Twist> twists(
-      [](const Twist& twist) { std::printf("twist %g %g\n", twist.values[0], twist.values[5]); });
+  Listener<Twist> twists([](const Twist& twist, const SampleInfo&) {
+    std::printf("twist %g %g\n", twist.values[0], twist.values[5]);
+  });
   std::unique_ptr<DataReaderListener> nodes;
   Peer peer(static_cast<std::uint32_t>(std::atoi(argv[1])), argv[2]);
   DataWriterQos scan_qos = endpoint_qos(DATAWRITER_QOS_DEFAULT);

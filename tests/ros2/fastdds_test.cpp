@@ -4,6 +4,9 @@
 
 #include <cstring>
 #include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
 
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
@@ -93,6 +96,34 @@ TEST_F(FastDdsTest, brings_every_byte_of_a_scan) {
   EXPECT_EQ(value_at<std::uint32_t>(scan, 48), 3U);
   EXPECT_EQ(value_at<float>(scan, 60), 2.5F);
   expect_a_loop_with(*other, 0.25);
+}
+
+TEST_F(FastDdsTest, counts_what_it_was_too_slow_for) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  std::mutex mutex;
+  std::vector<std::uint32_t> numbers;  // of the scans that came
+  const auto slow = session.subscriber(
+      {.topic = "/scan",
+       .message_type = "sensor_msgs/LaserScan",
+       .queue = 1,
+       .take = [&](std::span<const std::byte> message) {
+         std::this_thread::sleep_for(std::chrono::milliseconds(170));
+         const std::lock_guard lock(mutex);
+         numbers.push_back(value_at<std::uint32_t>(Bytes(message.begin(), message.end()), 0));
+       }});
+  EXPECT_EQ(slow->lost(), 0U);
+  const auto other = robot("udp");  // twenty scans a second
+  EXPECT_TRUE(eventually(kLong, [&] { return slow->lost() > 10U; }));
+  other->signal(SIGTERM);
+  other->wait();
+  EXPECT_TRUE(eventually(kLong,
+                         [&] {
+                           const std::lock_guard lock(mutex);
+                           return *slow->lost() + numbers.size() ==
+                                  numbers.back() - numbers.front() + 1;
+                         }))
+      << *slow->lost() << " lost, " << numbers.size() << " taken, " << numbers.front() << " to "
+      << numbers.back();
 }
 
 TEST_F(FastDdsTest, gets_what_was_latched_before) {

@@ -43,6 +43,56 @@ struct Twist {
   void read(Cdr& cdr) { cdr.deserializeArray(values.data(), values.size()); }
 };
 
+struct Image {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+  std::string frame_id;
+  std::uint32_t height = 0, width = 0;
+  std::string encoding;
+  std::uint8_t is_bigendian = 0;
+  std::uint32_t step = 0;
+  std::vector<std::uint8_t> data;
+
+  static const char* type() { return "sensor_msgs::msg::dds_::Image_"; }
+  std::size_t most_bytes() const { return 100 + frame_id.size() + encoding.size() + data.size(); }
+  void write(Cdr& cdr) const {
+    cdr << sec << nanosec << frame_id << height << width << encoding << is_bigendian << step
+        << data;
+  }
+  void read(Cdr& cdr) {
+    cdr >> sec >> nanosec >> frame_id >> height >> width >> encoding >> is_bigendian >> step >>
+        data;
+  }
+};
+
+/// All numbers are 0 when it is sent, and none is looked at when it comes.
+struct Odometry {
+  std::string frame_id = "odom", child_frame_id = "base_link";
+  std::array<double, 7 + 36 + 6 + 36> values{};  // pose, twist, each with its covariance
+
+  static const char* type() { return "nav_msgs::msg::dds_::Odometry_"; }
+  std::size_t most_bytes() const { return 100 + sizeof values; }
+  void write(Cdr& cdr) const {
+    cdr << std::int32_t{0} << std::uint32_t{0} << frame_id << child_frame_id;
+    cdr.serializeArray(values.data(), values.size());
+  }
+  void read(Cdr& cdr) {
+    std::int32_t sec = 0;
+    std::uint32_t nanosec = 0;
+    cdr >> sec >> nanosec >> frame_id >> child_frame_id;
+    cdr.deserializeArray(values.data(), values.size());
+  }
+};
+
+struct Bool {
+  std::uint8_t data = 0;
+
+  static const char* type() { return "std_msgs::msg::dds_::Bool_"; }
+  std::size_t most_bytes() const { return 8; }
+  void write(Cdr& cdr) const { cdr << data; }
+  void read(Cdr& cdr) { cdr >> data; }
+};
+
 /// rmw_dds_common/ParticipantEntitiesInfo, with identities of 24 bytes until Humble, 16 since Iron.
 template <std::size_t GidBytes>
 struct ParticipantEntitiesInfo {

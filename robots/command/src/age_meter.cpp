@@ -6,8 +6,6 @@
 namespace spikeloop::command {
 namespace {
 
-constexpr std::size_t kKept = std::size_t{1} << 20;
-
 double percentile_ms(const std::vector<TimeNs>& sorted, double fraction) {
   const auto rank = static_cast<std::size_t>(std::ceil(fraction * double(sorted.size())));
   return 1e-6 * static_cast<double>(sorted[std::max<std::size_t>(rank, 1) - 1]);
@@ -23,11 +21,7 @@ std::optional<TimeNs> AgeMeter::update(double arrived_s, TimeNs now) {
   age_max_ = std::max(age_max_, age);
   if (arrived_s != newest_) {
     newest_ = arrived_s;
-    if (latencies_.size() < kKept) {
-      latencies_.push_back(age);
-    } else {
-      latencies_[messages_ % kKept] = age;
-    }
+    latencies_[messages_ % kKept] = age;
     ++messages_;
   }
   return age;
@@ -39,7 +33,9 @@ AgeMeter::Report AgeMeter::report() const {
   if (messages_ == 0) {
     return report;
   }
-  std::vector<TimeNs> sorted = latencies_;
+  std::vector<TimeNs> sorted(
+      latencies_.begin(),
+      latencies_.begin() + static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(messages_, kKept)));
   std::ranges::sort(sorted);
   report.latency_median_ms = percentile_ms(sorted, 0.5);
   report.latency_p99_ms = percentile_ms(sorted, 0.99);

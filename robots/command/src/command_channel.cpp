@@ -138,21 +138,26 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
   if (gate_.offer(limiter_.shape(values, now), now)) {
     driven_ = true;
     ++commands_;
-    publish_(gate_.current());
+    send(gate_.current());
   }
   return next_due();
 }
 
 TimeNs CommandChannel::repeat_zero(TimeNs now) {
   if (gate_.offer(zero_, now)) {
-    publish_(zero_);
+    send(zero_);
   }
   return gate_.next_due();
 }
 
 void CommandChannel::send_zero(TimeNs now) {
   gate_.force(zero_, now);
-  publish_(zero_);
+  send(zero_);
+}
+
+void CommandChannel::send(std::span<const double> values) {
+  ++sent_;
+  publish_(values);
 }
 
 TimeNs CommandChannel::next_due() const {
@@ -169,7 +174,7 @@ TimeNs CommandChannel::poll(TimeNs now) {
   }
   if (gate_.poll(now)) {
     commands_ += state_ == State::running ? 1 : 0;
-    publish_(gate_.current());
+    send(gate_.current());
   }
   return next_due();
 }
@@ -193,6 +198,7 @@ std::optional<Limiter::Cut> CommandChannel::first_cut() const {
 std::vector<Counter> CommandChannel::counters() const {
   const std::lock_guard lock(mutex_);
   std::vector<Counter> counters = {{"commands", commands_},
+                                   {"sent", sent_},
                                    {"resumed", resumed_},
                                    {"overrides", overrides_},
                                    {"limited", limiter_.cuts()}};

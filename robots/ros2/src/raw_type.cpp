@@ -1,5 +1,6 @@
 #include "raw_type.hpp"
 
+#include <dds/ddsi/q_protocol.h>
 #include <dds/ddsi/q_radmin.h>
 #include <fmt/format.h>
 
@@ -45,13 +46,25 @@ std::uint32_t size_of(const ddsi_serdata* data) {
   return static_cast<std::uint32_t>(filled_up(raw(data).size));
 }
 
+/// A publisher counts its messages, and every packet says which one it belongs to.
+std::int64_t number_of(const nn_rdata& fragment) {
+  if (fragment.submsg_zoff == 0) {
+    return 0;
+  }
+  Data_DataFrag_common_t head;
+  std::memcpy(&head, NN_RMSG_PAYLOADOFF(fragment.rmsg, NN_RDATA_SUBMSG_OFF(&fragment)),
+              sizeof head);
+  return (std::int64_t{head.writerSN.high} << 32) + head.writerSN.low;
+}
+
 /// Fragments come in the order of their beginnings, may overlap and leave no gap.
 ddsi_serdata* from_fragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
                              const nn_rdata* fragment, std::size_t size) {
-  if (size < kEncodingBytes) {
+  if (size < kEncodingBytes || fragment == nullptr) {
     return nullptr;
   }
   auto data = std::make_unique<RawData>(type, kind, size);
+  data->number = number_of(*fragment);
   std::size_t have = 0;
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
     const std::size_t end = std::min<std::size_t>(fragment->maxp1, size);

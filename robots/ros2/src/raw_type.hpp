@@ -26,6 +26,7 @@ struct RawData : ddsi_serdata {
 
   std::unique_ptr<std::byte[]> bytes;  ///< up to the next multiple of four, as RTPS sends them
   std::uint32_t size;                  ///< without those that fill up
+  std::int64_t number = 0;             ///< its writer's, from 1; 0: not known
 };
 
 /// A topic of DDS whose messages are RawData.
@@ -58,6 +59,7 @@ class TakenMessage {
   bool valid() const { return any() && info_.valid_data; }  ///< and it is a message
   std::span<const std::byte> message() const { return data_->message(); }
   dds_instance_handle_t writer() const { return info_.publication_handle; }
+  std::int64_t number() const { return data_->number; }  ///< as RawData has it
 
  private:
   const RawData* data_ = nullptr;

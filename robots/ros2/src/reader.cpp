@@ -61,8 +61,23 @@ void Reader::take_some() {
       return;
     }
     if (taken.valid() && is_wanted(taken.writer())) {
+      count_lost(taken);
       take_(taken.message());
     }
+  }
+}
+
+void Reader::count_lost(const TakenMessage& taken) {
+  if (taken.number() == 0) {
+    return;
+  }
+  if (newest_.size() >= kMostKnown) {
+    newest_.clear();
+  }
+  const auto [newest, is_first] = newest_.try_emplace(taken.writer(), taken.number());
+  if (!is_first && taken.number() > newest->second) {
+    lost_ += static_cast<std::uint64_t>(taken.number() - newest->second - 1);
+    newest->second = taken.number();
   }
 }
 

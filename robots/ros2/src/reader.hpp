@@ -1,6 +1,8 @@
 // A reader of DDS, served by the session's thread.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 
@@ -24,15 +26,20 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   bool has_writers() const;
+  /// As topics::RawSubscriber has it.
+  std::uint64_t lost() const { return lost_; }
 
  private:
   void take_some();
   bool is_wanted(dds_instance_handle_t writer);
+  void count_lost(const TakenMessage& taken);
 
   Session::Impl& session_;
   Writers writers_;
   std::function<void(std::span<const std::byte>)> take_;
-  std::map<dds_instance_handle_t, bool> wanted_{};  ///< by writer
+  std::map<dds_instance_handle_t, bool> wanted_{};          ///< by writer
+  std::map<dds_instance_handle_t, std::int64_t> newest_{};  ///< number of a message, by writer
+  std::atomic<std::uint64_t> lost_{0};
   dds_entity_t reader_;
   dds_entity_t arrived_;  ///< a read condition
   Dispatcher::Ticket ticket_ = 0;

@@ -67,6 +67,10 @@ bool Subscriber::has_publishers() const {
   return reader_.has_writers() || (best_effort_ && best_effort_->has_writers());
 }
 
+std::optional<std::uint64_t> Subscriber::lost() const {
+  return reader_.lost() + (best_effort_ ? best_effort_->lost() : 0);
+}
+
 void Subscriber::take(std::span<const std::byte> message) {
   if (is_plain_little_endian(message)) {
     subscription_.take(message);

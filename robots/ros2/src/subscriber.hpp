@@ -1,6 +1,7 @@
 // A topic in over DDS.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "reader.hpp"
@@ -15,6 +16,7 @@ class Subscriber final : public topics::RawSubscriber {
   ~Subscriber() override;
 
   bool has_publishers() const override;
+  std::optional<std::uint64_t> lost() const override;
 
  private:
   void take(std::span<const std::byte> message);

@@ -47,6 +47,7 @@ class Intake {
   void require_sound() const;
   bool has_publishers() const { return subscriber_->has_publishers(); }
   std::uint64_t wrong_type() const;
+  std::optional<std::uint64_t> lost() const { return subscriber_->lost(); }
 
  private:
   void receive(std::span<const std::byte> message);

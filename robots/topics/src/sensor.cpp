@@ -130,13 +130,17 @@ std::vector<Counter> Sensor::counters() const {
   const std::uint64_t wrong_type = impl_->intake.wrong_type();
   const std::lock_guard lock(impl_->mutex);
   const auto& counts = impl_->counts;
-  return {{"messages", counts.messages},
-          {"cropped", counts.cropped},
-          {"short_messages", counts.short_messages},
-          {"invalid_readings", counts.invalid_readings},
-          {"without_reading", counts.without_reading},
-          {"malformed", counts.malformed},
-          {"wrong_type", wrong_type}};
+  std::vector<Counter> counters{{"messages", counts.messages},
+                                {"cropped", counts.cropped},
+                                {"short_messages", counts.short_messages},
+                                {"invalid_readings", counts.invalid_readings},
+                                {"without_reading", counts.without_reading},
+                                {"malformed", counts.malformed},
+                                {"wrong_type", wrong_type}};
+  if (const auto lost = impl_->intake.lost()) {
+    counters.push_back({"lost", *lost});
+  }
+  return counters;
 }
 
 bool Sensor::has_publishers() const {

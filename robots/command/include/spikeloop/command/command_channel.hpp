@@ -67,13 +67,15 @@ class CommandChannel {
   /// The first value that the bounds have cut.
   std::optional<Limiter::Cut> first_cut() const;
 
-  /// commands, repeated ones included; resumed; overrides: times that manual commands took over;
-  /// limited: ticks whose command the bounds have cut; stops by reason.
+  /// commands, repeated ones included; sent: these and the zeros of stops; resumed; overrides:
+  /// times that manual commands took over; limited: ticks whose command the bounds have cut; stops
+  /// by reason.
   std::vector<Counter> counters() const;
 
  private:
   // All below are called under the lock.
   void send_zero(TimeNs now);
+  void send(std::span<const double> values);
   TimeNs drive(std::span<const double> values, TimeNs now);
   TimeNs stop_network(StopReason reason, TimeNs now);
   TimeNs repeat_zero(TimeNs now);
@@ -98,6 +100,7 @@ class CommandChannel {
   bool overridden_ = false;
   TimeNs suspended_until_ = std::numeric_limits<TimeNs>::min();  ///< no command before
   std::uint64_t commands_ = 0;
+  std::uint64_t sent_ = 0;
   std::uint64_t resumed_ = 0;
   std::uint64_t overrides_ = 0;
   std::array<std::uint64_t, kStopReasons> stops_{};

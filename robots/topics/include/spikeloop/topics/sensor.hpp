@@ -35,7 +35,7 @@ struct SensorSettings {
 /// this tick uses arrived, without value before the first.
 ///
 /// Counters: messages, cropped, short_messages, invalid_readings, without_reading, malformed,
-/// wrong_type.
+/// wrong_type, and over ROS 2 lost (RawSubscriber::lost()).
 class Sensor : public Source {
  public:
   /// Subscribes. @throws ConfigurationError as messages::SensorConversion, and

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -39,6 +40,10 @@ class RawSubscriber {
   RawSubscriber& operator=(const RawSubscriber&) = delete;
 
   virtual bool has_publishers() const = 0;
+  /// Messages that its publishers have sent since the first that came from each, and that never got
+  /// to `take`: newer ones were there before, or the network lost them. Nothing where messages have
+  /// no numbers (ROS 1). Those that were lost last are known with the next that comes.
+  virtual std::optional<std::uint64_t> lost() const { return std::nullopt; }
 };
 
 /// What a topic carries in place of what was subscribed to.
