@@ -26,6 +26,7 @@ struct Arguments {
   experiment::Overrides overrides;
   std::string sync;
   std::string ros;
+  std::string ros_arguments;
   double stall_timeout_s = 60;
   std::string about;
   bool no_record = false;
@@ -42,7 +43,8 @@ int run(const Arguments& arguments, const status::Sender& sender) {
   const auto enter = [&](bool waits) {
     heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  RosTransport transport(experiment, {stop, enter, from_seconds(arguments.stall_timeout_s)});
+  RosTransport transport(experiment, arguments.ros_arguments,
+                         {stop, enter, from_seconds(arguments.stall_timeout_s)});
   sender.started();
   heartbeat.enter(status::Phase::computing);
   bool first = true;
@@ -112,6 +114,7 @@ int main(int argc, char** argv) {
                  "Simulated time over wall time");
   app.add_option("--sync", arguments.sync, "In place of the key sync");
   app.add_option("--ros", arguments.ros, "In place of the key ros");
+  app.add_option("--ros-arguments", arguments.ros_arguments, "NAME:=VALUE ... for the node of ROS");
   app.add_option("--stall-timeout", arguments.stall_timeout_s,
                  "Longest wall time that a stepped robot may take to answer, s; 0: any");
   app.add_option("--about", arguments.about, "What resolved.json says beside the experiment, JSON");

@@ -28,6 +28,7 @@ std::vector<ParameterDescription> own_parameters() {
            .default_value = "none",
            .choices = {"none", "1", "2"},
            .text = "the experiment's ros"},
+          text("ros_arguments", "", "NAME:=VALUE ... for the node of ROS"),
           {.name = "stall_timeout",
            .unit = "s",
            .default_value = "60",
@@ -88,7 +89,8 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
   const auto enter = [&](bool waits) {
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  RosTransport transport(experiment, {stop, enter, from_seconds(keys.number("stall_timeout"))});
+  RosTransport transport(experiment, keys.text("ros_arguments"),
+                         {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }

@@ -10,6 +10,7 @@
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/session/open.hpp"
+#include "spikeloop/topics/arguments.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
@@ -74,9 +75,11 @@ class RosCommandEnd : public fused::CommandEnd {
 }  // namespace
 
 RosTransport::RosTransport(const experiment::Experiment& experiment,
-                           const LoopSurroundings& surroundings)
+                           const std::string& ros_arguments, const LoopSurroundings& surroundings)
     : experiment_(experiment),
-      session_(session::open({{.node_name = "spikeloop_" + experiment.name, .unique_name = true},
+      session_(session::open({{.node_name = "spikeloop_" + experiment.name,
+                               .unique_name = true,
+                               .arguments = topics::read_ros_arguments(ros_arguments)},
                               experiment::dialect_of(experiment.ros)})),
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "spikeloop/fused/transport.hpp"
@@ -15,8 +16,10 @@ namespace spikeloop {
 
 class RosTransport : public fused::Transport {
  public:
+  /// @param ros_arguments as read_ros_arguments() takes them
   /// @throws TransportError without a ROS master.
-  RosTransport(const experiment::Experiment& experiment, const LoopSurroundings& surroundings);
+  RosTransport(const experiment::Experiment& experiment, const std::string& ros_arguments,
+               const LoopSurroundings& surroundings);
 
   std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
   std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;

@@ -42,6 +42,9 @@ int main(int argc, char** argv) {
   const status::Sender status("robot");
   try {
     topics::CommandLine line = topics::split_command_line(argc, argv);
+    for (const std::string& foreign : line.foreign) {
+      log::warning("'{}' (behind --ros-args) means nothing to this robot and is ignored", foreign);
+    }
     std::vector<char*> pointers;
     pointers.reserve(line.own.size() + 1);
     for (auto& argument : line.own) pointers.push_back(argument.data());

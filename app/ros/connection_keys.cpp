@@ -19,6 +19,10 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
            .default_value = "1",
            .choices = {"1", "2"},
            .text = "Version of ROS"},
+          {.name = "ros_arguments",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "NAME:=VALUE ... as for any node of ROS: other names of topics, __ns"},
           {.name = "master_timeout",
            .unit = "s",
            .default_value = "5",
@@ -38,6 +42,10 @@ session::Settings session_settings(const Parameters& parameters) {
              [&] { topics::check_node_name(settings.ros, parameters.text("ros_node_name")); });
   settings.node_name = parameters.text("ros_node_name");
   settings.unique_name = !parameters.given("ros_node_name");
+  located_at(parameters.where("ros_arguments"), [&] {
+    settings.arguments = topics::read_ros_arguments(parameters.text("ros_arguments"));
+    topics::check_ros_arguments(settings.ros, settings.arguments);
+  });
   settings.master_timeout = from_seconds(parameters.number("master_timeout"));
   return settings;
 }

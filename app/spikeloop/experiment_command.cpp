@@ -15,6 +15,7 @@
 #include "experiment_places.hpp"
 #include "output.hpp"
 #include "ros2_look.hpp"
+#include "ros_arguments.hpp"
 #include "simulator_check.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/music_job.hpp"
@@ -267,6 +268,7 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
   options.start_timeout = arguments.start_timeout;
   options.stall_timeout = arguments.stall_timeout;
   add_robot(experiment, arguments.spectators, options);
+  add_ros_arguments(arguments.line.ros, options);
   return options;
 }
 
@@ -295,6 +297,7 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
                      fmt::format("--sync={}", experiment::name_of(experiment.sync)),
                      fmt::format("--ros={}", experiment::name_of(experiment.ros)),
+                     "--ros-arguments=" + options.run.ros_arguments,
                      fmt::format("--stall-timeout={}",
                                  std::chrono::duration<double>(arguments.stall_timeout).count()),
                      "--about=" + about_run(partners_of(experiment, false)).dump()};
@@ -413,6 +416,7 @@ int run_experiment(const ExperimentArguments& arguments) {
   const Experiment& experiment = *loaded.experiment;
   refuse_own_recordings(experiment, arguments.folder);
   refuse_spectators(arguments, experiment);
+  check_ros_arguments(arguments.line, versions_of(experiment), arguments.layout == Layout::fused);
   if (arguments.layout == Layout::separate) {
     experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
     return run_separate(arguments, experiment);

@@ -12,6 +12,7 @@
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/robot/spectators.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace spikeloop::app {
 
@@ -32,6 +33,7 @@ struct ExperimentArguments {
   std::string timeout_given{};  ///< the option, when one of them was
   Console::Volume volume = Console::Volume::normal;
   robot::SpectatorWords spectators{};  ///< of the robot
+  topics::CommandLine line{};          ///< what it has for ROS
 };
 
 /// Returns the exit code. @throws Error when it cannot begin.

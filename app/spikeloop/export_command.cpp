@@ -40,12 +40,11 @@ struct Arguments {
   bool srun = false;
 };
 
-/// Nobody but the user sets variables for such a job.
+/// Nobody but the user sets variables for such a job; what a foreign program reads, nobody knows.
 launch::Hosts hosts_of(const Arguments& arguments, const MusicFile& file) {
   launch::Hosts hosts{.hostfile = arguments.hostfile, .variables = {"PATH"}};
-  if (std::getenv("ROS_MASTER_URI") != nullptr) {
-    hosts.variables.emplace_back("ROS_MASTER_URI");
-  }
+  const std::vector<std::string> of_ros = launch::ros_variables();
+  hosts.variables.insert(hosts.variables.end(), of_ros.begin(), of_ros.end());
   if (launch::any_script(file) && std::getenv("PYTHONPATH") != nullptr) {
     hosts.variables.emplace_back("PYTHONPATH");
   }

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench_command.hpp"
@@ -27,6 +28,7 @@
 #include "run_command.hpp"
 #include "schema_command.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/topics/arguments.hpp"
 
 namespace {
 
@@ -79,6 +81,14 @@ std::string unexpected(const CLI::App& app) {
       suggestion.empty() ? see_help(app) : fmt::format("did you mean '{}'?", suggestion));
 }
 
+/// A run takes names as a node of ROS does, from anywhere on its line.
+spikeloop::topics::CommandLine split(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "run") {
+    return spikeloop::topics::split_command_line(argc, argv);
+  }
+  return {.own = {argv, argv + argc}, .ros = {}, .foreign = {}};
+}
+
 /// Else our first files would take these numbers, and what is printed would go into them.
 void open_standard_files() {
   for (int fd = 0; fd <= 2; ++fd) {
@@ -93,8 +103,9 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
   app.require_subcommand(1);
   std::function<int()> action;
+  const spikeloop::topics::CommandLine line = split(argc, argv);
   spikeloop::app::add_new_command(app, action);
-  spikeloop::app::add_run_command(app, action);
+  spikeloop::app::add_run_command(app, line, action);
   spikeloop::app::add_replay_command(app, action);
   spikeloop::app::add_check_command(app, action);
   spikeloop::app::add_export_command(app, action);
@@ -115,7 +126,8 @@ int run(int argc, char** argv) {
     return fail(message, kUsageError);
   }
   try {
-    app.parse(argc, argv);
+    // Without the program's name, the last word first.
+    app.parse(std::vector<std::string>(line.own.rbegin(), line.own.rend() - 1));
   } catch (const CLI::ExtrasError&) {
     return fail(unexpected(app), kUsageError);
   } catch (const CLI::Success& wanted) {

@@ -12,6 +12,7 @@
 #include "option_values.hpp"
 #include "output.hpp"
 #include "ros2_look.hpp"
+#include "ros_arguments.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -22,6 +23,7 @@ namespace spikeloop::app {
 namespace {
 
 struct RunArguments {
+  topics::CommandLine line;
   std::string file;
   launch::JobOptions job;
   double start_timeout_s = 60;
@@ -44,6 +46,8 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run braitenberg.yaml          an experiment file, in one process; leaves runs/braitenberg-1
   spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
+  spikeloop run explorer.yaml /scan:=/front/scan               other names of topics, as in ROS 1
+  spikeloop run explorer.yaml --ros-args -r /scan:=/front/scan -r __ns:=/arena       as in ROS 2
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
   spikeloop run loop.music --seed 7 --record --out run2
   spikeloop run loop.music --dry-run      what would be started, and how
@@ -97,6 +101,11 @@ void add_options(CLI::App& command, RunArguments& arguments) {
       .add_option("--ros", arguments.ros,
                   "Version of ROS, in place of the key ros of every section, or of the experiment")
       ->check(CLI::IsMember({"1", "2"}));
+  // For help and completion: main() takes it from the command line with all that follows.
+  command.add_flag("--ros-args")
+      ->description(
+          "What follows, to the end or --, is for ROS: -r NAME:=VALUE gives a topic another name, "
+          "as does NAME:=VALUE without --ros-args");
   auto* out =
       command
           .add_option("--out", job.folder,
@@ -214,6 +223,7 @@ int run_file(const RunArguments& arguments) {
     }
   }
   experiment.layout = arguments.layout == "separate" ? Layout::separate : Layout::fused;
+  experiment.line = arguments.line;
   return run_experiment(experiment);
 }
 
@@ -246,6 +256,8 @@ int run(RunArguments& arguments) {
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   arguments.job.published_in_ros2 = published_in_ros2;
   const MusicFile file = read_music_file(arguments.file);
+  check_ros_arguments(arguments.line, versions_of(file, arguments.job.run), false);
+  add_ros_arguments(arguments.line.ros, arguments.job);
   if (!arguments.job.folder.empty() && !arguments.dry_run) {
     arguments.job.versions = about_run(partners_of(file, arguments.job.robot)).dump(2) + "\n";
   }
@@ -258,9 +270,10 @@ int run(RunArguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, std::function<int()>& action) {
+void add_run_command(CLI::App& app, const topics::CommandLine& line, std::function<int()>& action) {
   CLI::App* command = app.add_subcommand("run", "Run an experiment file or a .music file");
   const auto arguments = std::make_shared<RunArguments>();
+  arguments->line = line;
   add_options(*command, *arguments);
   add_experiment_options(*command, *arguments);
   command->footer(kFooter);

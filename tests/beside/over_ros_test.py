@@ -1,19 +1,21 @@
 #!/usr/bin/python3
-"""A script steers a robot over ROS 1: in real time, which a replay repeats; in lockstep, to the bit as
+"""A script steers a robot over either ROS: in real time, which a replay repeats; in lockstep, to the bit as
 in the process; by /clock; and without waiting."""
 
+import contextlib
 import pathlib
 import subprocess
 import sys
 import tempfile
 
 import experiments
+import ros
 
 BRAIN = "simulator: python\nscript: echo.py"
 
 
-def over_ros(scratch, name, **keys):
-    file = experiments.explorer(scratch, BRAIN, ros="1", **keys)
+def over_ros(scratch, name, version, **keys):
+    file = experiments.explorer(scratch, BRAIN, ros=version, **keys)
     summary, _ = experiments.run(file, scratch / name)
     assert summary["layout"] == "fused" and summary["exit_reason"] == "finished", summary
     counters = summary["processes"]["experiment"]["counters"]
@@ -22,16 +24,16 @@ def over_ros(scratch, name, **keys):
     return summary
 
 
-def real_time(scratch):
-    summary = over_ros(scratch, "real", sync="realtime", duration="5 s")
+def real_time(scratch, version):
+    summary = over_ros(scratch, "real", version, sync="realtime", duration="5 s")
     assert summary["scans"] > 40 and summary["distance_m"] > 0.3, summary
     done = subprocess.run([experiments.SPIKELOOP, "replay", str(scratch / "real")],
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "the same in both runs" in done.stdout, done
 
 
-def lockstep(scratch):
-    over_ros(scratch, "stepped", sync="lockstep", duration="5 s")
+def lockstep(scratch, version):
+    over_ros(scratch, "stepped", version, sync="lockstep", duration="5 s")
     inside = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="5 s")
     experiments.run(inside, scratch / "inside")
     for node in ("encoder", "brain"):
@@ -42,13 +44,15 @@ def lockstep(scratch):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as scratch:
-        scratch = pathlib.Path(scratch)
-        real_time(scratch)
-        lockstep(scratch)
-        over_ros(scratch, "clock", sync="sim_time", duration="2 s")
-        over_ros(scratch, "unpaced", sync="unpaced", duration="20 s")
-    print("a script steers over ROS 1 with every sync")
+    for version in "12":
+        with tempfile.TemporaryDirectory() as scratch, (
+                ros.domain() if version == "2" else contextlib.nullcontext()):
+            scratch = pathlib.Path(scratch)
+            real_time(scratch, version)
+            lockstep(scratch, version)
+            over_ros(scratch, "clock", version, sync="sim_time", duration="2 s")
+            over_ros(scratch, "unpaced", version, sync="unpaced", duration="20 s")
+        print(f"a script steers over ROS {version} with every sync")
 
 
 if __name__ == "__main__":

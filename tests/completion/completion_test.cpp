@@ -91,7 +91,7 @@ TEST(BashCompletion, CompletesOptionsAndTheirValues) {
   const Folder folder;
   EXPECT_THAT(folder.bash({"spikeloop", "run", "--du"}), ElementsAre("--duration"));
   EXPECT_THAT(folder.bash({"spikeloop", "run", "loop.music", "--ro"}),
-              ElementsAre("--robot", "--robot-arg", "--ros", "--roscore"));
+              ElementsAre("--robot", "--robot-arg", "--ros", "--ros-args", "--roscore"));
   EXPECT_THAT(folder.bash({"spikeloop", "run", "--duration", ""}), IsEmpty());
   EXPECT_THAT(folder.bash({"spikeloop", "run", "--out", "r"}), ElementsAre("runs"));
   EXPECT_THAT(folder.bash({"spikeloop", "run", "--out", "=", "r"}), ElementsAre("runs"));

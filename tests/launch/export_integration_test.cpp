@@ -92,8 +92,16 @@ TEST(Export, PassesOnOnlyVariablesThatAreSet) {
   const TwoPrograms job;
   const std::string hosts = job.directory().write("hosts", "robot slots=4\n");
   Command command = launcher({"export", job.file(), "--hostfile", hosts});
-  command.environment["ROS_MASTER_URI"] = "http://robot:11311";
+  command.environment = {{"ROS_MASTER_URI", "http://robot:11311"},
+                         {"ROS_DOMAIN_ID", ""},
+                         {"ROS_LOCALHOST_ONLY", ""},
+                         {"ROS_DISTRO", ""}};
   EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI --tag-output "));
+  command.environment["ROS_MASTER_URI"] = "";
+  command.environment["ROS_DOMAIN_ID"] = "7";
+  command.environment["ROS_STATIC_PEERS"] = "robot.local";
+  EXPECT_THAT(run(command).out,
+              HasSubstr(" -x PATH -x ROS_DOMAIN_ID -x ROS_STATIC_PEERS --tag-output "));
 }
 
 }  // namespace

@@ -6,6 +6,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <optional>
+
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::launch {
@@ -31,6 +34,43 @@ TEST(MpirunCommand, OnSeveralHostsPassesOnTheEnvironment) {
                      {.scratch = {}, .hostfile = "hosts", .variables = {"PATH", "ROS_IP"}}));
   EXPECT_THAT(line, testing::HasSubstr(" --hostfile hosts -x PATH -x ROS_IP --tag-output "));
   EXPECT_THAT(line, testing::Not(testing::HasSubstr("orte_tmpdir_base")));
+}
+
+/// Sets a variable for a test, or takes it away.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name); before != nullptr) {
+      before_ = before;
+    }
+    value == nullptr ? ::unsetenv(name) : ::setenv(name, value, 1);
+  }
+  ~Variable() { before_ ? ::setenv(name_, before_->c_str(), 1) : ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST(MpirunCommand, OnSeveralHostsNodesLookForEachOtherAsHere) {
+  const Variable domain("ROS_DOMAIN_ID", "7");
+  const Variable range("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+  const Variable peers("ROS_STATIC_PEERS", "192.0.2.7");
+  const Variable distribution("ROS_DISTRO", "jazzy");
+  const Variable here("ROS_LOCALHOST_ONLY", nullptr);
+  const Variable settings("CYCLONEDDS_URI", nullptr);
+  const Variable master("ROS_MASTER_URI", "http://robot:11311");
+  const auto variables = [](const std::string& keys) {
+    const std::string text = "[a]\nnp=1\nbinary=ros_sensor_adapter\n" + keys;
+    const auto names = variables_of_job(parse_music(text, "f"));
+    return std::vector<std::string>(names.begin() + 5, names.end());  // those of every job
+  };
+  const std::vector<std::string> of_ros2{"ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE",
+                                         "ROS_STATIC_PEERS", "ROS_DISTRO"};
+  EXPECT_EQ(variables("ros=2\n"), of_ros2);
+  EXPECT_THAT(variables(""), ElementsAre("ROS_MASTER_URI"));
 }
 
 TEST(SrunCommand, NamesEachSectionsRanksAndProgram) {

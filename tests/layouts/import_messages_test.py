@@ -160,6 +160,13 @@ def messages(spikeloop, folder):
             (pair("ros_sensor_adapter", keys=sensor + "seed=3\n", more="seed=4\n"), 1,
              "x.music:10:1: section 'b' has seed=4, another one 3: an experiment has one; write "
              "the same in all"),
+            (pair("ros_sensor_adapter", "ros_command_adapter", sensor + "ros=2\n",
+                  "message_mapping_filename=twist.dat\nros_topic=/cmd_vel\n"), 1,
+             "x.music:7:1: section 'b' speaks ROS 1, another one ROS 2: an experiment has one version; "
+             "write  ros=2  in all"),
+            (pair("ros_sensor_adapter", "ros_command_adapter", sensor,
+                  "message_mapping_filename=twist.dat\nros_topic=/cmd_vel\nros=2\n"), 1,
+             "section 'b' speaks ROS 2, another one ROS 1: an experiment has one version; write  ros=1  in all"),
             (pair("ros_sensor_adapter", keys=sensor, more="rate_mox=3\n"), 0,
              "warning: x.music:9:1: key 'rate_mox' has no counterpart in an experiment and is left "
              "out"),

@@ -1,16 +1,20 @@
-// An event camera in a real job: a master, roscpp's publisher, MUSIC, and a program that is not
-// ours at the other end.
+// An event camera in a real job: roscpp's publisher and a master, or ROS 2; MUSIC, and a program
+// that is not ours at the other end.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
 
 #include "robot_job.hpp"
+#include "spikeloop/ros2/session.hpp"
+#include "tests/ros2/domain.hpp"
 
 namespace {
 
@@ -36,19 +40,88 @@ void PrintTo(const Received& event, std::ostream* out) {
 
 using ChannelOf = std::function<std::optional<int>(const CameraEvent&)>;
 
-class EventAdapterTest : public RobotJob {
+/// Fields of a ROS 2 message as XCDR1 has them: numbers at multiples of their sizes, little endian.
+class Cdr {
+ public:
+  template <typename Number>
+  void add(Number number) {
+    bytes_.resize(kHead +
+                  (bytes_.size() - kHead + sizeof number - 1) / sizeof number * sizeof number);
+    const auto* begin = reinterpret_cast<const std::byte*>(&number);
+    bytes_.insert(bytes_.end(), begin, begin + sizeof number);
+  }
+  void add_time(std::int64_t time_ns) {
+    add(static_cast<std::int32_t>(time_ns / (1000 * kMs)));
+    add(static_cast<std::uint32_t>(time_ns % (1000 * kMs)));
+  }
+  const std::vector<std::byte>& message() const { return bytes_; }
+
+ private:
+  static constexpr std::size_t kHead = 4;
+  std::vector<std::byte> bytes_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+};
+
+/// dvs_msgs/EventArray of ROS 2.
+std::vector<std::byte> event_array(const std::vector<CameraEvent>& events) {
+  Cdr cdr;
+  cdr.add_time(events.empty() ? 0 : events.front().stamp_ns);
+  cdr.add(std::uint32_t{1});  // the frame: a NUL
+  cdr.add(char{0});
+  cdr.add(std::uint32_t{kHeight});
+  cdr.add(std::uint32_t{kWidth});
+  cdr.add(static_cast<std::uint32_t>(events.size()));
+  for (const CameraEvent& event : events) {
+    cdr.add(static_cast<std::uint16_t>(event.x));
+    cdr.add(static_cast<std::uint16_t>(event.y));
+    cdr.add_time(event.stamp_ns);
+    cdr.add(static_cast<std::uint8_t>(event.on));
+  }
+  return cdr.message();
+}
+
+/// /events of kWidth x kHeight pixels over ROS 2.
+struct Ros2Camera {
+  FreeDomain domain{};
+  spikeloop::ros2::Session session{{.node_name = "camera", .place = domain.place()}};
+  std::unique_ptr<spikeloop::topics::RawPublisher> events =
+      session.publisher("/events", "dvs_msgs/EventArray", 100);
+};
+
+std::string program(const std::string& name) {
+  return std::string(SPIKELOOP_BIN) + "/" + name;
+}
+
+/// A camera adapter with these keys, and who receives its spikes.
+std::string chain(const std::string& label, const std::string& keys, int width) {
+  return fmt::format(
+      "[{0}]\nbinary={1}\nnp=1\nros_topic=/events\nstamp_guard=false\n{2}\n"
+      "[{0}_sink]\nbinary={3}\nnp=1\nlog={0}.log\n{0}.out -> {0}_sink.spikes_in [{4}]\n",
+      label, program("ros_event_sensor_adapter"), keys, RAW_MUSIC, width);
+}
+
+/// Over ROS 1 or 2.
+class EventAdapterTest : public RobotJob, public testing::WithParamInterface<int> {
  protected:
-  /// A camera adapter with these keys, and who receives its spikes.
-  static std::string chain(const std::string& label, const std::string& keys, int width) {
-    return fmt::format(
-        "[{0}]\nbinary={1}\nnp=1\nros_topic=/events\nstamp_guard=false\n{2}\n"
-        "[{0}_sink]\nbinary={3}\nnp=1\nlog={0}.log\n{0}.out -> {0}_sink.spikes_in [{4}]\n",
-        label, binary("ros_event_sensor_adapter"), keys, RAW_MUSIC, width);
+  EventAdapterTest() {
+    if (GetParam() == 2) {
+      camera_ = std::make_unique<Ros2Camera>();
+    }
+  }
+  void publish_events(const std::vector<CameraEvent>& events) {
+    if (camera_) {
+      camera_->events->publish(event_array(events));
+    } else {
+      robot_.publish_events("/events", kWidth, kHeight, events);
+    }
   }
   void start_job(const std::string& chains, int processes, double seconds) {
-    robot_.publish_events("/events", kWidth, kHeight, {});  // so that it is advertised
-    child_ = std::make_unique<Child>(
-        command(processes, fmt::format("music_timestep=0.002\nstoptime={}\n{}", seconds, chains)));
+    publish_events({});  // so that it is advertised
+    Command made = command(processes, fmt::format("music_timestep=0.002\nstoptime={}\nros={}\n{}",
+                                                  seconds, GetParam(), chains));
+    if (camera_) {
+      made.environment.merge(camera_->domain.place());
+    }
+    child_ = std::make_unique<Child>(made);
   }
   /// 40 messages of 10 ms each with 25 events, no two at the same time; ends when all are out.
   std::vector<CameraEvent> film(std::int64_t begin_ns) {
@@ -64,7 +137,7 @@ class EventAdapterTest : public RobotJob {
       }
       all.insert(all.end(), events.begin(), events.end());
       std::this_thread::sleep_until(due += std::chrono::milliseconds(10));
-      robot_.publish_events("/events", kWidth, kHeight, events);
+      publish_events(events);
     }
     return all;
   }
@@ -102,9 +175,12 @@ class EventAdapterTest : public RobotJob {
   }
 
   std::mt19937 random_{4};
+  std::unique_ptr<Ros2Camera> camera_;  ///< of ROS 2 alone
 };
 
-TEST_F(EventAdapterTest, every_event_comes_once_on_its_channel_and_at_its_time) {
+INSTANTIATE_TEST_SUITE_P(OverRos, EventAdapterTest, testing::Values(1, 2));
+
+TEST_P(EventAdapterTest, every_event_comes_once_on_its_channel_and_at_its_time) {
   const std::map<std::string, ChannelOf> channels = {
       {"whole", [](const CameraEvent& e) { return std::optional(e.y * kWidth + e.x); }},
       {"split",
@@ -143,7 +219,7 @@ TEST_F(EventAdapterTest, every_event_comes_once_on_its_channel_and_at_its_time) 
   }
 }
 
-TEST_F(EventAdapterTest, what_comes_too_late_is_sent_all_the_same) {
+TEST_P(EventAdapterTest, what_comes_too_late_is_sent_all_the_same) {
   start_job(chain("late", "latency=0", 48), 2, 5);
   ASSERT_TRUE(child_->wait_for(kNothing, std::chrono::seconds(60))) << child_->output();
   const auto all = film(kSensor);
@@ -154,22 +230,24 @@ TEST_F(EventAdapterTest, what_comes_too_late_is_sent_all_the_same) {
   EXPECT_EQ(received("late").size(), all.size());
 }
 
-TEST_F(EventAdapterTest, the_camera_must_fit_the_port) {
+TEST_P(EventAdapterTest, the_camera_must_fit_the_port) {
   start_job(chain("camera", "", 47), 2, 60);
   ros_peer::eventually(60, [&] {
-    robot_.publish_events("/events", kWidth, kHeight, {});
+    publish_events({});
     return child_->wait_for("pixels", std::chrono::milliseconds(20));
   });
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text();
   EXPECT_THAT(outcome.text(),
-              HasSubstr(fmt::format("camera: {}/job.music:13:1: a camera of 8 x 6 pixels makes 48 "
+              HasSubstr(fmt::format("camera: {}/job.music:14:1: a camera of 8 x 6 pixels makes 48 "
                                     "channels (polarity=both, downsample=1), but the port has 47; "
                                     "write [48] in its connection",
                                     directory_.path().string())));
 }
 
-TEST_F(EventAdapterTest, another_type_on_the_topic) {
+class EventErrorTest : public RobotJob {};
+
+TEST_F(EventErrorTest, another_type_on_the_topic) {
   robot_.publish_twist("/events", 1, 2);
   child_ = std::make_unique<Child>(
       command(2, "music_timestep=0.002\nstoptime=60\n" + chain("camera", "", 48)));
@@ -183,7 +261,7 @@ TEST_F(EventAdapterTest, another_type_on_the_topic) {
                                         "dvs_msgs/EventArray; write another ros_topic\n"));
 }
 
-TEST_F(EventAdapterTest, sections_are_checked_without_ros) {
+TEST_F(EventErrorTest, sections_are_checked_without_ros) {
   const auto error = [&](const std::string& keys, int width) {
     const std::string file = directory_.write("check.music", chain("camera", keys, width));
     return run({.arguments = {binary("ros_event_sensor_adapter"), "--check-section", file,

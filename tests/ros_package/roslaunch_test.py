@@ -110,12 +110,15 @@ class Roslaunch(unittest.TestCase):
         self.assertNotIn("escalating", told.read_text(encoding="utf-8"))
         self.assertLess(abs(float(path()[-1]["v_m_s"])), 0.01)
 
-    def test_a_remap_of_an_experiment_is_refused(self):
+    def test_an_experiment_gets_its_remaps(self):
+        spikeloop = self.folder / "bin/spikeloop"
+        spikeloop.parent.mkdir()
+        spikeloop.write_text('#!/bin/sh\necho "$@"\n', encoding="utf-8")
+        spikeloop.chmod(0o755)
         done = subprocess.run([workspace.PACKAGE / "scripts/run_experiment", "loop.yaml", "__name:=experiment",
-                               "/scan:=/front/scan"], capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, 2)
-        self.assertEqual(done.stderr, "run_experiment: an experiment's topics are not remapped "
-                         "(/scan:=/front/scan); write them in the experiment file\n")
+                               "/scan:=/front/scan", "__log:=/tmp/log"], capture_output=True, text=True, check=False,
+                              env={"PATH": f"{spikeloop.parent}:/bin"})
+        self.assertEqual(done.stdout, "run loop.yaml /scan:=/front/scan\n")
 
     def test_programs_that_are_not_in_path_are_named(self):
         for script, program in (("run_experiment", "spikeloop"), ("robot", "spikeloop-robot")):

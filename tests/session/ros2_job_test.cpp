@@ -140,8 +140,8 @@ class Ros2Job : public testing::Test {
     return made;
   }
 
-  void run_until_it_drives() {
-    child_ = std::make_unique<Child>(launched(scan_to_twist("stoptime=100")));
+  void run_until_it_drives(const std::string& text = scan_to_twist("stoptime=100")) {
+    child_ = std::make_unique<Child>(launched(text));
     ASSERT_TRUE(eventually(60, [&] {
       const auto twists = robot_.twists();
       return twists.size() > 3 && !twists.back().is_zero();
@@ -192,6 +192,17 @@ TEST_F(Ros2Job, adapter_killed) {
   EXPECT_THAT(outcome.text(), HasSubstr("spikeloop: warning: the robot on /cmd_vel is stopped: its "
                                         "command adapter 'command' has died"));
   EXPECT_EQ(outcome.exit_code, 128 + SIGKILL) << outcome.text();
+}
+
+TEST_F(Ros2Job, adapter_killed_whose_topic_has_another_name) {
+  std::string text = scan_to_twist("stoptime=100");
+  const std::string topic = "ros_topic=/cmd_vel";
+  text.replace(text.find(topic), topic.size(), "ros_topic=/drive\nros_arguments=drive:=/cmd_vel");
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives(text));
+  const TimeNs begin = wall_now();
+  kill(named("ros_command_ada"), SIGKILL);
+  expect_zero_since(begin, "adapter killed");
+  EXPECT_THAT(child_->wait().text(), HasSubstr("the robot on /cmd_vel is stopped"));
 }
 
 TEST_F(Ros2Job, adapter_stopped) {

@@ -3,10 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/error_of.hpp"
+
 namespace {
 
+namespace test = spikeloop::test;
+namespace messages = spikeloop::messages;
 using namespace spikeloop::topics;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Pair;
 
@@ -24,9 +29,73 @@ TEST(CommandLine, arguments_for_ros2_stand_behind_a_sign) {
   const CommandLine line = split_command_line(13, argv);
   EXPECT_THAT(line.own, ElementsAre("robot", "--seed", "3"));
   EXPECT_THAT(line.ros, ElementsAre(Pair("__name", "left"), Pair("scan", "beam")));
+  EXPECT_THAT(line.foreign, ElementsAre("-p a:=1", "--log-level info"));
   const char* const without_end[] = {"robot", "-r", "--ros-args", "-e", "/enclave"};
   EXPECT_THAT(split_command_line(5, without_end).own, ElementsAre("robot", "-r"));
   EXPECT_THAT(split_command_line(5, without_end).ros, IsEmpty());
+  const char* const twice[] = {"--ros-args", "stray",      "-r", "a:=b", "-p",
+                               "c:=1",       "--ros-args", "-r", "c:=d"};
+  EXPECT_THAT(split_command_line(9, twice).ros, ElementsAre(Pair("a", "b"), Pair("c", "d")));
+  EXPECT_THAT(split_command_line(9, twice).foreign, ElementsAre("stray", "-p c:=1"));
+}
+
+TEST(CommandLine, options_keep_their_values) {
+  const char* const argv[] = {"run", "--robot-arg=/scan:=/front/scan", ":=x"};
+  EXPECT_THAT(split_command_line(3, argv).own, ElementsAre("run", argv[1], argv[2]));
+}
+
+std::string error_of_remap(std::initializer_list<const char*> words) {
+  std::vector<const char*> argv{"robot", "--ros-args"};
+  argv.insert(argv.end(), words);
+  return test::error_of([&] { split_command_line(static_cast<int>(argv.size()), argv.data()); });
+}
+
+TEST(CommandLine, a_rule_gives_a_name) {
+  const std::string advice =
+      " (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r /scan:=/front/scan";
+  EXPECT_EQ(error_of_remap({"-r", "scan"}), "'-r scan'" + advice);
+  EXPECT_EQ(error_of_remap({"--remap"}), "'-r'" + advice);
+}
+
+TEST(RosArguments, are_written_and_read_back) {
+  const RosArguments arguments{{"/scan", "/front/scan"}, {"__ns", "/arena"}};
+  EXPECT_EQ(to_text(arguments), "/scan:=/front/scan __ns:=/arena");
+  EXPECT_EQ(read_ros_arguments(" " + to_text(arguments) + "\n"), arguments);
+  EXPECT_THAT(read_ros_arguments(""), IsEmpty());
+  EXPECT_EQ(test::error_of([] { read_ros_arguments("a:=b c"); }),
+            "'c' is no argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan");
+}
+
+std::string error_of_names(messages::Dialect ros, const char* text) {
+  return test::error_of([&] { check_ros_arguments(ros, read_ros_arguments(text)); });
+}
+
+TEST(RosArguments, have_names_of_their_ros) {
+  using messages::Dialect;
+  for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
+    check_ros_arguments(ros, read_ros_arguments("scan:=/front/scan __ns:=arena __name:=brain"));
+    EXPECT_EQ(error_of_names(ros, "__log:=/tmp"),
+              "'__log:=/tmp' means nothing here: topics have other names by NAME:=VALUE, as "
+              "/scan:=/front/scan, and the node by __ns and __name; leave it out");
+    EXPECT_THAT(error_of_names(ros, "__name:=a/b"), HasSubstr("'a/b' is no name of a ROS node"));
+    EXPECT_THAT(error_of_names(ros, "__ns:=a-b"), HasSubstr("'/a-b' is no name of a ROS"));
+    EXPECT_THAT(error_of_names(ros, "/scan:=/a-b"), HasSubstr("'/a-b' is no name of a ROS"));
+    EXPECT_THAT(error_of_names(ros, "a-b:=/scan"), HasSubstr("'a-b' is no name of a ROS"));
+  }
+  // A rule for one node alone.
+  check_ros_arguments(Dialect::ros2, read_ros_arguments("brain:scan:=/front/scan"));
+}
+
+TEST(RosArguments, give_a_topic_another_name) {
+  const auto name = [](const char* text) { return renamed("/scan", read_ros_arguments(text)); };
+  EXPECT_EQ(name(""), "/scan");
+  EXPECT_EQ(name("/odom:=/x __ns:=/arena"), "/scan");
+  EXPECT_EQ(name("/scan:=/front/scan"), "/front/scan");
+  EXPECT_EQ(name("scan:=front/scan"), "/front/scan");
+  EXPECT_EQ(name("scan:=front/scan __ns:=/"), "/front/scan");
+  EXPECT_EQ(name("/scan:=beam __ns:=/arena"), "/arena/beam");
+  EXPECT_EQ(name("/scan:=beam __ns:=arena"), "/arena/beam");
+  EXPECT_EQ(name("scan:=beam __ns:=/arena"), "/scan");
 }
 
 }  // namespace

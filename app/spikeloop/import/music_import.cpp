@@ -120,12 +120,27 @@ class Importer {
     }
     if (options_.robot) {
       text += "robot: {simulator: mujoco, world: arena.xml}\n";
-    } else if (launch::needs_ros(file_, 2)) {
-      text += "ros: 2\n";
-    } else if (launch::needs_ros(file_, 1)) {
-      text += "ros: 1\n";
+    } else if (const int version = common_ros(); version != 0) {
+      text += fmt::format("ros: {}\n", version);
     }
     write_plugins();
+  }
+
+  /// Of all sections that speak ROS; another one's is a problem.
+  int common_ros() {
+    int version = 0;
+    for (const MusicSection& section : file_.sections) {
+      const int own = launch::ros_version(file_, section);
+      if (own != 0 && version != 0 && own != version) {
+        const MusicKey* key = file_.find_key(section, "ros");
+        problem(key == nullptr ? section.where : key->where,
+                fmt::format("section '{}' speaks ROS {}, another one ROS {}: an experiment has one "
+                            "version; write  ros={}  in all",
+                            section.label, own, version, version));
+      }
+      version = version == 0 ? own : version;
+    }
+    return version;
   }
 
   const MusicKey* pacing_key(const char* name) {

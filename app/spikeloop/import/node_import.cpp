@@ -56,6 +56,7 @@ constexpr const char* kOfProcesses[] = {"np",
                                         "pipeline_ticks",
                                         "host",
                                         "ros",
+                                        "ros_arguments",
                                         "ros_node_name",
                                         "sensor_update_rate",
                                         "master_timeout"};

@@ -56,6 +56,9 @@ void apply_options(MusicFile& file, const RunOptions& options) {
     if (options.ros && ros_version(file, section) != 0) {
       set_key(section.keys, "ros", fmt::format("{}", *options.ros));
     }
+    if (!options.ros_arguments.empty() && ros_version(file, section) != 0) {
+      set_key(section.keys, "ros_arguments", options.ros_arguments);
+    }
     if (options.record && find_program(file, section) != nullptr) {
       set_key(section.keys, "record", "true");
     }

@@ -15,7 +15,6 @@ namespace {
 
 /// The exit code of a TransportError.
 constexpr int kPartnerMissing = 3;
-constexpr const char* kScanTopic = "/scan";
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
 /// Somebody else may take a port between our look and roscore's.
@@ -57,7 +56,7 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
 }
 
 /// A robot that was killed has not said goodbye to its master.
-std::vector<std::string> living(const RosMaster& master, const char* topic) {
+std::vector<std::string> living(const RosMaster& master, const std::string& topic) {
   std::vector<std::string> nodes = master.publishers(topic);
   std::erase_if(nodes, [&master](const std::string& node) { return !master.is_alive(node); });
   return nodes;
@@ -141,17 +140,17 @@ bool JobRun::start_roscore() {
 /// Says so when a master still knows a robot that has gone.
 bool JobRun::robot_is_there() {
   if (robot_ros() == 2) {
-    return options_.published_in_ros2 && options_.published_in_ros2(kScanTopic);
+    return options_.published_in_ros2 && options_.published_in_ros2(options_.scan_topic);
   }
   const RosMaster master(ros_environment_["ROS_MASTER_URI"]);
-  if (!living(master, kScanTopic).empty()) {
+  if (!living(master, options_.scan_topic).empty()) {
     return true;
   }
-  for (const std::string& dead : master.publishers(kScanTopic)) {
+  for (const std::string& dead : master.publishers(options_.scan_topic)) {
     log::warning(
         "the ROS master has {} as a publisher of {}, but it does not answer: a robot of "
         "our own is started; 'rosnode cleanup' makes the master forget the other one",
-        dead, kScanTopic);
+        dead, options_.scan_topic);
   }
   return false;
 }
@@ -160,12 +159,12 @@ bool JobRun::robot_is_there() {
 bool JobRun::robot_publishes() {
   return robot_ros() == 2
              ? state_.has_ticked("robot")
-             : !living(RosMaster(ros_environment_["ROS_MASTER_URI"]), kScanTopic).empty();
+             : !living(RosMaster(ros_environment_["ROS_MASTER_URI"]), options_.scan_topic).empty();
 }
 
 bool JobRun::start_robot() {
   if (robot_is_there()) {
-    log::info("{} is published already: no robot is started", kScanTopic);
+    log::info("{} is published already: no robot is started", options_.scan_topic);
     return true;
   }
   ProgramStart start;
@@ -177,16 +176,23 @@ bool JobRun::start_robot() {
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
-  crew_.turn_until([&] { return outcome_ || robot_->gone() || robot_publishes(); }, kRosStart);
+  bool publishes = false;  // once is enough: a busy master answers late
+  crew_.turn_until(
+      [&] {
+        publishes = robot_publishes();
+        return outcome_ || robot_->gone() || publishes;
+      },
+      kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
-  } else if (!outcome_ && !robot_publishes()) {
-    fail(kPartnerMissing, fmt::format("robot: has not published {} within {} s{}", kScanTopic,
-                                      kRosStart.count() / 1000, last_line(*robot_)));
+  } else if (!outcome_ && !publishes) {
+    fail(kPartnerMissing,
+         fmt::format("robot: has not published {} within {} s{}", options_.scan_topic,
+                     kRosStart.count() / 1000, last_line(*robot_)));
   }
   return !outcome_;
 }

@@ -82,15 +82,30 @@ bool is_mpi_speaking(std::string_view text) {
 
 constexpr const char* kMasterVariable = "ROS_MASTER_URI";
 /// Where nodes of ROS 2 look for each other.
-constexpr const char* kRos2Variables[] = {"ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY",
-                                          "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
-                                          "CYCLONEDDS_URI"};
+constexpr const char* kRos2Variables[] = {
+    "ROS_DOMAIN_ID",    "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE",
+    "ROS_STATIC_PEERS", "CYCLONEDDS_URI",     "ROS_DISTRO"};
+
+void add_if_set(const char* name, std::vector<std::string>& names) {
+  if (std::getenv(name) != nullptr) {
+    names.emplace_back(name);
+  }
+}
 
 }  // namespace
 
 std::string own_directory() {
   std::error_code ignored;
   return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
+}
+
+std::vector<std::string> ros_variables() {
+  std::vector<std::string> names;
+  add_if_set(kMasterVariable, names);
+  for (const char* name : kRos2Variables) {
+    add_if_set(name, names);
+  }
+  return names;
 }
 
 std::vector<std::string> variables_of_job(const MusicFile& file) {
@@ -100,8 +115,9 @@ std::vector<std::string> variables_of_job(const MusicFile& file) {
     names.emplace_back(kMasterVariable);
   }
   if (needs_ros(file, 2)) {
-    std::ranges::copy_if(kRos2Variables, std::back_inserter(names),
-                         [](const char* name) { return std::getenv(name) != nullptr; });
+    for (const char* name : kRos2Variables) {
+      add_if_set(name, names);
+    }
   }
   if (any_script(file)) {
     names.emplace_back("PYTHONPATH");

@@ -17,7 +17,7 @@ guard::Hello guard_hello(const topics::Session& session, const Address& address,
                          const topics::Publisher& publisher) {
   const std::vector<double> zero(settings.width, 0.0);
   return {.process = address.process,
-          .topic = address.topic,
+          .topic = session.whole_topic(address.topic),
           .message_type = address.message_type,
           .ros = topics::version_of(session.dialect()),
           .place = session.place(),

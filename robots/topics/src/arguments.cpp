@@ -1,26 +1,97 @@
 #include "spikeloop/topics/arguments.hpp"
 
-#include <string_view>
+#include <fmt/format.h>
+
+#include <sstream>
+#include <utility>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::topics {
 namespace {
 
+constexpr const char* kNamespace = "__ns";
+constexpr const char* kNodeName = "__name";
+
+/// An option may have such a value: --robot-arg=/scan:=/front/scan.
 bool add_name(const std::string& argument, RosArguments& names) {
   const auto place = argument.find(":=");
-  if (place == std::string::npos) {
+  if (place == std::string::npos || place == 0 || argument.front() == '-') {
     return false;
   }
   const std::string name = argument.substr(0, place);
-  names[name == "__node" ? "__name" : name] = argument.substr(place + 2);
+  names[name == "__node" ? kNodeName : name] = argument.substr(place + 2);
   return true;
+}
+
+/// What stands behind --ros-args: options, each with words behind it.
+class Ros2Arguments {
+ public:
+  explicit Ros2Arguments(CommandLine& line) : line_(line) {}
+
+  void take(const std::string& argument) {
+    if (std::exchange(remap_, false)) {
+      if (!add_name(argument, line_.ros)) {
+        refuse_remap(argument);
+      }
+    } else if (argument == "-r" || argument == "--remap") {
+      remap_ = true;
+      foreign_ = false;
+    } else if (argument.starts_with('-') || !foreign_) {
+      line_.foreign.push_back(argument);
+      foreign_ = true;
+    } else {
+      line_.foreign.back() += " " + argument;
+    }
+  }
+  void end() const {
+    if (remap_) {
+      refuse_remap("");
+    }
+  }
+
+ private:
+  [[noreturn]] static void refuse_remap(const std::string& argument) {
+    throw ConfigurationError(
+        fmt::format("'-r{}{}' (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r "
+                    "/scan:=/front/scan",
+                    argument.empty() ? "" : " ", argument));
+  }
+
+  CommandLine& line_;
+  bool remap_ = false;    ///< a rule comes next
+  bool foreign_ = false;  ///< a word belongs to what was foreign before it
+};
+
+/// The topic of a rule, which ROS 2 lets begin with the name of the node that it is for.
+std::string topic_of_rule(messages::Dialect ros, const std::string& name) {
+  const auto colon = ros == messages::Dialect::ros2 ? name.find(':') : std::string::npos;
+  return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+void check_argument(messages::Dialect ros, const std::string& name, const std::string& value) {
+  if (name == kNodeName) {
+    check_node_name(ros, value);
+  } else if (name == kNamespace) {
+    check_topic(ros, value.starts_with('/') ? value : "/" + value);
+  } else if (name.starts_with('_')) {
+    throw ConfigurationError(
+        fmt::format("'{}:={}' means nothing here: topics have other names by NAME:=VALUE, as "
+                    "/scan:=/front/scan, and the node by __ns and __name; leave it out",
+                    name, value));
+  } else {
+    check_topic(ros, topic_of_rule(ros, name));
+    check_topic(ros, value);
+  }
 }
 
 }  // namespace
 
 CommandLine split_command_line(int argc, const char* const* argv) {
   CommandLine line;
+  Ros2Arguments ros2(line);
   bool of_ros2 = false;
-  std::string_view before;
   for (int i = 0; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--ros-args") {
@@ -28,15 +99,57 @@ CommandLine split_command_line(int argc, const char* const* argv) {
     } else if (of_ros2 && argument == "--") {
       of_ros2 = false;
     } else if (of_ros2) {
-      if (before == "-r" || before == "--remap") {
-        add_name(argument, line.ros);
-      }
+      ros2.take(argument);
     } else if (!add_name(argument, line.ros)) {
       line.own.push_back(argument);
     }
-    before = argv[i];
   }
+  ros2.end();
   return line;
+}
+
+std::string to_text(const RosArguments& arguments) {
+  std::string text;
+  for (const auto& [name, value] : arguments) {
+    text += fmt::format("{}{}:={}", text.empty() ? "" : " ", name, value);
+  }
+  return text;
+}
+
+RosArguments read_ros_arguments(const std::string& text) {
+  RosArguments arguments;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!add_name(word, arguments)) {
+      throw ConfigurationError(fmt::format(
+          "'{}' is no argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan", word));
+    }
+  }
+  return arguments;
+}
+
+void check_ros_arguments(messages::Dialect ros, const RosArguments& arguments) {
+  for (const auto& [name, value] : arguments) {
+    check_argument(ros, name, value);
+  }
+}
+
+std::string renamed(const std::string& whole_topic, const RosArguments& arguments) {
+  const auto space = arguments.find(kNamespace);
+  const auto whole = [&](const std::string& name) {
+    if (name.starts_with('/')) {
+      return name;
+    }
+    const std::string in = space == arguments.end() ? "" : space->second;
+    return fmt::format("{}{}/{}", in.empty() || in.starts_with('/') ? "" : "/", in == "/" ? "" : in,
+                       name);
+  };
+  for (const auto& [name, value] : arguments) {
+    if (!name.starts_with('_') && whole(name) == whole_topic) {
+      return whole(value);
+    }
+  }
+  return whole_topic;
 }
 
 }  // namespace spikeloop::topics

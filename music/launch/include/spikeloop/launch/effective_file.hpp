@@ -17,6 +17,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;       ///< `seed` of every section
   std::optional<double> real_time_factor;  ///< `rtf` of every section
   std::optional<int> ros;                  ///< `ros` of sections that speak ROS: 1 or 2
+  std::string ros_arguments{};             ///< `ros_arguments` of these sections; empty: theirs
   bool record = false;                     ///< `record=true` in our sections
   bool pace = true;                        ///< add the pace connection
   bool strict = false;                     ///< `strict=true` in every section

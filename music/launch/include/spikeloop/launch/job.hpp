@@ -35,9 +35,10 @@ struct JobOptions {
   /// is.
   std::function<std::string(const std::string&)> translate{};
   bool roscore = false;  ///< start a ROS master when none answers
-  /// Start spikeloop-robot when nobody publishes /scan, over the ROS that the file's programs
+  /// Start spikeloop-robot when nobody publishes its scans, over the ROS that the file's programs
   /// speak: ROS 2, unless one of them speaks ROS 1.
   bool robot = false;
+  std::string scan_topic = "/scan";  ///< what `robot_arguments` make of it
   /// Whether somebody publishes a topic of ROS 2; empty: nobody is asked.
   std::function<bool(const std::string& topic)> published_in_ros2{};
   std::vector<std::string> robot_arguments{};

@@ -22,6 +22,9 @@ struct Hosts {
   std::vector<std::string> variables{};
 };
 
+/// Those of the environment that say where nodes of both ROS meet.
+std::vector<std::string> ros_variables();
+
 /// Those that a supervised job sets for its programs, and those of ROS 2 that are set.
 std::vector<std::string> variables_of_job(const MusicFile& file);
 

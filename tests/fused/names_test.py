@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+"""Topics get other names on the command line, as each ROS writes it: a run with a robot of its own, beside a
+robot that has the usual names and must not be driven; what means nothing is refused."""
+
+import contextlib
+import csv
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+
+import ros
+import runs
+
+NAMES = ("/scan:=/front/scan", "cmd_vel:=front/wheels")
+AS_WRITTEN = {"1": NAMES, "2": ("--ros-args", "-r", NAMES[0], "--remap", NAMES[1])}
+NODE = {"1": ("__name:=brain",), "2": ("--ros-args", "-r", "__node:=brain")}
+
+
+@contextlib.contextmanager
+def other_robot(version, folder):
+    """Gives its path once it is over, as (x, y)."""
+    path = []
+    with open(folder.with_suffix(".log"), "w+", encoding="utf-8") as said, subprocess.Popen(
+            [str(runs.programs() / "spikeloop-robot"), "--ros", version, "--node-name", "other", "--out", str(folder),
+             "--ros-args", "-p", "use_sim_time:=true", "--log-level", "info"], stderr=said) as robot:
+        try:
+            ros.until(lambda: (folder / "trajectory.csv").exists(), "the other robot's start")
+            yield path
+            assert robot.poll() is None, robot.returncode
+        finally:
+            robot.send_signal(signal.SIGINT)
+            robot.wait(60)
+        said.seek(0)
+        for foreign in ("-p use_sim_time:=true", "--log-level info"):
+            assert f"warning: '{foreign}' (behind --ros-args) means nothing to this robot" in said.read(), foreign
+            said.seek(0)
+    with open(folder / "trajectory.csv", encoding="utf-8") as table:
+        path += [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(table)]
+
+
+def drive(spikeloop, scratch, version, layout, names):
+    """Of a run with a robot of its own."""
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros=version, duration="3 s")
+    folder = scratch / f"{layout}-{version}"
+    summary, printed = runs.run(spikeloop, file, folder, "--layout", layout, *names)
+    assert "no robot is started" not in printed, printed
+    assert summary["distance_m"] > 0.1 and summary["scans"] > 40, summary
+    return folder
+
+
+def refused(spikeloop, scratch):
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="2")
+    alone = runs.new_experiment(spikeloop, scratch / "alone.yaml")
+    for said, where, *words in (
+            ("'-p rate:=5' (behind --ros-args) means nothing to a run, whose settings stand in its file; leave it "
+             "out, or end ROS's arguments by --", file, "--ros-args", "-p", "rate:=5"),
+            ("'--log-level info' (behind --ros-args) means nothing", file, "--ros-args", "--log-level", "info", "--"),
+            ("'-r scan' (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r /scan:=/front/scan", file,
+             "--ros-args", "-r", "scan"),
+            ("'-r' (behind --ros-args) gives no name", file, "--ros-args", "-r"),
+            ("'__log:=/tmp/log' means nothing here", file, "__log:=/tmp/log"),
+            ("'/fr ont' is no name of a ROS 2 topic", file, "/scan:=/fr ont"),
+            ("'__name:=brain' names a node, and this run has several; leave it out", file, "--layout", "separate",
+             "__name:=brain"),
+            ("'/scan:=/front/scan' is for nodes of ROS, and the file has none; leave it out", alone, NAMES[0])):
+        done = subprocess.run([spikeloop, "run", str(where), "--out", str(scratch / "refused"), *words],
+                              capture_output=True, text=True, check=False)
+        assert done.returncode == 2 and said in done.stderr, (words, done.stderr)
+        assert not (scratch / "refused").exists(), words
+
+
+def music(spikeloop, folder):
+    """A .music file of the run before hands its sections what its command line says."""
+    def dry_run(*words):
+        done = subprocess.run([spikeloop, "run", str(folder / "experiment.music"), "--dry-run", *words],
+                              capture_output=True, text=True, check=False)
+        return done.returncode, done.stdout.count("ros_arguments=/scan:=/front/scan\n"), done.stderr
+    assert dry_run(NAMES[0])[:2] == (0, 2), dry_run(NAMES[0])
+    assert dry_run()[:2] == (0, 0)
+    assert "'__name:=brain' names a node" in dry_run("__name:=brain")[2]
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    for version in "12":
+        with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)):
+            scratch = pathlib.Path(scratch)
+            with other_robot(version, scratch / "other") as path:
+                drive(spikeloop, scratch, version, "fused", (*NAMES, *NODE[version]))
+                music(spikeloop, drive(spikeloop, scratch, version, "separate", AS_WRITTEN[version]))
+            assert len(path) > 10 and max(abs(x - path[0][0]) + abs(y - path[0][1]) for x, y in path) < 1e-3, path[-1]
+        print(f"over ROS {version} robots are driven by the names that the command line gives their topics")
+    with tempfile.TemporaryDirectory() as scratch:
+        refused(spikeloop, pathlib.Path(scratch))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
