@@ -31,6 +31,7 @@ Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
   subscriber_ = session.subscriber({.topic = settings_.topic,
                                     .message_type = settings_.type,
                                     .queue = settings_.queue,
+                                    .latched = settings_.latched(),
                                     .take = [this](auto message) { receive(message); },
                                     .refuse = [this](const auto& other) { refuse(other); }});
 }
@@ -71,7 +72,8 @@ void Intake::refuse(const OtherType& other) {
 void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
-  if (told || now - std::max(started_, newest_at) < kPatience) {
+  if (told || (newest_at != 0 && settings_.latched()) ||
+      now - std::max(started_, newest_at) < kPatience) {
     return;
   }
   told = true;
