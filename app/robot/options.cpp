@@ -30,6 +30,18 @@ constexpr const char* kExamples =
     "Exit codes: 0 done or stopped, 2 wrong option or world, 3 no ROS master, 4 a file could not\n"
     "be read or written, 5 the simulation failed.";
 
+/// CLI::Range takes NaN for a number between any two.
+CLI::Validator within(double least, double most) {
+  return {[least, most](std::string& text) {
+            double value = 0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return fits ? std::string()
+                        : fmt::format("Value {} not in range {:f} to {:f}", text, least, most);
+          },
+          fmt::format("FLOAT in [{} - {}]", least, most)};
+}
+
 /// Options that mean something together.
 struct PictureWords {
   std::string camera;
@@ -49,12 +61,12 @@ void declare_pictures(CLI::App& app, PictureWords& words) {
   auto* camera =
       app.add_option("--camera", words.camera, "camera/image_raw: pictures of WIDTHxHEIGHT pixels");
   app.add_option("--camera-rate", words.seen.rate_hz, "pictures in a simulated second")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(within(0.001, 1000.0))
       ->capture_default_str()
       ->needs(camera);
   app.add_option("--camera-fov", words.seen.field_of_view_deg,
                  "degrees from the left edge to the right one")
-      ->check(CLI::Range(1.0, 170.0))
+      ->check(within(1.0, 170.0))
       ->capture_default_str()
       ->needs(camera);
   auto* render = app.add_option(
@@ -69,7 +81,7 @@ void declare_pictures(CLI::App& app, PictureWords& words) {
       ->capture_default_str()
       ->needs(render);
   app.add_option("--render-rate", words.spectators.rate_hz, "pictures in a simulated second")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(within(0.001, 1000.0))
       ->capture_default_str()
       ->needs(render);
   app.add_flag("--view", words.spectators.window, "a window on the world; needs a display");
@@ -84,15 +96,15 @@ void declare(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   auto* duration =
       app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
-          ->check(CLI::Range(0.0, 1e9))
+          ->check(within(0.0, 1e9))
           ->capture_default_str();
   app.add_option("--real-time-factor", options.real_time_factor,
                  "simulated seconds in a second of the wall clock")
-      ->check(CLI::Range(1e-3, 1e3))
+      ->check(within(1e-3, 1e3))
       ->capture_default_str();
   app.add_option("--clock-rate", options.clock_rate_hz,
                  "how often /clock is published, Hz of simulated time")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(within(1.0, 1000.0))
       ->capture_default_str();
   app.add_flag("--step", options.step,
                "waits for nothing but an experiment that steps it (sync: lockstep)")
@@ -114,7 +126,7 @@ void declare(CLI::App& app, RunOptions& options) {
   app.add_option("--node-name", options.node_name, "name of the ROS node")->capture_default_str();
   app.add_option("--master-timeout", options.master_timeout_s,
                  "seconds to wait for the master of ROS 1")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(within(0.0, 1e6))
       ->capture_default_str();
 }
 

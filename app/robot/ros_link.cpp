@@ -17,14 +17,19 @@ class RosLink::Impl {
         clock_(session.publisher(options.topic(options.clock_topic), kClockType)),
         twist_(session.dialect()) {
     for (const SensorTopic& sensor : sensors) {
-      sensors_.push_back(session.publisher(options.sensor_topic(sensor.name), sensor.type));
+      const std::string topic = options.sensor_topic(sensor.name);
+      sensors_.push_back(sensor.latched() ? session.publisher(topic, sensor.type, 1, true)
+                                          : session.publisher(topic, sensor.type));
+      latched_.push_back(sensor.latched());
     }
     subscriber_ = session.subscriber({.topic = options.topic(options.command_topic),
                                       .message_type = kTwistType,
                                       .take = [this](auto message) { receive(message); }});
   }
 
-  bool wanted(std::size_t sensor) const { return sensors_[sensor]->has_subscribers(); }
+  bool wanted(std::size_t sensor) const {
+    return latched_[sensor] || sensors_[sensor]->has_subscribers();
+  }
   void publish(std::size_t sensor, std::span<const std::byte> message) {
     sensors_[sensor]->publish(message);
   }
@@ -53,6 +58,7 @@ class RosLink::Impl {
 
   topics::Session& session_;
   std::vector<std::unique_ptr<topics::RawPublisher>> sensors_;
+  std::vector<bool> latched_;  // of each of them
   ClockMessage clock_message_;
   std::unique_ptr<topics::RawPublisher> clock_;
   TwistReader twist_;

@@ -29,7 +29,7 @@ class RosLink {
           const std::vector<SensorTopic>& sensors);
   ~RosLink();
 
-  /// Whether somebody listens to a sensor.
+  /// Whether somebody listens to a sensor, or may later.
   bool wanted(std::size_t sensor) const;
   void publish(std::size_t sensor, std::span<const std::byte> message);
   void publish_clock(TimeNs time);

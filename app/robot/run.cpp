@@ -68,14 +68,14 @@ class Loop {
     return std::max<TimeNs>(1, std::llround(seconds * 1e9 / static_cast<double>(kTick))) * kTick;
   }
 
-  // Everything that is due at `t`, which no subscriber has to hear about at 0: ROS takes a stamp
-  // of zero for none.
+  // Everything that is due at `t`, which no subscriber has to hear about at 0, but what never
+  // changes: ROS takes a stamp of zero for none.
   void publish(TimeNs t) {
     if (t % kRowPeriod == 0 && trajectory_) {
       trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
     }
     for (std::size_t i = 0; i < sensors_.topics().size(); ++i) {
-      if (!sensors_.due(i, t) || t == 0) continue;
+      if (!sensors_.due(i, t) || (t == 0 && !sensors_.topics()[i].latched())) continue;
       if (i == 0) ++scans_;
       if (ros_.wanted(i)) ros_.publish(i, sensors_.write(i, vehicle_));
     }

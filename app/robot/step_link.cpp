@@ -29,7 +29,10 @@ StepLink::StepLink(const RunOptions& options, topics::Session& session,
       command_topic_(session.whole_topic(options.topic(options.command_topic))) {
   for (const SensorTopic& sensor : sensors) {
     const std::string topic = options.sensor_topic(sensor.name);
-    sensors_.push_back({session.whole_topic(topic), session.publisher(topic, sensor.type, 0)});
+    const std::uint32_t queue = sensor.latched() ? 1 : 0;
+    sensors_.push_back({.name = session.whole_topic(topic),
+                        .publisher = session.publisher(topic, sensor.type, queue, sensor.latched()),
+                        .latched = sensor.latched()});
   }
   command_subscriber_ = session.subscriber(
       {.topic = command_topic_, .message_type = kTwistType, .queue = 0, .take = [this](auto twist) {
@@ -102,16 +105,18 @@ void StepLink::begin(const std::vector<std::string>& sensors) {
   newest_.reset();
   for (Topic& sensor : sensors_) {
     sensor.taken = std::ranges::find(sensors, sensor.name) != sensors.end();
-    sensor.count = 0;
+    sensor.count = sensor.latched && sensor.sent ? 1 : 0;
   }
 }
 
 bool StepLink::wanted(std::size_t sensor) const {
-  return sensors_[sensor].taken || sensors_[sensor].publisher->has_subscribers();
+  const Topic& topic = sensors_[sensor];
+  return topic.latched ? !topic.sent : topic.taken || topic.publisher->has_subscribers();
 }
 
 void StepLink::publish(std::size_t sensor, std::span<const std::byte> message) {
   sensors_[sensor].publisher->publish(message);
+  sensors_[sensor].sent = true;
   ++sensors_[sensor].count;
 }
 
@@ -144,7 +149,7 @@ void StepLink::publish_clock(TimeNs time) {
 void StepLink::answer(TimeNs time) {
   stepping::Answer answer{.time = time};
   for (const Topic& sensor : sensors_) {
-    if (sensor.taken || sensor.count > 0) answer.published[sensor.name] = sensor.count;
+    if (sensor.taken || (sensor.count > 0 && !sensor.latched)) answer.published[sensor.name] = sensor.count;
   }
   answers_->publish(stepping::string_message(session_.dialect(), to_text(answer)));
 }

@@ -28,7 +28,8 @@ class StepLink {
   /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
   /// cannot read.
   std::optional<stepping::Request> next(const std::atomic<bool>& stop);
-  /// Counts begin with 0. `sensors` are the topics that the experiment takes.
+  /// Counts begin with 0, but with 1 what a run before has published for all. `sensors` are the
+  /// topics that the experiment takes.
   void begin(const std::vector<std::string>& sensors);
   /// Waits until so many commands have come, then gives the newest of those not given yet.
   /// @param problem what is wrong with their number
@@ -49,6 +50,8 @@ class StepLink {
   struct Topic {
     std::string name;
     std::unique_ptr<topics::RawPublisher> publisher;
+    bool latched = false;  // its one message reaches everybody, whenever they come
+    bool sent = false;
     bool taken = false;  // by the experiment
     std::uint64_t count = 0;
   };

@@ -141,6 +141,12 @@ void add_safety(const Parameters& keys, const CommandMapping& mapping, const std
   if (manual != kNone) {
     settings.manual.topic =
         checked_topic(keys, "override", ros, manual.empty() ? topic + "_manual" : manual, topic);
+    if (settings.manual.topic == settings.emergency_stop.topic) {
+      throw ConfigurationError(
+          keys.where("override"),
+          fmt::format("override: {} is the topic of the emergency stop; write another one, or none",
+                      settings.manual.topic));
+    }
   }
 }
 

@@ -297,13 +297,15 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
                      fmt::format("--real-time-factor={}", experiment.real_time_factor),
                      fmt::format("--sync={}", experiment::name_of(experiment.sync)),
                      fmt::format("--ros={}", experiment::name_of(experiment.ros)),
-                     "--ros-arguments=" + options.run.ros_arguments,
                      fmt::format("--stall-timeout={}",
                                  std::chrono::duration<double>(arguments.stall_timeout).count()),
                      "--about=" + about_run(partners_of(experiment, false)).dump()};
   if (experiment.duration) {
     set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
     options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
+  }
+  if (!options.run.ros_arguments.empty()) {
+    options.program.push_back("--ros-arguments=" + options.run.ros_arguments);
   }
   if (!arguments.record) {
     options.program.emplace_back("--no-record");

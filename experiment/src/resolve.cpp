@@ -197,6 +197,7 @@ constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserS
                                        {kRosSensor, "/imu", "sensor_msgs/Imu"},
                                        {kRosSensor, "/joint_states", "sensor_msgs/JointState"},
                                        {kRosSensor, "/tf", "tf2_msgs/TFMessage"},
+                                       {kRosSensor, "/tf_static", "tf2_msgs/TFMessage"},
                                        {kRosSensor, "/light", "std_msgs/Float64MultiArray"},
                                        {kRosSensor, kImageTopic, "sensor_msgs/Image"},
                                        {kRosSensor, kInfoTopic, "sensor_msgs/CameraInfo"},

@@ -144,8 +144,15 @@ command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
 
 command::Override manual_override(const Part& part) {
   const Parameters keys = inner_keys(part, "override", override_parameters());
-  return {.topic = topic_of(part, "override", keys, part.parameters.text("topic") + "_manual"),
-          .timeout = from_seconds(keys.number("timeout"))};
+  const std::string topic =
+      topic_of(part, "override", keys, part.parameters.text("topic") + "_manual");
+  if (!topic.empty() && topic == emergency_stop(part).topic) {
+    throw ConfigurationError(
+        part.parameters.where("override"),
+        fmt::format("key 'override': {} is the topic of the emergency stop; write another one",
+                    topic));
+  }
+  return {.topic = topic, .timeout = from_seconds(keys.number("timeout"))};
 }
 
 TimeNs spike_timeout(const Part& command) {

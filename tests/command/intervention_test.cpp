@@ -165,6 +165,29 @@ TEST_F(InterventionTest, a_manual_command_that_is_not_finite_is_a_zero) {
   EXPECT_EQ(count("stops_not_finite"), 1U);
 }
 
+/// Never slower than 0.1.
+class AheadTest : public InterventionTest {
+ protected:
+  AheadTest() : InterventionTest({{0.1, 0.8}}) {}
+};
+
+TEST_F(AheadTest, a_manual_command_that_is_not_finite_is_a_zero_whatever_the_limits) {
+  command(0.5, 0);
+  manual(std::nan(""), 10 * kMs);
+  for (TimeNs t = 11 * kMs; t < 500 * kMs; t += kMs) {
+    command(0.5, t);
+    channel_.poll(t);
+  }
+  EXPECT_EQ(sent_.front(), 0.5);
+  sent_.erase(sent_.begin());
+  EXPECT_THAT(sent_, testing::Each(0));
+  EXPECT_EQ(channel_.stopped_by(), StopReason::not_finite);
+  manual(0.3, 501 * kMs);
+  EXPECT_EQ(sent_.back(), 0.3);
+  command(0.5, 1100 * kMs);
+  EXPECT_EQ(sent_.back(), 0.5) << "the hand's time is over";
+}
+
 /// At most 1 in either direction, 2 a second.
 class BoundedTest : public InterventionTest {
  protected:

@@ -143,6 +143,10 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
                    "themselves; write another one"}},
+        WrongFile{"override on the topic of the emergency stop",
+                  {{"angular.z: 1}", "angular.z: 1}, override: /emergency_stop"}},
+                  {"x.yaml:10:111: key 'override': /emergency_stop is the topic of the emergency "
+                   "stop; write another one"}},
         WrongFile{"override without time",
                   {{"angular.z: 1}", "angular.z: 1}, override: {timeout: 0 s}"}},
                   {"x.yaml:10:111: key 'override': key 'timeout': 0 is out of bounds; write a "

@@ -25,12 +25,15 @@ nodes:
   wheels: {{node: ros_sensor, topic: /joint_states, message: sensor_msgs/JointState, fields: [velocity]}}
   frames: {{node: ros_sensor, topic: /tf, message: tf2_msgs/TFMessage,
            fields: ["transforms[0].transform.translation.x"]}}
+  fixed: {{node: ros_sensor, topic: /tf_static, message: tf2_msgs/TFMessage,
+          fields: ["transforms[child_frame_id=laser].transform.translation.x"]}}
   eye: {{node: ros_sensor, topic: /camera/image_raw, message: sensor_msgs/Image, fields: [data]}}
   turn: {{node: function, function: "x0; x1"}}
   a: {{node: low_pass}}
   b: {{node: low_pass}}
   c: {{node: low_pass}}
   d: {{node: low_pass}}
+  e: {{node: low_pass}}
   drive: {{node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist,
           fields: {{linear.x: {{channel: 0, offset: 0.3}}, angular.z: 1}}}}
 connections:
@@ -39,6 +42,7 @@ connections:
   - wheels -> b [4]
   - frames -> c [1]
   - eye -> d [576]
+  - fixed -> e [1]
 """
 
 

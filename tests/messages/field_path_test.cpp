@@ -19,7 +19,7 @@ Catalog test_catalog() {
               "bool truth\nint8 a\nuint8 b\nint16 c\nuint16 d\nint32 e\nuint32 f\nint64 g\n"
               "uint64 h\nfloat32 i\nfloat64 j\ntime k\nduration l\nstring m\nstring[] n\n"
               "geometry_msgs/Point[] points\nstd_msgs/String[2] names\nint16[3] fixed\n"
-              "std_msgs/Empty[] nothing\nfloat64 last");
+              "std_msgs/Empty[] nothing\nfloat64 last\nsensor_msgs/Joy[] nested");
   return catalog;
 }
 
@@ -127,6 +127,25 @@ TEST(FieldPath, errors_say_what_to_write) {
             "k.nsecs or k (seconds)");
   EXPECT_EQ(error_of("m"),
             "field path 'm' of my_msgs/All: a text is no number; name a field with a number type");
+}
+
+TEST(FieldPath, nobody_reaches_for_more_elements_than_a_port_has_channels) {
+  const auto refusal = [](const std::string& path, const std::string& what) {
+    return "field path '" + path + "' of std_msgs/Float64MultiArray: '" + what +
+           "' reaches beyond the first 16777216 elements; no path takes more";
+  };
+  for (const std::string what : {"[16777216]", "[0:16777217]", "[4294967295]", "[16777216:]",
+                                 "[18446744073709551615]", "[0:18446744073709551615]"}) {
+    EXPECT_EQ(error_of("data" + what, "std_msgs/Float64MultiArray"), refusal("data" + what, what));
+  }
+  const std::string nothing = "no error";
+  EXPECT_EQ(error_of("data[16777215]", "std_msgs/Float64MultiArray"), nothing);
+  EXPECT_EQ(error_of("data[0:16777216]", "std_msgs/Float64MultiArray"), nothing);
+  EXPECT_EQ(error_of("data[16777215:]", "std_msgs/Float64MultiArray"), nothing);
+  EXPECT_EQ(error_of("nested[0:10000].axes[0:10000]"),
+            "field path 'nested[0:10000].axes[0:10000]' of my_msgs/All: "
+            "'nested[0:10000].axes[0:10000]' reaches beyond the first 16777216 elements; no path "
+            "takes more");
 }
 
 TEST(FieldPath, hostile_lengths_end_at_once) {

@@ -75,6 +75,9 @@ TEST(MessageWriter, errors_say_what_to_write) {
   EXPECT_EQ(error_of("MultiArrayLayout", {"dim.size"}),
             "field path 'dim.size' of std_msgs/MultiArrayLayout: the array's length is not known; "
             "name its elements, as in [0]");
+  EXPECT_EQ(error_of("tf2_msgs/TFMessage", {"transforms[16000000].transform.translation.x"}),
+            "field path 'transforms[16000000].transform.translation.x' of tf2_msgs/TFMessage: the "
+            "message would be longer than 1 GB; name elements nearer to the first one");
   const MessageWriter writer(Catalog::builtin(Dialect::ros1), "PoseWithCovariance", {"covariance"});
   const std::vector<double> numbers(3);
   std::vector<std::byte> bytes;

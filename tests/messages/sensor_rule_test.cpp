@@ -140,6 +140,26 @@ TEST_P(SensorRules, elements_by_name) {
   EXPECT_THAT(c.channels(), ElementsAre(-5));
 }
 
+TEST_P(SensorRules, elements_that_no_message_has_are_told) {
+  const auto joints = [this](const std::string& name) {
+    return message("sensor_msgs/JointState", {{"name[0]", {}, name}, {"position", {1.5}}});
+  };
+  const auto paths = plain_fields({"position[name=arm]", "position[name=hand]"});
+  auto c = conversion("sensor_msgs/JointState", paths, 2, true);
+  auto whole = conversion("sensor_msgs/JointState", paths, 2, true);
+  for (int i = 0; i < 40; ++i) {
+    c.convert(joints("arm"));
+    EXPECT_EQ(c.take_warning(),
+              i == 19 ? "the first 20 messages had no 'position[name=hand]', so channel 1 has no "
+                        "value"
+                      : "")
+        << i;
+    whole.convert(joints(i % 2 == 0 ? "arm" : "hand"));
+    EXPECT_EQ(whole.take_warning(), "") << "two nodes publish a part each";
+  }
+  EXPECT_THAT(c.channels(), ElementsAre(1.5, IsNan()));
+}
+
 /// Two by two pixels: red, green, blue, white.
 std::vector<Field> picture() {
   return {{"header.frame_id", {}, "camera"},
@@ -306,6 +326,9 @@ TEST_P(SensorRules, what_is_wrong_is_said) {
                   "' of sensor_msgs/PointCloud2: it selects nothing; write points.NAME, "
                   "points.NAME[index] or points.NAME[first:end]");
   }
+  EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[0:4294967295]"})),
+            "field path 'points.x[0:4294967295]' of sensor_msgs/PointCloud2: '[0:4294967295]' "
+            "reaches beyond the first 16777216 elements; no path takes more");
   EXPECT_EQ(error_of("sensor_msgs/LaserScan", plain_fields({"range"})).substr(0, 84),
             "field path 'range' of sensor_msgs/LaserScan: sensor_msgs/LaserScan has no field 'ran");
 }

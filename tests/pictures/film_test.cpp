@@ -154,6 +154,18 @@ TEST_F(FilmTest, WhatCannotBeWrittenIsRefused) {
             "another name, or a directory for single pictures");
 }
 
+TEST_F(FilmTest, APictureThatCannotBeWrittenIsRefusedBeforeTheDrive) {
+  const vehicle::Vehicle vehicle = world_.vehicle();
+  EXPECT_THROW(Film(vehicle, {.path = "/nowhere/end.png"}), FileError);
+  std::filesystem::create_directories(path("folder.png"));
+  EXPECT_THROW(Film(vehicle, {.path = path("folder.png")}), FileError);
+  directory_.write("old.png", "an old picture");
+  { const Film film(vehicle, {.path = path("old.png")}); }
+  EXPECT_EQ(directory_.read("old.png"), "an old picture") << "until there is another one";
+  { const Film film(vehicle, {.path = path("new.png")}); }
+  EXPECT_FALSE(std::filesystem::exists(path("new.png")));
+}
+
 TEST_F(FilmTest, WithoutFfmpegItSaysSo) {
   const std::string old = ::getenv("PATH");
   ::setenv("PATH", directory_.path().c_str(), 1);

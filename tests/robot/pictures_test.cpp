@@ -67,6 +67,8 @@ TEST(RobotPictures, WrongWordsAreRefusedBeforeAnythingElse) {
   EXPECT_EQ(refusal({"--render", "a", "--render-view", "front"}),
             "spikeloop-robot: unknown view 'front'; write above, chase, camera, or several of them "
             "as above+chase\n");
+  EXPECT_THAT(refusal({"--render", "a", "--render-rate", "nan"}),
+              testing::HasSubstr("--render-rate: Value nan not in range"));
   EXPECT_THAT(refusal({"--render-rate", "5"}),
               testing::HasSubstr("--render-rate requires --render"));
   EXPECT_THAT(refusal({"--camera-fov", "50"}),

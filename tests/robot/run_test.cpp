@@ -219,6 +219,9 @@ TEST(RobotErrors, CommandLine) {
   EXPECT_EQ(of({"--real-time-factor", "0"}).exit_code, 2);
   EXPECT_TRUE(of({"--real-time-factor", "0"}).says("not in range 0.001000 to 1000.000000"))
       << of({"--real-time-factor", "0"}).text();
+  for (const char* option : {"--duration", "--clock-rate", "--master-timeout"}) {
+    EXPECT_TRUE(of({option, "nan"}).says("Value nan not in range")) << option;
+  }
   EXPECT_EQ(of({"--version"}).exit_code, 0);
   EXPECT_TRUE(of({"--version"}).says("spikeloop-robot "));
   const auto help = of({"--help"});

@@ -69,6 +69,7 @@ TEST_P(RobotSensors, TopicsTypesAndPeriods) {
       {"imu", {"sensor_msgs/Imu", 10}},
       {"joint_states", {"sensor_msgs/JointState", 20}},
       {"/tf", {"tf2_msgs/TFMessage", 20}},
+      {"/tf_static", {"tf2_msgs/TFMessage", 0}},
       {"light", {"std_msgs/Float64MultiArray", 20}},
       {"camera/image_raw", {"sensor_msgs/Image", 100}},
       {"camera/camera_info", {"sensor_msgs/CameraInfo", 100}}};
@@ -76,7 +77,7 @@ TEST_P(RobotSensors, TopicsTypesAndPeriods) {
 
   const vehicle::Vehicle dark({"arena", 4});
   const Sensors few(dark, {.dialect = GetParam()});
-  EXPECT_EQ(few.topics().size(), 5U) << "no lamps, no camera";
+  EXPECT_EQ(few.topics().size(), 6U) << "no lamps, no camera";
 }
 
 TEST_P(RobotSensors, EveryMessageHasItsTime) {
@@ -115,13 +116,23 @@ TEST_P(RobotSensors, TransformsAreTheOdometry) {
     EXPECT_EQ(one("/tf", std::string("transforms[0].transform.rotation.") + field),
               one("odom", std::string("pose.pose.orientation.") + field));
   }
-  EXPECT_EQ(one("/tf", "transforms[1].transform.translation.x"), 0.10) << "the laser";
-  EXPECT_EQ(one("/tf", "transforms[1].transform.translation.z"), 0.12);
-  EXPECT_EQ(one("/tf", "transforms[2].transform.translation.x"), 0.195) << "the camera";
-  EXPECT_EQ(one("/tf", "transforms[2].header.stamp.nsecs"), 234e6);
-  for (const char* frame : {"odom", "base_link", "laser", "camera_optical"}) {
-    EXPECT_TRUE(holds("/tf", frame)) << frame;
-  }
+  EXPECT_EQ(one("/tf", "transforms[0].header.stamp.nsecs"), 234e6);
+  EXPECT_EQ(read("/tf", "transforms.transform.translation.x").size(), 1u) << "what moves, alone";
+  EXPECT_TRUE(holds("/tf", "odom") && holds("/tf", "base_link") && !holds("/tf", "laser"));
+}
+
+TEST_P(RobotSensors, WhatDoesNotMoveIsToldOnce) {
+  const char* const topic = "/tf_static";
+  EXPECT_EQ(one(topic, "transforms[child_frame_id=laser].transform.translation.x"), 0.10);
+  EXPECT_EQ(one(topic, "transforms[child_frame_id=laser].transform.translation.z"), 0.12);
+  EXPECT_EQ(one(topic, "transforms[child_frame_id=camera_optical].transform.translation.x"), 0.195);
+  EXPECT_EQ(read(topic, "transforms.transform.translation.x").size(), 2u);
+  EXPECT_TRUE(holds(topic, "base_link") && !holds(topic, "odom"));
+  EXPECT_TRUE(sensors_->topics()[index(topic)].latched());
+  EXPECT_FALSE(sensors_->topics()[index("/tf")].latched());
+  EXPECT_TRUE(sensors_->due(index(topic), 0));
+  for (TimeNs time = 0; time < 100 * kMs; time += kMs)
+    EXPECT_FALSE(sensors_->due(index(topic), time));
 }
 
 TEST_P(RobotSensors, LightIsLeftThenRight) {

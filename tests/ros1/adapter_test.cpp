@@ -177,7 +177,7 @@ TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
   finish();
   EXPECT_THAT(child_->output(),
               HasSubstr("sensor: warning: no message has come on topic '/scan' for 2 s; 'rostopic "
-                        "list' shows what there is"));
+                        "list' shows what there is with ROS_MASTER_URI=http"));
 }
 
 // A laser that sees nothing at all is as good as one that is silent.

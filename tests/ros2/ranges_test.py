@@ -109,11 +109,27 @@ def fast_dds_on_two_machines():
         ("localhost", second, "SUBNET", first, True), ("localhost", second, "OFF", "", False))]
 
 
+def without_end(machine):
+    """A peer that cannot be reached is told of, but not for each of its ports, every time that it is looked for."""
+    with tempfile.TemporaryDirectory() as scratch, contextlib.closing(
+            Side(OURS, "1", "brain", machine=machine, log=pathlib.Path(scratch) / "brain",
+                 **place("SUBNET", "192.0.2.7", "1"))) as side:
+        end = time.monotonic() + PATIENCE_S
+        told = lambda: side.output().count("192.0.2.7")  # noqa: E731
+        while not told() or "ready" not in side.output():
+            assert time.monotonic() < end, side.output()
+            time.sleep(0.05)
+        time.sleep(STRANGERS_S)
+        assert told() <= 3, f"{told()} messages of one peer:\n{side.output()}"
+    print("a peer that cannot be reached: told of, and no more")
+
+
 def main():
     networks.enter()
     with networks.alone() as machine:
         meet(table(("127.0.0.1", "localhost"), on_one_machine), (machine, machine), "a machine without a network")
         meet(fast_dds_on_one_machine(), (machine, machine), "a machine without a network, Fast DDS")
+        without_end(machine)
     with networks.joined(ADDRESSES) as (first, second):
         meet(table((ADDRESSES[0], ADDRESSES[0]), on_one_machine), (first, first), "a machine with a network")
         meet(table(ADDRESSES, on_two_machines), (first, second), "two machines")

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/ros2/session.hpp"
 
@@ -76,6 +77,7 @@ int main(int argc, char** argv) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  log::set_sink([](log::Level, std::string_view text) { say(fmt::format("log: {}", text)); });
   const bool brain = argc > 2 && std::string_view(argv[2]) == "brain";
   topics::Place place = discovery::environment();
   place["ROS_DOMAIN_ID"] = argv[1];

@@ -107,6 +107,21 @@ TEST_F(TopicsTest, has_lost_messages_sent_again_when_every_one_is_wanted) {
   EXPECT_LT(newest.count(), kMessages) << "nothing was lost on the way";
 }
 
+TEST_F(TopicsTest, has_what_was_published_before_when_both_are_latched) {
+  const auto publisher = robot_.publisher("/in", "std_msgs/String", 1, true);
+  publisher->publish(message_of(pattern(16, 1)));
+  publisher->publish(message_of(pattern(16, 2)));
+  Heard late;
+  auto subscription = late.subscription("/in", "std_msgs/String", 10);
+  subscription.latched = true;
+  const auto subscriber = brain_.subscriber(subscription);
+  ASSERT_TRUE(eventually(kLong, [&] { return late.count() == 1; }));
+  EXPECT_EQ(fields_of(late.messages()[0]), pattern(16, 2));
+  publisher->publish(message_of(pattern(16, 3)));
+  ASSERT_TRUE(eventually(kLong, [&] { return late.count() == 2; }));
+  EXPECT_EQ(fields_of(late.messages()[1]), pattern(16, 3));
+}
+
 TEST_F(TopicsTest, knows_who_is_there) {
   const auto publisher = robot_.publisher("/in", "std_msgs/String");
   EXPECT_FALSE(publisher->has_subscribers());

@@ -3,6 +3,7 @@
 leave within the limits, a second sensor that falls silent is named and comes back."""
 
 import json
+import math
 import pathlib
 import signal
 import subprocess
@@ -67,6 +68,9 @@ def drive_by_hand(person):
     assert by_hand == {0.3}, by_hand
     person.drive_by_hand(7)
     ros.until(lambda: person.last() == 0.8, "the upper limit", 1)
+    message.linear.x = math.nan
+    person.manual.publish(message)
+    ros.until(lambda: person.last() == 0, "a stop, as there is no such speed", 1)
     ros.until(lambda: person.is_driven() and person.last() not in (0.3, 0.8), "the network", 10)
 
 
@@ -99,6 +103,7 @@ def with_people(spikeloop, person, version, layout, folder):
     text = printed.read_text()
     assert "the emergency stop, topic '/emergency_stop', says so" in text, text
     assert "the robot is driven by hand, on topic '/cmd_vel_manual'" in text, text
+    assert "topic '/cmd_vel_manual': a command by hand that is not a finite number stops the robot" in text, text
     processes = json.loads((folder / layout / "summary.json").read_text())["processes"]
     counters = {name.removeprefix("wheels.").removeprefix("topic."): value
                 for process in processes.values() for name, value in process["counters"].items()}

@@ -250,14 +250,28 @@ TEST_F(Ros2Job, a_topic_of_another_type) {
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(outcome.text(),
               HasSubstr("topic '/cmd_vel' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; "
-                        "write message_type=geometry_msgs/Twist or another ros_topic"));
+                        "write geometry_msgs/Twist as the type of the messages, or another topic"));
+}
+
+TEST_F(Ros2Job, commands_that_nobody_takes) {
+  std::string job = scan_to_twist("stoptime=4");
+  job.replace(job.find("ros_topic=/cmd_vel"), 18, "ros_topic=/cmd");
+  const auto outcome = run(launched(job));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_THAT(outcome.text(),
+              HasSubstr("nobody takes geometry_msgs/Twist on topic '/cmd', so no robot is driven; "
+                        "'ros2 topic info /cmd' shows who is there, and with which type"));
+  const auto driven = run(launched(scan_to_twist("stoptime=4")));
+  EXPECT_EQ(driven.exit_code, 0) << driven.text();
+  EXPECT_THAT(driven.text(), Not(HasSubstr("nobody takes")));
 }
 
 TEST_F(Ros2Job, silence_and_names) {
   const auto silent = run(launched(scan_to_twist("stoptime=4", "", "/nothing")));
   EXPECT_EQ(silent.exit_code, 0) << silent.text();
   EXPECT_THAT(silent.text(), HasSubstr("no message has come on topic '/nothing' for 2 s; 'ros2 "
-                                       "topic list' shows what there is"));
+                                       "topic list' shows what there is with ROS_DOMAIN_ID=" +
+                                       domain_.place().at("ROS_DOMAIN_ID")));
   const auto wrong = run(launched(scan_to_twist("stoptime=1", "", "/front/2nd")));
   EXPECT_EQ(wrong.exit_code, 2) << wrong.text();
   EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is no name of a ROS 2 topic"));

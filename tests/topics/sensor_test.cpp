@@ -116,7 +116,7 @@ TEST_P(SensorTest, another_type_on_the_topic) {
   ASSERT_TRUE(until_taken(*scans, [&] { robot_.publish_twist("/in", 1, 2); }));
   EXPECT_EQ(error_of(*scans, data),
             "topic '/in' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; write "
-            "message_type=geometry_msgs/Twist or another ros_topic");
+            "geometry_msgs/Twist as the type of the messages, or another topic");
 }
 
 TEST_P(SensorTest, warnings_come_once) {

@@ -44,7 +44,7 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (held_) {
     return repeat_zero(now);
   }
-  return drive(still_overridden(now) ? override_ : values, now);
+  return still_overridden(now) ? drive_by_hand(now) : drive(values, now);
 }
 
 TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
@@ -58,7 +58,7 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
       return repeat_zero(now);
     }
     if (still_overridden(now)) {
-      return drive(override_, now);
+      return drive_by_hand(now);
     }
     return stop_network(reason, now);
   }
@@ -115,12 +115,20 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   overridden_ = true;
   override_until_ = now + override_timeout_;
   override_.assign(values.begin(), values.end());
-  if (!is_finite(values)) {
-    override_ = zero_;
+  override_stops_ = !is_finite(values);
+  if (override_stops_) {
     ++stops_[static_cast<std::size_t>(StopReason::not_finite)];
-    limiter_.restart(now);
+    reason_ = StopReason::not_finite;
+    state_ = State::stopped;
+    send_zero(now);
+  } else {
+    drive(override_, now);
   }
-  drive(override_, now);
+}
+
+/// What is no number is a zero, and not the least value that the limits allow.
+TimeNs CommandChannel::drive_by_hand(TimeNs now) {
+  return override_stops_ ? repeat_zero(now) : drive(override_, now);
 }
 
 bool CommandChannel::still_overridden(TimeNs now) {

@@ -13,7 +13,6 @@ namespace spikeloop::messages {
 namespace {
 
 constexpr std::string_view kHeadline = "MSG: ";
-constexpr std::size_t kLargestMessage = 1'000'000'000;  // roscpp refuses longer ones
 
 std::size_t size_of(Primitive primitive) {
   switch (primitive) {

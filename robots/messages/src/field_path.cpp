@@ -94,6 +94,9 @@ class Compiler {
     }
     check_bounds(*found, step);
     path_.steps.push_back(step);
+    if (path_.width().value_or(0) > kMostElements) {
+      fail_too_many(path_.text);
+    }
     return *found;
   }
 
@@ -117,6 +120,11 @@ class Compiler {
 
   [[noreturn]] void fail_selection(std::string_view brackets) const {
     fail(fmt::format("'{}' selects nothing; write [index], [first:end] or [name=text]", brackets));
+  }
+
+  [[noreturn]] void fail_too_many(std::string_view brackets) const {
+    fail(fmt::format("'{}' reaches beyond the first {} elements; no path takes more", brackets,
+                     kMostElements));
   }
 
   Selector make_selector(const TypeLayout& type, const FieldLayout& field, std::string_view key,
@@ -156,6 +164,10 @@ class Compiler {
     step.first = number(inside.substr(0, colon), 0);
     step.last = colon == std::string_view::npos ? step.first + 1
                                                 : number(inside.substr(colon + 1), PathStep::kEnd);
+    const bool to_the_end = colon != std::string_view::npos && colon + 1 == inside.size();
+    if (step.first >= kMostElements || (!to_the_end && step.last > kMostElements)) {
+      fail_too_many(brackets);
+    }
     if (step.last <= step.first) {
       fail(fmt::format("'{}' is empty; the end comes after the first element", brackets));
     }

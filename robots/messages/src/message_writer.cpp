@@ -178,6 +178,7 @@ void MessageWriter::add(FieldPath path) {
           path.text, type_->name));
     }
   }
+  check_length(path);
   for (const FieldPath& other : paths_) {
     if (overlap(path, other)) {
       throw ConfigurationError(
@@ -186,6 +187,19 @@ void MessageWriter::add(FieldPath path) {
     }
   }
   paths_.push_back(std::move(path));
+}
+
+void MessageWriter::check_length(const FieldPath& path) const {
+  for (std::size_t level = 0; level < path.steps.size(); ++level) {
+    const PathStep& step = path.steps[level];
+    const std::size_t length = step.last == PathStep::kEnd ? step.first : step.last;
+    if (length * path.field(level).element_least > kLargestMessage) {
+      throw ConfigurationError(
+          fmt::format("field path '{}' of {}: the message would be longer than 1 GB; name elements "
+                      "nearer to the first one",
+                      path.text, type_->name));
+    }
+  }
 }
 
 void MessageWriter::check_text(const FieldPath& path, std::string_view text) const {

@@ -9,6 +9,7 @@
 
 #include "header.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/field_path.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -147,6 +148,12 @@ std::optional<PointPath> PointPath::parse(std::string_view text) {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc{} || end != digits.data() + digits.size()) {
       fail();
+    }
+    if (value > kMostElements) {
+      throw ConfigurationError(
+          fmt::format("field path '{}' of {}: '{}' reaches beyond the first {} elements; no path "
+                      "takes more",
+                      text, kPointCloud, rest.substr(bracket), kMostElements));
     }
     return std::size_t{value};
   };

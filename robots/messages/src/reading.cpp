@@ -44,6 +44,17 @@ class FieldReading : public Reading {
     return sum;
   }
 
+  std::string path_of(std::size_t channel) const override {
+    for (const Entry& entry : entries_) {
+      const std::size_t width = width_of(entry).value_or(channel + 1);
+      if (channel < width) {
+        return entry.field.path;
+      }
+      channel -= width;
+    }
+    return Reading::path_of(channel);
+  }
+
   bool read(std::span<const std::byte> message, ReadValues& values) override {
     for (const Entry& entry : entries_) {
       const std::size_t first = values.numbers.size();

@@ -37,6 +37,9 @@ class Reading {
 
   /// Number of values of a message; nothing when that is the message's to say.
   virtual std::optional<std::size_t> width() const = 0;
+  /// What names the value of a channel in the file; that the message does not have all of them is
+  /// known where paths say how many they are.
+  virtual std::string path_of(std::size_t /*channel*/) const { return "value"; }
   /// Replaces values(). False: the message is to be left out.
   /// @throws TransportError when it cannot be read.
   bool take(std::span<const std::byte> message) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -11,6 +12,12 @@
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
+namespace {
+
+/// Those who publish parts of a topic's elements in turn have all been heard by then.
+constexpr std::uint64_t kPatientMessages = 20;
+
+}  // namespace
 
 SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type,
                                    const SensorRule& rule, std::uint32_t width, bool strict)
@@ -68,10 +75,24 @@ bool SensorConversion::take_values() {
       ++readings;
     }
   }
+  if (counts_.messages == kPatientMessages) {
+    warn_of_missing();
+  }
   if (readings == 0 && counts_.without_reading++ == 0) {
     warning_ = fmt::format("a {} brought no reading; the channels keep what they had", type_);
   }
   return readings > 0;
+}
+
+void SensorConversion::warn_of_missing() {
+  const ReadValues& values = reading_->values();
+  for (std::size_t i = 0; i < std::min(values.held.size(), channels_.size()); ++i) {
+    if (values.held[i] == Held::missing && std::isnan(channels_[i])) {
+      warning_ = fmt::format("the first {} messages had no '{}', so channel {} has no value",
+                             kPatientMessages, reading_->path_of(i), i);
+      return;
+    }
+  }
 }
 
 void SensorConversion::fit(std::size_t count) {

@@ -1,9 +1,12 @@
 #include "spikeloop/pictures/film.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -57,6 +60,15 @@ void make_empty_directory(const std::string& path) {
   }
 }
 
+/// A picture of the end is written when the drive is over: too late to hear that it cannot be.
+void try_to_write(const std::string& path) {
+  const bool was_there = fs::exists(path);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) throw FileError("write", path, errno);
+  ::close(file);
+  if (!was_there) ::unlink(path.c_str());
+}
+
 std::uint32_t pixels(std::string_view text, std::string_view whole) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -101,6 +113,7 @@ class Film::Impl {
     if (std::ranges::count(options.views, View::camera) > 0) robot_camera(vehicle);
     scene_.emplace(vehicle, SceneOptions{.buffer = options.size});
     image_.size = options.size;
+    if (kind_ == Kind::last) try_to_write(options.path);
     if (kind_ == Kind::frames) make_empty_directory(options.path);
     if (kind_ == Kind::video) video_.emplace(options.path, options.size, options.rate_hz);
     scene_->use([&](Scene& scene) {

@@ -42,6 +42,22 @@ std::vector<std::string> transform_paths(std::size_t count) {
   return paths;
 }
 
+/// All of it must live as long as the values that are made of it.
+struct Transform {
+  const Stamp& stamp;
+  const char* from;
+  const char* to;
+  const vehicle::Mount& mount;
+};
+
+/// In the order of transform_paths().
+void add_transform(const Transform& transform, std::vector<FieldValue>& values) {
+  values.insert(values.end(), {number(transform.stamp.secs), number(transform.stamp.nsecs),
+                               text(transform.from), text(transform.to)});
+  for (const double& value : transform.mount.position_m) values.push_back(number(value));
+  for (const double& value : transform.mount.orientation) values.push_back(number(value));
+}
+
 /// The camera's matrices have capital letters in ROS 1.
 std::vector<std::string> camera_info_paths(Dialect dialect) {
   const bool capital = dialect == Dialect::ros1;
@@ -79,28 +95,30 @@ const std::vector<std::byte>& JointStateMessage::write(const vehicle::JointState
   return Message::write(values);
 }
 
-TransformMessage::TransformMessage(Dialect dialect, const vehicle::Mount& laser,
-                                   const std::optional<vehicle::Mount>& camera)
-    : Message(dialect, kTransformType, transform_paths(camera ? 3 : 2)),
-      fixed_{{kVehicleFrame, kLaserFrame, laser}} {
-  if (camera) fixed_.push_back({kVehicleFrame, kCameraFrame, *camera});
-}
+TransformMessage::TransformMessage(Dialect dialect)
+    : Message(dialect, kTransformType, transform_paths(1)) {}
 
 const std::vector<std::byte>& TransformMessage::write(const vehicle::Odometry& odometry) {
-  const Stamp stamp(odometry.stamp);
   const double half_turn = odometry.pose.theta_rad / 2;
-  std::vector<Link> links{{kOdometryFrame,
-                           kVehicleFrame,
-                           {{odometry.pose.x_m, odometry.pose.y_m, 0},
-                            {std::cos(half_turn), 0, 0, std::sin(half_turn)}}}};
-  links.insert(links.end(), fixed_.begin(), fixed_.end());
+  const vehicle::Mount mount{{odometry.pose.x_m, odometry.pose.y_m, 0},
+                             {std::cos(half_turn), 0, 0, std::sin(half_turn)}};
   std::vector<FieldValue> values;
-  for (const Link& link : links) {
-    values.insert(values.end(),
-                  {number(stamp.secs), number(stamp.nsecs), text(link.from), text(link.to)});
-    for (const double& value : link.mount.position_m) values.push_back(number(value));
-    for (const double& value : link.mount.orientation) values.push_back(number(value));
-  }
+  const Stamp stamp(odometry.stamp);
+  add_transform({stamp, kOdometryFrame, kVehicleFrame, mount}, values);
+  return Message::write(values);
+}
+
+StaticTransformMessage::StaticTransformMessage(Dialect dialect, const vehicle::Mount& laser,
+                                               const std::optional<vehicle::Mount>& camera)
+    : Message(dialect, kTransformType, transform_paths(camera ? 2 : 1)),
+      laser_(laser),
+      camera_(camera) {}
+
+const std::vector<std::byte>& StaticTransformMessage::write(TimeNs time) {
+  std::vector<FieldValue> values;
+  const Stamp stamp(time);
+  add_transform({stamp, kVehicleFrame, kLaserFrame, laser_}, values);
+  if (camera_) add_transform({stamp, kVehicleFrame, kCameraFrame, *camera_}, values);
   return Message::write(values);
 }
 

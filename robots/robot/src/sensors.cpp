@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "spikeloop/robot/messages.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 using vehicle::Vehicle;
 
 constexpr TimeNs kMillisecond = 1'000'000;
+constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 
 /// To the microsecond, and no more often than every millisecond: a float's period, as 0.05 s,
 /// would be due a nanosecond after its tick.
@@ -43,7 +45,7 @@ class Sensors::Impl {
   bool due(std::size_t index, TimeNs time) {
     if (time < next_[index]) return false;
     const TimeNs period = topics_[index].period;
-    next_[index] = (time / period + 1) * period;
+    next_[index] = period == 0 ? kNever : (time / period + 1) * period;
     return true;
   }
 
@@ -66,10 +68,11 @@ class Sensors::Impl {
   }
 
   void add_transforms(const Vehicle& vehicle) {
-    const auto message =
-        std::make_shared<TransformMessage>(dialect_, vehicle.laser_mount(), vehicle.camera_mount());
-    add("/tf", kTransformType, 20 * kMillisecond,
-        [message](const Vehicle& now) -> Bytes { return message->write(now.odometry()); });
+    add("/tf", kTransformType, 20 * kMillisecond, writer<TransformMessage>(&Vehicle::odometry));
+    const auto fixed = std::make_shared<StaticTransformMessage>(dialect_, vehicle.laser_mount(),
+                                                                vehicle.camera_mount());
+    add("/tf_static", kTransformType, 0,
+        [fixed](const Vehicle& now) -> Bytes { return fixed->write(now.time()); });
   }
 
   void add_light() {

@@ -2,13 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
+
+#include "spikeloop/core/error.hpp"
 
 namespace spikeloop::robot {
 
 SpectatorOptions SpectatorWords::options() const {
   SpectatorOptions options;
   options.window = window;
+  if (std::isnan(rate_hz)) {
+    throw ConfigurationError(
+        "--render-rate is nan; write how many pictures a simulated second has");
+  }
   if (!render.empty()) {
     options.film = pictures::FilmOptions{.path = render,
                                          .views = pictures::views_named(view),

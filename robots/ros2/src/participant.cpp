@@ -3,7 +3,9 @@
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 #include <mutex>
 #include <set>
 #include <string>
@@ -16,7 +18,23 @@
 namespace spikeloop::ros2 {
 namespace {
 
-/// What Cyclone DDS has to say goes to our log, or into the error that it is about.
+/// Which of Cyclone's messages are new. Of a peer that cannot be reached it says the same for each
+/// of its ports, every time that it tries: messages that differ in numbers alone are one kind.
+class Kinds {
+ public:
+  bool is_new(std::string_view text) {
+    std::string kind;
+    std::ranges::copy_if(text, std::back_inserter(kind), [](char c) { return c < '0' || c > '9'; });
+    return known_.size() < kMost && known_.insert(std::move(kind)).second;
+  }
+  void clear() { known_.clear(); }
+
+ private:
+  static constexpr std::size_t kMost = 1000;
+  std::set<std::string> known_;
+};
+
+/// What Cyclone DDS has to say goes to our log, or into the error that it is about; each kind once.
 class CycloneLog {
  public:
   /// For ever: Cyclone's threads may have something to say when static objects have ended.
@@ -30,6 +48,7 @@ class CycloneLog {
     const std::lock_guard lock(mutex_);
     keeping_ = true;
     kept_.clear();
+    kept_kinds_.clear();
   }
   /// Ends that. @return what was said
   std::string release() {
@@ -53,8 +72,13 @@ class CycloneLog {
     {
       const std::lock_guard lock(mutex_);
       if (keeping_ && (priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING)) != 0) {
-        kept_ += kept_.empty() ? "" : "; ";
-        kept_ += text;
+        if (kept_kinds_.is_new(text)) {
+          kept_ += kept_.empty() ? "" : "; ";
+          kept_ += text;
+        }
+        return;
+      }
+      if (!said_.is_new(text)) {
         return;
       }
     }
@@ -68,6 +92,8 @@ class CycloneLog {
   std::mutex mutex_;
   bool keeping_ = false;
   std::string kept_;
+  Kinds kept_kinds_;
+  Kinds said_;
 };
 
 /// Cyclone DDS has each domain once a process.

@@ -56,12 +56,13 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data) 
   return qos;
 }
 
-Qos reader_qos(std::uint32_t queue, bool reliable, const std::string& user_data) {
+Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data) {
   Qos qos = endpoint_qos(user_data);
   set_history(qos.get(), queue);
   dds_qset_reliability(qos.get(), reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                        0);
-  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_durability(qos.get(),
+                      latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   return qos;
 }
 

@@ -23,6 +23,6 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 
 /// Of a subscriber: the newest `queue` messages, 0: all. Not reliable: best effort, for any
 /// publisher.
-Qos reader_qos(std::uint32_t queue, bool reliable, const std::string& user_data);
+Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data);
 
 }  // namespace spikeloop::ros2

@@ -32,6 +32,11 @@ std::string type_hash_in(const std::string& user_data) {
   return known ? hash : std::string();
 }
 
+/// What is latched is one message, and no later one makes up for it.
+bool is_reliable(const topics::Subscription& subscription) {
+  return subscription.queue == 0 || subscription.latched;
+}
+
 }  // namespace
 
 Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
@@ -41,10 +46,11 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
       subscription_(std::move(subscription)),
       topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
       reader_(session, topic_,
-              reader_qos(subscription_.queue, subscription_.queue == 0, endpoint.user_data),
+              reader_qos(subscription_.queue, is_reliable(subscription_), subscription_.latched,
+                         endpoint.user_data),
               Writers::any, [this](auto message) { take(message); }) {
   if (subscription_.queue == 0) {
-    best_effort_.emplace(session, topic_, reader_qos(0, false, endpoint.user_data),
+    best_effort_.emplace(session, topic_, reader_qos(0, false, false, endpoint.user_data),
                          Writers::best_effort, [this](auto message) { take(message); });
   }
   session_.acquaintance.subscribe(endpoint_.dds_name(), endpoint_.dds_type_name());

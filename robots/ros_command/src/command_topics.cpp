@@ -1,6 +1,8 @@
 #include "command_topics.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <thread>
 
@@ -105,6 +107,11 @@ void CommandTopics::take_manual(std::span<const std::byte> message) {
                    settings_.manual.topic, values.size(), settings_.width);
     }
     return;
+  }
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!std::ranges::all_of(values, finite) && !told_not_finite_.exchange(true)) {
+    log::warning("topic '{}': a command by hand that is not a finite number stops the robot",
+                 settings_.manual.topic);
   }
   sink_.override_with(values);
 }

@@ -39,6 +39,7 @@ class CommandTopics {
   std::vector<messages::FieldReader> emergency_fields_;
   std::vector<messages::FieldReader> manual_fields_;
   std::atomic<bool> warned_{false};
+  std::atomic<bool> told_not_finite_{false};
   std::unique_ptr<topics::RawSubscriber> emergency_;
   std::unique_ptr<topics::RawSubscriber> manual_;
 };

@@ -6,10 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "command_topics.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros_command {
 namespace {
+
+/// So long a robot may take to subscribe.
+constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
 /// What the guard has to know to stop the robot in our place.
 guard::Hello guard_hello(const topics::Session& session, const Address& address,
@@ -30,6 +35,7 @@ guard::Hello guard_hello(const topics::Session& session, const Address& address,
 RosCommand::RosCommand(topics::Session& session, const Address& address,
                        const command::CommandSettings& settings, Sent sent)
     : session_(session),
+      address_(address),
       publisher_(session, address.topic, address.message_type, address.fields),
       sent_(std::move(sent)),
       guard_(guard_hello(session, address, settings, publisher_)),
@@ -59,6 +65,31 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
       on_termination_([this] { sink_.stop(command::StopReason::terminated); }) {}
 
 RosCommand::~RosCommand() = default;
+
+void RosCommand::send(const Step& step) {
+  sink_.send(step);
+  if (!minded_subscribers_ && count_ != 0) {
+    mind_subscribers();
+  }
+}
+
+/// A robot that takes another type, or another topic, stands still without a word.
+void RosCommand::mind_subscribers() {
+  const TimeNs now = wall_now();
+  driven_since_ = driven_since_ == 0 ? now : driven_since_;
+  if (now - driven_since_ < kPatience) {
+    return;
+  }
+  minded_subscribers_ = true;
+  if (!has_subscribers()) {
+    log::warning(
+        "nobody takes {} on topic '{}', so no robot is driven; '{} info {}' shows who is there, "
+        "and "
+        "with which type",
+        address_.message_type, address_.topic, topics::topic_command(session_.dialect()),
+        address_.topic);
+  }
+}
 
 void RosCommand::leave_to_guard_if_dead() {
   if (!session_.alive()) {

@@ -14,6 +14,15 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
+/// Where this node looks for others: the first thing that is wrong when nothing comes.
+std::string meeting_place(const Session& session) {
+  const Place place = session.place();
+  const char* const variable =
+      session.dialect() == messages::Dialect::ros1 ? "ROS_MASTER_URI" : "ROS_DOMAIN_ID";
+  const auto found = place.find(variable);
+  return found == place.end() ? std::string() : fmt::format("{}={}", variable, found->second);
+}
+
 }  // namespace
 
 Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
@@ -22,6 +31,7 @@ Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
   subscriber_ = session.subscriber({.topic = settings_.topic,
                                     .message_type = settings_.type,
                                     .queue = settings_.queue,
+                                    .latched = settings_.latched(),
                                     .take = [this](auto message) { receive(message); },
                                     .refuse = [this](const auto& other) { refuse(other); }});
 }
@@ -41,9 +51,10 @@ void Intake::receive(std::span<const std::byte> message) {
 void Intake::refuse(const OtherType& other) {
   std::string text = other.text;
   if (!other.type.empty()) {
-    text +=
-        fmt::format("; write {}another ros_topic",
-                    settings_.type_is_a_key ? fmt::format("message_type={} or ", other.type) : "");
+    text += fmt::format("; write {}another topic",
+                        settings_.type_is_a_key
+                            ? fmt::format("{} as the type of the messages, or ", other.type)
+                            : "");
   }
   bool warn = false;
   {
@@ -61,12 +72,14 @@ void Intake::refuse(const OtherType& other) {
 void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
-  if (told || now - std::max(started_, newest_at) < kPatience) {
+  if (told || (newest_at != 0 && settings_.latched()) ||
+      now - std::max(started_, newest_at) < kPatience) {
     return;
   }
   told = true;
-  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is",
-               settings_.topic, format_time(kPatience), topic_command(session_.dialect()));
+  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is with {}",
+               settings_.topic, format_time(kPatience), topic_command(session_.dialect()),
+               meeting_place(session_));
 }
 
 void Intake::require_sound() const {

@@ -21,6 +21,9 @@ struct IntakeSettings {
   std::string type;  ///< "sensor_msgs/LaserScan"
   std::uint32_t queue = 10;
   bool type_is_a_key = false;  ///< message_type can be written
+
+  /// Where every publisher says once what never changes (REP 105, tf2).
+  bool latched() const { return topic == "/tf_static" || topic == "tf_static"; }
 };
 
 /// Subscribes and hands messages on; remembers what is wrong until the loop asks.

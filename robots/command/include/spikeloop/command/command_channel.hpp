@@ -80,6 +80,7 @@ class CommandChannel {
   TimeNs stop_network(StopReason reason, TimeNs now);
   TimeNs repeat_zero(TimeNs now);
   bool still_overridden(TimeNs now);
+  TimeNs drive_by_hand(TimeNs now);
   TimeNs next_due() const;
 
   mutable std::mutex mutex_;
@@ -95,6 +96,7 @@ class CommandChannel {
   std::optional<StopReason> network_stop_ = StopReason::no_value;
   std::optional<StopReason> held_;
   std::vector<double> override_;  ///< the newest manual command
+  bool override_stops_ = false;   ///< it is no number
   TimeNs override_timeout_;
   TimeNs override_until_ = 0;
   bool overridden_ = false;

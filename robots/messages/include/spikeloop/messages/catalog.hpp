@@ -13,6 +13,9 @@
 
 namespace spikeloop::messages {
 
+/// Bytes; roscpp refuses longer messages.
+constexpr std::size_t kLargestMessage = 1'000'000'000;
+
 struct TypeLayout;
 
 /// A field with its type resolved. Sizes are those of the catalog's dialect, without what aligns

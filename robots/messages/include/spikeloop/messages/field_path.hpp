@@ -17,6 +17,10 @@
 
 namespace spikeloop::messages {
 
+/// The most elements of an array that a path reaches and takes, as many as a port can have
+/// channels: a message that is written is as long as the element that a path names.
+constexpr std::size_t kMostElements = std::size_t{1} << 24;
+
 /// The element that a text names: [name=left_wheel]. It is the first one whose field `name` is this
 /// text; when elements have no such text, the one at the place of this text in the array `name`
 /// beside theirs, as in sensor_msgs/JointState.
@@ -54,8 +58,8 @@ struct FieldPath {
 };
 
 /// @throws ConfigurationError that names type, path and remedy: no such field (did you mean), an
-/// index where there is no array or beyond its end, a selector without texts to select by, a path
-/// that ends at a message.
+/// index where there is no array, beyond its end or beyond kMostElements, a selector without texts
+/// to select by, a path that ends at a message.
 FieldPath compile_path(const Catalog& catalog, std::string_view type, std::string_view path);
 
 /// Takes the numbers of one path out of messages.

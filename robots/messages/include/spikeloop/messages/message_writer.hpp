@@ -44,6 +44,7 @@ class MessageWriter {
 
  private:
   void add(FieldPath path);
+  void check_length(const FieldPath& path) const;
   void check_text(const FieldPath& path, std::string_view text) const;
   void check_numbers(const FieldPath& path, const FieldValue& value) const;
 

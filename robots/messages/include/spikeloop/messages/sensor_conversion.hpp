@@ -72,6 +72,7 @@ class SensorConversion {
  private:
   void fit(std::size_t count);
   bool take_values();
+  void warn_of_missing();
 
   std::string type_;
   bool strict_ = false;

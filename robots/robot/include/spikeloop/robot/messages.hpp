@@ -72,21 +72,24 @@ class JointStateMessage : Message {
   const std::vector<std::byte>& write(const vehicle::JointStates& states);
 };
 
-/// odom to base_link as the odometry says, base_link to laser and to camera_optical.
+/// odom to base_link, as the odometry says.
 class TransformMessage : Message {
  public:
-  /// @param camera nothing: the vehicle has none
-  TransformMessage(messages::Dialect dialect, const vehicle::Mount& laser,
-                   const std::optional<vehicle::Mount>& camera);
+  explicit TransformMessage(messages::Dialect dialect);
   const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
+};
+
+/// What does not move: base_link to laser and to camera_optical.
+class StaticTransformMessage : Message {
+ public:
+  /// @param camera nothing: the vehicle has none
+  StaticTransformMessage(messages::Dialect dialect, const vehicle::Mount& laser,
+                         const std::optional<vehicle::Mount>& camera);
+  const std::vector<std::byte>& write(TimeNs time);
 
  private:
-  struct Link {
-    const char* from;
-    const char* to;
-    vehicle::Mount mount;
-  };
-  std::vector<Link> fixed_;
+  vehicle::Mount laser_;
+  std::optional<vehicle::Mount> camera_;
 };
 
 /// Two values: left, right (lux).

@@ -25,7 +25,10 @@ struct SensorOptions {
 struct SensorTopic {
   std::string name;  ///< "scan"; with a '/' before it where no prefix belongs
   std::string type;
-  TimeNs period = 0;
+  TimeNs period = 0;  ///< 0: one message, at the start
+
+  /// Who subscribes later gets it, too.
+  bool latched() const { return period == 0; }
 };
 
 /// | topic             | carries                    | every                     |
@@ -35,6 +38,7 @@ struct SensorTopic {
 /// | imu               | sensor_msgs/Imu            | 10 ms                     |
 /// | joint_states      | sensor_msgs/JointState     | 20 ms                     |
 /// | /tf               | tf2_msgs/TFMessage         | 20 ms                     |
+/// | /tf_static        | tf2_msgs/TFMessage         | once, latched             |
 /// | light             | std_msgs/Float64MultiArray | 20 ms, in a world with lamps |
 /// | camera/image_raw  | sensor_msgs/Image          | as its options say        |
 /// | camera/camera_info | sensor_msgs/CameraInfo    | with the image            |
@@ -52,7 +56,7 @@ class Sensors {
   std::span<const std::byte> write(std::size_t index, const vehicle::Vehicle& vehicle);
 
   /// Whether a message has become due since the last call, each multiple of the period at most
-  /// once; time 0 is one.
+  /// once; time 0 is one. Of a topic without a period at the first call.
   bool due(std::size_t index, TimeNs time);
 
  private:

@@ -42,7 +42,7 @@ class RosCommand : public Sink {
   ~RosCommand() override;
 
   std::vector<EndpointPort> ports() const override { return sink_.ports(); }
-  void send(const Step& step) override { sink_.send(step); }
+  void send(const Step& step) override;
   std::vector<Counter> counters() const override { return sink_.counters(); }
   /// As CommandSink.
   void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
@@ -56,8 +56,12 @@ class RosCommand : public Sink {
 
  private:
   void leave_to_guard_if_dead();
+  void mind_subscribers();
 
   topics::Session& session_;
+  const Address address_;
+  TimeNs driven_since_ = 0;  ///< wall time of the first command; 0: none yet
+  bool minded_subscribers_ = false;
   topics::Publisher publisher_;
   Sent sent_;
   std::atomic<std::uint64_t> count_{0};

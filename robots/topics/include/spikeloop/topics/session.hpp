@@ -59,6 +59,9 @@ struct Subscription {
   /// alone; 0: any number. ROS 2: with 0, what the network loses is sent again, unless the
   /// publisher is best effort.
   std::uint32_t queue = 1;
+  /// What was published before, too, by those that are latched. ROS 2: others are not heard; ROS 1
+  /// asks nobody, and hears all of them.
+  bool latched = false;
   /// Called in a thread of the session the moment a message of this type has arrived; the bytes are
   /// valid until it returns. Must not throw.
   std::function<void(std::span<const std::byte> message)> take;
