@@ -121,6 +121,15 @@ std::vector<Parameter> override_parameters() {
            .text = "So long a manual command holds"}};
 }
 
+namespace {
+
+std::string emergency_topic(const Part& part) {
+  return topic_of(part, "emergency_stop",
+                  inner_keys(part, "emergency_stop", emergency_stop_parameters()), "");
+}
+
+}  // namespace
+
 command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
   const Parameters keys = inner_keys(part, "emergency_stop", emergency_stop_parameters());
   command::EmergencyStop result{.topic = topic_of(part, "emergency_stop", keys, ""),
@@ -146,7 +155,7 @@ command::Override manual_override(const Part& part) {
   const Parameters keys = inner_keys(part, "override", override_parameters());
   const std::string topic =
       topic_of(part, "override", keys, part.parameters.text("topic") + "_manual");
-  if (!topic.empty() && topic == emergency_stop(part).topic) {
+  if (!topic.empty() && topic == emergency_topic(part)) {
     throw ConfigurationError(
         part.parameters.where("override"),
         fmt::format("key 'override': {} is the topic of the emergency stop; write another one",
