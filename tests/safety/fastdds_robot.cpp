@@ -6,12 +6,14 @@
 //     stop 1 | 0        one message on /emergency_stop
 //     manual X          one message on /cmd_vel_manual, whose linear.x is X
 //
-// It says "ready", then "scan T" for every scan that it has sent and "twist T X" for every message
-// on /cmd_vel: times are CLOCK_MONOTONIC in seconds, X linear.x. It ends with its input.
+// It says "ready", "button T N" when /emergency_stop has a subscriber more, "scan T 0" for every
+// scan that it has sent and "twist T X" for every message on /cmd_vel: times are CLOCK_MONOTONIC in
+// seconds, X linear.x. It ends with its input.
 //
 //     fastdds_robot DOMAIN
 #include <atomic>
 #include <chrono>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <iostream>
 #include <thread>
 
@@ -31,6 +33,17 @@ void say(const char* what, double at, double value) {
   std::printf("%s %.6f %.17g\n", what, at, value);
   std::fflush(stdout);
 }
+
+/// Tells when somebody begins to hear it; that somebody was killed is noticed only after twenty
+/// seconds.
+class Button : public DataWriterListener {
+ public:
+  void on_publication_matched(DataWriter*, const PublicationMatchedStatus& status) override {
+    if (status.current_count_change > 0) {
+      say("button", now_s(), status.current_count);
+    }
+  }
+};
 
 /// Sends its sensors' messages in a thread of its own.
 class Sensors {
@@ -79,19 +92,20 @@ int run(int argc, char** argv) {
   }
   Listener<Twist> commands(
       [](const Twist& twist, const SampleInfo&) { say("twist", now_s(), twist.values[0]); });
+  Button button;
   // Without shared memory, which a killed process would leave behind.
   Peer peer(static_cast<std::uint32_t>(std::stoi(argv[1])), "udp");
   DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
   qos.history().kind = KEEP_ALL_HISTORY_QOS;
   peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), qos, &commands);
   DataWriter* const stop = peer.publisher()->create_datawriter(
-      peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
+      peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT), &button);
   DataWriter* const manual = peer.publisher()->create_datawriter(
       peer.topic<Twist>("rt/cmd_vel_manual"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
   Sensors sensors(peer);
   std::cout << "ready" << std::endl;
-  double value = 0;
-  for (std::string word; std::cin >> word >> value;) {
+  for (std::string word, number; std::cin >> word >> number;) {
+    const double value = std::stod(number);  // nan, too
     if (word == "scans") {
       sensors.scanning = value != 0;
     } else if (word == "odometry") {

@@ -68,8 +68,7 @@ def drive_by_hand(person):
     assert by_hand == {0.3}, by_hand
     person.drive_by_hand(7)
     ros.until(lambda: person.last() == 0.8, "the upper limit", 1)
-    message.linear.x = math.nan
-    person.manual.publish(message)
+    person.drive_by_hand(math.nan)
     ros.until(lambda: person.last() == 0, "a stop, as there is no such speed", 1)
     ros.until(lambda: person.is_driven() and person.last() not in (0.3, 0.8), "the network", 10)
 
@@ -86,7 +85,7 @@ def lose_a_sensor(person, printed):
 def with_people(spikeloop, person, version, layout, folder):
     (folder / "people.yaml").write_text(EXPERIMENT)
     printed = folder / f"{layout}.txt"
-    person.heard.clear()
+    person.forget()
     with open(printed, "w", encoding="utf-8") as log:
         process = subprocess.Popen(
             [spikeloop, "run", str(folder / "people.yaml"), "--ros", version, "--layout", layout, "--out",

@@ -20,10 +20,15 @@ class Robot:
         self.heard = []
         self.sent_at = 0.0
 
+    def forget(self):
+        """A new run begins."""
+        self.heard.clear()
+
     def is_driven(self):
+        """By a run that would hear the emergency stop."""
         now = time.monotonic()
         recent = [value for at, value in self.heard[-3:] if now - at < 0.2]
-        return len(recent) == 3 and all(recent)
+        return len(recent) == 3 and all(recent) and self.is_heard()
 
     def last(self):
         return self.heard[-1][1] if self.heard else None
@@ -41,10 +46,11 @@ class Robot:
         """What came since then and was no zero."""
         return [value for at, value in self.heard if at > begin and value != 0]
 
-    def drives_after(self, begin):
-        """What came after the first zero since then and was none."""
-        zero = next((at for at, value in self.heard if at > begin and value == 0), begin)
-        return [value for at, value in self.heard if at > zero and value != 0]
+    def time_to_rest_ms(self, begin):
+        """Until the first zero since then that no other command has followed."""
+        heard = [(at, value) for at, value in self.heard if at > begin]
+        driven = max((at for at, value in heard if value != 0), default=begin)
+        return min((1e3 * (at - begin) for at, value in heard if at > driven and value == 0), default=float("inf"))
 
 
 class Ros1Robot(Robot):
@@ -86,6 +92,9 @@ class Ros1Robot(Robot):
     def odometry(self, on):
         self._moving = on
 
+    def is_heard(self):
+        return self._stop.get_num_connections() > 0
+
     def press_stop(self, pressed):
         self._stop.publish(self._bool(pressed))
 
@@ -103,6 +112,7 @@ class Ros2Robot(Robot):
 
     def __init__(self, program):
         super().__init__()
+        self._is_heard = False
         self._process = subprocess.Popen([program, os.environ["ROS_DOMAIN_ID"]], text=True,
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         assert self._process.stdout.readline() == "ready\n", "fastdds_robot does not start"
@@ -113,6 +123,8 @@ class Ros2Robot(Robot):
             what, at, value = line.split()
             if what == "scan":
                 self.sent_at = float(at)
+            elif what == "button":
+                self._is_heard = True
             else:
                 self.heard.append((float(at), float(value)))
 
@@ -125,6 +137,13 @@ class Ros2Robot(Robot):
 
     def odometry(self, on):
         self._lead("odometry", int(on))
+
+    def is_heard(self):
+        return self._is_heard
+
+    def forget(self):
+        super().forget()
+        self._is_heard = False
 
     def press_stop(self, pressed):
         self._lead("stop", int(pressed))
