@@ -149,7 +149,8 @@ void StepLink::publish_clock(TimeNs time) {
 void StepLink::answer(TimeNs time) {
   stepping::Answer answer{.time = time};
   for (const Topic& sensor : sensors_) {
-    if (sensor.taken || (sensor.count > 0 && !sensor.latched)) answer.published[sensor.name] = sensor.count;
+    if (sensor.taken || (sensor.count > 0 && !sensor.latched))
+      answer.published[sensor.name] = sensor.count;
   }
   answers_->publish(stepping::string_message(session_.dialect(), to_text(answer)));
 }
