@@ -6,7 +6,8 @@
 //     stop 1 | 0        one message on /emergency_stop
 //     manual X          one message on /cmd_vel_manual, whose linear.x is X
 //
-// It says "ready", "button T N" when /emergency_stop has a subscriber more, "scan T 0" for every
+// It says "ready", "button T N" and "driver T N" when /emergency_stop has a
+// subscriber and /cmd_vel a publisher more, "scan T 0" for every
 // scan that it has sent and "twist T X" for every message on /cmd_vel: times are CLOCK_MONOTONIC in
 // seconds, X linear.x. It ends with its input.
 //
@@ -41,6 +42,20 @@ class Button : public DataWriterListener {
   void on_publication_matched(DataWriter*, const PublicationMatchedStatus& status) override {
     if (status.current_count_change > 0) {
       say("button", now_s(), status.current_count);
+    }
+  }
+};
+
+/// Hears commands, and tells when somebody begins to send some: a run's process, or its guard.
+class Wheels : public Listener<Twist> {
+ public:
+  Wheels()
+      : Listener<Twist>([](const Twist& twist, const SampleInfo&) {
+          say("twist", now_s(), twist.values[0]);
+        }) {}
+  void on_subscription_matched(DataReader*, const SubscriptionMatchedStatus& status) override {
+    if (status.current_count_change > 0) {
+      say("driver", now_s(), status.current_count);
     }
   }
 };
@@ -90,14 +105,13 @@ int run(int argc, char** argv) {
   if (argc != 2) {
     throw std::runtime_error("write fastdds_robot DOMAIN");
   }
-  Listener<Twist> commands(
-      [](const Twist& twist, const SampleInfo&) { say("twist", now_s(), twist.values[0]); });
+  Wheels wheels;
   Button button;
   // Without shared memory, which a killed process would leave behind.
   Peer peer(static_cast<std::uint32_t>(std::stoi(argv[1])), "udp");
   DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
   qos.history().kind = KEEP_ALL_HISTORY_QOS;
-  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), qos, &commands);
+  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), qos, &wheels);
   DataWriter* const stop = peer.publisher()->create_datawriter(
       peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT), &button);
   DataWriter* const manual = peer.publisher()->create_datawriter(

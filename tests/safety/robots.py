@@ -25,10 +25,10 @@ class Robot:
         self.heard.clear()
 
     def is_driven(self):
-        """By a run that would hear the emergency stop."""
+        """By a run that hears the emergency stop, and whose guard is heard."""
         now = time.monotonic()
         recent = [value for at, value in self.heard[-3:] if now - at < 0.2]
-        return len(recent) == 3 and all(recent) and self.is_heard()
+        return len(recent) == 3 and all(recent) and self.is_connected()
 
     def last(self):
         return self.heard[-1][1] if self.heard else None
@@ -92,8 +92,8 @@ class Ros1Robot(Robot):
     def odometry(self, on):
         self._moving = on
 
-    def is_heard(self):
-        return self._stop.get_num_connections() > 0
+    def is_connected(self):
+        return True  # a run begins when it is
 
     def press_stop(self, pressed):
         self._stop.publish(self._bool(pressed))
@@ -107,12 +107,17 @@ class Ros1Robot(Robot):
         pass
 
 
+# When Fast DDS knows a publisher on Cyclone DDS, that one may not know it yet.
+MUTUAL_S = 1.5
+
+
 class Ros2Robot(Robot):
     """fastdds_robot, led line by line."""
 
     def __init__(self, program):
         super().__init__()
-        self._is_heard = False
+        self._is_heard = False  # by the run's process
+        self._drivers = []  # when its process was met, and the guard
         self._process = subprocess.Popen([program, os.environ["ROS_DOMAIN_ID"]], text=True,
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         assert self._process.stdout.readline() == "ready\n", "fastdds_robot does not start"
@@ -125,6 +130,8 @@ class Ros2Robot(Robot):
                 self.sent_at = float(at)
             elif what == "button":
                 self._is_heard = True
+            elif what == "driver":
+                self._drivers.append(float(at))
             else:
                 self.heard.append((float(at), float(value)))
 
@@ -138,12 +145,13 @@ class Ros2Robot(Robot):
     def odometry(self, on):
         self._lead("odometry", int(on))
 
-    def is_heard(self):
-        return self._is_heard
+    def is_connected(self):
+        met_all = len(self._drivers) >= 2 and time.monotonic() - self._drivers[-1] > MUTUAL_S
+        return self._is_heard and met_all
 
     def forget(self):
         super().forget()
-        self._is_heard = False
+        self._is_heard, self._drivers = False, []
 
     def press_stop(self, pressed):
         self._lead("stop", int(pressed))
