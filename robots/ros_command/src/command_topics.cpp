@@ -17,7 +17,10 @@ using std::chrono::milliseconds;
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
 
-/// A button that is pressed and released at once must not lose the press to the release.
+/// A button that is pressed and released at once must not lose the press to the release. Not 0, any
+/// number, which makes the subscriber of ROS 2 a reliable one: Cyclone DDS takes nothing of a
+/// reliable publisher before its first heartbeat, and Fast DDS may send none before the first
+/// press, which would be lost.
 constexpr std::uint32_t kPresses = 100;
 
 /// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
@@ -45,13 +48,6 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
     emergency_fields_.push_back(reader(stop.message_type, stop.field));
     emergency_ =
         subscribe(session, stop.topic, stop.message_type, kPresses, &CommandTopics::take_emergency);
-    // ROS 2: a reliable subscriber gets again what the network loses, but may wait with a
-    // publisher's first message for its first heartbeat, and Fast DDS may send none before. The
-    // other one has it at once; most presses come twice.
-    if (session.dialect() == messages::Dialect::ros2) {
-      emergency_again_ =
-          subscribe(session, stop.topic, stop.message_type, 0, &CommandTopics::take_emergency);
-    }
     sink_.watch_publishers([this] { return emergency_->has_publishers(); });
   }
   if (!settings_.manual.topic.empty()) {

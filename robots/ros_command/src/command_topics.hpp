@@ -41,7 +41,6 @@ class CommandTopics {
   std::atomic<bool> warned_{false};
   std::atomic<bool> told_not_finite_{false};
   std::unique_ptr<topics::RawSubscriber> emergency_;
-  std::unique_ptr<topics::RawSubscriber> emergency_again_;
   std::unique_ptr<topics::RawSubscriber> manual_;
 };
 
