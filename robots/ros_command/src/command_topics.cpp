@@ -20,7 +20,7 @@ constexpr milliseconds kLongestWait{2'000};
 /// A button that is pressed and released at once must not lose the press to the release. Not 0, any
 /// number, which makes the subscriber of ROS 2 a reliable one: Cyclone DDS takes nothing of a
 /// reliable publisher before its first heartbeat, and Fast DDS may send none before the first
-/// press, which would be lost.
+/// press, which would be lost. Nor a reliable one beside it: then both wait for the heartbeat.
 constexpr std::uint32_t kPresses = 100;
 
 /// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
