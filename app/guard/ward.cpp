@@ -14,6 +14,9 @@
 namespace spikeloop::guard {
 namespace {
 
+/// How often we look whether a robot hears us, until one does.
+constexpr TimeNs kLook = 5'000'000;
+
 /// Until one of them can be read; a descriptor of -1 never can.
 void wait(TimeNs deadline, int first, int second) {
   pollfd files[2] = {{first, POLLIN, 0}, {second, POLLIN, 0}};
@@ -93,13 +96,19 @@ void Ward::refuse(const std::string& reason) {
 
 void Ward::watch(topics::RawPublisher& robot) {
   Vigil vigil(hello_.watchdog, wall_now());
+  bool reaches = false;
   set_needed(true);
   while (!vigil.over() && (vigil.stopping() || !wait_readable(leave_.get(), 0))) {
     // What would always be ready must not keep us from waiting.
-    wait(vigil.next_due(), vigil.cause() == Cause::lost ? -1 : socket_.get(),
+    const TimeNs look = reaches ? kNever : wall_now() + kLook;
+    wait(std::min(vigil.next_due(), look), vigil.cause() == Cause::lost ? -1 : socket_.get(),
          vigil.stopping() ? -1 : leave_.get());
     // What has come while we had to wait for the processor counts before any deadline.
     listen(vigil);
+    if (!reaches && robot.has_subscribers()) {
+      reaches = true;
+      send_packet(socket_.get(), make_packet("reaches"));
+    }
     if (vigil.poll(wall_now(), robot.has_subscribers())) {
       robot.publish(hello_.zero);
     }

@@ -97,6 +97,11 @@ std::set<std::string> behind(const Experiment& experiment, const std::string& no
   return seen;
 }
 
+std::string emergency_topic(const Part& part) {
+  return topic_of(part, "emergency_stop",
+                  inner_keys(part, "emergency_stop", emergency_stop_parameters()), "");
+}
+
 }  // namespace
 
 std::vector<Parameter> emergency_stop_parameters() {
@@ -120,15 +125,6 @@ std::vector<Parameter> override_parameters() {
            .minimum = 1e-3,
            .text = "So long a manual command holds"}};
 }
-
-namespace {
-
-std::string emergency_topic(const Part& part) {
-  return topic_of(part, "emergency_stop",
-                  inner_keys(part, "emergency_stop", emergency_stop_parameters()), "");
-}
-
-}  // namespace
 
 command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
   const Parameters keys = inner_keys(part, "emergency_stop", emergency_stop_parameters());

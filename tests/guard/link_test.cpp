@@ -114,10 +114,47 @@ TEST_F(LinkTest, hello_beats_and_done) {
   EXPECT_THAT(said_, ElementsAre());
 }
 
+TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
+  listen();
+  std::thread guard([this] {
+    const Descriptor socket = accept();
+    expect(socket, "hello");
+    send_packet(socket.get(), make_packet("ready"));
+    expect(socket, "beat");
+    send_packet(socket.get(), make_packet("of a later version"));
+    send_packet(socket.get(), make_packet("reaches"));
+    expect(socket, "done");
+  });
+  Link link(example());
+  EXPECT_FALSE(link.reaches_robot());
+  link.beat(0);
+  const TimeNs end = wall_now() + 10 * kNsPerSecond;
+  while (!link.reaches_robot() && wall_now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(link.reaches_robot());
+  link.done();
+  guard.join();
+}
+
+TEST_F(LinkTest, a_guard_that_has_ended_is_not_waited_for) {
+  listen();
+  std::thread guard([this] {
+    const Descriptor socket = accept();
+    expect(socket, "hello");
+    send_packet(socket.get(), make_packet("ready"));
+  });
+  Link link(example());
+  guard.join();
+  EXPECT_TRUE(link.guarded());
+  EXPECT_TRUE(link.reaches_robot());
+}
+
 TEST_F(LinkTest, without_the_variable_there_is_no_guard) {
   ::unsetenv(kSocketVariable);
   Link link(example());
   EXPECT_FALSE(link.guarded());
+  EXPECT_TRUE(link.reaches_robot());
   EXPECT_EQ(link.beat(0), kNever);
   link.done();
   EXPECT_THAT(said_, ElementsAre());

@@ -1,9 +1,11 @@
 // What the guard says when it cannot do its work.
 #include <gmock/gmock.h>
+#include <sys/socket.h>
 
 #include "guarded_job.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/guard/link.hpp"
+#include "spikeloop/status/address.hpp"
 
 namespace {
 
@@ -173,6 +175,49 @@ class NoGuardTest : public GuardedJob {
   const std::string end_ =
       "; nothing stops the robot when its command adapter is killed or stopped\n";
 };
+
+/// A job whose guard is played by the test.
+class StrangeGuardTest : public GuardedJob {
+ protected:
+  /// Ready, and nothing more.
+  void play_guard() {
+    guard_thread_ = std::thread([this] {
+      namespace status = spikeloop::status;
+      const guard::Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+      const auto address = status::socket_address(socket_);
+      ASSERT_EQ(::bind(listener.get(), status::generic(*address), sizeof *address), 0);
+      ASSERT_EQ(::listen(listener.get(), 1), 0);
+      ASSERT_TRUE(guard::wait_readable(listener.get(), 60 * spikeloop::kNsPerSecond));
+      adapter_ = guard::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
+      ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
+      guard::send_packet(adapter_.get(), guard::make_packet("ready"));
+      ready_at_ = ros_peer::monotonic_now();
+    });
+  }
+  ~StrangeGuardTest() override { guard_thread_.join(); }
+
+  std::string socket_ = (directory_.path() / "guard").string();
+  guard::Descriptor adapter_;
+  std::int64_t ready_at_ = 0;
+  std::thread guard_thread_;
+};
+
+TEST_F(StrangeGuardTest, one_that_reaches_nobody_is_waited_for_and_missed) {
+  play_guard();
+  ASSERT_TRUE(eventually(10, [&] { return std::filesystem::is_socket(socket_); }));
+  publish_scans();
+  robot_.listen_twist("/cmd_vel");
+  Command made = command(3, scan_to_twist(""));
+  made.environment[guard::kSocketVariable] = socket_;
+  child_ = std::make_unique<Child>(made);
+  ASSERT_TRUE(drives());
+  EXPECT_GE(1e-9 * static_cast<double>(robot_.twists().front().time_ns - ready_at_), 3);
+  child_->signal(SIGTERM);
+  EXPECT_THAT(child_->wait().text(),
+              HasSubstr("the guard has met nobody on topic '/cmd_vel' within 3 s; the robot is "
+                        "driven all the same. Until they meet, nothing stops it when this program "
+                        "is killed or stopped"));
+}
 
 TEST_F(NoGuardTest, is_not_installed) {
   EXPECT_THAT(text_with_guard(""), HasSubstr("spikeloop: warning: cannot start 'spikeloop-guard': "

@@ -79,6 +79,13 @@ Qos endpoint_qos(Qos qos) {
   return qos;
 }
 
+/// Of a subscriber that takes every message, however late it comes to it.
+inline DataReaderQos every_message_qos() {
+  DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
+  qos.history().kind = KEEP_ALL_HISTORY_QOS;
+  return qos;
+}
+
 template <typename Message>
 class Listener : public DataReaderListener {
  public:
@@ -135,5 +142,21 @@ class Peer {
   Publisher* publisher_ = nullptr;
   Subscriber* subscriber_ = nullptr;
 };
+
+/// @throws std::runtime_error whatever @p word is that a test has written to a program
+[[noreturn]] inline void refuse_word(const std::string& word) {
+  throw std::runtime_error("unknown word '" + word + "'");
+}
+
+/// What main() is: @p run, and its error as a line of @p program.
+/// @return the exit code
+inline int run_program(const char* program, int (*run)(int, char**), int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", program, error.what());
+    return 1;
+  }
+}
 
 }  // namespace fastdds_peer

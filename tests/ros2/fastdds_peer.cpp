@@ -103,10 +103,5 @@ int run(int argc, char** argv) {
 }  // namespace fastdds_peer
 
 int main(int argc, char** argv) {
-  try {
-    return fastdds_peer::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "fastdds_peer: %s\n", error.what());
-    return 1;
-  }
+  return fastdds_peer::run_program("fastdds_peer", fastdds_peer::run, argc, argv);
 }

@@ -109,9 +109,8 @@ int run(int argc, char** argv) {
   Button button;
   // Without shared memory, which a killed process would leave behind.
   Peer peer(static_cast<std::uint32_t>(std::stoi(argv[1])), "udp");
-  DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
-  qos.history().kind = KEEP_ALL_HISTORY_QOS;
-  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), qos, &wheels);
+  peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), every_message_qos(),
+                                       &wheels);
   DataWriter* const stop = peer.publisher()->create_datawriter(
       peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT), &button);
   DataWriter* const manual = peer.publisher()->create_datawriter(
@@ -132,7 +131,7 @@ int run(int argc, char** argv) {
       message.values[0] = value;
       manual->write(&message);
     } else {
-      throw std::runtime_error("unknown word '" + word + "'");
+      refuse_word(word);
     }
   }
   return 0;
@@ -142,10 +141,5 @@ int run(int argc, char** argv) {
 }  // namespace fastdds_peer
 
 int main(int argc, char** argv) {
-  try {
-    return fastdds_peer::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "fastdds_robot: " << error.what() << '\n';
-    return 1;
-  }
+  return fastdds_peer::run_program("fastdds_robot", fastdds_peer::run, argc, argv);
 }

@@ -30,6 +30,10 @@ class Robot:
         recent = [value for at, value in self.heard[-3:] if now - at < 0.2]
         return len(recent) == 3 and all(recent) and self.is_connected()
 
+    def has_moved(self):
+        """The first command has come, by whomever."""
+        return any(value for _, value in self.heard)
+
     def last(self):
         return self.heard[-1][1] if self.heard else None
 

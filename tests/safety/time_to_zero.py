@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import typing
 
 import robots
 from robots import ros
@@ -89,23 +90,32 @@ def emergency_stop(robot, _):
     return begin
 
 
+class Fault(typing.NamedTuple):
+    name: str
+    make: typing.Callable  # of the robot and the launcher; when it began
+    timeout_ms: float
+    governor: str
+    ends: bool  # the run
+    when: typing.Callable = robots.Robot.is_driven
+
+
 def faults(layout):
-    """What happens, how it is made, the timeout in ms and who has it, and whether the run ends."""
     adapter = ("spikeloop-ros", "wheels") if layout == "separate" else ("spikeloop-fused-music",)
-    encoder = [("encoder killed", kill("spikeloop-node", "encoder"), WATCHDOG_MS, "`watchdog`", True)]
+    encoder = [Fault("encoder killed", kill("spikeloop-node", "encoder"), WATCHDOG_MS, "`watchdog`", True)]
     return [
-        ("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False),
-        ("simulator killed", kill("brain.py"), WATCHDOG_MS, "`watchdog`", True),
+        Fault("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False),
+        Fault("simulator killed", kill("brain.py"), WATCHDOG_MS, "`watchdog`", True),
         *(encoder if layout == "separate" else []),
-        ("adapter killed", kill(*adapter), 0, "guard", True),
-        ("adapter stopped (SIGSTOP)", kill(*adapter, number=signal.SIGSTOP), WATCHDOG_MS + 100,
-         "guard: `watchdog` + 100 ms", False),
-        ("Ctrl-C", ctrl_c, 0, "signal", True),
-        ("launcher killed (SIGKILL)", kill_launcher, 0, "signal", True),
-        ("emergency stop pressed", emergency_stop, 0, "message", False)]
+        Fault("adapter killed", kill(*adapter), 0, "guard", True),
+        Fault("adapter killed at its first command", kill(*adapter), 0, "guard", True, robots.Robot.has_moved),
+        Fault("adapter stopped (SIGSTOP)", kill(*adapter, number=signal.SIGSTOP), WATCHDOG_MS + 100,
+              "guard: `watchdog` + 100 ms", False),
+        Fault("Ctrl-C", ctrl_c, 0, "signal", True),
+        Fault("launcher killed (SIGKILL)", kill_launcher, 0, "signal", True),
+        Fault("emergency stop pressed", emergency_stop, 0, "message", False)]
 
 
-def measured(spikeloop, robot, version, layout, make, ends):
+def measured(spikeloop, robot, version, layout, fault):
     """One run with one fault: ms to the zero command after which there are but zeros."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -119,14 +129,14 @@ def measured(spikeloop, robot, version, layout, make, ends):
              str(folder / "run"), "--no-record"], stdout=log, stderr=log, start_new_session=True)
         family = {}
         try:
-            ros.until(lambda: robot.is_driven() or process.poll() is not None, "a command", 90)
+            ros.until(lambda: fault.when(robot) or process.poll() is not None, "a command", 90)
             family = jobs.processes_of(process.pid)
             log.seek(0)
             assert process.poll() is None, log.read()
-            ros.until(robot.is_driven, "a command")
-            begin = make(robot, process.pid)
+            ros.until(lambda: fault.when(robot), "a command")
+            begin = fault.make(robot, process.pid)
             robot.time_to_zero_ms(begin)
-            if ends:
+            if fault.ends:
                 process.wait(60)
             else:
                 time.sleep(STANDS_S)
@@ -148,13 +158,15 @@ def table(arguments, version, robot):
     """Prints a row a fault. @return those that took too long"""
     late = []
     for layout in arguments.layout or ["fused", "separate"]:
-        for name, make, timeout, governor, ends in faults(layout):
-            times = [measured(arguments.programs / "spikeloop", robot, version, layout, make, ends)
+        for fault in faults(layout):
+            if arguments.fault and arguments.fault not in fault.name:
+                continue
+            times = [measured(arguments.programs / "spikeloop", robot, version, layout, fault)
                      for _ in range(arguments.repetitions)]
-            bound = timeout + MARGIN_MS
-            print(f"| {name} | {layout} | {governor} | {bound} ms | {version} | "
+            bound = fault.timeout_ms + MARGIN_MS
+            print(f"| {fault.name} | {layout} | {fault.governor} | {bound} ms | {version} | "
                   f"{statistics.median(times):.0f} ms | {max(times):.0f} ms |", flush=True)
-            late += [f"{name}, {layout}, ROS {version}: {max(times):.0f} ms"] if max(times) > bound else []
+            late += [f"{fault.name}, {layout}, ROS {version}: {max(times):.0f} ms"] if max(times) > bound else []
     return late
 
 
@@ -164,6 +176,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=10)
     parser.add_argument("--layout", choices=["fused", "separate"], action="append")
     parser.add_argument("--ros", choices=["1", "2"], action="append")
+    parser.add_argument("--fault", help="only those whose name has these words")
     parser.add_argument("--check", action="store_true", help="an error when one takes too long")
     arguments = parser.parse_args()
     print("| fault | layout | governed by | at most | ROS | median | max |\n|---|---|---|---|---|---|---|")

@@ -63,10 +63,8 @@ class Witness {
       : peer_(peer),
         topic_(topic),
         listener_([this](const Message&, const SampleInfo& info) { tally_.add(info); }) {
-    DataReaderQos qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
-    qos.history().kind = KEEP_ALL_HISTORY_QOS;
     reader_ = peer.subscriber()->create_datareader(
-        peer.topic<Message>((std::string("rt") + topic).c_str()), qos, &listener_);
+        peer.topic<Message>((std::string("rt") + topic).c_str()), every_message_qos(), &listener_);
   }
   ~Witness() { peer_.subscriber()->delete_datareader(reader_); }
 
@@ -157,7 +155,7 @@ int run(int argc, char** argv) {
       camera.send(count);
       std::cout << "sent " << count << std::endl;
     } else {
-      throw std::runtime_error("unknown word '" + word + "'");
+      refuse_word(word);
     }
   }
   return 0;
@@ -167,10 +165,5 @@ int run(int argc, char** argv) {
 }  // namespace fastdds_peer
 
 int main(int argc, char** argv) {
-  try {
-    return fastdds_peer::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "fastdds_witness: " << error.what() << '\n';
-    return 1;
-  }
+  return fastdds_peer::run_program("fastdds_witness", fastdds_peer::run, argc, argv);
 }

@@ -71,6 +71,17 @@ void Link::go_without(const std::string& reason) {
   log::warning("{}. Nothing stops the robot when this program is killed or stopped", reason);
 }
 
+bool Link::reaches_robot() {
+  while (guarded_.load() && !reaches_) {
+    const Received news = receive_packet(socket_.get());
+    if (news.nothing || news.closed) {
+      return news.closed;  // of which the next beat tells
+    }
+    reaches_ = type_of(news.packet) == "reaches";
+  }
+  return true;
+}
+
 TimeNs Link::beat(TimeNs now) {
   if (!guarded_.load()) {
     return kNever;

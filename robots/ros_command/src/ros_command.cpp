@@ -16,6 +16,10 @@ namespace {
 /// So long a robot may take to subscribe.
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
+/// So long a robot that hears us may take to hear the guard, too: over Fast DDS two nodes meet
+/// within two seconds.
+constexpr TimeNs kGuardPatience = 3 * kNsPerSecond;
+
 /// What the guard has to know to stop the robot in our place.
 guard::Hello guard_hello(const topics::Session& session, const Address& address,
                          const command::CommandSettings& settings,
@@ -67,10 +71,32 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
 RosCommand::~RosCommand() = default;
 
 void RosCommand::send(const Step& step) {
+  if (!may_begin()) {
+    sink_.alive();
+    return;
+  }
   sink_.send(step);
   if (!minded_subscribers_ && count_ != 0) {
     mind_subscribers();
   }
+}
+
+/// Nobody could stop a robot that its guard has not met.
+bool RosCommand::may_begin() {
+  if (!waits_for_guard_ || count_ != 0 || guard_.reaches_robot() || !publisher_.has_subscribers()) {
+    return true;
+  }
+  const TimeNs now = wall_now();
+  met_at_ = met_at_ == 0 ? now : met_at_;
+  if (now - met_at_ < kGuardPatience) {
+    return false;
+  }
+  log::warning(
+      "the guard has met nobody on topic '{}' within {}; the robot is driven all the same. Until "
+      "they meet, nothing stops it when this program is killed or stopped",
+      address_.topic, format_time(kGuardPatience));
+  waits_for_guard_ = false;
+  return true;
 }
 
 /// A robot that takes another type, or another topic, stands still without a word.
@@ -81,7 +107,7 @@ void RosCommand::mind_subscribers() {
     return;
   }
   minded_subscribers_ = true;
-  if (!has_subscribers()) {
+  if (!publisher_.has_subscribers()) {
     log::warning(
         "nobody takes {} on topic '{}', so no robot is driven; '{} info {}' shows who is there, "
         "and "

@@ -18,6 +18,9 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   bool guarded() const { return guarded_.load(); }
+  /// Whether somebody hears the guard's commands, too, as far as it has said; true without a guard.
+  /// Never waits. To be called from one thread.
+  bool reaches_robot();
   /// To be called from the thread that stops the robot: its silence is what the guard waits for.
   /// Never waits. Returns when to call again.
   TimeNs beat(TimeNs now);
@@ -32,6 +35,7 @@ class Link {
 
   Descriptor socket_;
   std::atomic<bool> guarded_{false};
+  bool reaches_ = false;
 };
 
 }  // namespace spikeloop::guard

@@ -1,8 +1,9 @@
 // What a command adapter, its guard and the launcher tell each other: packets of CBOR over a Unix
 // socket that knows when the other side has gone.
 //
-// An adapter says "hello" and gets "ready" or "refused"; then it says "beat" until it is "done". A
-// guard tells the launcher that started it "listening", and "log" what the user is to read.
+// An adapter says "hello" and gets "ready" or "refused", and "reaches" once somebody hears the
+// guard; it says "beat" until it is "done". A guard tells the launcher that started it "listening",
+// and "log" what the user is to read.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ using status::Descriptor;
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 
 /// Both sides must be of the same.
-inline constexpr int kProtocol = 2;
+inline constexpr int kProtocol = 3;
 
 /// How a command adapter introduces itself.
 struct Hello {

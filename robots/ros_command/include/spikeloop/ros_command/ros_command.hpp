@@ -35,7 +35,8 @@ class RosCommand : public Sink {
   using Sent = std::function<void(std::span<const std::byte> message)>;
 
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
-  /// both before the robot is driven. @throws ConfigurationError as topics::Publisher.
+  /// both before the robot is driven: until the guard has met somebody who hears us, steps are let
+  /// pass, for 3 s at most. @throws ConfigurationError as topics::Publisher.
   /// @param sent told of every message that has left, in whatever thread it did; may be empty
   RosCommand(topics::Session& session, const Address& address,
              const command::CommandSettings& settings, Sent sent = {});
@@ -50,18 +51,22 @@ class RosCommand : public Sink {
   nlohmann::json summary() const { return sink_.summary(); }
   void alive() { sink_.alive(); }
 
-  bool has_subscribers() const { return publisher_.has_subscribers(); }
+  /// Whether somebody hears us, and the guard. To be called from the loop's thread.
+  bool has_subscribers() { return publisher_.has_subscribers() && may_begin(); }
   /// Messages that have left, zeros included.
   std::uint64_t sent() const { return count_; }
 
  private:
   void leave_to_guard_if_dead();
+  bool may_begin();
   void mind_subscribers();
 
   topics::Session& session_;
   const Address address_;
   TimeNs driven_since_ = 0;  ///< wall time of the first command; 0: none yet
   bool minded_subscribers_ = false;
+  TimeNs met_at_ = 0;  ///< wall time at which somebody was seen to hear us; 0: not yet
+  bool waits_for_guard_ = true;
   topics::Publisher publisher_;
   Sent sent_;
   std::atomic<std::uint64_t> count_{0};
