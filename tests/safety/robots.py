@@ -13,6 +13,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "fused"))
 import ros  # noqa: E402  (the master, or the domain, of a test's own)
 
 
+RECENT_S = 0.35  # commands that do not change are repeated ten times a second
+
+
 class Robot:
     """What both have. `heard`: (time, linear.x) of every command; `sent_at`: when the newest scan left."""
 
@@ -27,7 +30,7 @@ class Robot:
     def is_driven(self):
         """By a run that hears the emergency stop, and whose guard is heard."""
         now = time.monotonic()
-        recent = [value for at, value in self.heard[-3:] if now - at < 0.2]
+        recent = [value for at, value in self.heard[-3:] if now - at < RECENT_S]
         return len(recent) == 3 and all(recent) and self.is_connected()
 
     def has_moved(self):
