@@ -91,6 +91,10 @@ int guarded(const Arguments& arguments) {
     fmt::print(stderr, "{}\n", error.what());
     sender.failure(error.exit_code(), error.what());
     return error.exit_code();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    sender.failure(1, error.what());
+    return 1;
   }
 }
 

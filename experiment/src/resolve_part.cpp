@@ -14,6 +14,7 @@
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -154,6 +155,36 @@ std::string whole_message_type(const std::string& written, const std::string& di
   return is_definition_file(type) ? type : name;
 }
 
+void check_name(const Parameters& parameters, const char* key, messages::Dialect ros,
+                const std::string& topic) {
+  try {
+    topics::check_topic(ros, topic);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(parameters.where(key), fmt::format("key '{}': {}", key, error.what()));
+  }
+}
+
+/// Names and times that a transport would refuse.
+void check_transport(const Part& part, messages::Dialect ros) {
+  check_name(part.parameters, "topic", ros, part.parameters.text("topic"));
+  for (const ParameterDescription& parameter : part.node_class->description.parameters) {
+    if (parameter.unit == "s") {
+      located_at(part.parameters.where(parameter.name),
+                 [&] { return from_seconds(part.parameters.number(parameter.name)); });
+    }
+  }
+  if (part.kind == kRosCommand) {
+    const std::string stop = emergency_stop(part, ros).topic;
+    const std::string manual = manual_override(part).topic;
+    if (!stop.empty()) {
+      check_name(part.parameters, "emergency_stop", ros, stop);
+    }
+    if (!manual.empty()) {
+      check_name(part.parameters, "override", ros, manual);
+    }
+  }
+}
+
 void check_endpoint(Part& part, const std::string& directory, messages::Dialect ros) {
   const auto canonical = [&] {
     const Location where = part.parameters.where("message");
@@ -172,8 +203,9 @@ void check_endpoint(Part& part, const std::string& directory, messages::Dialect 
     canonical();
     part.mapping = command_mapping(part.parameters);
     check_command_fields(part.mapping, ros);
-    emergency_stop(part, ros);
-    manual_override(part);
+  }
+  if (has_topic(part.kind)) {
+    check_transport(part, ros);
   }
 }
 

@@ -188,6 +188,23 @@ TEST_F(AheadTest, a_manual_command_that_is_not_finite_is_a_zero_whatever_the_lim
   EXPECT_EQ(sent_.back(), 0.5) << "the hand's time is over";
 }
 
+TEST_F(AheadTest, a_manual_zero_has_the_robot_stand_whatever_the_limits) {
+  command(0.5, 0);
+  manual(0, 10 * kMs);
+  for (TimeNs t = 11 * kMs; t < 500 * kMs; t += kMs) {
+    command(0.5, t);
+    channel_.poll(t);
+  }
+  EXPECT_EQ(sent_.front(), 0.5);
+  sent_.erase(sent_.begin());
+  EXPECT_THAT(sent_, testing::Each(0));
+  EXPECT_EQ(count("limited"), 0U);
+  manual(0.05, 501 * kMs);
+  EXPECT_EQ(sent_.back(), 0.1);
+  command(0, 1100 * kMs);
+  EXPECT_EQ(sent_.back(), 0.1) << "of the network a zero is a speed as any";
+}
+
 /// At most 1 in either direction, 2 a second.
 class BoundedTest : public InterventionTest {
  protected:

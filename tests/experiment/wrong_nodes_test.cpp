@@ -143,6 +143,22 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
                    "themselves; write another one"}},
+        WrongFile{"commands to what is no topic",
+                  {{"topic: /cmd_vel", "topic: a-b"}},
+                  {"x.yaml:10:31: key 'topic': 'a-b' is no name of a ROS topic; write letters, "
+                   "digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
+        WrongFile{"emergency stop on what is no topic",
+                  {{"angular.z: 1}", "angular.z: 1}, emergency_stop: \"a b\""}},
+                  {"x.yaml:10:117: key 'emergency_stop': 'a b' is no name of a ROS topic; write "
+                   "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
+        WrongFile{"override on what is no topic",
+                  {{"angular.z: 1}", "angular.z: 1}, override: 1by_hand"}},
+                  {"x.yaml:10:111: key 'override': '1by_hand' is no name of a ROS topic; write "
+                   "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
+        WrongFile{"time that no clock has",
+                  {{"angular.z: 1}", "angular.z: 1}, sensor_timeout: 1e30 s"}},
+                  {"x.yaml:10:117: a time of 1e+30 s cannot be represented; write a finite number "
+                   "of seconds below 9e+09"}},
         WrongFile{"override on the topic of the emergency stop",
                   {{"angular.z: 1}", "angular.z: 1}, override: /emergency_stop"}},
                   {"x.yaml:10:111: key 'override': /emergency_stop is the topic of the emergency "

@@ -143,7 +143,7 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
     gate_.forget();
     limiter_.restart(now);
   }
-  if (gate_.offer(limiter_.shape(values, now), now)) {
+  if (gate_.offer(limiter_.shape(values, now, overridden_), now)) {
     driven_ = true;
     ++commands_;
     send(gate_.current());

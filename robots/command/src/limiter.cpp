@@ -16,12 +16,14 @@ void Limiter::restart(TimeNs now) {
   time_ = now;
 }
 
-std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now) {
+std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now,
+                                       bool may_stand) {
   const double elapsed = to_seconds(std::max<TimeNs>(0, now - time_));
   std::optional<Cut> cut;
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const Bounds& bounds = bounds_[i];
-    const double target = std::clamp(values[i], bounds.minimum, bounds.maximum);
+    const bool stands = may_stand && values[i] == 0;
+    const double target = stands ? 0 : std::clamp(values[i], bounds.minimum, bounds.maximum);
     if (target != values[i] && !cut) {
       cut = Cut{i, values[i]};
     }

@@ -33,7 +33,8 @@ class Limiter {
   /// The robot stands: from now on the way starts at zero.
   void restart(TimeNs now);
   /// What may leave now. Valid until the next call. `values` are finite.
-  std::span<const double> shape(std::span<const double> values, TimeNs now);
+  /// @param may_stand 0 is within all bounds: a person may always have the robot stand
+  std::span<const double> shape(std::span<const double> values, TimeNs now, bool may_stand = false);
   /// Calls in which a value lay beyond a minimum or maximum.
   std::uint64_t cuts() const { return cuts_; }
   const std::optional<Cut>& first_cut() const { return first_cut_; }
