@@ -9,8 +9,12 @@
 namespace spikeloop::command {
 namespace {
 
+using testing::AllOf;
+using testing::Each;
 using testing::ElementsAre;
+using testing::Ge;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr TimeNs kMs = 1'000'000;
 
@@ -169,18 +173,22 @@ TEST_F(InterventionTest, a_manual_command_that_is_not_finite_is_a_zero) {
 class AheadTest : public InterventionTest {
  protected:
   AheadTest() : InterventionTest({{0.1, 0.8}}) {}
+
+  /// What leaves in half a second when a person says this, and the network 0.5 all the time.
+  std::vector<double> sent_after_manual(double value) {
+    command(0.5, 0);
+    EXPECT_THAT(sent_, ElementsAre(0.5));
+    manual(value, 10 * kMs);
+    for (TimeNs t = 11 * kMs; t < 500 * kMs; t += kMs) {
+      command(0.5, t);
+      channel_.poll(t);
+    }
+    return {sent_.begin() + 1, sent_.end()};
+  }
 };
 
 TEST_F(AheadTest, a_manual_command_that_is_not_finite_is_a_zero_whatever_the_limits) {
-  command(0.5, 0);
-  manual(std::nan(""), 10 * kMs);
-  for (TimeNs t = 11 * kMs; t < 500 * kMs; t += kMs) {
-    command(0.5, t);
-    channel_.poll(t);
-  }
-  EXPECT_EQ(sent_.front(), 0.5);
-  sent_.erase(sent_.begin());
-  EXPECT_THAT(sent_, testing::Each(0));
+  EXPECT_THAT(sent_after_manual(std::nan("")), AllOf(SizeIs(Ge(1)), Each(0)));
   EXPECT_EQ(channel_.stopped_by(), StopReason::not_finite);
   manual(0.3, 501 * kMs);
   EXPECT_EQ(sent_.back(), 0.3);
@@ -189,15 +197,7 @@ TEST_F(AheadTest, a_manual_command_that_is_not_finite_is_a_zero_whatever_the_lim
 }
 
 TEST_F(AheadTest, a_manual_zero_has_the_robot_stand_whatever_the_limits) {
-  command(0.5, 0);
-  manual(0, 10 * kMs);
-  for (TimeNs t = 11 * kMs; t < 500 * kMs; t += kMs) {
-    command(0.5, t);
-    channel_.poll(t);
-  }
-  EXPECT_EQ(sent_.front(), 0.5);
-  sent_.erase(sent_.begin());
-  EXPECT_THAT(sent_, testing::Each(0));
+  EXPECT_THAT(sent_after_manual(0), AllOf(SizeIs(Ge(1)), Each(0)));
   EXPECT_EQ(count("limited"), 0U);
   manual(0.05, 501 * kMs);
   EXPECT_EQ(sent_.back(), 0.1);

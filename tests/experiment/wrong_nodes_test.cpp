@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "themselves; write another one"}},
         WrongFile{"commands to what is no topic",
                   {{"topic: /cmd_vel", "topic: a-b"}},
-                  {"x.yaml:10:31: key 'topic': 'a-b' is no name of a ROS topic; write letters, "
+                  {"x.yaml:10:38: key 'topic': 'a-b' is no name of a ROS topic; write letters, "
                    "digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
         WrongFile{"emergency stop on what is no topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: \"a b\""}},
