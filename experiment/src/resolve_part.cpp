@@ -124,7 +124,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
                     parameters.text("message")));
   }
   const bool about_fields = parameters.given("fields");
-  const Location where = parameters.where(about_fields ? "fields" : "message");
+  const Location& where = parameters.where(about_fields ? "fields" : "message");
   try {
     CommandMapping result = parse_mapping(mapping.dump(), "");
     for (CommandField& field : result.fields) {
@@ -268,7 +268,7 @@ void read_recording(Part& part, const std::string& directory, Experiment& experi
 /// built-in network.
 std::string kind_of(const ExperimentNode& node, Part& part) {
   const auto take = [&](const char* key) {
-    const WrittenValue value = node.keys.at(key);
+    WrittenValue value = node.keys.at(key);
     part.written.erase(key);
     return value;
   };

@@ -63,7 +63,7 @@ std::string topic_of(const Part& part, const char* key, const Parameters& keys,
   if (written == kNone) {
     return "";
   }
-  const std::string topic = written.empty() ? otherwise : written;
+  const std::string& topic = written.empty() ? otherwise : written;
   if (topic == part.parameters.text("topic")) {
     throw ConfigurationError(
         part.parameters.where(key),
@@ -126,9 +126,9 @@ std::vector<Parameter> override_parameters() {
            .text = "So long a manual command holds"}};
 }
 
-command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
-  const Parameters keys = inner_keys(part, "emergency_stop", emergency_stop_parameters());
-  command::EmergencyStop result{.topic = topic_of(part, "emergency_stop", keys, ""),
+command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros) {
+  const Parameters keys = inner_keys(command, "emergency_stop", emergency_stop_parameters());
+  command::EmergencyStop result{.topic = topic_of(command, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
                                 .field = keys.text("field"),
                                 .latched = keys.boolean("latched"),
@@ -141,19 +141,19 @@ command::EmergencyStop emergency_stop(const Part& part, messages::Dialect ros) {
     }
     messages::FieldReader(catalog, result.message_type, result.field);
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(part.parameters.where("emergency_stop"),
+    throw ConfigurationError(command.parameters.where("emergency_stop"),
                              fmt::format("key 'emergency_stop': {}", reason_of(error)));
   }
   return result;
 }
 
-command::Override manual_override(const Part& part) {
-  const Parameters keys = inner_keys(part, "override", override_parameters());
+command::Override manual_override(const Part& command) {
+  const Parameters keys = inner_keys(command, "override", override_parameters());
   const std::string topic =
-      topic_of(part, "override", keys, part.parameters.text("topic") + "_manual");
-  if (!topic.empty() && topic == emergency_topic(part)) {
+      topic_of(command, "override", keys, command.parameters.text("topic") + "_manual");
+  if (!topic.empty() && topic == emergency_topic(command)) {
     throw ConfigurationError(
-        part.parameters.where("override"),
+        command.parameters.where("override"),
         fmt::format("key 'override': {} is the topic of the emergency stop; write another one",
                     topic));
   }

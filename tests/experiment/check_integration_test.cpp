@@ -217,13 +217,13 @@ TEST(Check, AWorldThatIsNotThere) {
 TEST(Export, SpeaksOfTheExperimentsLines) {
   const TemporaryDirectory directory;
   directory.write("x.yaml",
-                  "ros: 1\nnodes:\n  a: {node: ros_sensor, topic: \"/a b\", message: Twist}\n"
-                  "  b: {node: ros_command, topic: /c, message: Float64MultiArray}\n"
+                  "ros: 1\nnodes:\n  a: {node: ros_sensor, topic: /a, message: Twist}\n"
+                  "  b: {node: ros_command, topic: /c, message: Float64MultiArray,\n"
+                  "      command_rate: 1e-300 Hz}\n"
                   "connections:\n  - a -> b [2]\n");
   const Outcome outcome = spikeloop({"export", "x.yaml", "--out", "job"}, directory);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err,
-              testing::StartsWith("spikeloop: a: x.yaml:3:32: '/a b' is no name of a ROS topic; "));
+  EXPECT_THAT(outcome.err, testing::StartsWith("spikeloop: b: x.yaml:4:3: a time of "));
 }
 
 TEST(Run, TimeoutsAreForSeveralProcesses) {
