@@ -105,11 +105,12 @@ void Ward::watch(topics::RawPublisher& robot) {
          vigil.stopping() ? -1 : leave_.get());
     // What has come while we had to wait for the processor counts before any deadline.
     listen(vigil);
-    if (!reaches && robot.has_subscribers()) {
+    const bool heard = robot.has_subscribers();
+    if (heard && !reaches) {
       reaches = true;
       send_packet(socket_.get(), make_packet("reaches"));
     }
-    if (vigil.poll(wall_now(), robot.has_subscribers())) {
+    if (vigil.poll(wall_now(), heard)) {
       robot.publish(hello_.zero);
     }
     announce(vigil);

@@ -86,6 +86,13 @@ class LinkTest : public testing::Test {
     ASSERT_TRUE(wait_readable(adapter.get(), 10 * kNsPerSecond));
     EXPECT_EQ(type_of(receive_packet(adapter.get()).packet), type);
   }
+  /// An adapter that has introduced itself, and been told that we are ready.
+  Descriptor welcome() const {
+    Descriptor adapter = accept();
+    expect(adapter, "hello");
+    send_packet(adapter.get(), make_packet("ready"));
+    return adapter;
+  }
 
   test::TemporaryDirectory directory_;
   std::string path_ = (directory_.path() / "guard").string();
@@ -104,9 +111,7 @@ TEST_F(LinkTest, hello_beats_and_done) {
     link.done();
     EXPECT_EQ(link.beat(now), kNever) << "nothing follows";
   });
-  const Descriptor socket = accept();
-  expect(socket, "hello");
-  send_packet(socket.get(), make_packet("ready"));
+  const Descriptor socket = welcome();
   expect(socket, "beat");
   expect(socket, "done");
   adapter.join();
@@ -117,9 +122,7 @@ TEST_F(LinkTest, hello_beats_and_done) {
 TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
   listen();
   std::thread guard([this] {
-    const Descriptor socket = accept();
-    expect(socket, "hello");
-    send_packet(socket.get(), make_packet("ready"));
+    const Descriptor socket = welcome();
     expect(socket, "beat");
     send_packet(socket.get(), make_packet("of a later version"));
     send_packet(socket.get(), make_packet("reaches"));
@@ -139,11 +142,7 @@ TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
 
 TEST_F(LinkTest, a_guard_that_has_ended_is_not_waited_for) {
   listen();
-  std::thread guard([this] {
-    const Descriptor socket = accept();
-    expect(socket, "hello");
-    send_packet(socket.get(), make_packet("ready"));
-  });
+  std::thread guard([this] { const Descriptor socket = welcome(); });
   Link link(example());
   guard.join();
   EXPECT_TRUE(link.guarded());
@@ -210,9 +209,7 @@ TEST_F(LinkTest, a_guard_that_ends_later_is_missed_once) {
     link.done();
   });
   {
-    const Descriptor socket = accept();
-    expect(socket, "hello");
-    send_packet(socket.get(), make_packet("ready"));
+    const Descriptor socket = welcome();
     expect(socket, "beat");
   }
   adapter.join();
@@ -244,9 +241,7 @@ TEST_F(LinkTest, a_guard_that_is_late_does_not_stop_the_beats) {
       EXPECT_EQ(link.beat(0), kBeatPeriod);
     }
   });
-  const Descriptor socket = accept();
-  expect(socket, "hello");
-  send_packet(socket.get(), make_packet("ready"));
+  const Descriptor socket = welcome();
   adapter.join();
   EXPECT_THAT(said_, ElementsAre());
 }
