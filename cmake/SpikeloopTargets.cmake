@@ -33,18 +33,14 @@ if(SPIKELOOP_SANITIZE)
   add_link_options(-fsanitize=${SPIKELOOP_SANITIZE})
 endif()
 
-# spikeloop_compile_alone(file...)
-# All presets but dev compile eight files of a target at once, in half the time or less. These have names
-# that others of their target have, too.
-function(spikeloop_compile_alone)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
+# Code that reads files and arguments, and waits: a fifth less to compile, and as fast for those who use it.
+set(SPIKELOOP_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
 
-# spikeloop_library(NAME SOURCES file... [USES target...] [PRIVATE_USES target...] [INSTALLED])
+# spikeloop_library(NAME SOURCES file... [USES target...] [PRIVATE_USES target...] [INSTALLED] [COLD])
 # makes Spikeloop::NAME with its public headers in include/spikeloop/NAME/. INSTALLED libraries are
 # what find_package(Spikeloop) gives to authors of plug-ins.
 function(spikeloop_library name)
-  cmake_parse_arguments(ARG "INSTALLED" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
+  cmake_parse_arguments(ARG "INSTALLED;COLD" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
   set(target spikeloop_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(Spikeloop::${name} ALIAS ${target})
@@ -55,18 +51,24 @@ function(spikeloop_library name)
     PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(${target} PUBLIC Spikeloop::flags ${ARG_USES}
                         PRIVATE $<BUILD_INTERFACE:spikeloop_warnings> ${ARG_PRIVATE_USES})
+  if(ARG_COLD)
+    target_compile_options(${target} PRIVATE ${SPIKELOOP_COLD_OPTIONS})
+  endif()
   if(ARG_INSTALLED)
     install(TARGETS ${target} EXPORT SpikeloopTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
     install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   endif()
 endfunction()
 
-# spikeloop_program(NAME SOURCES file... USES target... [ALIASES other-name...])
+# spikeloop_program(NAME SOURCES file... USES target... [ALIASES other-name...] [COLD])
 # makes an installed program; an alias is a symbolic link: the program looks at the name it was
 # called by.
 function(spikeloop_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;USES;ALIASES" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "" "SOURCES;USES;ALIASES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  if(ARG_COLD)
+    target_compile_options(${name} PRIVATE ${SPIKELOOP_COLD_OPTIONS})
+  endif()
   target_link_libraries(${name} PRIVATE spikeloop_warnings Spikeloop::flags ${ARG_USES})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   foreach(alias IN LISTS ARG_ALIASES)
@@ -74,29 +76,4 @@ function(spikeloop_program name)
       COMMAND ${CMAKE_COMMAND} -E create_symlink ${name} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${alias})
     install(FILES ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${alias} DESTINATION ${CMAKE_INSTALL_BINDIR})
   endforeach()
-endfunction()
-
-# What the sanitizer builds make: the programs of all tests labelled `unit`.
-add_custom_target(unit_tests)
-# Those whose code has threads: what ThreadSanitizer is for.
-add_custom_target(threaded_tests)
-
-# spikeloop_test(NAME SOURCES file... USES target... [LABELS label...] [TIMEOUT s] [THREADS])
-# makes a GoogleTest program; every TEST is a test of ctest's.
-function(spikeloop_test name)
-  cmake_parse_arguments(ARG "THREADS" "TIMEOUT" "SOURCES;USES;LABELS" ${ARGN})
-  if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
-  endif()
-  add_executable(${name} ${ARG_SOURCES})
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests/bin)
-  target_link_libraries(${name} PRIVATE spikeloop_warnings ${ARG_USES} GTest::gmock GTest::gtest_main)
-  if("unit" IN_LIST ARG_LABELS)
-    add_dependencies(unit_tests ${name})
-  endif()
-  if(ARG_THREADS)
-    add_dependencies(threaded_tests ${name})
-  endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT}
-                       LABELS "${ARG_LABELS}")
 endfunction()

@@ -1,8 +1,9 @@
-#include "bench_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <sstream>
@@ -13,7 +14,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::bench_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -66,10 +67,10 @@ const List& encoders() {
 }
 
 struct BenchArguments {
-  std::string parts = fmt::format("{}", fmt::join(spikeloop::app::parts().choices, ","));
-  std::string layouts = fmt::format("{}", fmt::join(spikeloop::app::layouts().choices, ","));
-  std::string simulators = fmt::format("{}", fmt::join(spikeloop::app::simulators().choices, ","));
-  std::string encoders = fmt::format("{}", fmt::join(spikeloop::app::encoders().choices, ","));
+  std::string parts = fmt::format("{}", fmt::join(bench_command::parts().choices, ","));
+  std::string layouts = fmt::format("{}", fmt::join(bench_command::layouts().choices, ","));
+  std::string simulators = fmt::format("{}", fmt::join(bench_command::simulators().choices, ","));
+  std::string encoders = fmt::format("{}", fmt::join(bench_command::encoders().choices, ","));
   std::string ticks = "1,2,5,10,20,50";
   std::string rates = "1,2,5,10,20,40,100,200,400,800";
   std::string trials = "5";
@@ -253,7 +254,7 @@ void add_numbers(CLI::App& command, BenchArguments& given) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<BenchArguments>();
   CLI::App* command =
       app.add_subcommand("bench", "Measure speed and latency as the toolchain's paper did");
@@ -278,4 +279,4 @@ void add_bench_command(CLI::App& app, std::function<int()>& action) {
   });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::bench_command

@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
+#include "commands.hpp"
 #include "experiment_command.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::check_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -63,13 +65,7 @@ int check(const std::string& path, bool strict) {
 
 }  // namespace
 
-int refuse(const launch::Findings& findings, const std::string& file) {
-  const launch::Finding first = launch::first_error(findings, file);
-  put(stderr, fmt::format("spikeloop: {}\n", first.text));
-  return first.exit_code;
-}
-
-void add_check_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   struct Arguments {
     std::string file;
     bool strict = false;
@@ -87,6 +83,16 @@ void add_check_command(CLI::App& app, std::function<int()>& action) {
                                             : check(arguments->file, arguments->strict);
     };
   });
+}
+
+}  // namespace spikeloop::app::check_command
+
+namespace spikeloop::app {
+
+int refuse(const launch::Findings& findings, const std::string& file) {
+  const launch::Finding first = launch::first_error(findings, file);
+  put(stderr, fmt::format("spikeloop: {}\n", first.text));
+  return first.exit_code;
 }
 
 }  // namespace spikeloop::app

@@ -1,8 +1,9 @@
-#include "describe_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -18,7 +19,7 @@
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/nodes/register.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::describe_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -139,7 +140,7 @@ int describe(const DescribeArguments& arguments) {
 
 }  // namespace
 
-void add_describe_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<DescribeArguments>();
   CLI::App* command = app.add_subcommand("describe", "Show what a node class or a message has");
   auto* name = command
@@ -167,4 +168,4 @@ void add_describe_command(CLI::App& app, std::function<int()>& action) {
       [arguments, &action] { action = [arguments] { return describe(*arguments); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::describe_command

@@ -7,6 +7,8 @@
 
 namespace spikeloop::app {
 
+inline constexpr double kMargin = 24;  ///< around the whole picture, in its pixels
+
 enum class BoxStyle { plain, network };
 enum class ArrowStyle { signal, spikes };
 

@@ -7,7 +7,6 @@
 namespace spikeloop::app {
 namespace {
 
-constexpr double kMargin = 24;
 constexpr double kFrame = 22;  // from the frame to what is in it
 constexpr double kTitle = 46;  // above the boxes, in the frame
 constexpr double kPort = 26;   // between ports of a box

@@ -7,7 +7,6 @@
 namespace spikeloop::app {
 namespace {
 
-constexpr double kMargin = 24;
 constexpr double kRobotHeight = 54;
 constexpr const char* kSignalColour = "#2f6db3";
 constexpr const char* kSpikesColour = "#c0392b";

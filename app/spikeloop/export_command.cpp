@@ -1,7 +1,8 @@
-#include "export_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -19,7 +20,7 @@
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::export_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -125,7 +126,7 @@ int export_file(const Arguments& arguments) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
@@ -141,4 +142,4 @@ void add_export_command(CLI::App& app, std::function<int()>& action) {
       [arguments, &action] { action = [arguments] { return export_file(*arguments); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::export_command

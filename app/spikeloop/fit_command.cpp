@@ -1,5 +1,6 @@
-#include "fit_command.hpp"
+#include "commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -16,7 +17,7 @@
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/error.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::fit_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -233,7 +234,7 @@ void add_options(CLI::App& command, FitTask& task) {
 
 }  // namespace
 
-void add_fit_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto task = std::make_shared<FitTask>();
   CLI::App* command = app.add_subcommand("fit", "Fit the weights of a decoder");
   add_options(*command, *task);
@@ -241,4 +242,4 @@ void add_fit_command(CLI::App& app, std::function<int()>& action) {
   command->callback([task, &action] { action = [task] { return fit(*task); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::fit_command

@@ -1,7 +1,8 @@
-#include "graph_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -19,7 +20,7 @@
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::graph_command {
 namespace {
 
 using experiment::Experiment;
@@ -246,7 +247,7 @@ int draw(const std::string& path, const std::string& out) {
 
 }  // namespace
 
-void add_graph_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   struct Arguments {
     std::string file;
     std::string out;
@@ -263,4 +264,4 @@ void add_graph_command(CLI::App& app, std::function<int()>& action) {
   });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::graph_command

@@ -7,26 +7,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "bench_command.hpp"
-#include "check_command.hpp"
-#include "completion/completion_command.hpp"
-#include "describe_command.hpp"
-#include "doctor/doctor_command.hpp"
-#include "export_command.hpp"
-#include "fit_command.hpp"
-#include "graph_command.hpp"
-#include "import/import_command.hpp"
-#include "new_command.hpp"
+#include "commands.hpp"
 #include "output.hpp"
-#include "plot_command.hpp"
-#include "replay_command.hpp"
-#include "run_command.hpp"
-#include "schema_command.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/topics/arguments.hpp"
 
@@ -99,25 +85,26 @@ void open_standard_files() {
 }
 
 int run(int argc, char** argv) {
+  using namespace spikeloop::app;
   CLI::App app("Spikeloop: closed loops between robots and spiking neural networks", "spikeloop");
   app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
   app.require_subcommand(1);
-  std::function<int()> action;
+  spikeloop::app::Action action;
   const spikeloop::topics::CommandLine line = split(argc, argv);
-  spikeloop::app::add_new_command(app, action);
-  spikeloop::app::add_run_command(app, line, action);
-  spikeloop::app::add_replay_command(app, action);
-  spikeloop::app::add_check_command(app, action);
-  spikeloop::app::add_export_command(app, action);
-  spikeloop::app::add_import_command(app, action);
-  spikeloop::app::add_plot_command(app, action);
-  spikeloop::app::add_fit_command(app, action);
-  spikeloop::app::add_bench_command(app, action);
-  spikeloop::app::add_describe_command(app, action);
-  spikeloop::app::add_doctor_command(app, action);
-  spikeloop::app::add_completion_command(app, action);
-  spikeloop::app::add_schema_command(app, action);
-  spikeloop::app::add_graph_command(app, action);
+  new_command::add(app, action);
+  run_command::add(app, line, action);
+  replay_command::add(app, action);
+  check_command::add(app, action);
+  export_command::add(app, action);
+  import_command::add(app, action);
+  plot_command::add(app, action);
+  fit_command::add(app, action);
+  bench_command::add(app, action);
+  describe_command::add(app, action);
+  doctor_command::add(app, action);
+  completion_command::add(app, action);
+  schema_command::add(app, action);
+  graph_command::add(app, action);
   if (argc == 1) {
     spikeloop::app::put(stdout, app.help());
     return 0;

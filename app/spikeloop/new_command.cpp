@@ -1,5 +1,6 @@
-#include "new_command.hpp"
+#include "commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
@@ -7,7 +8,7 @@
 #include "output.hpp"
 #include "spikeloop/core/error.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::new_command {
 namespace {
 
 /// Runs as it is: nothing else is needed, no ROS, no other file.
@@ -96,7 +97,7 @@ int print_new(const std::string& name) {
 
 }  // namespace
 
-void add_new_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto name = std::make_shared<std::string>("explorer");
   CLI::App* command =
       app.add_subcommand("new", "Print an experiment file to begin with, commented, ready to run");
@@ -105,4 +106,4 @@ void add_new_command(CLI::App& app, std::function<int()>& action) {
   command->callback([name, &action] { action = [name] { return print_new(*name); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::new_command

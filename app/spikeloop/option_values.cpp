@@ -28,7 +28,7 @@ struct QuantityOption {
       fmt::format("{} {}: write {}", name, launch::shell_text({text}), remedy));
 }
 
-double read(const QuantityOption& option, const std::string& text) {
+double read_quantity(const QuantityOption& option, const std::string& text) {
   double value = -1;
   try {
     value = parse_quantity(text, option.unit);
@@ -47,25 +47,25 @@ double read(const QuantityOption& option, const std::string& text) {
 }  // namespace
 
 double duration_s(const std::string& text) {
-  return read(
+  return read_quantity(
       {"--duration", "s", "the simulated seconds", 1e-9, 1e9, "above 0", "at most 1e9", "60"},
       text);
 }
 
 double real_time_factor(const std::string& text) {
-  return read({"--real-time-factor", "1", "simulated over wall time", 1e-3, 1e3,
+  return read_quantity({"--real-time-factor", "1", "simulated over wall time", 1e-3, 1e3,
                "from 0.001 to 1000", "from 0.001 to 1000", "0.5"},
               text);
 }
 
 double start_timeout_s(const std::string& text) {
-  return read(
+  return read_quantity(
       {"--start-timeout", "s", "the seconds to wait", 1e-3, 1e6, "above 0", "at most 1e6", "120"},
       text);
 }
 
 double stall_timeout_s(const std::string& text) {
-  return read({"--stall-timeout", "s", "the seconds to wait", 0, 1e6, "0 or more (0: for ever)",
+  return read_quantity({"--stall-timeout", "s", "the seconds to wait", 0, 1e6, "0 or more (0: for ever)",
                "at most 1e6", "120"},
               text);
 }

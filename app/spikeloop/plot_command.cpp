@@ -1,7 +1,8 @@
-#include "plot_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <vector>
 
@@ -10,7 +11,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::plot_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -85,7 +86,7 @@ int plot(const PlotArguments& given) {
 
 }  // namespace
 
-void add_plot_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<PlotArguments>();
   CLI::App* command = app.add_subcommand("plot", "Draw what a run has left in its folder");
   command->add_option("RUN", given->folder, "Run folder")->required()->check(named("folder"));
@@ -106,4 +107,4 @@ void add_plot_command(CLI::App& app, std::function<int()>& action) {
   command->callback([given, &action] { action = [given] { return plot(*given); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::plot_command

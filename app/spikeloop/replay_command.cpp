@@ -1,7 +1,8 @@
-#include "replay_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
@@ -15,7 +16,7 @@
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::replay_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,7 +121,7 @@ int replay(const Arguments& arguments) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "replay", "Run a run's experiment once more with its recorded messages; compare the spikes");
   const auto arguments = std::make_shared<Arguments>();
@@ -134,4 +135,4 @@ void add_replay_command(CLI::App& app, std::function<int()>& action) {
   command->callback([arguments, &action] { action = [arguments] { return replay(*arguments); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::replay_command

@@ -1,7 +1,8 @@
-#include "run_command.hpp"
+#include "commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -19,7 +20,7 @@
 #include "spikeloop/launch/job.hpp"
 #include "versions.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::run_command {
 namespace {
 
 struct RunArguments {
@@ -270,7 +271,7 @@ int run(RunArguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, const topics::CommandLine& line, std::function<int()>& action) {
+void add(CLI::App& app, const topics::CommandLine& line, Action& action) {
   CLI::App* command = app.add_subcommand("run", "Run an experiment file or a .music file");
   const auto arguments = std::make_shared<RunArguments>();
   arguments->line = line;
@@ -280,4 +281,4 @@ void add_run_command(CLI::App& app, const topics::CommandLine& line, std::functi
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::run_command

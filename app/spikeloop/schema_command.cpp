@@ -1,10 +1,11 @@
-#include "schema_command.hpp"
+#include "commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include "output.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/schema.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::schema_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -27,11 +28,11 @@ int print_schema() {
 
 }  // namespace
 
-void add_schema_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("schema", "Print the JSON Schema of experiment files, for editors");
   command->footer(kFooter);
   command->callback([&action] { action = print_schema; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::schema_command

@@ -14,17 +14,16 @@
 namespace spikeloop::app {
 namespace {
 
-using doctor::Item;
 using nlohmann::json;
 
 /// A probe of the doctor's, and the key that its version has.
-struct Part {
+struct VersionKey {
   const char* probe;
   const char* key;
 };
 
 /// "4.1.4" of "4.1.4, /usr/bin/mpirun", "2.2.2" of "/lib/libmujoco.so.2.2.2".
-json version_in(const Item& item) {
+json version_in(const doctor::Item& item) {
   if (item.finding.status == doctor::Status::missing) {
     return nullptr;
   }
@@ -37,14 +36,14 @@ json version_in(const Item& item) {
   return text.starts_with(kPython) ? text.substr(kPython.size()) : text;
 }
 
-json ask(std::vector<doctor::Probe> probes, const std::vector<Part>& parts) {
+json ask(std::vector<doctor::Probe> probes, const std::vector<VersionKey>& parts) {
   std::erase_if(probes, [&](const doctor::Probe& probe) {
-    return std::ranges::none_of(parts, [&](const Part& part) { return probe.name == part.probe; });
+    return std::ranges::none_of(parts, [&](const VersionKey& part) { return probe.name == part.probe; });
   });
   json versions = json::object();
-  for (const Item& item : doctor::examine(probes)) {
+  for (const doctor::Item& item : doctor::examine(probes)) {
     const auto part =
-        std::ranges::find_if(parts, [&](const Part& wanted) { return item.name == wanted.probe; });
+        std::ranges::find_if(parts, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
     versions[part->key] = version_in(item);
   }
   return versions;
@@ -100,9 +99,9 @@ Partners partners_of(const MusicFile& file, bool robot) {
 
 json about_run(const Partners& partners) {
   std::vector<doctor::Probe> probes = doctor::own_probes();
-  std::vector<Part> parts{{"HDF5", "hdf5"}};
+  std::vector<VersionKey> parts{{"HDF5", "hdf5"}};
   const auto add = [&](bool takes_part, std::vector<doctor::Probe> more,
-                       const std::vector<Part>& named) {
+                       const std::vector<VersionKey>& named) {
     if (takes_part) {
       std::ranges::move(more, std::back_inserter(probes));
       parts.insert(parts.end(), named.begin(), named.end());

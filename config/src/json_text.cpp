@@ -121,7 +121,7 @@ Location locate_key(std::string_view text, const std::vector<std::string>& keys,
   return found ? locate(text, *found, file) : Location{file};
 }
 
-std::string shown(const nlohmann::ordered_json& value) {
+std::string shown_json(const nlohmann::ordered_json& value) {
   if (value.is_structured()) {  // may be nested deeper than the stack allows to print
     return value.is_array() ? "an array" : "an object";
   }

@@ -25,6 +25,6 @@ Location locate_key(std::string_view text, const std::vector<std::string>& keys,
                     const std::string& file);
 
 /// A value for messages: at most 60 characters of its JSON, "an array" or "an object".
-std::string shown(const nlohmann::ordered_json& value);
+std::string shown_json(const nlohmann::ordered_json& value);
 
 }  // namespace spikeloop::json_text

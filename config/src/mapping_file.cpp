@@ -19,7 +19,7 @@ namespace spikeloop {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using json_text::shown;
+using json_text::shown_json;
 
 constexpr const char* kArray = "std_msgs/Float64MultiArray";
 constexpr const char* kExample =
@@ -62,7 +62,7 @@ class MappingReader {
 
   CommandMapping read() {
     if (!json_.is_object()) {
-      fail(fmt::format("the file holds {}, no object; write {}", shown(json_), kExample));
+      fail(fmt::format("the file holds {}, no object; write {}", shown_json(json_), kExample));
     }
     check_keys(json_, {"message_type", "mapping", "min", "max"}, {});
     read_message_type();
@@ -120,7 +120,7 @@ class MappingReader {
     }
     const Json& type = json_["message_type"];
     if (!type.is_string()) {
-      fail(fmt::format("'message_type' is {}, no text; write {}", shown(type), kExample),
+      fail(fmt::format("'message_type' is {}, no text; write {}", shown_json(type), kExample),
            {"message_type"});
     }
     try {
@@ -134,7 +134,7 @@ class MappingReader {
     const Json& value = object[key];
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
       const Path path = below(of, key);
-      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path), shown(value)),
+      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path), shown_json(value)),
            path);
     }
     return value.get<double>();
@@ -180,7 +180,7 @@ class MappingReader {
 
   void read_fields(const Json& fields) {
     if (!fields.is_object()) {
-      fail(fmt::format("'mapping' is {}, no object; write {}", shown(fields), kExample),
+      fail(fmt::format("'mapping' is {}, no object; write {}", shown_json(fields), kExample),
            {"mapping"});
     }
     if (mapping_.message_type == kArray && !strict_) {
@@ -258,7 +258,7 @@ class MappingReader {
     }
     if (!(number >= 0 && number <= 2147483647.0 && number == std::floor(number))) {
       fail(fmt::format("'{}' is {}, no channel; write a whole number from 0", name_of(path),
-                       shown(value)),
+                       shown_json(value)),
            path);
     }
     return static_cast<std::uint32_t>(number);

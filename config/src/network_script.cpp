@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kSuffix = ".py";
 constexpr const char* kResult = "network.json";
-constexpr std::uint64_t kMostBytes = 1'000'000'000;
+constexpr std::uint64_t kMostScriptBytes = 1'000'000'000;
 
 // A folder that is gone with the object.
 class Folder {
@@ -64,7 +64,7 @@ std::string python() {
                                   exit_code, function));
   }
   const FilesRead unnoted;
-  std::istringstream told(read_text_file(fault.string(), kMostBytes, "fault"));
+  std::istringstream told(read_text_file(fault.string(), kMostScriptBytes, "fault"));
   int line = 0;
   std::string text;
   told >> line >> std::ws;
@@ -75,7 +75,7 @@ std::string python() {
 // The line of the user's file behind each line of the network file that Python wrote.
 Location behind(const Location& where, const std::string& file, const Folder& folder) {
   std::istringstream lines(
-      read_text_file(folder.file("lines").string(), kMostBytes, "lines of the network file"));
+      read_text_file(folder.file("lines").string(), kMostScriptBytes, "lines of the network file"));
   int line = 0;
   for (int i = 0; i < where.line && lines >> line; ++i) {
   }
@@ -101,7 +101,7 @@ void set_places(NetworkFile& network, const Location& where, const Folder& folde
 
 NetworkFile read_result(const std::string& file, const Folder& folder) {
   const std::string text =
-      read_text_file(folder.file(kResult).string(), kMostBytes, "network file");
+      read_text_file(folder.file(kResult).string(), kMostScriptBytes, "network file");
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});

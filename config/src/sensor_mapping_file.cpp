@@ -29,7 +29,7 @@ WrittenValues read_sensor_mapping(const std::string& name, const std::filesystem
   if (!json.is_object() || json.empty()) {
     throw ConfigurationError(place({}),
                              fmt::format("the file holds {}, no object with keys; write {}",
-                                         json_text::shown(json), kExample));
+                                         json_text::shown_json(json), kExample));
   }
   const std::vector<std::string> known = {"fields", "image"};
   WrittenValues keys;

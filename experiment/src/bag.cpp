@@ -20,7 +20,7 @@ TimeNs tick_of(TimeNs time, TimeNs tick) {
   return (time + tick - 1) / tick * tick;
 }
 
-std::string list_of(const bag::Reader& reader) {
+std::string topics_in(const bag::Reader& reader) {
   std::set<std::string> topics;
   for (const bag::Connection& connection : reader.connections()) {
     topics.insert(fmt::format("{} ({})", connection.topic, connection.type));
@@ -65,7 +65,7 @@ void check_topic(const Part& part, const bag::Reader& reader) {
         part.parameters.where("topic"),
         fmt::format("key 'topic': the bag has no topic {}{}; it has {}", topic,
                     meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
-                    list_of(reader)));
+                    topics_in(reader)));
   }
 }
 

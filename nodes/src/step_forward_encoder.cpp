@@ -15,7 +15,6 @@ namespace spikeloop {
 
 namespace {
 
-constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 
 // What one input's spikes have told so far, and when the next one is due.
 struct Follower {

@@ -15,7 +15,6 @@ namespace spikeloop {
 
 namespace {
 
-constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 constexpr double kShortest = 1e-6;  // s; stamps keep away from the begin of an interval
 
 // The first multiple of `period` at or after `time`, which is not negative.

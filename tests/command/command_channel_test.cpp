@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 
+namespace command_channel_test {
 namespace {
 
+using spikeloop::kNever;
 using spikeloop::TimeNs;
 using namespace spikeloop::command;
 using testing::ElementsAre;
@@ -156,3 +158,4 @@ TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
 }
 
 }  // namespace
+}  // namespace command_channel_test

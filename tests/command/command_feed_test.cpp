@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace spikeloop::command {
+namespace spikeloop::command::command_feed_test {
 namespace {
 
 using testing::ElementsAre;
@@ -134,4 +134,4 @@ TEST_F(CommandFeedTest, a_network_may_be_silent_otherwise) {
 }
 
 }  // namespace
-}  // namespace spikeloop::command
+}  // namespace spikeloop::command::command_feed_test

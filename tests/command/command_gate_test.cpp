@@ -4,8 +4,10 @@
 
 #include <random>
 
+namespace command_gate_test {
 namespace {
 
+using spikeloop::kNever;
 using spikeloop::TimeNs;
 using namespace spikeloop::command;
 
@@ -129,3 +131,4 @@ TEST(CommandGate, intervals_stay_within_their_bounds) {
 }
 
 }  // namespace
+}  // namespace command_gate_test

@@ -6,7 +6,7 @@
 
 #include "spikeloop/command/interventions.hpp"
 
-namespace spikeloop::command {
+namespace spikeloop::command::intervention_test {
 namespace {
 
 using testing::AllOf;
@@ -270,4 +270,4 @@ TEST_F(InterventionTest, what_is_said_counts_when_it_is_applied) {
 }
 
 }  // namespace
-}  // namespace spikeloop::command
+}  // namespace spikeloop::command::intervention_test

@@ -9,7 +9,7 @@
 #include "spikeloop/command/default_bounds.hpp"
 #include "spikeloop/command/mapping.hpp"
 
-namespace spikeloop::command {
+namespace spikeloop::command::limiter_test {
 namespace {
 
 using testing::ElementsAre;
@@ -115,4 +115,4 @@ TEST(DefaultBounds, a_limit_of_the_mapping_stands) {
 }
 
 }  // namespace
-}  // namespace spikeloop::command
+}  // namespace spikeloop::command::limiter_test

@@ -4,7 +4,7 @@
 #include "spikeloop/command/emergency_stop.hpp"
 #include "spikeloop/command/silence_watch.hpp"
 
-namespace spikeloop::command {
+namespace spikeloop::command::rules_test {
 namespace {
 
 constexpr TimeNs kMs = 1'000'000;
@@ -72,4 +72,4 @@ TEST(EmergencyRule, with_a_timeout_messages_have_to_come) {
 }
 
 }  // namespace
-}  // namespace spikeloop::command
+}  // namespace spikeloop::command::rules_test

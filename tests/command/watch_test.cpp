@@ -12,6 +12,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 
+namespace watch_test {
 namespace {
 
 using spikeloop::TimeNs;
@@ -166,3 +167,4 @@ TEST_F(WatchTest, says_when_the_system_has_no_descriptors_left) {
 }
 
 }  // namespace
+}  // namespace watch_test

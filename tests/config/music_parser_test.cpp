@@ -8,7 +8,7 @@
 #include "tests/config/helpers.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-namespace spikeloop {
+namespace spikeloop::music_parser_test {
 namespace {
 
 using test::message_of;
@@ -311,4 +311,4 @@ TEST(ParseMusic, NotesWhatIsHardlyMeant) {
 }
 
 }  // namespace
-}  // namespace spikeloop
+}  // namespace spikeloop::music_parser_test

@@ -15,7 +15,7 @@
 #include "tests/support/repetitions.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-namespace spikeloop {
+namespace spikeloop::npy_file_test {
 namespace {
 
 using test::message_of;
@@ -264,4 +264,4 @@ TEST(NpyFile, MutatedFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop
+}  // namespace spikeloop::npy_file_test

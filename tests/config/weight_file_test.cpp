@@ -13,7 +13,7 @@
 #include "tests/support/repetitions.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-namespace spikeloop {
+namespace spikeloop::weight_file_test {
 namespace {
 
 using test::message_of;
@@ -330,4 +330,4 @@ TEST(WeightFile, DeepNestingIsRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop
+}  // namespace spikeloop::weight_file_test

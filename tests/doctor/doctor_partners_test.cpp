@@ -206,12 +206,12 @@ TEST(DoctorPython, ImportsWhatIsThere) {
   packages.write("nest.py",
                  "__version__ = '3.3'\nclass ll_api:\n  @staticmethod\n  def sli_func(text):\n    "
                  "return text == 'statusdict/have_music ::'\n");
-  const Examination seen = examine({{"PYTHONPATH", packages.path().string()}});
+  const Examination seen = examine({kRealPython, {"PYTHONPATH", packages.path().string()}});
   EXPECT_EQ(seen.line("NEURON"), "ok | 8.0 | ");
   EXPECT_EQ(seen.line("NEST"), "ok | 3.3, with MUSIC, " + packages.path().string() + " | ");
   packages.write("nest.py",
                  "class ll_api:\n  @staticmethod\n  def sli_func(text):\n    return False\n");
-  EXPECT_THAT(examine({{"PYTHONPATH", packages.path().string()}}).line("NEST"),
+  EXPECT_THAT(examine({kRealPython, {"PYTHONPATH", packages.path().string()}}).line("NEST"),
               StartsWith("ok | ?, without MUSIC, "));
 }
 

@@ -21,7 +21,7 @@ constexpr const char* kInstallAgain =
     " | build and install Spikeloop again: all of it, scripts/build";
 
 TEST(Doctor, FindsAllThatARunNeeds) {
-  const Examination seen = examine({});
+  const Examination seen = examine({kRealPython});
   EXPECT_EQ(seen.outcome.exit_code, 0) << seen.outcome.text();
   EXPECT_EQ(seen.outcome.err, "");
   EXPECT_EQ(seen.outcome.left_behind, 0);

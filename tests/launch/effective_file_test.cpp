@@ -6,7 +6,7 @@
 
 #include "spikeloop/launch/programs.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop::launch::effective_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -441,4 +441,4 @@ TEST(EffectiveFile, WarnsOfForeignProgramsThatMusic1116CannotRun) {
 }
 
 }  // namespace
-}  // namespace spikeloop::launch
+}  // namespace spikeloop::launch::effective_file_test

@@ -8,7 +8,7 @@
 #include "spikeloop/launch/effective_file.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop::launch::script_programs_test {
 namespace {
 
 using testing::ElementsAre;
@@ -100,4 +100,4 @@ TEST(Programs, AnotherScriptIsForeign) {
 }
 
 }  // namespace
-}  // namespace spikeloop::launch
+}  // namespace spikeloop::launch::script_programs_test

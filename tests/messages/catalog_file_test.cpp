@@ -7,6 +7,7 @@
 #include "spikeloop/messages/catalog.hpp"
 #include "tests/support/temporary_directory.hpp"
 
+namespace catalog_file_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -99,3 +100,4 @@ TEST_F(CatalogFile, errors_name_the_file) {
 }
 
 }  // namespace
+}  // namespace catalog_file_test

@@ -6,6 +6,7 @@
 #include "spikeloop/core/error.hpp"
 #include "tests/support/error_of.hpp"
 
+namespace catalog_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -76,3 +77,4 @@ TEST(Catalog, layout_knows_constant_sizes) {
 }
 
 }  // namespace
+}  // namespace catalog_test

@@ -5,6 +5,7 @@
 
 #include "spikeloop/core/error.hpp"
 
+namespace definition_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -84,3 +85,4 @@ TEST(Definition, errors_say_what_to_write) {
 }
 
 }  // namespace
+}  // namespace definition_test

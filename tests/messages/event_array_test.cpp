@@ -11,6 +11,7 @@
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
+namespace event_array_test {
 namespace {
 
 using namespace spikeloop;
@@ -152,3 +153,4 @@ TEST(EventArray, damaged_bytes_never_lead_outside) {
 }
 
 }  // namespace
+}  // namespace event_array_test

@@ -11,6 +11,7 @@
 #include "event_message.hpp"
 #include "tests/support/error_of.hpp"
 
+namespace event_conversion_test {
 namespace {
 
 using namespace spikeloop;
@@ -231,3 +232,4 @@ TEST(EventConversion, names_of_polarities) {
 }
 
 }  // namespace
+}  // namespace event_conversion_test

@@ -8,6 +8,7 @@
 
 #include "spikeloop/core/error.hpp"
 
+namespace event_decoder_test {
 namespace {
 
 using namespace spikeloop;
@@ -479,3 +480,4 @@ TEST(EventDecoder, garbage_is_decoded_or_refused) {
 }
 
 }  // namespace
+}  // namespace event_decoder_test

@@ -9,6 +9,7 @@
 #include "spikeloop/messages/event_conversion.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
+namespace event_packet_test {
 namespace {
 
 using namespace spikeloop;
@@ -109,3 +110,4 @@ TEST(EventPacket, other_types_have_no_events) {
 }
 
 }  // namespace
+}  // namespace event_packet_test

@@ -6,6 +6,7 @@
 
 #include <random>
 
+namespace event_playback_test {
 namespace {
 
 using namespace spikeloop;
@@ -180,3 +181,4 @@ TEST(EventPlayback, nothing_is_lost_or_doubled) {
 }
 
 }  // namespace
+}  // namespace event_playback_test

@@ -8,6 +8,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
+namespace field_path_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -173,3 +174,4 @@ TEST(FieldPath, hostile_lengths_end_at_once) {
 }
 
 }  // namespace
+}  // namespace field_path_test

@@ -4,6 +4,7 @@
 
 #include "spikeloop/core/error.hpp"
 
+namespace message_writer_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -92,3 +93,4 @@ TEST(MessageWriter, errors_say_what_to_write) {
 }
 
 }  // namespace
+}  // namespace message_writer_test

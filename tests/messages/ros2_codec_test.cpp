@@ -7,6 +7,7 @@
 #include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
+namespace ros2_codec_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -175,3 +176,4 @@ TEST(Ros2Codec, layouts_know_what_has_no_gaps) {
 }
 
 }  // namespace
+}  // namespace ros2_codec_test

@@ -9,6 +9,7 @@
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "tests/support/error_of.hpp"
 
+namespace selector_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -234,3 +235,4 @@ INSTANTIATE_TEST_SUITE_P(Ros, Selectors, testing::Values(Dialect::ros1, Dialect:
                          });
 
 }  // namespace
+}  // namespace selector_test

@@ -10,6 +10,7 @@
 #include "spikeloop/messages/message_writer.hpp"
 #include "tests/support/error_of.hpp"
 
+namespace sensor_conversion_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -172,3 +173,4 @@ TEST(SensorConversion, types_without_a_rule_need_fields) {
 }
 
 }  // namespace
+}  // namespace sensor_conversion_test

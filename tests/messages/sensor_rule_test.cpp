@@ -12,6 +12,7 @@
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 
+namespace sensor_rule_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -334,3 +335,4 @@ TEST_P(SensorRules, what_is_wrong_is_said) {
 }
 
 }  // namespace
+}  // namespace sensor_rule_test

@@ -11,6 +11,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
+namespace translation_test {
 namespace {
 
 using namespace spikeloop::messages;
@@ -137,3 +138,4 @@ TEST(Translation, short_messages) {
 }
 
 }  // namespace
+}  // namespace translation_test

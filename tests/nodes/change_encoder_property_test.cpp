@@ -4,7 +4,7 @@
 
 #include "random_trial.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::change_encoder_property_test {
 namespace {
 
 constexpr std::size_t kChannels = 3;
@@ -203,4 +203,4 @@ TEST(EncoderProperty, TimeToFirstSpikeEncoderNeitherLosesNorDoublesASpike) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::change_encoder_property_test

@@ -10,7 +10,7 @@
 #include "spikeloop/core/random.hpp"
 #include "tests/support/repetitions.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::encoder_property_test {
 namespace {
 
 constexpr std::uint32_t kChannels = 70;  // a whole block and a part of one
@@ -153,4 +153,4 @@ TEST(EncoderProperty, PoissonEncoderNeitherLosesNorDoublesASpike) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::encoder_property_test

@@ -7,7 +7,7 @@
 #include "sampled_signal.hpp"
 #include "statistics.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::nef_neuron_test {
 namespace {
 
 constexpr double kTau = 0.02;  // s
@@ -281,4 +281,4 @@ TEST(NefEncoderKeys, PresetsHaveTheOlderProgramsConstants) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::nef_neuron_test

@@ -11,7 +11,7 @@
 #include "harness.hpp"
 #include "tests/support/repetitions.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::nef_property_test {
 namespace {
 
 struct Segment {
@@ -132,4 +132,4 @@ TEST(NefProperty, SpikesDoNotDependOnHowTimeIsCut) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::nef_property_test

@@ -3,7 +3,7 @@
 
 #include "sampled_signal.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::step_forward_encoder_test {
 namespace {
 
 using Keys = std::map<std::string, std::string>;
@@ -239,4 +239,4 @@ TEST(StepForwardEncoder, WhatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::step_forward_encoder_test

@@ -3,7 +3,7 @@
 
 #include "sampled_signal.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::temporal_contrast_encoder_test {
 namespace {
 
 using Keys = std::map<std::string, std::string>;
@@ -123,4 +123,4 @@ TEST(TemporalContrastEncoder, WhatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::temporal_contrast_encoder_test

@@ -3,7 +3,7 @@
 
 #include "sampled_signal.hpp"
 
-namespace spikeloop::testing {
+namespace spikeloop::testing::time_to_first_spike_encoder_test {
 namespace {
 
 using Keys = std::map<std::string, std::string>;
@@ -168,4 +168,4 @@ TEST(TimeToFirstSpikeEncoder, WhatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop::testing
+}  // namespace spikeloop::testing::time_to_first_spike_encoder_test

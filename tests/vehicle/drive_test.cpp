@@ -8,7 +8,7 @@
 #include "spikeloop/core/error.hpp"
 #include "worlds.hpp"
 
-namespace spikeloop::vehicle {
+namespace spikeloop::vehicle::drive_test {
 namespace {
 
 class Drive : public testing::Test {
@@ -178,4 +178,4 @@ TEST_F(Drive, ATimeThatIsNotPositiveIsRefused) {
 }
 
 }  // namespace
-}  // namespace spikeloop::vehicle
+}  // namespace spikeloop::vehicle::drive_test

@@ -1,5 +1,6 @@
-#include "completion_command.hpp"
+#include "../commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
 #include <string>
@@ -7,7 +8,7 @@
 #include "../output.hpp"
 #include "model.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::completion_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -27,7 +28,7 @@ Script script_for(const std::string& shell) {
 
 }  // namespace
 
-void add_completion_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto shell = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("completion", "Print a script for your shell's completion (Tab)");
@@ -43,4 +44,4 @@ void add_completion_command(CLI::App& app, std::function<int()>& action) {
   });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::completion_command

@@ -1,5 +1,6 @@
-#include "doctor_command.hpp"
+#include "../commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -12,7 +13,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::doctor_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -27,7 +28,6 @@ ROS 2's variables (docs/ros2.md) are heeded.
 Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
 changes no exit code.)";
 
-constexpr int kPartnerMissing = 3;
 
 /// As https://no-color.org has it.
 bool colour_wanted() {
@@ -70,12 +70,12 @@ int examine(bool json) {
   } else {
     put_result(doctor::table(items, colour_wanted()));
   }
-  return doctor::ready(items) ? 0 : kPartnerMissing;
+  return doctor::ready(items) ? 0 : TransportError::kExitCode;
 }
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   struct Arguments {
     bool json = false;
     std::vector<std::string> probe;
@@ -95,4 +95,4 @@ void add_doctor_command(CLI::App& app, std::function<int()>& action) {
   });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::doctor_command

@@ -1,7 +1,8 @@
-#include "import_command.hpp"
+#include "../commands.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "../experiment_command.hpp"
@@ -12,7 +13,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/folders.hpp"
 
-namespace spikeloop::app {
+namespace spikeloop::app::import_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,7 +84,7 @@ int import_file(const ImportArguments& given) {
 
 }  // namespace
 
-void add_import_command(CLI::App& app, std::function<int()>& action) {
+void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<ImportArguments>();
   CLI::App* command = app.add_subcommand("import", "Make an experiment file of a .music file");
   command->add_option("FILE", given->file, "MUSIC configuration file")->required();
@@ -94,4 +95,4 @@ void add_import_command(CLI::App& app, std::function<int()>& action) {
   command->callback([given, &action] { action = [given] { return import_file(*given); }; });
 }
 
-}  // namespace spikeloop::app
+}  // namespace spikeloop::app::import_command

@@ -14,7 +14,6 @@ namespace spikeloop::launch {
 namespace {
 
 /// The exit code of a TransportError.
-constexpr int kPartnerMissing = 3;
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
 /// Somebody else may take a port between our look and roscore's.
@@ -190,7 +189,7 @@ bool JobRun::start_robot() {
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
   } else if (!outcome_ && !publishes) {
-    fail(kPartnerMissing,
+    fail(TransportError::kExitCode,
          fmt::format("robot: has not published {} within {} s{}", options_.scan_topic,
                      kRosStart.count() / 1000, last_line(*robot_)));
   }
@@ -198,7 +197,7 @@ bool JobRun::start_robot() {
 }
 
 int JobRun::exit_code_without_robot(int code) {
-  return code == 0 ? kPartnerMissing : code;
+  return code == 0 ? TransportError::kExitCode : code;
 }
 
 void JobRun::end_helper(Member* helper) {

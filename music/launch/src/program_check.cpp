@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPartnerMissing = 3;
 
 /// They take their script from the command line, which is (music, FILE) until MUSIC's Setup.
 bool is_interpreter(const std::string& program) {
@@ -60,7 +59,7 @@ class ProgramCheck {
       findings_.errors.push_back(
           {fmt::format("cannot find '{}' in PATH; install it (Debian: apt install {})", program,
                        package),
-           kPartnerMissing});
+           TransportError::kExitCode});
     }
   }
 

@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 using status::Descriptor;
 
 /// Under load a connection may be lost, and then only a new one helps.
-constexpr std::chrono::seconds kPatience[] = {std::chrono::seconds{1}, std::chrono::seconds{2}};
+constexpr std::chrono::seconds kAttempts[] = {std::chrono::seconds{1}, std::chrono::seconds{2}};
 /// getPublishedTopics of a large robot is some 100 kB.
 constexpr std::size_t kLargestAnswer = 16u << 20;
 
@@ -175,7 +175,7 @@ std::optional<std::string> RosMaster::call(const std::string& method,
       "POST /RPC2 HTTP/1.0\r\nHost: {}:{}\r\nContent-Type: text/xml\r\nContent-Length: "
       "{}\r\n\r\n{}",
       address_.host, address_.port, body.size(), body);
-  for (const auto patience : kPatience) {
+  for (const auto patience : kAttempts) {
     const auto deadline = Clock::now() + patience;
     std::string answer = ask(address_, request, deadline);
     if (is_good(answer)) {

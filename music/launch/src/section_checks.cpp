@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Large weight files take their time.
-constexpr Milliseconds kPatience{60'000};
+constexpr Milliseconds kCheckDeadline{60'000};
 constexpr std::string_view kError = "error: ";
 constexpr std::string_view kWarning = "warning: ";
 
@@ -103,7 +103,7 @@ void SectionChecks::finish(Section& section) {
     errors.push_back(
         {fmt::format("{}: has not checked its section within {:g} s; see whether one of "
                      "its files is a pipe or a network drive that does not answer",
-                     section.label, std::chrono::duration<double>(kPatience).count())});
+                     section.label, std::chrono::duration<double>(kCheckDeadline).count())});
     return;
   }
   const int code = exit_code(section.member->tree().status().value_or(0));
@@ -124,7 +124,7 @@ Findings SectionChecks::run(const std::function<bool()>& stopped) {
     return std::all_of(sections_.begin(), sections_.end(),
                        [](const Section& section) { return section.member->gone(); });
   };
-  crew_.turn_until([&] { return all_gone() || stopped(); }, kPatience);
+  crew_.turn_until([&] { return all_gone() || stopped(); }, kCheckDeadline);
   Findings findings;
   for (Section& section : sections_) {
     if (stopped()) {

@@ -8,7 +8,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr seconds kGrace{5};
+constexpr seconds kStartGrace{5};
 /// mpirun ends the others 1 s after one.
 constexpr milliseconds kOften{100};
 /// Looking through /proc takes a few milliseconds.
@@ -66,7 +66,7 @@ std::map<std::string, bool> StartWatch::living() const {
 }
 
 bool StartWatch::one_has_gone(Clock::time_point now) const {
-  return now - complete_ > kGrace;
+  return now - complete_ > kStartGrace;
 }
 
 }  // namespace spikeloop::launch

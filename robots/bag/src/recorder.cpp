@@ -21,7 +21,7 @@ namespace {
 /// was not ended.
 constexpr std::uint32_t kChunkBytes = 1 << 16;
 
-struct Connection {
+struct Route {
   Topic topic;
   MessageType type;
   boost::shared_ptr<ros::M_string> header;
@@ -33,10 +33,10 @@ struct Item {
   std::vector<std::byte> bytes;
 };
 
-Connection connection_of(const Topic& topic) {
+Route route_of(const Topic& topic) {
   const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, topic.type);
   const std::string name = catalog.full_name(topic.type);
-  Connection connection{topic, {name, catalog.md5(name), catalog.full_text(name)}, {}};
+  Route connection{topic, {name, catalog.md5(name), catalog.full_text(name)}, {}};
   const auto& type = connection.type;
   connection.header =
       boost::make_shared<ros::M_string>(ros::M_string{{"type", type.name},
@@ -69,7 +69,7 @@ struct Recorder::Impl {
   std::mutex mutex;  // held for a swap or an append
   std::condition_variable filled;
   std::condition_variable emptied;
-  std::vector<std::shared_ptr<const Connection>> connections;
+  std::vector<std::shared_ptr<const Route>> connections;
   std::vector<Item> waiting;
   std::size_t waiting_bytes = 0;
   std::uint64_t dropped = 0;
@@ -98,7 +98,7 @@ Recorder::~Recorder() {
 }
 
 std::uint32_t Recorder::add(const Topic& topic) {
-  const auto connection = std::make_shared<const Connection>(connection_of(topic));
+  const auto connection = std::make_shared<const Route>(route_of(topic));
   const std::lock_guard lock(impl_->mutex);
   impl_->connections.push_back(connection);
   return static_cast<std::uint32_t>(impl_->connections.size() - 1);
@@ -165,7 +165,7 @@ void Recorder::Impl::fail(const std::string& text) {
 
 void Recorder::Impl::write(const std::vector<Item>& batch) {
   std::uint64_t good = 0;
-  std::vector<std::shared_ptr<const Connection>> known;
+  std::vector<std::shared_ptr<const Route>> known;
   bool broken = false;
   {
     const std::lock_guard lock(mutex);
@@ -175,7 +175,7 @@ void Recorder::Impl::write(const std::vector<Item>& batch) {
   if (!broken) {
     attempt([&] {
       for (const Item& item : batch) {
-        const Connection& connection = *known.at(item.connection);
+        const Route& connection = *known.at(item.connection);
         ros::Time stamp;
         stamp.fromNSec(static_cast<std::uint64_t>(stamp_of(item.time)));
         bag->write(connection.topic.name, stamp, RawMessage{connection.type, item.bytes},

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kEventArray = "dvs_msgs/EventArray";
 constexpr const char* kPolarityNames[] = {"both", "on", "off", "split"};
-constexpr TimeNs kNever = std::numeric_limits<TimeNs>::min();
+constexpr TimeNs kBeforeAll = std::numeric_limits<TimeNs>::min();
 
 std::uint32_t blocks(std::uint32_t pixels, std::uint32_t factor) {
   return (pixels + factor - 1) / factor;
@@ -101,7 +101,7 @@ EventConversion::EventConversion(const EventSettings& settings, Dialect dialect)
     check_width("a region", settings_.region->width, settings_.region->height);
   }
   if (settings_.refractory > 0) {
-    last_.assign(settings_.width, kNever);
+    last_.assign(settings_.width, kBeforeAll);
   }
 }
 
@@ -147,7 +147,7 @@ void EventConversion::fit(std::uint32_t width, std::uint32_t height) {
 
 void EventConversion::restart() {
   decoder_ = {};
-  std::ranges::fill(last_, kNever);
+  std::ranges::fill(last_, kBeforeAll);
 }
 
 /// Sensor clocks jump back when a recording begins again: an event before the last one is none that
@@ -155,7 +155,7 @@ void EventConversion::restart() {
 bool EventConversion::rests(const Spike& event) {
   TimeNs& last = last_[static_cast<std::size_t>(event.channel)];
   const bool early =
-      event.time_ns >= last && last != kNever && event.time_ns - last < settings_.refractory;
+      event.time_ns >= last && last != kBeforeAll && event.time_ns - last < settings_.refractory;
   if (!early) {
     last = event.time_ns;
   }
@@ -200,7 +200,7 @@ template <typename Events>
 void EventConversion::take(const Events& events, EventMessage& message) {
   counts_.events += events.size();
   message.events.reserve(events.size());
-  TimeNs newest = kNever;
+  TimeNs newest = kBeforeAll;
   std::uint64_t outside = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     const CameraEvent event = events[i];
@@ -230,7 +230,7 @@ void EventConversion::take(const Events& events, EventMessage& message) {
         outside, camera_width_, camera_height_);
   }
   counts_.outside_camera += outside;
-  if (newest != kNever) {
+  if (newest != kBeforeAll) {
     message.newest = newest;
   }
 }

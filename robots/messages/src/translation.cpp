@@ -11,12 +11,12 @@
 namespace spikeloop::messages {
 namespace {
 
-struct Size {
+struct CdrSize {
   std::size_t bytes = 0;
   std::size_t alignment = 1;
 };
 
-Size size_of(Primitive primitive) {
+CdrSize cdr_size_of(Primitive primitive) {
   switch (primitive) {
     case Primitive::boolean:
     case Primitive::int8:
@@ -134,7 +134,7 @@ class Walk {
 
   void copy_numbers(Primitive primitive, std::size_t count) {
     if (count > 0) {
-      const Size size = size_of(primitive);
+      const CdrSize size = cdr_size_of(primitive);
       reader_.align(size.alignment);
       writer_.bytes(reader_.take_bytes(count * size.bytes), size.alignment);
     }

@@ -13,7 +13,6 @@ namespace {
 using vehicle::Vehicle;
 
 constexpr TimeNs kMillisecond = 1'000'000;
-constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 
 /// To the microsecond, and no more often than every millisecond: a float's period, as 0.05 s,
 /// would be due a nanosecond after its tick.

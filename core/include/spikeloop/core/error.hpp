@@ -51,8 +51,9 @@ class ConfigurationError : public Error {
 /// A partner outside (ROS master, MUSIC, another process) is missing, silent or broken.
 class TransportError : public Error {
  public:
+  static constexpr int kExitCode = 3;
   using Error::Error;
-  int exit_code() const override { return 3; }
+  int exit_code() const override { return kExitCode; }
 };
 
 /// A file could not be read or written.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace spikeloop {
@@ -10,6 +11,8 @@ namespace spikeloop {
 using TimeNs = std::int64_t;
 
 inline constexpr TimeNs kNsPerSecond = 1'000'000'000;
+/// Later than every time of a run.
+inline constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
 
 /// The interval (begin, end] that a node advances over: open on the left, closed on the right, as
 /// in NEST. A spike stamped exactly `begin` belongs to the interval before. The interval is

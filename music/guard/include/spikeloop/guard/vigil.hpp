@@ -21,9 +21,6 @@ inline constexpr TimeNs kZeroInterval = 50'000'000;
 /// Zeros that no subscriber could hear do not count, but this is the end of them.
 inline constexpr TimeNs kLongestStop = kNsPerSecond;
 
-/// Later than any time.
-inline constexpr TimeNs kNever = INT64_MAX;
-
 enum class Cause {
   lost,   ///< the connection has ended, and the adapter has not said that it stopped the robot
   silent  ///< no beat for too long

@@ -9,9 +9,6 @@
 
 namespace spikeloop::command {
 
-/// Later than any time.
-inline constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
-
 /// All times are wall time.
 struct GateSettings {
   std::vector<double> deadband;  ///< a component: how far it may move without being sent
