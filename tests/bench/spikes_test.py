@@ -28,7 +28,7 @@ def integral(rates, tick_ms, duration_s, hops):
         if end_of_tick <= 0:
             continue  # nothing has arrived
         scan_s = np.floor(end_of_tick / 50 + 1e-9) * 0.05
-        beams = [0.9 * np.sin(2 * np.pi * (0.37 * scan_s + b / 400)) for b in range(100)]
+        beams = 0.9 * np.sin(2 * np.pi * (0.37 * scan_s + np.arange(100) / 400))
         total += 1e-4 * (rates[0] + (np.mean(beams) + 1) / 2 * (rates[1] - rates[0]))
     return total
 

@@ -148,13 +148,13 @@ class Faults(unittest.TestCase):
                    "'brain' (brain.py)", "ended without MUSIC's ", code=3)
 
     def test_a_script_that_prepares_itself_for_long_is_waited_for(self):
-        text = script(prepare="import time; time.sleep(14)")
+        text = script(prepare="import time; time.sleep(9)")
         stuck = script("if tick.begin_s > 0.01: import time; time.sleep(50)")
         with jobs.Job("brain.py", 4, text=text, duration_s=0.1) as job:
-            job.run("--start-timeout", "10")
+            job.run("--start-timeout", "6")
         with jobs.Job("brain.py", 4, text=stuck) as job:
             self.assertIn("'brain' (brain.py) does not come to the end of its step",
-                          job.run("--stall-timeout", "5", code=3))
+                          job.run("--stall-timeout", "3", code=3))
 
     def test_an_interpreter_as_the_program(self):
         with jobs.Job("brain.py", 4, text=script()) as job:
@@ -267,26 +267,39 @@ class SimulatorFaults(unittest.TestCase):
               "port has channels 0 to 3")
 
     def test_brian2(self):
-        def check(prepare, message):
-            text = script(prepare="import brian2 as b; " + prepare, module=".brian")
-            self.check(text, message, code=5)
+        """Statements that share a job, for it takes seconds to import Brian2: each is refused."""
+        def check(*statements):
+            text = BRIAN.format(statements=[statement for statement, _ in statements])
+            self.check(text, *(f"REFUSED {message}" for _, message in statements),
+                       "the script has left `with spikeloop.music(...)` without its loop", code=5)
 
         group = "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1'); "
-        check("host.input('inn')", "host.input('inn'): spikes_in has no 'inn'; known: in")
-        check(group + "host.output('out', g[:3])", "host.output('out', ...) got a group of 3 neurons, "
-              "but the port has 4 channels; write as many, as in group[:4]")
-        check(group + "host.output('out', g); host.output('out', g)", "has been called before")
-        check("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is no multiple of "
-              "Brian2's step of 0.3 ms; choose another defaultclock.dt")
-        check("g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
-              "host.output('out', g); host.run()", "'slow' has steps of 0.2 ms, but defaultclock.dt "
-              "is 0.1 ms; use one")
-        check("b.set_device('cpp_standalone'); host.run()", "this Brian2 device runs a program of "
-              "its own; leave set_device() out")
-        check(group + "n = b.Network(g); n.run(1 * b.ms); host.run(n)", "the network's time is 0.001 s before "
-              "the run; let host.run() be its first")
+        check(("host.input('inn')", "host.input('inn'): spikes_in has no 'inn'; known: in"),
+              (group + "host.output('out', g[:3])", "host.output('out', ...) got a group of 3 neurons, "
+               "but the port has 4 channels; write as many, as in group[:4]"),
+              (group + "host.output('out', g); host.output('out', g)",
+               "host.output('out', ...) has been called before"),
+              ("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is no multiple of "
+               "Brian2's step of 0.3 ms; choose another defaultclock.dt"))
+        check(("g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
+               "host.output('out', g); host.run()", "'slow' has steps of 0.2 ms, but defaultclock.dt "
+               "is 0.1 ms; use one"))
+        check((group + "n = b.Network(g); n.run(1 * b.ms); host.run(n)", "the network's time is 0.001 s "
+               "before the run; let host.run() be its first"))
+        check(("b.set_device('cpp_standalone'); host.run()", "this Brian2 device runs a program of "
+               "its own; leave set_device() out"))
 
 
+BRIAN = """#!/usr/bin/python3
+import brian2 as b
+import spikeloop.brian
+with spikeloop.brian.music(spikes_in={{"in": None}}, spikes_out={{"out": None}}) as host:
+    for statement in {statements}:
+        try:
+            exec(statement)
+        except Exception as error:
+            print("REFUSED", error)
+"""
 EXPECTED = [
     'a host without ports; write  spikeloop.music(spikes_in={"in": 100})',
     "ports are ['in']; write a dict such as {'in': 100}, or {'in': None} for as many channels as the "
