@@ -10,6 +10,14 @@ set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+# What has been compiled before, also in another clone. The precompiled headers of the tests need the settings.
+find_program(SPIKELOOP_CCACHE ccache)
+if(SPIKELOOP_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+      ${SPIKELOOP_CCACHE})
+  add_compile_options($<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>)
+endif()
+
 # Results must not depend on how a compiler fuses a product and a sum (docs/architecture.md,
 # "Bit-identical"), so contraction is off everywhere.
 add_library(spikeloop_flags INTERFACE)

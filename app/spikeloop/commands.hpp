@@ -26,7 +26,7 @@ void add(CLI::App& app, Action& action);
 namespace completion_command {
 /// Reads all commands of `app` when the action is called, also those that were added later.
 void add(CLI::App& app, Action& action);
-}
+}  // namespace completion_command
 namespace describe_command {
 void add(CLI::App& app, Action& action);
 }
@@ -57,7 +57,7 @@ void add(CLI::App& app, Action& action);
 namespace run_command {
 /// @param line  the arguments for ROS, which are not the subcommand's options
 void add(CLI::App& app, const topics::CommandLine& line, Action& action);
-}
+}  // namespace run_command
 namespace schema_command {
 void add(CLI::App& app, Action& action);
 }

@@ -54,8 +54,8 @@ double duration_s(const std::string& text) {
 
 double real_time_factor(const std::string& text) {
   return read_quantity({"--real-time-factor", "1", "simulated over wall time", 1e-3, 1e3,
-               "from 0.001 to 1000", "from 0.001 to 1000", "0.5"},
-              text);
+                        "from 0.001 to 1000", "from 0.001 to 1000", "0.5"},
+                       text);
 }
 
 double start_timeout_s(const std::string& text) {
@@ -65,9 +65,9 @@ double start_timeout_s(const std::string& text) {
 }
 
 double stall_timeout_s(const std::string& text) {
-  return read_quantity({"--stall-timeout", "s", "the seconds to wait", 0, 1e6, "0 or more (0: for ever)",
-               "at most 1e6", "120"},
-              text);
+  return read_quantity({"--stall-timeout", "s", "the seconds to wait", 0, 1e6,
+                        "0 or more (0: for ever)", "at most 1e6", "120"},
+                       text);
 }
 
 CLI::Validator named(const std::string& what) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "doctor/report.hpp"
@@ -38,12 +39,13 @@ json version_in(const doctor::Item& item) {
 
 json ask(std::vector<doctor::Probe> probes, const std::vector<VersionKey>& parts) {
   std::erase_if(probes, [&](const doctor::Probe& probe) {
-    return std::ranges::none_of(parts, [&](const VersionKey& part) { return probe.name == part.probe; });
+    return std::ranges::none_of(parts,
+                                [&](const VersionKey& part) { return probe.name == part.probe; });
   });
   json versions = json::object();
   for (const doctor::Item& item : doctor::examine(probes)) {
-    const auto part =
-        std::ranges::find_if(parts, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
+    const auto part = std::ranges::find_if(
+        parts, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
     versions[part->key] = version_in(item);
   }
   return versions;

@@ -1,7 +1,7 @@
 // What takes part in a run, and on which machine: so that it can be repeated.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/experiment/experiment.hpp"

@@ -134,7 +134,8 @@ class MappingReader {
     const Json& value = object[key];
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
       const Path path = below(of, key);
-      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path), shown_json(value)),
+      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path),
+                       shown_json(value)),
            path);
     }
     return value.get<double>();

@@ -15,7 +15,6 @@ namespace spikeloop {
 
 namespace {
 
-
 // What one input's spikes have told so far, and when the next one is due.
 struct Follower {
   double first_base = std::numeric_limits<double>::quiet_NaN();  // NaN: no value has come

@@ -1,5 +1,5 @@
-// A node whose channels several threads share: what it puts out is what one thread does, and it ends.
-// ThreadSanitizer looks at the hand-over of each step (label threads).
+// A node whose channels several threads share: what it puts out is what one thread does, and it
+// ends. ThreadSanitizer looks at the hand-over of each step (label threads).
 #include "core/src/thread_team.hpp"
 
 #include <gmock/gmock.h>

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
 
 #include "app/spikeloop/doctor/probe.hpp"
 #include "tests/doctor/examination.hpp"
@@ -245,6 +248,40 @@ TEST(Doctor, MeasuresSharedMemory) {
   EXPECT_EQ(full.status, Status::warning);
   EXPECT_EQ(full.text, "0 MB free in /proc/self/fd");
   EXPECT_EQ(full.remedy, "remove old files there; in a container: docker run --shm-size=1g");
+}
+
+/// The packages that a remedy has "apt-get install" for.
+std::vector<std::string> packages_in(const std::string& remedy) {
+  const std::string install = "apt-get install ";
+  const auto begin = remedy.find(install);
+  if (begin == std::string::npos) {
+    return {};
+  }
+  std::istringstream words(
+      remedy.substr(begin + install.size(), remedy.find(',', begin) - begin - install.size()));
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+// These tests run where scripts/install-dependencies has installed what the remedies name.
+TEST(Doctor, RemediesNamePackagesOfDebian) {
+  const Fakes fakes;
+  const std::string python = fakes.add("python3", "exit 1");
+  const Copy alone;
+  Command lacking = doctor({"--json"}, {{"PATH", ""}, {"PYTHON", python}});
+  lacking.arguments[0] = alone.file("spikeloop");
+  const Examination seen = examination_by(lacking);
+  std::set<std::string> packages;
+  for (const auto& item : seen.report["items"]) {
+    for (const std::string& name : packages_in(item["remedy"])) {
+      packages.insert(name);
+    }
+  }
+  EXPECT_GE(packages.size(), 10U);
+  for (const std::string& name : packages) {
+    EXPECT_EQ(run({.arguments = {"dpkg-query", "-W", "-f", "${db:Status-Status}", name}}).out,
+              "installed")
+        << name;
+  }
 }
 
 TEST(Doctor, RefusesAProbeOfAStranger) {

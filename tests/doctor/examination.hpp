@@ -31,8 +31,8 @@ class Fakes {
 /// processor, and those tests that are about them say kRealPython.
 inline const std::string& quick_python() {
   static const Fakes fakes;
-  static const std::string python =
-      fakes.add("python3", "[ \"$1\" = --version ] && echo Python 3.99 || echo '{\"version\": \"1\"}'");
+  static const std::string python = fakes.add(
+      "python3", "[ \"$1\" = --version ] && echo Python 3.99 || echo '{\"version\": \"1\"}'");
   return python;
 }
 inline const Environment::value_type kRealPython{"PYTHON", ""};

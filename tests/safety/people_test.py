@@ -60,7 +60,12 @@ def stop_and_release(person):
     ros.until(person.is_driven, "driving after the release", 10)
 
 
-def drive_by_hand(person):
+def drive_by_hand(person, printed):
+    def announced():
+        person.drive_by_hand(0.3)
+        return "the robot is driven by hand, on topic '/cmd_vel_manual'" in printed.read_text()
+
+    ros.until(announced, "the line about it, which may wait for a second", 5)
     for _ in range(10):
         person.drive_by_hand(0.3)
         time.sleep(0.05)
@@ -94,14 +99,13 @@ def with_people(spikeloop, person, version, layout, folder):
         ros.until(lambda: person.is_driven() or process.poll() is not None, "a command", 90)
         assert process.poll() is None, printed.read_text()
         stop_and_release(person)
-        drive_by_hand(person)
+        drive_by_hand(person, printed)
         lose_a_sensor(person, printed)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(30)
     text = printed.read_text()
     assert "the emergency stop, topic '/emergency_stop', says so" in text, text
-    assert "the robot is driven by hand, on topic '/cmd_vel_manual'" in text, text
     assert "topic '/cmd_vel_manual': a command by hand that is not a finite number stops the robot" in text, text
     processes = json.loads((folder / layout / "summary.json").read_text())["processes"]
     counters = {name.removeprefix("wheels.").removeprefix("topic."): value

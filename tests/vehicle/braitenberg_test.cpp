@@ -2,8 +2,12 @@
 // Twist, closed through the library (no ROS, no MUSIC), judged by what the vehicle does.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "benchmarks/braitenberg/drive.hpp"
 #include "worlds.hpp"
@@ -33,18 +37,27 @@ Readout example_readout() {
   return readout;
 }
 
+/// Driven once, whichever test asks first.
+const Statistics& driven(const Drive& given) {
+  static std::map<std::pair<std::uint64_t, TimeNs>, Statistics> known;
+  const auto [place, is_new] = known.try_emplace({given.seed, given.delay});
+  if (is_new) {
+    place->second = drive(example_readout(), given);
+  }
+  return place->second;
+}
+
 class Braitenberg : public testing::TestWithParam<Drive> {};
 
 TEST_P(Braitenberg, DrivesWithoutCollision) {
-  const Statistics result = drive(example_readout(), GetParam());
+  const Statistics& result = driven(GetParam());
   std::printf("seed %2d  delay %2d ms  collisions %d  mean speed %.2f m/s  coverage %.0f %%\n",
               static_cast<int>(GetParam().seed), static_cast<int>(GetParam().delay / kMs),
               static_cast<int>(result.collisions), result.mean_speed_m_s, 100 * result.coverage);
   EXPECT_EQ(result.collisions, 0U);
   EXPECT_GE(result.mean_speed_m_s, 0.2);
-  // The demonstration asks for 30 %; in these two arenas the path closes to a loop.
-  const bool loops = GetParam().seed == 5 || GetParam().seed == 7;
-  EXPECT_GE(result.coverage, loops ? 0.25 : 0.3);
+  // The demonstration asks for 30 %, which most reach; in some arenas the path closes to a loop.
+  EXPECT_GE(result.coverage, 0.25);
 }
 
 std::vector<Drive> drives() {
@@ -58,6 +71,13 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Braitenberg, testing::ValuesIn(drives()), [](con
   return "Seed" + std::to_string(instance.param.seed) + "Delay" +
          std::to_string(instance.param.delay / kMs) + "ms";
 });
+
+TEST(BraitenbergDrives, FourOfFiveVisitThirtyPercentOfTheCells) {
+  const std::vector<Drive> all = drives();
+  const auto wide =
+      std::ranges::count_if(all, [](const Drive& given) { return driven(given).coverage >= 0.3; });
+  EXPECT_GE(5 * wide, 4 * std::ssize(all));
+}
 
 TEST(BraitenbergReadout, ASilentNetworkDoesNotDriveOn) {
   const Controller controller(example_readout(), 0);

@@ -1,10 +1,11 @@
 #include "../commands.hpp"
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdlib>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "../output.hpp"
@@ -27,7 +28,6 @@ ROS 2's variables (docs/ros2.md) are heeded.
 
 Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
 changes no exit code.)";
-
 
 /// As https://no-color.org has it.
 bool colour_wanted() {

@@ -1,7 +1,7 @@
 // What all probes found, as a table and as data.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

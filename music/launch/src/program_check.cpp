@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 /// They take their script from the command line, which is (music, FILE) until MUSIC's Setup.
 bool is_interpreter(const std::string& program) {
   constexpr std::array kNames{"python", "bash", "sh", "perl", "ruby", "julia", "octave", "node"};
