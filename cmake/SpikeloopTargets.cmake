@@ -37,7 +37,7 @@ target_compile_options(spikeloop_warnings INTERFACE
 
 if(SPIKELOOP_SANITIZE)
   add_compile_options(-fsanitize=${SPIKELOOP_SANITIZE} -fno-omit-frame-pointer
-                      -fno-sanitize-recover=all -g)
+                      -fno-sanitize-recover=all -g1)
   add_link_options(-fsanitize=${SPIKELOOP_SANITIZE})
 endif()
 
