@@ -12,12 +12,12 @@ build:  ## build one preset: make build PRESET=release|dev|asan|tsan
 demo:  ## the Braitenberg vehicle in closed loop
 	@scripts/demo
 
-test:  ## every test
+test:  ## unit and integration tests
 	@scripts/test
 
 bench:  ## the benchmarks
 	@scripts/bench
 
-lint:  ## rules of the house, formatting, clang-tidy
+lint:  ## rules of the project, formatting, clang-tidy
 	@scripts/install-dependencies lint
 	@scripts/lint

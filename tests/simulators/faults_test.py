@@ -148,10 +148,10 @@ class Faults(unittest.TestCase):
                    "'brain' (brain.py)", "ended without MUSIC's ", code=3)
 
     def test_a_script_that_prepares_itself_for_long_is_waited_for(self):
-        text = script(prepare="import time; time.sleep(9)")
+        text = script(prepare="import time; time.sleep(14)")
         stuck = script("if tick.begin_s > 0.01: import time; time.sleep(50)")
         with jobs.Job("brain.py", 4, text=text, duration_s=0.1) as job:
-            job.run("--start-timeout", "6")
+            job.run("--start-timeout", "10")
         with jobs.Job("brain.py", 4, text=stuck) as job:
             self.assertIn("'brain' (brain.py) does not come to the end of its step",
                           job.run("--stall-timeout", "3", code=3))
@@ -286,8 +286,9 @@ class SimulatorFaults(unittest.TestCase):
                "is 0.1 ms; use one"))
         check((group + "n = b.Network(g); n.run(1 * b.ms); host.run(n)", "the network's time is 0.001 s "
                "before the run; let host.run() be its first"))
-        check(("b.set_device('cpp_standalone'); host.run()", "this Brian2 device runs a program of "
-               "its own; leave set_device() out"))
+        # One that the script does not catch.
+        text = script(prepare="import brian2 as b; b.set_device('cpp_standalone'); host.run()", module=".brian")
+        self.check(text, "this Brian2 device runs a program of its own; leave set_device() out", code=5)
 
 
 BRIAN = """#!/usr/bin/python3

@@ -81,9 +81,14 @@ void RosCommand::send(const Step& step) {
   }
 }
 
-/// Nobody could stop a robot that its guard has not met.
+/// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no
+/// guard: one that comes later is waited for, too.
 bool RosCommand::may_begin() {
-  if (!waits_for_guard_ || count_ != 0 || guard_.reaches_robot() || !publisher_.has_subscribers()) {
+  if (!waits_for_guard_ || !publisher_.has_subscribers()) {
+    return true;
+  }
+  if (guard_.reaches_robot()) {
+    waits_for_guard_ = false;
     return true;
   }
   const TimeNs now = wall_now();

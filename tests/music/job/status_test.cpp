@@ -1,4 +1,5 @@
 // What a launcher hears from a process.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include <thread>
@@ -60,7 +61,10 @@ TEST(Status, TellsThatAProcessLivesAndWhatItDoes) {
       .connect("relay.out -> sink.spikes_in [2]");
   const auto beats = messages_of(job, "relay", 0, true);
   ASSERT_GE(beats.size(), 3U) << "every half second";
-  EXPECT_EQ(beats.front().at("simulated_s"), 0.0);
+  // The first beat comes with the first tick, or a little later on a busy machine.
+  EXPECT_LT(beats.front().at("simulated_s").get<double>(), 0.5);
+  EXPECT_TRUE(std::ranges::is_sorted(
+      beats, {}, [](const json& beat) { return beat.at("simulated_s").get<double>(); }));
   for (const json& beat : beats) {
     EXPECT_TRUE(status::phase_named(beat.at("phase").get<std::string>()).has_value()) << beat;
   }
