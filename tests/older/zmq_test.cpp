@@ -112,11 +112,15 @@ TEST_F(OlderZmqExample, SpikesOfAnObservation) {
   const double most = 1 / (0.002 + 0.01 * std::log(23.0 / (23.0 - 15.0)));
   const json& last = heard.back();
   ASSERT_EQ(last.size(), 8U);
+  double total = 0;
   for (unsigned channel = 0; channel < 8; ++channel) {
     const double spikes = last[channel].get<double>() * 30;
-    EXPECT_GE(spikes, channel < 3 ? 1 : 0) << channel;
+    total += spikes;
+    EXPECT_GE(spikes, 0);
     EXPECT_LE(spikes, channel < 3 ? 2 * most + 1 : 0) << channel;
   }
+  // Encoders and thresholds are drawn: a neuron may be silent, but not all three.
+  EXPECT_GE(total, 2 * most / 4) << "a quarter of what one neuron could fire";
 }
 
 // Keys that never did anything, or do nothing any more, are no fault in a strict file either.

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "command_topics.hpp"
@@ -45,6 +46,9 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
       guard_(guard_hello(session, address, settings, publisher_)),
       sink_(settings, {.publish =
                            [this](auto values) {
+                             if (drives_unguarded(values)) {
+                               return;
+                             }
                              const auto message = publisher_.publish(values);
                              if (sent_) {
                                sent_(message);
@@ -102,6 +106,12 @@ bool RosCommand::may_begin() {
       address_.topic, format_time(kGuardPatience));
   waits_for_guard_ = false;
   return true;
+}
+
+/// The robot may have come since the loop handed over these values.
+bool RosCommand::drives_unguarded(std::span<const double> values) const {
+  return waits_for_guard_ && publisher_.has_subscribers() &&
+         std::ranges::any_of(values, [](double value) { return value != 0; });
 }
 
 /// A robot that takes another type, or another topic, stands still without a word.

@@ -59,6 +59,7 @@ class RosCommand : public Sink {
  private:
   void leave_to_guard_if_dead();
   bool may_begin();
+  bool drives_unguarded(std::span<const double> values) const;
   void mind_subscribers();
 
   topics::Session& session_;
@@ -66,7 +67,7 @@ class RosCommand : public Sink {
   TimeNs driven_since_ = 0;  ///< wall time of the first command; 0: none yet
   bool minded_subscribers_ = false;
   TimeNs met_at_ = 0;  ///< wall time at which somebody was seen to hear us; 0: not yet
-  bool waits_for_guard_ = true;
+  std::atomic<bool> waits_for_guard_{true};
   topics::Publisher publisher_;
   Sent sent_;
   std::atomic<std::uint64_t> count_{0};
