@@ -11,6 +11,7 @@ namespace {
 
 using namespace spikeloop::test;
 namespace guard = spikeloop::guard;
+namespace status = spikeloop::status;
 using ros_peer::eventually;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -42,8 +43,14 @@ class GuardErrorTest : public testing::Test {
   }
   std::unique_ptr<Child> started() const {
     auto child = std::make_unique<Child>(guard_command({"--socket", socket_}));
-    EXPECT_TRUE(eventually(10, [&] { return std::filesystem::is_socket(socket_); }));
+    EXPECT_TRUE(eventually(10, [&] { return somebody_listens(); }));
     return child;
+  }
+  /// A socket is there a moment before somebody listens at it.
+  bool somebody_listens() const {
+    const guard::Descriptor probe{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+    const auto address = status::socket_address(socket_);
+    return ::connect(probe.get(), status::generic(*address), sizeof *address) == 0;
   }
   static guard::Hello hello(const std::string& master_uri) {
     guard::Hello made;
@@ -182,11 +189,11 @@ class StrangeGuardTest : public GuardedJob {
   /// Ready, and nothing more.
   void play_guard() {
     guard_thread_ = std::thread([this] {
-      namespace status = spikeloop::status;
       const guard::Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
       const auto address = status::socket_address(socket_);
       ASSERT_EQ(::bind(listener.get(), status::generic(*address), sizeof *address), 0);
       ASSERT_EQ(::listen(listener.get(), 1), 0);
+      listens_ = true;
       ASSERT_TRUE(guard::wait_readable(listener.get(), 60 * spikeloop::kNsPerSecond));
       adapter_ = guard::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
       ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
@@ -198,13 +205,14 @@ class StrangeGuardTest : public GuardedJob {
 
   std::string socket_ = (directory_.path() / "guard").string();
   guard::Descriptor adapter_;
+  std::atomic<bool> listens_{false};
   std::int64_t ready_at_ = 0;
   std::thread guard_thread_;
 };
 
 TEST_F(StrangeGuardTest, one_that_reaches_nobody_is_waited_for_and_missed) {
   play_guard();
-  ASSERT_TRUE(eventually(10, [&] { return std::filesystem::is_socket(socket_); }));
+  ASSERT_TRUE(eventually(10, [&] { return listens_.load(); }));
   publish_scans();
   robot_.listen_twist("/cmd_vel");
   Command made = command(3, scan_to_twist(""));
