@@ -1,6 +1,7 @@
 // A job under the real mpirun and MUSIC's own launcher, as MUSIC users start it.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -9,12 +10,20 @@
 
 namespace spikeloop::test {
 
+/// What `spikeloop run` preloads: programs that wait leave the processor to the other tests.
+inline std::string waiting_library() {
+  const auto tests = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const auto library = tests / "../../lib/spikeloop/libspikeloop_waiting.so";
+  return std::filesystem::exists(library) ? library.string() : "";
+}
+
 /// What every Open MPI job of a test needs: leave to run as root, a session directory of its own.
 inline std::map<std::string, std::string> mpi_environment(const TemporaryDirectory& directory) {
   return {{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
           {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
           {"OMPI_MCA_orte_tmpdir_base", directory.path().string()},
           {"TMPDIR", directory.path().string()},
+          {"LD_PRELOAD", waiting_library()},
           {"SPIKELOOP_STATUS", ""},
           {"SPIKELOOP_OUT", ""},
           {"SPIKELOOP_GUARD", ""}};

@@ -125,6 +125,22 @@ std::vector<std::string> variables_of_job(const MusicFile& file) {
   return names;
 }
 
+namespace {
+
+/// LD_PRELOAD of a job's programs: music/waiting.cpp, before what the user has there. Empty where
+/// it is not installed, or its path has what LD_PRELOAD would take for the end of one.
+std::string preloaded() {
+  const fs::path waiting =
+      fs::path(own_directory()).parent_path() / "lib/spikeloop/libspikeloop_waiting.so";
+  const char* others = std::getenv("LD_PRELOAD");
+  if (!fs::exists(waiting) || waiting.string().find_first_of(" :") != std::string::npos) {
+    return others == nullptr ? "" : others;
+  }
+  return waiting.string() + (others == nullptr ? "" : fmt::format(":{}", others));
+}
+
+}  // namespace
+
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
                                         const Hosts& hosts) {
   std::vector<std::pair<std::string, std::string>> settings{
@@ -150,6 +166,9 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     for (const std::string& name : hosts.variables) {
       command.insert(command.end(), {"-x", name});
     }
+  }
+  if (const std::string libraries = preloaded(); !libraries.empty()) {
+    command.insert(command.end(), {"-x", "LD_PRELOAD=" + libraries});
   }
   command.insert(command.end(), {"--tag-output", "music", path});
   return command;

@@ -1,7 +1,7 @@
-// How a program waits for the others of its job. Open MPI asks for a message again and again and
-// calls sched_yield() in between (mpi_yield_when_idle): programs that wait take the processor from
-// those that compute. The linker puts this sched_yield() before libc's: a program that has only
-// waited for 1 ms sleeps in between. docs/performance.md has figures.
+// How programs wait for others of their job. Open MPI asks for a message again and again and calls
+// sched_yield() in between (mpi_yield_when_idle): programs that wait take the processor from those
+// that compute. `spikeloop run` preloads this sched_yield() into them: one that has only waited for
+// 1 ms sleeps in between. docs/performance.md has figures.
 
 #include <sched.h>
 #include <sys/prctl.h>
