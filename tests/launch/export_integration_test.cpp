@@ -96,12 +96,12 @@ TEST(Export, PassesOnOnlyVariablesThatAreSet) {
                          {"ROS_DOMAIN_ID", ""},
                          {"ROS_LOCALHOST_ONLY", ""},
                          {"ROS_DISTRO", ""}};
-  EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI --tag-output "));
+  EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI -x LD_PRELOAD="));
   command.environment["ROS_MASTER_URI"] = "";
   command.environment["ROS_DOMAIN_ID"] = "7";
   command.environment["ROS_STATIC_PEERS"] = "robot.local";
   EXPECT_THAT(run(command).out,
-              HasSubstr(" -x PATH -x ROS_DOMAIN_ID -x ROS_STATIC_PEERS --tag-output "));
+              HasSubstr(" -x PATH -x ROS_DOMAIN_ID -x ROS_STATIC_PEERS -x LD_PRELOAD="));
 }
 
 }  // namespace
