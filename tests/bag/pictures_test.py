@@ -2,7 +2,7 @@
 """Pictures, fields with options and point clouds from a bag, against NumPy; change of pictures as
 spikes; a command into a named array. What rospy's own messages wrote, our programs read."""
 
-import argparse
+import os
 import pathlib
 import struct
 import subprocess
@@ -124,9 +124,7 @@ def check_run(run, pictures):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", type=pathlib.Path, required=True)
-    spikeloop = parser.parse_args().programs / "spikeloop"
+    spikeloop = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop"
     generator = np.random.default_rng(5)
     with tempfile.TemporaryDirectory() as folder:
         scratch = pathlib.Path(folder)

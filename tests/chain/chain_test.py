@@ -8,6 +8,7 @@ network (the paper's linear readout).
 
 import argparse
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -19,11 +20,12 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples/01_braitenberg"
+PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 TAU_S = 0.03
 TOLERANCE = 1e-9
 
 
-def run_job(programs, folder, tick_ms, duration_s):
+def run_job(folder, tick_ms, duration_s):
     for path in EXAMPLE.iterdir():
         if path.is_file():
             shutil.copy(path, folder)
@@ -35,7 +37,7 @@ def run_job(programs, folder, tick_ms, duration_s):
     assert "music_timestep=0.001" in text
     job.write_text(text.replace("music_timestep=0.001", f"music_timestep={tick_ms / 1000}"))
     result = subprocess.run(
-        [programs / "spikeloop", "run", job, "--roscore", "--robot", "--duration",
+        [PROGRAMS / "spikeloop", "run", job, "--roscore", "--robot", "--duration",
          str(duration_s), "--record", "--quiet", "--out", folder / "out"],
         capture_output=True, text=True, timeout=90)
     assert result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}{result.stderr}"
@@ -85,12 +87,11 @@ def check(out, tick_ms):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", type=pathlib.Path, required=True)
     parser.add_argument("--tick-ms", type=float, required=True)
     parser.add_argument("--duration", type=float, default=4.0)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        out = run_job(options.programs, pathlib.Path(name), options.tick_ms, options.duration)
+        out = run_job(pathlib.Path(name), options.tick_ms, options.duration)
         check(out, options.tick_ms)
     return 0
 

@@ -7,12 +7,13 @@ data behind every command bounded, the run must report it, and past max_age the 
 
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 
-
+PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 JOB = """stoptime=3
 music_timestep=0.001
 [sensor]
@@ -50,13 +51,13 @@ decoder.out -> command.in [1]
 AGE_BOUND_MS = 400
 
 
-def run(programs, plugin, max_age, extra=()):
+def run(plugin, max_age, extra=()):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "job.music").write_text(JOB.format(plugin=plugin, max_age=max_age))
         (folder / "mapping.json").write_text('{"message_type": "Twist", "mapping": {"linear.x": 0}}')
         result = subprocess.run(
-            [programs / "spikeloop", "run", folder / "job.music", "--roscore", "--robot", "--quiet",
+            [PROGRAMS / "spikeloop", "run", folder / "job.music", "--roscore", "--robot", "--quiet",
              "--out", folder / "out", *extra], capture_output=True, text=True, timeout=100)
         assert result.returncode == 0, f"exit {result.returncode}\n{result.stdout}{result.stderr}"
         return json.loads((folder / "out/summary.json").read_text())
@@ -64,11 +65,10 @@ def run(programs, plugin, max_age, extra=()):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", type=pathlib.Path, required=True)
     parser.add_argument("--plugin", type=pathlib.Path, required=True)
     options = parser.parse_args()
 
-    fresh = run(options.programs, options.plugin, 10)
+    fresh = run(options.plugin, 10)
     print(f"max_age 10 s: real-time factor {fresh['real_time_factor']:.2f}, latency median "
           f"{fresh['latency_median_ms']:.0f} ms, oldest data {fresh['age_max_ms']:.0f} ms, "
           f"{fresh['distance_m']:.2f} m driven")
@@ -76,7 +76,7 @@ def main():
     assert fresh["age_max_ms"] < AGE_BOUND_MS, "the age of the data is not bounded"
     assert fresh["distance_m"] > 0.1, "the robot did not drive: nothing is shown"
 
-    stale = run(options.programs, options.plugin, 0.01)
+    stale = run(options.plugin, 0.01)
     print(f"max_age 10 ms: oldest data {stale['age_max_ms']:.0f} ms, "
           f"{stale['distance_m']:.2f} m driven")
     assert stale["distance_m"] < 0.05, "the robot was driven on data older than max_age"

@@ -1,8 +1,8 @@
 """Runs experiments and reads what they leave; for the tests beside this file."""
 
-import argparse
 import hashlib
 import json
+import os
 import pathlib
 import subprocess
 
@@ -10,10 +10,8 @@ import h5py
 
 
 def programs():
-    """The directory of the programs, from the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--programs", required=True, type=pathlib.Path)
-    return parser.parse_args().programs.resolve()
+    """The directory of the programs."""
+    return pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 
 
 def new_experiment(spikeloop, path, **keys):

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """`spikeloop plot` on the folder of an experiment and of a MUSIC job; its errors."""
 
-import argparse
 import json
 import os
 import pathlib
@@ -95,9 +94,7 @@ def errors(spikeloop, folder, drive):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--programs", required=True, type=pathlib.Path)
-    spikeloop = str(parser.parse_args().programs.resolve() / "spikeloop")
+    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         drive = an_experiment(spikeloop, folder)

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """log.txt has what a run said, also when it was killed; versions are those of the packages."""
 
-import argparse
 import datetime
 import json
 import os
@@ -169,9 +168,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--programs", required=True, type=pathlib.Path)
-    spikeloop = str(parser.parse_args().programs.resolve() / "spikeloop")
+    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         a_quiet_run(spikeloop, folder)

@@ -4,6 +4,7 @@ leave within the limits, a second sensor that falls silent is named and comes ba
 
 import json
 import math
+import os
 import pathlib
 import signal
 import subprocess
@@ -115,7 +116,7 @@ def with_people(spikeloop, person, version, layout, folder):
 
 
 def main():
-    programs, version = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
+    programs, version = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]), sys.argv[1]
     with tempfile.TemporaryDirectory() as scratch, robots.robot(
             version, programs, pathlib.Path(scratch)) as person:
         person.scans(True)

@@ -4,6 +4,7 @@ simulated time, and nowhere else; the separate layout refuses the key."""
 
 import contextlib
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -62,7 +63,7 @@ def is_refused(spikeloop):
 
 
 def main():
-    spikeloop = str(pathlib.Path(sys.argv[1]).resolve() / "spikeloop")
+    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
     is_refused(spikeloop)
     for version in ("", "1", "2"):
         with ros.domain() if version == "2" else contextlib.nullcontext():

@@ -25,6 +25,7 @@ from robots import ros
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
 import jobs  # noqa: E402
 
+PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 MARGIN_MS = 200
 SENSOR_TIMEOUT_MS = 500
 WATCHDOG_MS = 100
@@ -161,7 +162,7 @@ def table(arguments, version, robot):
         for fault in faults(layout):
             if arguments.fault and arguments.fault not in fault.name:
                 continue
-            times = [measured(arguments.programs / "spikeloop", robot, version, layout, fault)
+            times = [measured(PROGRAMS / "spikeloop", robot, version, layout, fault)
                      for _ in range(arguments.repetitions)]
             bound = fault.timeout_ms + MARGIN_MS
             print(f"| {fault.name} | {layout} | {fault.governor} | {bound} ms | {version} | "
@@ -172,7 +173,6 @@ def table(arguments, version, robot):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", required=True, type=lambda path: pathlib.Path(path).resolve())
     parser.add_argument("--repetitions", type=int, default=10)
     parser.add_argument("--layout", choices=["fused", "separate"], action="append")
     parser.add_argument("--ros", choices=["1", "2"], action="append")
@@ -183,7 +183,7 @@ def main():
     late = []
     for version in arguments.ros or ["1", "2"]:
         with tempfile.TemporaryDirectory() as scratch, robots.robot(
-                version, arguments.programs, pathlib.Path(scratch)) as robot:
+                version, PROGRAMS, pathlib.Path(scratch)) as robot:
             late += table(arguments, version, robot)
     assert not (late and arguments.check), late
 

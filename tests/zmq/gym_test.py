@@ -6,7 +6,6 @@ commands. Its body moves with the commanded speed, x' = command; the job command
 spikes, so x must decay like exp(-2 t). The rewards come back as a FloatArray.
 """
 
-import argparse
 import json
 import math
 import os
@@ -168,12 +167,9 @@ def run(programs, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", required=True, type=pathlib.Path)
-    options = parser.parse_args()
     os.environ["SPIKELOOP_OUT"] = ""
     with tempfile.TemporaryDirectory() as name:
-        run(options.programs.resolve(), pathlib.Path(name))
+        run(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]), pathlib.Path(name))
 
 
 if __name__ == "__main__":
