@@ -2,64 +2,73 @@
 // sched_yield() in between (mpi_yield_when_idle): programs that wait take the processor from those
 // that compute. `spikeloop run` preloads this sched_yield() into them: one that has only waited for
 // 1 ms sleeps in between. docs/performance.md has figures.
+//
+// It enters programs of any kind: it needs libc alone (another libstdc++ may be theirs), and is
+// what POSIX says of sched_yield(): no cancellation point, errno stays.
 
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <thread>
+#include <cerrno>
+#include <cstdint>
 
-namespace spikeloop::process {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-using std::chrono::microseconds;
-
-/// A shorter wait only yields. As long as a short tick: a program with much to compute in each
-/// never sleeps.
-constexpr Clock::duration kYielding = microseconds{1000};
+constexpr std::int64_t kMicrosecond = 1000;
+/// A shorter wait only yields.
+constexpr std::int64_t kYielding = 1000 * kMicrosecond;
 /// What a program does in between if it only waits; whatever takes longer ends the wait.
-constexpr Clock::duration kPause = microseconds{50};
+constexpr std::int64_t kPause = 10 * kMicrosecond;
 /// A message is seen later by no more than this, and what the scheduler adds.
-constexpr Clock::duration kSleep = microseconds{100};
+constexpr std::int64_t kSleep = 100 * kMicrosecond;
+
+/// Nanoseconds.
+std::int64_t now() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec;
+}
 
 class Waiting {
  public:
   void yield() {
-    const Clock::time_point now = Clock::now();
-    if (now - yielded_ > kPause) {
-      began_ = now;
+    const std::int64_t called = now();
+    if (called - yielded_ > kPause) {
+      began_ = called;
     }
-    if (now - began_ < kYielding) {
+    if (called - began_ < kYielding) {
       syscall(SYS_sched_yield);
     } else {
       sleep();
     }
-    yielded_ = Clock::now();
+    yielded_ = now();
   }
 
  private:
   void sleep() {
+    const int before = errno;
     if (!precise_) {
       // Linux ends sleeps up to 50 us late unless told otherwise.
       prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
       precise_ = true;
     }
-    std::this_thread::sleep_for(kSleep);
+    const timespec time{.tv_sec = 0, .tv_nsec = kSleep};
+    syscall(SYS_clock_nanosleep, CLOCK_MONOTONIC, 0, &time, nullptr);
+    errno = before;
   }
 
-  Clock::time_point began_;
-  Clock::time_point yielded_;
+  std::int64_t began_ = 0;
+  std::int64_t yielded_ = 0;
   bool precise_ = false;
 };
 
 }  // namespace
-}  // namespace spikeloop::process
 
 extern "C" int sched_yield() noexcept {
-  thread_local spikeloop::process::Waiting waiting;
+  static thread_local Waiting waiting;
   waiting.yield();
   return 0;
 }

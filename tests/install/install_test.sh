@@ -13,6 +13,11 @@ for program in spikeloop spikeloop-robot spikeloop-network rate_encoder ros_comm
     exit 1
   }
 done
+"$work/prefix/bin/spikeloop" export "$(dirname "$0")/../../examples/01_braitenberg/braitenberg.music" |
+  grep -q "LD_PRELOAD=$work/prefix/lib/spikeloop/libspikeloop_waiting.so" || {
+  echo "jobs do not preload the installed library"
+  exit 1
+}
 for file in bash-completion/completions/spikeloop zsh/site-functions/_spikeloop \
   fish/vendor_completions.d/spikeloop.fish; do
   grep -q "spikeloop completion" "$work/prefix/share/$file" || {

@@ -96,12 +96,22 @@ TEST(Export, PassesOnOnlyVariablesThatAreSet) {
                          {"ROS_DOMAIN_ID", ""},
                          {"ROS_LOCALHOST_ONLY", ""},
                          {"ROS_DISTRO", ""}};
-  EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI -x LD_PRELOAD="));
+  EXPECT_THAT(run(command).out, HasSubstr(" -x PATH -x ROS_MASTER_URI --tag-output"));
   command.environment["ROS_MASTER_URI"] = "";
   command.environment["ROS_DOMAIN_ID"] = "7";
   command.environment["ROS_STATIC_PEERS"] = "robot.local";
   EXPECT_THAT(run(command).out,
-              HasSubstr(" -x PATH -x ROS_DOMAIN_ID -x ROS_STATIC_PEERS -x LD_PRELOAD="));
+              HasSubstr(" -x PATH -x ROS_DOMAIN_ID -x ROS_STATIC_PEERS --tag-output"));
+}
+
+TEST(Export, PreloadsWhatLetsWaitingProgramsSleepBehindTheUsersLibraries) {
+  const TwoPrograms job;
+  Command command = launcher({"export", job.file()});
+  command.environment = {{"LD_PRELOAD", "libc.so.6"}};
+  EXPECT_THAT(
+      run(command).out,
+      testing::ContainsRegex(
+          " -x LD_PRELOAD=libc.so.6:[^ ]*/lib/spikeloop/libspikeloop_waiting.so --tag-output"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// A job under the real mpirun and MUSIC's own launcher, as MUSIC users start it.
+// A job under the real mpirun and MUSIC's own launcher, as MUSIC users start it, and with what
+// `spikeloop run` preloads.
 #pragma once
 
 #include <filesystem>

@@ -168,6 +168,12 @@ bool JobState::all_reported() const {
   return any;
 }
 
+std::string JobState::last_line(const std::string& label) const {
+  const auto words = std::ranges::find_if(
+      last_words_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });
+  return words == last_words_.end() ? "" : "; its last line: " + words->second;
+}
+
 std::string JobState::named(int rank) const {
   const std::string label = label_of_rank(file_, rank);
   const auto process = processes_.find(label);
@@ -209,8 +215,7 @@ Failure JobState::explain(const MpirunEnd& end) const {
                 "{} ended with exit code {}{}", end.program, end.exit_code,
                 last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
   }
-  const auto words = last_words_.find(*rank);
-  const std::string last = words == last_words_.end() ? "" : "; its last line: " + words->second;
+  const std::string last = last_line(label_of_rank(file_, *rank));
   if (const auto number = diagnosis_.signal()) {
     return {128 + *number, killed_text(named(*rank), *number) + last};
   }

@@ -95,6 +95,8 @@ class JobState {
   std::string shown(const std::string& label) const;
   bool take_progress(const std::string& label, const nlohmann::json& message);
   std::string named(int rank) const;
+  /// "; its last line: TEXT", of standard error; empty when there was none.
+  std::string last_line(const std::string& label) const;
 
   const MusicFile& file_;
   std::string pacer_;  ///< label of the process that waits for the clock; empty: unknown

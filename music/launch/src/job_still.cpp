@@ -198,13 +198,13 @@ std::optional<Failure> JobState::first_death(
       continue;
     }
     if (*status == -1) {
-      return Failure{3, shown(label) + " has ended before its time"};
+      return Failure{3, shown(label) + " has ended before its time" + last_line(label)};
     }
     const int code = exit_code(*status);
-    return Failure{std::max(1, code),
-                   WIFSIGNALED(*status)
-                       ? killed_text(shown(label), WTERMSIG(*status))
-                       : fmt::format("{} ended with exit code {}", shown(label), code)};
+    return Failure{std::max(1, code), WIFSIGNALED(*status)
+                                          ? killed_text(shown(label), WTERMSIG(*status))
+                                          : fmt::format("{} ended with exit code {}{}",
+                                                        shown(label), code, last_line(label))};
   }
   return std::nullopt;
 }

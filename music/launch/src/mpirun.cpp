@@ -127,16 +127,19 @@ std::vector<std::string> variables_of_job(const MusicFile& file) {
 
 namespace {
 
-/// LD_PRELOAD of a job's programs: music/waiting.cpp, before what the user has there. Empty where
-/// it is not installed, or its path has what LD_PRELOAD would take for the end of one.
+/// LD_PRELOAD of a job's programs on this machine: music/waiting.cpp, behind what the user has
+/// there. Empty where it is not installed, or cannot be named.
 std::string preloaded() {
   const fs::path waiting =
       fs::path(own_directory()).parent_path() / "lib/spikeloop/libspikeloop_waiting.so";
-  const char* others = std::getenv("LD_PRELOAD");
-  if (!fs::exists(waiting) || waiting.string().find_first_of(" :") != std::string::npos) {
-    return others == nullptr ? "" : others;
+  std::error_code error;
+  // Open MPI refuses -x beside a list of variables.
+  if (!fs::exists(waiting, error) || waiting.string().find_first_of(" :") != std::string::npos ||
+      std::getenv("OMPI_MCA_mca_base_env_list") != nullptr) {
+    return "";
   }
-  return waiting.string() + (others == nullptr ? "" : fmt::format(":{}", others));
+  const char* others = std::getenv("LD_PRELOAD");
+  return others == nullptr ? waiting.string() : fmt::format("{}:{}", others, waiting.string());
 }
 
 }  // namespace
@@ -154,7 +157,8 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     settings.emplace_back("orte_tmpdir_base", hosts.scratch);
     settings.emplace_back("btl_vader_backing_directory", hosts.scratch);
   }
-  // Waiting programs spin: without yielding and free placement they starve each other.
+  // Waiting programs ask again and again: without yielding and free placement they starve each
+  // other.
   std::vector<std::string> command{
       "mpirun",          "-np",       std::to_string(file.total_processes()),
       "--oversubscribe", "--bind-to", "none"};
@@ -166,8 +170,7 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     for (const std::string& name : hosts.variables) {
       command.insert(command.end(), {"-x", name});
     }
-  }
-  if (const std::string libraries = preloaded(); !libraries.empty()) {
+  } else if (const std::string libraries = preloaded(); !libraries.empty()) {
     command.insert(command.end(), {"-x", "LD_PRELOAD=" + libraries});
   }
   command.insert(command.end(), {"--tag-output", "music", path});
