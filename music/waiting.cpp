@@ -1,7 +1,7 @@
 // How programs wait for others of their job. Open MPI asks for a message again and again and calls
 // sched_yield() in between (mpi_yield_when_idle): programs that wait take the processor from those
-// that compute. `spikeloop run` preloads this sched_yield() into them: one that has only waited for
-// 1 ms sleeps in between. docs/performance.md has figures.
+// that compute. `spikeloop run` preloads this sched_yield() into them: one that only waits sleeps
+// in between. docs/performance.md has figures.
 //
 // It enters programs of any kind: it needs libc alone (another libstdc++ may be theirs), and is
 // what POSIX says of sched_yield(): no cancellation point, errno stays.
@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 
@@ -19,11 +20,13 @@ namespace {
 
 constexpr std::int64_t kMicrosecond = 1000;
 /// A shorter wait only yields.
-constexpr std::int64_t kYielding = 1000 * kMicrosecond;
-/// What a program does in between if it only waits; whatever takes longer ends the wait.
-constexpr std::int64_t kPause = 10 * kMicrosecond;
-/// A message is seen later by no more than this, and what the scheduler adds.
-constexpr std::int64_t kSleep = 100 * kMicrosecond;
+constexpr std::int64_t kYielding = 20 * kMicrosecond;
+/// A longer one sleeps this part of the time that it has lasted: it ends that much later at most.
+constexpr std::int64_t kPart = 4;
+constexpr std::int64_t kLongestSleep = 100 * kMicrosecond;
+/// A program that only waits calls again after about the same time, some 100 ns. Between two calls
+/// of which one is for another message, it takes ten times as long even if it has little to do.
+constexpr std::int64_t kOtherWork = 5;
 
 /// Nanoseconds.
 std::int64_t now() {
@@ -36,32 +39,36 @@ class Waiting {
  public:
   void yield() {
     const std::int64_t called = now();
-    if (called - yielded_ > kPause) {
+    const std::int64_t pause = called - yielded_;
+    shortest_pause_ = std::min(shortest_pause_, pause);
+    if (pause > kOtherWork * shortest_pause_) {
       began_ = called;
     }
-    if (called - began_ < kYielding) {
+    const std::int64_t waited = called - began_;
+    if (waited < kYielding) {
       syscall(SYS_sched_yield);
     } else {
-      sleep();
+      sleep(std::min(waited / kPart, kLongestSleep));
     }
     yielded_ = now();
   }
 
  private:
-  void sleep() {
+  void sleep(std::int64_t length) {
     const int before = errno;
     if (!precise_) {
       // Linux ends sleeps up to 50 us late unless told otherwise.
       prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
       precise_ = true;
     }
-    const timespec time{.tv_sec = 0, .tv_nsec = kSleep};
+    const timespec time{.tv_sec = 0, .tv_nsec = length};
     syscall(SYS_clock_nanosleep, CLOCK_MONOTONIC, 0, &time, nullptr);
     errno = before;
   }
 
   std::int64_t began_ = 0;
   std::int64_t yielded_ = 0;
+  std::int64_t shortest_pause_ = 1'000'000'000;
   bool precise_ = false;
 };
 
