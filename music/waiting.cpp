@@ -68,7 +68,7 @@ class Waiting {
 
   std::int64_t began_ = 0;
   std::int64_t yielded_ = 0;
-  std::int64_t shortest_pause_ = 1'000'000'000;
+  std::int64_t shortest_pause_ = kMicrosecond;  // longer ones are no mere calls
   bool precise_ = false;
 };
 
