@@ -24,6 +24,12 @@ constexpr std::int64_t kYielding = 20 * kMicrosecond;
 /// A longer one sleeps this part of the time that it has lasted: it ends that much later at most.
 constexpr std::int64_t kPart = 4;
 constexpr std::int64_t kLongestSleep = 100 * kMicrosecond;
+/// A yield that takes longer gave the processor to a program that computes: whoever yields then
+/// waits for the whole time slice of each such program, and whoever sleeps goes before them.
+constexpr std::int64_t kBusyYield = 1000 * kMicrosecond;
+/// For so long after such a yield the machine counts as busy: a waiting program only sleeps.
+constexpr std::int64_t kBusyFor = 20'000 * kMicrosecond;
+constexpr std::int64_t kBusySleep = 5 * kMicrosecond;
 /// A program that only waits calls again after about the same time, some 100 ns. Between two calls
 /// of which one is for another message, it takes ten times as long even if it has little to do.
 constexpr std::int64_t kOtherWork = 5;
@@ -45,8 +51,12 @@ class Waiting {
       began_ = called;
     }
     const std::int64_t waited = called - began_;
-    if (waited < kYielding) {
+    if (called < busy_until_) {
+      sleep(std::clamp(waited / kPart, kBusySleep, kLongestSleep));
+    } else if (waited < kYielding) {
       syscall(SYS_sched_yield);
+      const std::int64_t ended = now();
+      busy_until_ = ended - called > kBusyYield ? ended + kBusyFor : 0;
     } else {
       sleep(std::min(waited / kPart, kLongestSleep));
     }
@@ -68,6 +78,7 @@ class Waiting {
 
   std::int64_t began_ = 0;
   std::int64_t yielded_ = 0;
+  std::int64_t busy_until_ = 0;
   std::int64_t shortest_pause_ = kMicrosecond;  // longer ones are no mere calls
   bool precise_ = false;
 };

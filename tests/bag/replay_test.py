@@ -4,12 +4,14 @@ of one in real time over ROS 1, of one that was stopped. Changed weights are tol
 spikes."""
 
 import json
+import os
 import pathlib
 import re
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import h5py
@@ -95,9 +97,25 @@ def in_lockstep(spikeloop, scratch):
     print(count, "spikes in lockstep")
 
 
+def hesitate(folder, seconds=0.13):
+    """Stops the robot's process for a moment, two seconds after it has come: its scans shift."""
+    pid = ""
+    for _ in range(600):
+        pid = subprocess.run(["pgrep", "-f", f"spikeloop-robot.* --out {folder}"],
+                             capture_output=True, text=True).stdout.split()
+        if pid:
+            break
+        time.sleep(0.1)
+    time.sleep(2)
+    os.kill(int(pid[0]), signal.SIGSTOP)
+    time.sleep(seconds)
+    os.kill(int(pid[0]), signal.SIGCONT)
+
+
 def over_ros(spikeloop, scratch):
     """The robot is a process of its own, and wall time decides when a scan comes."""
     folder = scratch / "ros"
+    threading.Thread(target=hesitate, args=[folder], daemon=True).start()
     summary, _ = runs.run(spikeloop, both(scratch, "realtime", "1"), folder)
     assert summary["layout"] == "fused" and summary["scans"] > 60, summary
     assert summary["messages_dropped"] == 0, summary

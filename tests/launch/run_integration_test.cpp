@@ -145,11 +145,11 @@ TEST(Run, AnErrorOfMusicIsTheReason) {
 
 TEST(Run, AJobThatDoesNotBeginIsEnded) {
   const TwoPrograms job("", "behaviour=never_tick");
-  const Outcome outcome = run(job.command({"--start-timeout", "2"}));
+  const Outcome outcome = run(job.command({"--start-timeout", "5"}));
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(
       last_line(outcome.err),
-      "spikeloop: the job has not begun within 2 s; started, but still without a first tick: "
+      "spikeloop: the job has not begun within 5 s; started, but still without a first tick: "
       "'b' (spikeloop-network); waiting for the others: 'a' (poisson_encoder). A program that "
       "does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs "
       "barrier=false in "
@@ -159,10 +159,10 @@ TEST(Run, AJobThatDoesNotBeginIsEnded) {
 
 TEST(Run, AProgramThatDoesNotReportIsNamed) {
   const TwoPrograms job("", "silent=yes\nbehaviour=never_tick");
-  const Outcome outcome = run(job.command({"--start-timeout", "2"}));
+  const Outcome outcome = run(job.command({"--start-timeout", "5"}));
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err,
-              HasSubstr("within 2 s; not started: 'b' (spikeloop-network); waiting for "
+              HasSubstr("within 5 s; not started: 'b' (spikeloop-network); waiting for "
                         "the others: 'a' (poisson_encoder)."));
 }
 

@@ -72,13 +72,17 @@ class GuardedJob : public RobotJob {
     return std::atoll(outcome.out.c_str());
   }
 
-  /// The adapter first: others' deaths are a signal to it, and it would stop the robot itself.
+  /// The adapter is stopped first: others' deaths are a signal to it, and it would stop the robot
+  /// itself. It dies when its launcher has: one of them says so, and that is the guard.
   /// Returns when it began.
   std::int64_t kill_all_but(pid_t spared) const {
     const pid_t adapter = named("ros_command_ada");
     const auto processes = child_->family();
     const auto begin = ros_peer::monotonic_now();
-    kill(adapter, SIGKILL);
+    kill(adapter, SIGSTOP);
+    child_->signal(SIGKILL);
+    siginfo_t gone{};
+    waitid(P_PID, static_cast<id_t>(child_->pid()), &gone, WEXITED | WNOWAIT);
     for (const pid_t pid : processes) {
       if (pid != spared) {
         kill(pid, SIGKILL);

@@ -75,8 +75,9 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.pid = value_of<pid_t>(message, "pid", 0);
   } else if (type == "first_tick") {
     process.ticked = true;
-  } else if (type == "terminated" && terminated_.empty()) {
-    terminated_ = label;
+  } else if (type == "terminated") {
+    process.terminated = true;
+    terminated_ = terminated_.empty() ? label : terminated_;
   } else if (type == "alive") {
     process.phase = status::phase_named(value_of(message, "phase", std::string()));
   } else if (type == "progress") {

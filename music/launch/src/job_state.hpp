@@ -76,6 +76,7 @@ class JobState {
     std::string program;  ///< empty: not of this file
     bool ours = false;    ///< or has reported: we expect the other messages, too
     bool script = false;  ///< a user's that takes part by our package
+    bool terminated = false;  ///< by SIGTERM, as it says
     bool started = false;
     bool ticked = false;
     bool reported = false;

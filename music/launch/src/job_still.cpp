@@ -194,7 +194,10 @@ std::optional<Failure> JobState::first_death(
       continue;
     }
     const auto status = end_of(process.pid);
-    if (!status) {
+    // mpirun ends the others by SIGTERM after a death: that is not the first one.
+    const bool asked = process.terminated ||
+                       (status && WIFSIGNALED(*status) && WTERMSIG(*status) == SIGTERM);
+    if (!status || asked) {
       continue;
     }
     if (*status == -1) {
