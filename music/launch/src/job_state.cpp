@@ -79,7 +79,10 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.terminated = true;
     terminated_ = terminated_.empty() ? label : terminated_;
   } else if (type == "alive") {
-    process.phase = status::phase_named(value_of(message, "phase", std::string()));
+    const auto phase = status::phase_named(value_of(message, "phase", std::string()));
+    // One whose patience is over may say so in the next moment.
+    process.moved = phase == process.phase ? process.moved : now;
+    process.phase = phase;
   } else if (type == "progress") {
     process.ticked = true;
     return take_progress(label, message);
