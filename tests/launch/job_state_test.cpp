@@ -185,6 +185,18 @@ TEST_F(State, WhoWaitsForTheClockHoldsUpNobody) {
   EXPECT_NE(state_.who_stands_still(10s, now_), "") << "the clock goes on, the others do not";
 }
 
+TEST_F(State, WhoHasJustCeasedToWaitMaySayWhy) {
+  run();
+  beat("a", "waiting", 1.0);
+  now_ += 11s;
+  beat("a", "computing", 1.0);
+  beat("b", "exchanging", 1.0);
+  beat("c", "exchanging", 1.0);
+  EXPECT_EQ(state_.who_stands_still(10s, now_), "");
+  now_ += 2s;
+  EXPECT_NE(state_.who_stands_still(10s, now_), "");
+}
+
 TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {
   run();
   tell("a", "progress", {{"simulated_s", 9.9995}});

@@ -80,8 +80,9 @@ bool JobState::take(const json& message, Clock::time_point now) {
     terminated_ = terminated_.empty() ? label : terminated_;
   } else if (type == "alive") {
     const auto phase = status::phase_named(value_of(message, "phase", std::string()));
-    // One whose patience is over may say so in the next moment.
-    process.moved = phase == process.phase ? process.moved : now;
+    if (process.phase == status::Phase::waiting && phase != process.phase) {
+      process.left_wait = now;
+    }
     process.phase = phase;
   } else if (type == "progress") {
     process.ticked = true;

@@ -73,9 +73,9 @@ class JobState {
 
  private:
   struct Process {
-    std::string program;  ///< empty: not of this file
-    bool ours = false;    ///< or has reported: we expect the other messages, too
-    bool script = false;  ///< a user's that takes part by our package
+    std::string program;      ///< empty: not of this file
+    bool ours = false;        ///< or has reported: we expect the other messages, too
+    bool script = false;      ///< a user's that takes part by our package
     bool terminated = false;  ///< by SIGTERM, as it says
     bool started = false;
     bool ticked = false;
@@ -84,6 +84,7 @@ class JobState {
     std::optional<status::Phase> phase{};  ///< none: sends no heartbeats
     Clock::time_point heard{};             ///< of the last message
     Clock::time_point moved{};             ///< when its simulated time last changed
+    Clock::time_point left_wait{};         ///< when it last ceased to wait for the clock or a robot
     double simulated_s = 0;
     nlohmann::json counters = nlohmann::json::object();
     nlohmann::json summary = nlohmann::json::object();

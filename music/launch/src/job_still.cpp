@@ -18,6 +18,7 @@ using status::Phase;
 
 /// Heartbeats come twice a second; a busy machine may hold some up.
 constexpr std::chrono::seconds kSilence{3};
+constexpr std::chrono::seconds kLastWord{1};
 
 std::string list(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
@@ -129,7 +130,9 @@ std::vector<std::string> JobState::standing_still(Clock::duration longest,
     if (waits_for_the_clock && now - process.moved > longest / 2) {
       return {};  // long ticks, or a small real-time factor: the others wait for it
     }
-    if (runs && !waits_for_the_clock && now - process.moved > longest) {
+    // One whose patience is over says why in the next moment.
+    const bool may_speak = now - process.left_wait < kLastWord;
+    if (runs && !waits_for_the_clock && !may_speak && now - process.moved > longest) {
       labels.push_back(label);
     }
   }
@@ -195,8 +198,8 @@ std::optional<Failure> JobState::first_death(
     }
     const auto status = end_of(process.pid);
     // mpirun ends the others by SIGTERM after a death: that is not the first one.
-    const bool asked = process.terminated ||
-                       (status && WIFSIGNALED(*status) && WTERMSIG(*status) == SIGTERM);
+    const bool asked =
+        process.terminated || (status && WIFSIGNALED(*status) && WTERMSIG(*status) == SIGTERM);
     if (!status || asked) {
       continue;
     }
