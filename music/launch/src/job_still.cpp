@@ -130,9 +130,10 @@ std::vector<std::string> JobState::standing_still(Clock::duration longest,
     if (waits_for_the_clock && now - process.moved > longest / 2) {
       return {};  // long ticks, or a small real-time factor: the others wait for it
     }
-    // One whose patience is over says why in the next moment.
-    const bool may_speak = now - process.left_wait < kLastWord;
-    if (runs && !waits_for_the_clock && !may_speak && now - process.moved > longest) {
+    if (runs && now - process.left_wait < kLastWord) {
+      return {};  // its patience may be over, and it says why in the next moment
+    }
+    if (runs && !waits_for_the_clock && now - process.moved > longest) {
       labels.push_back(label);
     }
   }
