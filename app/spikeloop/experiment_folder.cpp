@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "folder_json.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -34,8 +33,7 @@ std::string first_free(const std::string& prefix) {
 
 /// What an earlier run of ours left; nothing else is touched.
 void remove_earlier(const fs::path& folder) {
-  std::ifstream file(folder / kResolved);
-  const auto resolved = nlohmann::json::parse(file, nullptr, false);
+  const auto resolved = read_folder_json((folder / kResolved).string());
   if (!resolved.is_object() || !resolved.contains("nodes") || !resolved["nodes"].is_object()) {
     return;
   }

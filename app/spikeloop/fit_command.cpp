@@ -70,8 +70,8 @@ void draw(const FitTask& task, const FitResult& result) {
                             {"training_error", result.training.total},
                             {"held_out_error", result.held_out.total}};
   const std::string command =
-      fmt::format("PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'", python_package(),
-                  fs::absolute(task.picture).string());
+      fmt::format("PYTHONSAFEPATH=1 PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'",
+                  python_package(), fs::absolute(task.picture).string());
   std::FILE* const python = ::popen(command.c_str(), "w");
   if (python == nullptr) {
     throw FileError("start python3 for the picture", task.picture, errno);
@@ -193,7 +193,7 @@ std::vector<CLI::Option*> add_encoder_options(CLI::App& command, FitTask& task) 
   auto* rates = command.add_flag("--rates", task.from_rates,
                                  "Fit to steady rates instead of filtered spikes");
   auto* points = command.add_option("--points", task.points, "Inputs for --rates [ten a neuron]")
-                     ->check(CLI::Range(10U, 100'000'000U))
+                     ->check(CLI::Range(10U, 10'000'000U))
                      ->needs(rates);
   auto* duration = command.add_option("--duration", task.duration_s, "Simulated time, s")
                        ->check(between(0.1, 1e6))

@@ -1,8 +1,10 @@
 #include "fit_task.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -20,6 +22,40 @@ namespace {
 constexpr double kTraining = 0.75;  // of the samples
 constexpr std::size_t kMostTraced = 4000;
 constexpr double kTracedSeconds = 5;
+
+/// A line on a terminal, written over and over again.
+class ProgressLine {
+ public:
+  ~ProgressLine() {
+    if (shown_) {
+      put(stderr, "\r\033[K");
+    }
+  }
+  void show(double part) {
+    const auto now = Clock::now();
+    if (terminal_ && now - last_ > std::chrono::milliseconds(200)) {
+      put(stderr, fmt::format("\rspikeloop: {:.0f} % of the samples", 100 * part));
+      last_ = now;
+      shown_ = true;
+    }
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  Clock::time_point last_ = Clock::now();
+};
+
+/// Each neuron has an encoding vector and weights, and a fit sums up 256 samples at once.
+void check_memory(std::uint64_t neurons, std::uint64_t dimensions, std::uint64_t outputs) {
+  constexpr std::uint64_t kMost = 100'000'000;  // numbers; 0.8 GB
+  if (neurons * std::max(dimensions, outputs) > kMost) {
+    throw ConfigurationError(fmt::format(
+        "{} neurons for {} dimensions and {} outputs do not fit into memory; write fewer", neurons,
+        dimensions, outputs));
+  }
+}
 
 /// Takes samples in order: first those for training, then those to be judged by.
 class Fit {
@@ -181,12 +217,17 @@ FitResult fit_encoder(const FitTask& task) {
     encoder.bound = std::numeric_limits<double>::infinity();
   }
   const auto [function, outputs] = function_of(task.function, task.dimensions);
+  check_memory(task.neurons, task.dimensions, outputs);
   Fit fit(task.neurons, outputs, task.regularisation);
+  ProgressLine progress;
   if (task.from_rates) {
     const std::uint32_t points =
         task.points != 0 ? task.points : std::max(1000U, 10 * task.neurons);
-    fit::sample_rates(encoder, points, 0, function, outputs,
-                      [&](const fit::Sample& sample) { fit.train(sample); });
+    std::uint32_t done = 0;
+    fit::sample_rates(encoder, points, 0, function, outputs, [&](const fit::Sample& sample) {
+      fit.train(sample);
+      progress.show(static_cast<double>(++done) / (4.0 / 3 * points));
+    });
     fit::sample_rates(encoder, std::max(1U, points / 3), 1, function, outputs,
                       [&](const fit::Sample& sample) { fit.judge(sample); });
   } else {
@@ -196,6 +237,7 @@ FitResult fit_encoder(const FitTask& task) {
     const double split_s = settled_s + kTraining * (task.duration_s - settled_s);
     fit::sample_spikes(encoder, settings, function, outputs, [&](const fit::Sample& sample) {
       sample.time_s < split_s ? fit.train(sample) : fit.judge(sample);
+      progress.show(sample.time_s / task.duration_s);
     });
   }
   FitResult result = fit.result();

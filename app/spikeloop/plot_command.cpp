@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "python_package.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/record/reader.hpp"
 
 namespace spikeloop::app::plot_command {
 namespace {
@@ -80,6 +82,12 @@ void refuse_empty_span(const PlotArguments& given) {
 
 int plot(const PlotArguments& given) {
   refuse_empty_span(given);
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(given.folder, none)) {
+    if (entry.path().extension() == ".h5") {
+      record::try_recording(entry.path().string());
+    }
+  }
   become_python("spikeloop.plots", arguments_of(given), "which draws",
                 "python3-matplotlib python3-h5py");
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 
+#include "folder_json.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/core/error.hpp"
@@ -30,8 +30,7 @@ json read_json(const std::string& folder, const char* name) {
   if (!fs::exists(path)) {
     return nullptr;
   }
-  std::ifstream file(path);
-  json result = json::parse(file, nullptr, false);
+  json result = read_folder_json(path.string());
   if (!result.is_object()) {
     refuse(folder, fmt::format("its {} is damaged, or empty; run it once more", name));
   }
@@ -95,8 +94,10 @@ bool sends(const json& resolved, const std::string& node) {
   });
 }
 
-/// What every node put out is there, and can be read.
+/// What every node put out is there, and can be read. A run is no longer than its recordings.
 void check_recordings(const std::string& folder, const RecordedRun& run) {
+  constexpr double kGrace_s = 1;
+  TimeNs end = 0;
   for (const auto& [node, keys] : run.resolved["nodes"].items()) {
     if (keys.contains("simulator") && !sends(run.resolved, node)) {
       continue;  // nor has its script an output
@@ -106,7 +107,11 @@ void check_recordings(const std::string& folder, const RecordedRun& run) {
       refuse(folder,
              fmt::format("there is no {}.h5 in it, the recording of its node '{}'", node, node));
     }
-    record::read_info(file);
+    end = std::max(end, record::read_info(file).until);
+  }
+  if (end > 0 && run.simulated_s > to_seconds(end) + kGrace_s) {
+    refuse(folder, fmt::format("its summary.json says {:g} s, but its recordings end at {:g} s",
+                               run.simulated_s, to_seconds(end)));
   }
 }
 

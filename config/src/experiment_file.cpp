@@ -18,6 +18,8 @@ using yaml_text::place;
 using yaml_text::Section;
 
 constexpr std::uint64_t kMostBytes = 16'000'000;
+/// Of nodes, and of connections: far more than any experiment has.
+constexpr std::size_t kMostParts = 10'000;
 constexpr const char* kHolders[] = {"robot", "plugins", "nodes", "connections"};
 
 std::string one_value(const Section& section, const std::string& key) {
@@ -83,6 +85,15 @@ class Reader {
     }
   }
 
+  static void refuse_more(std::size_t count, const char* what, const Location& where) {
+    if (count > kMostParts) {
+      throw ConfigurationError(
+          where, fmt::format("key '{}': there are {} {}; an experiment has at most {}: write one "
+                             "node of more channels in place of many",
+                             what, count, what, kMostParts));
+    }
+  }
+
   ExperimentNode read_keys(const std::string& what, const std::string& name, const Location& where,
                            const YAML::Node& node) {
     const Section section(file_.path, what, node, {}, complain_);
@@ -119,6 +130,7 @@ class Reader {
           fmt::format("key 'nodes': {}; write  nodes: {}",
                       empty ? "there are no nodes" : "expected a map of nodes", kExample));
     }
+    refuse_more(map.size(), "nodes", file_.where_nodes);
     const Section nodes(file_.path, "key 'nodes'", map, {}, complain_);
     for (const std::string& name : nodes.keys()) {
       file_.joined =
@@ -169,8 +181,11 @@ class Reader {
               list.IsNull() || list.IsSequence() ? "there are no connections" : "expected a list"));
     }
     for (const YAML::Node& item : list) {
+      refuse_more(std::max(list.size(), file_.connections.size()), "connections",
+                  file_.where_connections);
       file_.joined = attempt([&] { read_connection(item); }) && file_.joined;
     }
+    refuse_more(file_.connections.size(), "connections", file_.where_connections);
   }
 
   void read_plugins(const Section& root) {

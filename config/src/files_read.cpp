@@ -31,6 +31,10 @@ void FilesRead::note(const std::string& path) {
 // In blocks, each together with the print of those before: recordings may be larger than memory.
 std::string file_print(const std::string& path) {
   constexpr std::size_t kBlock = std::size_t{1} << 20;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    return "";
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     return "";

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop {
 namespace {
@@ -29,6 +30,7 @@ ScriptHost host_in_script(const std::string& path) {
       R"(\s*(from\s+spikeloop(\.nest\s|\s+import\s+(.*[\s,])?nest\b)|import\s+(.*[\s,])?spikeloop\.nest\b).*)");
   constexpr std::size_t kLongest = 200;  // of a line that imports; std::regex recurses
   ScriptHost found = ScriptHost::none;
+  require_regular_file(path, "script");
   errno = 0;
   std::ifstream script(path);
   bool first = true;

@@ -11,9 +11,7 @@
 
 namespace spikeloop {
 
-/// The bytes of a regular file.
-/// @throws FileError when it cannot be read or is no regular file (a pipe would never end);
-/// ConfigurationError when it is longer than `limit` bytes; `kind` names what was expected.
+/// As read_file(), and noted as a file that was read.
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t limit,
                            std::string_view kind);
 

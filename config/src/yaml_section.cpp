@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <sstream>
 
 namespace spikeloop::yaml_text {
 
 namespace {
+
+constexpr const char* kTooMany = "its aliases (*name) stand for more than 4000000 values";
 
 /// Lines count from 0.
 std::string_view line_of(std::string_view text, int line) {
@@ -22,6 +26,9 @@ std::string_view line_of(std::string_view text, int line) {
 
 /// What yaml-cpp says, and what to look for.
 std::string reason_of(const YAML::Exception& error, const std::string& text) {
+  if (error.msg == kTooMany) {
+    return fmt::format("{}; write the values themselves, or into a file", kTooMany);
+  }
   if (error.msg == "bad file") {
     return "it is nested too deeply; close its brackets";
   }
@@ -37,7 +44,7 @@ std::string reason_of(const YAML::Exception& error, const std::string& text) {
                      error.msg);
 }
 
-/// Where documents begin.
+/// Where documents begin. Aliases may stand for aliases: what they all stand for is counted.
 class Begins : public YAML::EventHandler {
  public:
   std::vector<YAML::Mark> marks;
@@ -45,31 +52,70 @@ class Begins : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark&) override { expected_ = true; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    note(mark, sizes_[anchor]);
+  }
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                 const std::string&) override {
     note(mark);
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
     note(mark);
+    open_.push_back({anchor, values_});
   }
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
     note(mark);
+    open_.push_back({anchor, values_});
   }
-  void OnMapEnd() override {}
+  void OnMapEnd() override { close(); }
 
  private:
-  void note(const YAML::Mark& mark) {
+  struct Open {
+    YAML::anchor_t anchor;
+    std::uint64_t values_before;
+  };
+
+  void note(const YAML::Mark& mark, std::uint64_t more = 0) {
+    constexpr std::uint64_t kMostAliased = 4'000'000;
+    values_ += 1 + more;
+    if (more > 0 && values_ > kMostAliased) {
+      throw YAML::ParserException(mark, kTooMany);
+    }
     if (expected_) {
       marks.push_back(mark);
       expected_ = false;
     }
   }
+  void close() {
+    sizes_[open_.back().anchor] = values_ - open_.back().values_before;
+    open_.pop_back();
+  }
+
   bool expected_ = false;
+  std::uint64_t values_ = 0;
+  std::vector<Open> open_;
+  std::map<YAML::anchor_t, std::uint64_t> sizes_;
 };
+
+/// yaml-cpp takes seconds until it gives up. Brackets in texts and comments count, too: nobody
+/// writes so many of them.
+void refuse_depth(const std::string& text, const std::string& path) {
+  constexpr int kMostOpen = 1000;
+  int depth = 0;
+  Location where{path, 1, 0};
+  for (const char c : text) {
+    where.line += c == '\n' ? 1 : 0;
+    where.column = c == '\n' ? 0 : where.column + 1;
+    depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+    if (depth > kMostOpen) {
+      throw ConfigurationError(where,
+                               "this is not YAML: it is nested too deeply; close its brackets");
+    }
+  }
+}
 
 /// Of at most two documents: YAML::LoadAll finds documents for ever behind a ',' at the left
 /// margin.
@@ -88,6 +134,7 @@ YAML::Node load(const std::string& text, const std::string& path, const std::str
   const auto where = [&](const YAML::Mark& mark) {
     return Location{path, mark.line + 1, mark.column + 1};
   };
+  refuse_depth(text, path);
   try {
     const std::vector<YAML::Mark> begins = first_documents(text);
     if (begins.size() > 1 && begins[0].pos == begins[1].pos) {

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 
 #include "foreign_node.hpp"
 #include "plugin_loader.hpp"
 #include "shared_library.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/plugin.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 
@@ -61,6 +63,9 @@ std::vector<std::string> Registry::add_linked_plugins() {
 }
 
 std::vector<std::string> Registry::load_plugin(const std::string& path) {
+  if (std::error_code unknown; std::filesystem::exists(path, unknown)) {
+    require_regular_file(path, "plug-in");
+  }
   if (has_loader(path)) {
     return add_classes(path, load_by_loader(path));
   }

@@ -7,7 +7,7 @@ programs ran (effective.music); names decide nothing. Everything stands in the o
 import dataclasses
 import re
 
-from .run_folder import RunFolderError
+from .run_folder import RunFolderError, require_regular
 
 SENSORS = ("ros_sensor", "signal_playback", "ros_sensor_adapter", "ros_cont_adapter",
            "zmq_cont_adapter")
@@ -66,6 +66,7 @@ def _experiment(run):
 
 
 def _music_job(run):
+    require_regular(run.path / "effective.music")
     try:
         text = (run.path / "effective.music").read_text(encoding="utf-8", errors="replace")
     except OSError:

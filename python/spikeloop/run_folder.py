@@ -30,6 +30,12 @@ class RunFolderError(Exception):
     """A file is missing or not what it should be; the text says which and what to do."""
 
 
+def require_regular(file):
+    """A pipe would be waited for, and a device has no end. @raises RunFolderError"""
+    if file.exists() and not file.is_file():
+        raise RunFolderError(f"'{file}' cannot be read: not a regular file")
+
+
 @dataclasses.dataclass
 class Spikes:
     """One recorded stream of spikes, in the order in which the loop saw them."""
@@ -114,6 +120,7 @@ class RunFolder:
         if not file.exists():
             raise RunFolderError(f"'{file}' is missing: no robot of Spikeloop's took part, or it "
                                  "was not told the run folder")
+        require_regular(file)
         with open(file, newline="", encoding="utf-8") as text:
             rows = list(csv.reader(text))
         header = rows[0] if rows else []
@@ -155,6 +162,7 @@ class RunFolder:
 
     def _json(self, name, consequence):
         file = self.path / name
+        require_regular(file)
         try:
             return json.loads(file.read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -163,6 +171,8 @@ class RunFolder:
             raise RunFolderError(f"'{file}' cannot be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
             raise RunFolderError(f"'{file}' is not JSON: byte {error.start}: no UTF-8") from None
+        except RecursionError:
+            raise RunFolderError(f"'{file}' is nested too deeply") from None
         except json.JSONDecodeError as error:
             raise RunFolderError(f"'{file}' is not JSON: line {error.lineno}, column "
                                  f"{error.colno}: {error.msg}") from None
@@ -172,6 +182,7 @@ class RunFolder:
         if label not in self.labels:
             raise RunFolderError(f"'{file}' is missing: write record=true into the section "
                                  f"'{label}'{did_you_mean(label, self.labels)}")
+        require_regular(file)
         try:
             opened = h5py.File(file, "r")
         except OSError as error:

@@ -7,6 +7,8 @@ import json
 import pathlib
 import sys
 
+from .run_folder import RunFolderError, require_regular
+
 # key, label, unit, format
 ROWS = (
     ("simulated_s", "simulated time", "s", "{:.1f}"),
@@ -46,10 +48,13 @@ def read_summary(folder):
     """The contents of FOLDER/summary.json; SystemExit with a sentence when it cannot be read."""
     path = pathlib.Path(folder) / "summary.json"
     try:
+        require_regular(path)
         return json.loads(path.read_text(encoding="utf-8"))
+    except RunFolderError as error:
+        raise SystemExit(str(error))
     except OSError as error:
         raise SystemExit(f"cannot read '{path}': {error.strerror}; was the run made with --out?")
-    except json.JSONDecodeError as error:
+    except (json.JSONDecodeError, RecursionError) as error:
         raise SystemExit(f"'{path}' is not JSON: {error}")
 
 

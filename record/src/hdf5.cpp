@@ -223,6 +223,15 @@ Handle Attributes::open(const char* name) const {
   return Handle(check(H5Aopen(object_, name, H5P_DEFAULT), "read", path_));
 }
 
+void Attributes::require(const Handle& attribute, H5T_class_t kind, const char* name) const {
+  const Handle space(check(H5Aget_space(attribute.get()), "read", path_));
+  const Handle stored(check(H5Aget_type(attribute.get()), "read", path_));
+  if (H5Sget_simple_extent_npoints(space.get()) != 1 || H5Tget_class(stored.get()) != kind) {
+    throw FileError(
+        fmt::format("cannot read '{}': damaged: the attribute '{}' is no number", path_, name));
+  }
+}
+
 std::string Attributes::text(const char* name) const {
   const auto all = texts(name);
   return all.empty() ? std::string() : all.front();
@@ -235,7 +244,13 @@ std::vector<std::string> Attributes::texts(const char* name) const {
   if (H5Tis_variable_str(stored.get()) <= 0) {
     throw FileError(fmt::format("cannot read '{}': the attribute '{}' is not a text", path_, name));
   }
-  std::vector<char*> pointers(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())));
+  constexpr hssize_t kMost = 10'000'000;
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (count < 0 || count > kMost) {
+    throw FileError(fmt::format("cannot read '{}': damaged: the attribute '{}' has {} texts", path_,
+                                name, count));
+  }
+  std::vector<char*> pointers(static_cast<std::size_t>(count));
   const Handle type = text_type();
   check(H5Aread(attribute.get(), type.get(), pointers.data()), "read", path_);
   std::vector<std::string> result;

@@ -102,6 +102,8 @@ class Attributes {
 
  private:
   Handle open(const char* name) const;
+  /// @throws FileError unless it is one number of this kind.
+  void require(const Handle& attribute, H5T_class_t kind, const char* name) const;
   hid_t object_;
   std::string path_;
 };
@@ -138,6 +140,7 @@ template <typename Number>
 Number Attributes::number(const char* name) const {
   Number value{};
   const Handle attribute = open(name);
+  require(attribute, H5Tget_class(type_of<Number>()), name);
   check(H5Aread(attribute.get(), type_of<Number>(), &value), "read", path_);
   return value;
 }

@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <filesystem>
 
 #include "hdf5.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
+#include "spikeloop/core/trial.hpp"
 #include "spikeloop/record/recorder.hpp"
 
 namespace spikeloop::record {
@@ -18,6 +21,7 @@ namespace {
 
 /// @throws FileError with the system's reason, or with ours.
 hdf5::Handle open_file(const std::string& path) {
+  require_regular_file(path, "recording");
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     throw FileError("open", path, errno);
@@ -71,14 +75,37 @@ hdf5::Handle open_stream(const hdf5::Handle& file, const char* kind, const std::
       H5Gopen2(file.get(), fmt::format("{}/{}", kind, stream).c_str(), H5P_DEFAULT), "read", path));
 }
 
+/// The latest of these streams'.
+TimeNs until_of(const hdf5::Handle& file, const char* kind, const std::vector<std::string>& streams,
+                const std::string& path) {
+  TimeNs latest = 0;
+  for (const std::string& stream : streams) {
+    const hdf5::Handle group = open_stream(file, kind, path, stream);
+    latest = std::max(latest, hdf5::Attributes(group.get(), path).number<TimeNs>("until_ns"));
+  }
+  return latest;
+}
+
 hdf5::Handle open_dataset(const hdf5::Handle& group, const char* name, const std::string& path) {
   return hdf5::Handle(hdf5::check(H5Dopen2(group.get(), name, H5P_DEFAULT), "read", path));
 }
 
-std::size_t rows_of(const hdf5::Handle& dataset, const std::string& path) {
+/// Of `width` values each; width 0: of one, in a dataset of one dimension. All may be claimed, but
+/// the file has no more than it has.
+std::size_t rows_of(const hdf5::Handle& dataset, std::uint32_t width, const std::string& path) {
+  constexpr std::uint64_t kNotYetWritten = 100'000'000;  // bytes that a killed recorder claimed
   const hdf5::Handle space(hdf5::check(H5Dget_space(dataset.get()), "read", path));
   std::array<hsize_t, H5S_MAX_RANK> size{};
-  hdf5::check(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), "read", path);
+  const int rank =
+      hdf5::check(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), "read", path);
+  const std::uint64_t bytes = std::filesystem::file_size(path) + kNotYetWritten;
+  const std::uint64_t row = std::max<std::uint64_t>(1, width) * sizeof(double);
+  if (rank != (width == 0 ? 1 : 2) || (width > 0 && size[1] != width) || size[0] > bytes / row) {
+    throw FileError(
+        fmt::format("cannot read '{}': damaged: a dataset has not the size that its "
+                    "stream says, or a larger one than the file",
+                    path));
+  }
   return size[0];
 }
 
@@ -115,8 +142,9 @@ std::string library_version() {
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
-FileInfo read_info(const std::string& path) {
-  const hdf5::Lock lock;
+namespace {
+
+FileInfo info_of(const std::string& path) {
   const hdf5::Handle file = open_file(path);
   const hdf5::Attributes attributes(file.get(), path);
   FileInfo info;
@@ -128,11 +156,12 @@ FileInfo read_info(const std::string& path) {
   info.complete = attributes.number<std::uint32_t>("complete") != 0;
   info.spikes = streams_of(file, "spikes", path);
   info.signals = streams_of(file, "signals", path);
+  info.until = std::max(until_of(file, "spikes", info.spikes, path),
+                        until_of(file, "signals", info.signals, path));
   return info;
 }
 
-SpikeRecording read_spikes(const std::string& path, const std::string& stream) {
-  const hdf5::Lock lock;
+SpikeRecording spikes_of(const std::string& path, const std::string& stream) {
   const hdf5::Handle file = open_file(path);
   const hdf5::Handle group = open_stream(file, "spikes", path, stream);
   const hdf5::Attributes attributes(group.get(), path);
@@ -143,7 +172,7 @@ SpikeRecording read_spikes(const std::string& path, const std::string& stream) {
   recording.until = attributes.number<TimeNs>("until_ns");
   recording.dropped = attributes.number<std::uint64_t>("dropped");
   // They differ when the process died between the two.
-  const std::size_t count = std::min(rows_of(times, path), rows_of(ids, path));
+  const std::size_t count = std::min(rows_of(times, 0, path), rows_of(ids, 0, path));
   const auto time_values = read_rows<std::int64_t>(times, count, 1, path);
   const auto id_values = read_rows<std::uint64_t>(ids, count, 1, path);
   recording.spikes.reserve(count);
@@ -158,8 +187,7 @@ SpikeRecording read_spikes(const std::string& path, const std::string& stream) {
   return recording;
 }
 
-SignalRecording read_signal(const std::string& path, const std::string& stream) {
-  const hdf5::Lock lock;
+SignalRecording signal_of(const std::string& path, const std::string& stream) {
   const hdf5::Handle file = open_file(path);
   const hdf5::Handle group = open_stream(file, "signals", path, stream);
   const hdf5::Attributes attributes(group.get(), path);
@@ -173,10 +201,51 @@ SignalRecording read_signal(const std::string& path, const std::string& stream) 
   if (attributes.has("channels")) {
     recording.channels = attributes.texts("channels");
   }
-  const std::size_t rows = std::min(rows_of(times, path), rows_of(values, path));
+  const std::size_t rows =
+      std::min(rows_of(times, 0, path), rows_of(values, recording.width, path));
   recording.times = read_rows<std::int64_t>(times, rows, 1, path);
   recording.values = read_rows<double>(values, rows, recording.width, path);
   return recording;
+}
+
+/// HDF5 crashes on some damaged files: the whole of this one is read in a copy of this process
+/// first. The lock is held before, so that it is not another thread's in there.
+void try_locked(const std::string& path) {
+  require_regular_file(path, "recording");
+  try_in_a_copy(path, "HDF5", [&] {
+    const FileInfo info = info_of(path);
+    for (const std::string& stream : info.spikes) {
+      spikes_of(path, stream);
+    }
+    for (const std::string& stream : info.signals) {
+      signal_of(path, stream);
+    }
+  });
+}
+
+}  // namespace
+
+void try_recording(const std::string& path) {
+  const hdf5::Lock lock;
+  try_locked(path);
+}
+
+FileInfo read_info(const std::string& path) {
+  const hdf5::Lock lock;
+  try_locked(path);
+  return info_of(path);
+}
+
+SpikeRecording read_spikes(const std::string& path, const std::string& stream) {
+  const hdf5::Lock lock;
+  try_locked(path);
+  return spikes_of(path, stream);
+}
+
+SignalRecording read_signal(const std::string& path, const std::string& stream) {
+  const hdf5::Lock lock;
+  try_locked(path);
+  return signal_of(path, stream);
 }
 
 }  // namespace spikeloop::record

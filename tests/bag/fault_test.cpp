@@ -71,7 +71,7 @@ TEST_F(BagFaults, DiskThatIsFull) {
 }
 
 TEST_F(BagFaults, FileThatIsNotThere) {
-  EXPECT_EQ(reading(), "cannot read '" + path() + "': No such file or directory");
+  EXPECT_EQ(reading(), "cannot open '" + path() + "': No such file or directory");
 }
 
 TEST_F(BagFaults, Directory) {

@@ -69,7 +69,7 @@ TEST(WorldErrors, MissingFile) {
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {
-  EXPECT_EQ(message<FileError>("/tmp"), "cannot open world '/tmp': Is a directory");
+  EXPECT_EQ(message<FileError>("/tmp"), "cannot read '/tmp': Is a directory");
 }
 
 TEST(WorldErrors, BadXml) {

@@ -21,6 +21,9 @@ constexpr const char* kEffective = "effective.music";
 /// The lock is the folder's own: there is no file to leave behind, and it goes with the process.
 /// A file of the user's may have the name of a section, too.
 bool is_recording(const fs::path& path) {
+  if (std::error_code ignored; !fs::is_regular_file(path, ignored)) {
+    return false;
+  }
   std::ifstream file(path, std::ios::binary);
   std::string head(4096, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));

@@ -11,6 +11,8 @@
 
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
+#include "spikeloop/core/trial.hpp"
 #include "structure.hpp"
 
 namespace spikeloop::bag {
@@ -20,6 +22,7 @@ constexpr std::string_view kMagic = "#ROSBAG V";
 
 /// rosbag gives no reason of the system's, and takes any file for a damaged bag.
 void check_magic(const std::string& path) {
+  require_regular_file(path, "bag");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string first(kMagic.size(), '\0');
@@ -55,6 +58,8 @@ auto reading(const std::string& path, Work&& work) {
   const Quiet quiet;
   try {
     return work();
+  } catch (const Error&) {
+    throw;
   } catch (const rosbag::BagUnindexedException&) {
     throw FileError(fmt::format(
         "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}",
@@ -143,6 +148,10 @@ Reader::Reader(const std::string& path) : impl_(std::make_unique<Impl>()) {
     if (!check_structure(path)) {
       throw rosbag::BagUnindexedException();
     }
+    try_in_a_copy(path, "rosbag", [&] {
+      rosbag::Bag bag(path, rosbag::bagmode::Read);
+      const rosbag::View view(bag);
+    });
     opened.bag.open(path, rosbag::bagmode::Read);
     rosbag::View view(opened.bag);
     for (const rosbag::ConnectionInfo* info : view.getConnections()) {

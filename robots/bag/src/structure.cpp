@@ -121,16 +121,21 @@ Record next_record(Cursor& cursor) {
 }
 
 void check_index(const Record& index, const Record& chunk) {
+  constexpr std::uint32_t kLargest = 1'000'000'000;  // bytes; rosbag begins another after 768 kB
   const auto size = Cursor(chunk.field("size", 4)).number();
   const bool plain = chunk.fields.contains("compression") &&
                      chunk.fields.at("compression") == std::string_view("none");
+  if (size > kLargest || (plain && size != chunk.data.size())) {
+    throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", size));
+  }
+  std::set<std::uint32_t> seen;
   Cursor entries(index.data);
   for (auto count = Cursor(index.field("count", 4)).number(); count > 0; --count) {
     const std::uint32_t offset = Cursor(entries.take(kIndexEntry).substr(8)).number();
     if (offset >= size || (plain && offset >= chunk.data.size())) {
       throw std::runtime_error("its index leads outside of a chunk");
     }
-    if (plain) {
+    if (plain && seen.insert(offset).second) {
       Cursor cursor(chunk.data.substr(offset));
       if (next_record(cursor).kind() != kMessage) {
         throw std::runtime_error("its index leads to something that is no message");

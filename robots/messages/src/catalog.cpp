@@ -245,20 +245,39 @@ std::string Catalog::full_text(std::string_view name) const {
   return text;
 }
 
-std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name) const {
+struct Catalog::Walk {
+  struct Known {
+    std::shared_ptr<const TypeLayout> layout;
+    std::size_t fields = 0;  ///< with those of its parts
+  };
   std::vector<std::string> within;
-  return layout(name, within);
+  std::map<std::string, Known, std::less<>> known;
+};
+
+std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name) const {
+  Walk walk;
+  return layout(name, walk);
 }
 
-std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name,
-                                                  std::vector<std::string>& within) const {
+std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name, Walk& walk) const {
+  constexpr std::size_t kDeepest = 64;
+  constexpr std::size_t kMostFields = 20'000;
   const Definition& definition = find(name);
-  const bool inside_itself = std::ranges::find(within, definition.name) != within.end();
-  within.push_back(definition.name);
+  if (const auto known = walk.known.find(definition.name); known != walk.known.end()) {
+    return known->second.layout;
+  }
+  const bool inside_itself = std::ranges::find(walk.within, definition.name) != walk.within.end();
+  walk.within.push_back(definition.name);
   if (inside_itself) {
     throw ConfigurationError(
         fmt::format("message type '{}' contains itself: {}; take the field out that leads back",
-                    name, fmt::join(within, " -> ")));
+                    name, fmt::join(walk.within, " -> ")));
+  }
+  if (walk.within.size() > kDeepest) {
+    throw ConfigurationError(
+        fmt::format("message type '{}' has more than {} messages inside of "
+                    "each other; write a flatter one",
+                    walk.within.front(), kDeepest));
   }
   auto type = std::make_shared<TypeLayout>();
   type->name = definition.name;
@@ -267,14 +286,23 @@ std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name,
   if (dialect_ == Dialect::ros2 && definition.fields.empty()) {
     type->bytes = type->least = 1;  // IDL knows no empty structure: an octet stands in it
   }
+  std::size_t fields = definition.fields.size();
   for (const FieldDefinition& field : definition.fields) {
     std::shared_ptr<const TypeLayout> message;
     if (field.primitive == Primitive::message) {
-      message = layout(part(definition, field).name, within);
+      message = layout(part(definition, field).name, walk);
+      fields += walk.known.find(message->name)->second.fields;
     }
     append_field(*type, layout_of(field, std::move(message), dialect_));
+    if (fields > kMostFields) {
+      throw ConfigurationError(
+          fmt::format("message type '{}' has more than {} fields, with those "
+                      "of its parts; write an array instead",
+                      definition.name, kMostFields));
+    }
   }
-  within.pop_back();
+  walk.within.pop_back();
+  walk.known[definition.name] = {type, fields};
   return type;
 }
 

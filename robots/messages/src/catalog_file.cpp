@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <utility>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::messages {
@@ -18,12 +17,13 @@ namespace fs = std::filesystem;
 constexpr std::string_view kEnding = ".msg";
 
 std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path)) {
+  constexpr std::uint64_t kMostBytes = 1'000'000;
+  try {
+    return read_file(path, ".msg file", kMostBytes);
+  } catch (const FileError&) {
     throw ConfigurationError(
         fmt::format("message definition '{}' cannot be read; write the path of a .msg file", path));
   }
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string name_of_file(const fs::path& file) {
@@ -46,6 +46,12 @@ fs::path file_beside(const fs::path& file, const std::string& type) {
 }  // namespace
 
 std::string Catalog::add_file(const std::string& path) {
+  constexpr std::size_t kMostFiles = 500;
+  if (files_.size() > 2 * kMostFiles) {  // each by two names
+    throw ConfigurationError(
+        fmt::format("message definition '{}' is the {}th that is needed; write a simpler message",
+                    path, kMostFiles + 1));
+  }
   const fs::path file = fs::absolute(path).lexically_normal();
   const std::string name = name_of_file(file);
   const Definition& definition =

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -156,6 +157,10 @@ class Parser {
   }
 
   void parse_field(std::string_view type, std::string_view name, std::string_view otherwise) {
+    constexpr std::size_t kMostFields = 20'000;
+    if (definition_.fields.size() == kMostFields) {
+      fail(fmt::format("the message has more than {} fields; write an array instead", kMostFields));
+    }
     if (dialect_ == Dialect::ros1 && type.find("<=") != std::string_view::npos) {
       fail(fmt::format("bounded type '{}' is not part of ROS 1; write it without '<='", type));
     }
@@ -177,8 +182,7 @@ class Parser {
     if (!otherwise.empty()) {
       parse_default(otherwise, field);
     }
-    if (std::ranges::find(definition_.fields, field.name, &FieldDefinition::name) !=
-        definition_.fields.end()) {
+    if (!names_.insert(field.name).second) {
       fail(fmt::format("field '{}' is there twice; give one of them another name", name));
     }
     definition_.fields.push_back(std::move(field));
@@ -279,6 +283,7 @@ class Parser {
   std::string file_;
   std::string package_;
   Definition definition_;
+  std::set<std::string> names_;
   int line_ = 0;
 };
 

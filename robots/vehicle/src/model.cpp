@@ -9,12 +9,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <regex>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/trial.hpp"
 
 namespace spikeloop::vehicle {
 namespace {
@@ -129,16 +130,38 @@ void find_wheels(const mjModel& model, const Names& names, Parts& parts) {
 
 }  // namespace
 
+namespace {
+
+using Reason = std::array<char, 1000>;
+
+constexpr int kTrialSteps = 100;  // until the wheels touch the floor
+
+ModelPointer read_model(const std::string& path, Reason& reason) {
+  const auto files = shipped_files(path);
+  return ModelPointer(
+      mj_loadXML(path.c_str(), files.get(), reason.data(), static_cast<int>(reason.size())));
+}
+
+/// MuJoCo crashes on some files, and on others does not come to an end, at once or when it steps.
+void try_model(const std::string& path) {
+  try_in_a_copy(path, "MuJoCo", [&] {
+    Reason reason{};
+    const ModelPointer model = read_model(path, reason);
+    mjData* const data = model ? mj_makeData(model.get()) : nullptr;
+    for (int i = 0; data != nullptr && i < kTrialSteps; ++i) {
+      mj_step(model.get(), data);
+    }
+  });
+}
+
+}  // namespace
+
 ModelPointer load_model(const std::string& path) {
   install_handlers();
-  errno = 0;
-  if (std::ifstream file(path); !file || std::filesystem::is_directory(path)) {
-    throw FileError("open world", path, errno == 0 ? EISDIR : errno);
-  }
-  const auto files = shipped_files(path);
-  std::array<char, 1000> reason{};
-  ModelPointer model(
-      mj_loadXML(path.c_str(), files.get(), reason.data(), static_cast<int>(reason.size())));
+  require_regular_file(path, "world");
+  try_model(path);
+  Reason reason{};
+  ModelPointer model = read_model(path, reason);
   if (!model) {
     std::string text(reason.data());
     std::replace(text.begin(), text.end(), '\n', ' ');

@@ -39,14 +39,14 @@ struct Limits {
 };
 
 Limits read_limits(const Names& names) {
-  constexpr std::string_view kMeaning =
+  constexpr std::string_view kLimitsMeaning =
       "largest speed (m/s), yaw rate (rad/s), acceleration (m/s^2) and yaw acceleration (rad/s^2), "
       "all above 0";
-  const auto values = names.required_numeric("command_limits", 4, kMeaning);
+  const auto values = names.required_numeric("command_limits", 4, kLimitsMeaning);
   if (!std::all_of(values.begin(), values.end(), [](double value) { return value > 0; })) {
     throw ConfigurationError(Location{names.path()},
                              fmt::format("numeric 'command_limits' is \"{}\"; write 4 numbers: {}",
-                                         fmt::join(values, " "), kMeaning));
+                                         fmt::join(values, " "), kLimitsMeaning));
   }
   return {values[0], values[1], values[2], values[3]};
 }

@@ -24,6 +24,7 @@ struct FileInfo {
   bool complete = false;             ///< false: still open, or its process was killed
   std::vector<std::string> spikes;   ///< names of the streams, sorted
   std::vector<std::string> signals;  ///< names of the streams, sorted
+  TimeNs until = 0;                  ///< the latest of the streams'
 };
 
 struct SpikeRecording {
@@ -49,6 +50,10 @@ struct SignalRecording {
 
 /// @throws FileError when the file is missing, no HDF5, not ours, or of a newer format.
 FileInfo read_info(const std::string& path);
+
+/// Reads the whole of it in a copy of this process: for other programs that read it by HDF5, which
+/// crashes on some damaged files. @throws FileError: HDF5 crashes or hangs.
+void try_recording(const std::string& path);
 
 /// @throws FileError as read_info(); ConfigurationError for an unknown stream (did you mean).
 SpikeRecording read_spikes(const std::string& path, const std::string& stream);

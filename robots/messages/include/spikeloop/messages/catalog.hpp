@@ -87,12 +87,13 @@ class Catalog {
   std::string type_hash(std::string_view name) const;
   /// The `message_definition` of a ROS 1 connection: the text and those of all parts, each once.
   std::string full_text(std::string_view name) const;
-  /// @throws ConfigurationError when a part is missing or a message contains itself.
+  /// @throws ConfigurationError when a part is missing, a message contains itself, or it has more
+  /// than 20,000 fields with those of its parts, or 64 parts inside of each other.
   std::shared_ptr<const TypeLayout> layout(std::string_view name) const;
 
  private:
-  std::shared_ptr<const TypeLayout> layout(std::string_view name,
-                                           std::vector<std::string>& within) const;
+  struct Walk;  ///< through the types of a message
+  std::shared_ptr<const TypeLayout> layout(std::string_view name, Walk& walk) const;
   const Definition& part(const Definition& whole, const FieldDefinition& field) const;
   void add_parts_beside(const Definition& whole, const std::string& path);
 

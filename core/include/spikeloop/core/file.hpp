@@ -1,0 +1,19 @@
+// Files that somebody else wrote: whatever stands under the path, reading it ends.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace spikeloop {
+
+/// A pipe would be waited for, and a device has no end.
+/// @throws FileError: there is none, or it is no regular file; `kind` says what to write ("world").
+void require_regular_file(const std::string& path, std::string_view kind);
+
+/// The whole of a regular file.
+/// @throws FileError as above, and when it cannot be read; ConfigurationError when it has more
+/// bytes than `limit`.
+std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit);
+
+}  // namespace spikeloop

@@ -1,0 +1,61 @@
+#include "spikeloop/core/file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string size_text(std::uint64_t bytes) {
+  constexpr std::uint64_t kMega = 1'000'000;
+  return bytes >= kMega ? fmt::format("{} MB", bytes / kMega) : fmt::format("{} bytes", bytes);
+}
+
+}  // namespace
+
+void require_regular_file(const std::string& path, std::string_view kind) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (status.type() == fs::file_type::directory) {
+    throw FileError("read", path, EISDIR);
+  }
+  if (!fs::exists(status)) {
+    throw FileError("open", path, error ? error.value() : ENOENT);
+  }
+  if (!fs::is_regular_file(status)) {
+    throw FileError(
+        fmt::format("cannot read '{}': not a regular file; write the path of a {}", path, kind));
+  }
+}
+
+std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit) {
+  require_regular_file(path, kind);
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw FileError("open", path, errno == 0 ? ENOENT : errno);
+  }
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  if (!error && size > limit) {
+    throw ConfigurationError(Location{path},
+                             fmt::format("the file has {}, more than the {} that a {} may have",
+                                         size_text(size), size_text(limit), kind));
+  }
+  std::string text(error ? 0 : size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) {
+    throw FileError("read", path, EIO);
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+}  // namespace spikeloop

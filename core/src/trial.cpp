@@ -1,0 +1,158 @@
+#include "spikeloop/core/trial.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <new>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kSeconds = 4;
+constexpr std::uint64_t kBytesASecond = 20'000'000;
+constexpr rlim_t kMemory = 4'000'000'000;
+constexpr std::chrono::milliseconds kLook{1};
+constexpr int kTooLarge = 2;
+
+/// Of this process, in bytes of addresses.
+rlim_t memory() {
+  std::ifstream file("/proc/self/statm");
+  rlim_t pages = 0;
+  file >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+void set_limit(__rlimit_resource kind, rlim_t value) {
+  rlimit limit{};
+  getrlimit(kind, &limit);
+  limit.rlim_cur = std::min(value, limit.rlim_max);
+  setrlimit(kind, &limit);
+}
+
+[[noreturn]] void be_the_copy(std::uint64_t seconds, const std::function<void()>& work) {
+  for (int number = 1; number < NSIG; ++number) {
+    signal(number, SIG_DFL);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int nowhere = ::open("/dev/null", O_RDWR);
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    ::dup2(nowhere, file);
+  }
+  set_limit(RLIMIT_CORE, 0);
+  set_limit(RLIMIT_CPU, seconds);
+  set_limit(RLIMIT_AS, memory() + kMemory);
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    _exit(kTooLarge);
+  } catch (const std::length_error&) {
+    _exit(kTooLarge);
+  } catch (...) {
+    _exit(0);
+  }
+  _exit(0);
+}
+
+/// Whether it waits for something that is no disk: a pipe, a lock.
+bool sleeps(pid_t pid) {
+  std::ifstream file(fmt::format("/proc/{}/stat", pid));
+  std::string text;
+  std::getline(file, text);
+  const auto name_end = text.rfind(')');
+  return name_end != std::string::npos && text.substr(name_end, 3) == ") S";
+}
+
+/// Its status; SIGXCPU as for one that took too long when it hangs.
+int end_of(pid_t child, std::uint64_t seconds) {
+  const auto deadline = Clock::now() + std::chrono::seconds(seconds);
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) {
+      return status;
+    }
+    if (ended < 0 && errno != EINTR) {
+      return 0;  // somebody else has waited for it
+    }
+    if (Clock::now() > deadline && sleeps(child)) {
+      kill(child, SIGXCPU);
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+void refuse(const std::string& path, std::string_view library, int status, std::uint64_t seconds) {
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kTooLarge) {
+    throw ConfigurationError(
+        Location{path}, fmt::format("{} needs more than {} GB of memory for it; look for a size "
+                                    "that is too large",
+                                    library, kMemory / 1'000'000'000));
+  }
+  if (!WIFSIGNALED(status)) {
+    return;
+  }
+  const int number = WTERMSIG(status);
+  if (number == SIGXCPU || number == SIGKILL) {
+    throw FileError(
+        fmt::format("cannot read '{}': {} takes longer than {} s; see whether it, or "
+                    "a file that it names, is damaged or a pipe",
+                    path, library, seconds));
+  }
+  throw FileError(
+      fmt::format("cannot read '{}': damaged: {} crashes ({})", path, library, strsignal(number)));
+}
+
+/// The same for the same contents.
+std::string identity(const std::string& path, std::uint64_t size) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error).time_since_epoch().count();
+  return fmt::format("{}\n{}\n{}", fs::absolute(path, error).string(), size, time);
+}
+
+}  // namespace
+
+void try_in_a_copy(const std::string& path, std::string_view library,
+                   const std::function<void()>& work) {
+  static std::mutex mutex;
+  static std::set<std::string> tried;
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  const std::string file = identity(path, error ? 0 : size);
+  const std::lock_guard lock(mutex);
+  if (tried.contains(file)) {
+    return;
+  }
+  const std::uint64_t seconds = kSeconds + (error ? 0 : size / kBytesASecond);
+  const pid_t child = fork();
+  if (child == 0) {
+    be_the_copy(seconds, work);
+  }
+  if (child < 0) {
+    throw FileError("start a process to read", path, errno);
+  }
+  refuse(path, library, end_of(child, seconds), seconds);
+  tried.insert(file);
+}
+
+}  // namespace spikeloop
