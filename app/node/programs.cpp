@@ -200,7 +200,10 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
   const auto keys = process.read(node_program_text("").parameters);
   if (!keys.text("plugin").empty()) {
     const std::string path = plugin_path(process, keys.text("plugin"));
-    located_at(keys.where("plugin"), [&] { return registry.load_plugin(path); });
+    located_at(keys.where("plugin"), [&] {
+      require_code_may_run(fmt::format("plug-in '{}'", keys.text("plugin")));
+      return registry.load_plugin(path);
+    });
   }
   try {
     return registry.find(keys.text("node"));

@@ -4,12 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include "commands.hpp"
 #include "experiment_command.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
 
@@ -20,10 +22,14 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop check braitenberg.music
   spikeloop check loop.music --strict     warnings are errors, too
   spikeloop check braitenberg.yaml        an experiment file: each error with its line
+  spikeloop check --no-code brain.yaml    runs nothing that brain.yaml names
 
 Starts no job and needs no ROS. Checks MUSIC's grammar, how the programs are connected, whether they
 can be started, and lets each of our programs check its section, its keys and its files. The keys of
 other people's programs are not judged. `spikeloop run` makes the same checks.
+
+Loads the plug-ins that FILE names and runs its networks in Python (network: brain.py): both can do
+whatever you can. For a stranger's file write --no-code: all else is checked, and what is not, told.
 
 Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read,
 130 Ctrl-C)";
@@ -69,6 +75,7 @@ void add(CLI::App& app, Action& action) {
   struct Arguments {
     std::string file;
     bool strict = false;
+    bool no_code = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
@@ -76,9 +83,13 @@ void add(CLI::App& app, Action& action) {
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
   command->add_flag("--strict", arguments->strict, "Take warnings for errors");
+  command->add_flag("--no-code", arguments->no_code, "Run no code that FILE names");
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] {
+      if (arguments->no_code) {
+        ::setenv(kNoCode, "1", 1);
+      }
       return is_experiment(arguments->file) ? check_experiment(arguments->file)
                                             : check(arguments->file, arguments->strict);
     };

@@ -4,16 +4,15 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "experiment_places.hpp"
+#include "fault_text.hpp"
 #include "output.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
@@ -31,62 +30,6 @@ namespace spikeloop::app {
 namespace {
 
 using experiment::Experiment;
-using experiment::Fault;
-
-bool continues(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;  // inside a UTF-8 character
-}
-
-/// What stands around the place, when the line is too long for a screen. `at` counts bytes from 0.
-std::string window(const std::string& line, std::size_t& at) {
-  constexpr std::size_t kBefore = 60;
-  constexpr std::size_t kLongest = 150;
-  constexpr std::string_view kCut = "... ";
-  if (line.size() <= kLongest || at > line.size()) {
-    return line;
-  }
-  std::size_t begin = at > kBefore ? at - kBefore : 0;
-  while (begin > 0 && continues(line[begin])) {
-    --begin;
-  }
-  std::size_t end = std::min(line.size(), begin + kLongest);
-  while (end < line.size() && continues(line[end])) {
-    ++end;
-  }
-  at -= begin;
-  at += begin > 0 ? kCut.size() : 0;
-  return fmt::format("{}{}{}", begin > 0 ? kCut : "", line.substr(begin, end - begin),
-                     end < line.size() ? " ..." : "");
-}
-
-/// The line of the file, and a caret below the place. YAML's columns count bytes.
-std::string source_line(const Location& where) {
-  if (where.line <= 0) {
-    return "";
-  }
-  std::ifstream file(where.file);
-  std::string line;
-  for (int i = 0; i < where.line; ++i) {
-    if (!std::getline(file, line)) {
-      return "";
-    }
-  }
-  line.erase(line.find_last_not_of("\r") + 1);
-  std::size_t at = static_cast<std::size_t>(std::max(where.column, 1)) - 1;
-  line = one_line(window(line, at));
-  std::string text = fmt::format("{:>5} | {}\n", where.line, line);
-  if (where.column > 0 && at <= line.size()) {
-    const auto characters =
-        std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(at),
-                      [](char c) { return !continues(c); });
-    text += fmt::format("{:>{}}\n", "^", characters + 9);
-  }
-  return text;
-}
-
-std::string text_of(const char* kind, const Fault& fault) {
-  return fmt::format("{}: {}\n{}", kind, fault.text, source_line(fault.where));
-}
 
 std::atomic<int> signal_number{0};
 std::atomic<int> log_file{-1};
@@ -365,15 +308,6 @@ void check_fused(experiment::Loaded& loaded) {
   } catch (const Error& error) {
     loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
   }
-}
-
-/// All of them, each with its line. Returns the exit code.
-int tell_faults(const std::string& file, const std::vector<Fault>& faults) {
-  for (const Fault& fault : faults) {
-    put(stderr, text_of("error", fault));
-  }
-  put(stderr, fmt::format("spikeloop: {}: {}\n", file, count_of(faults.size(), "error")));
-  return faults.front().exit_code;
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ void become_python(const std::string& module, const std::vector<std::string>& ar
   const std::string path =
       python_package() + (before == nullptr || *before == '\0' ? "" : ":" + std::string(before));
   ::setenv("PYTHONPATH", path.c_str(), 1);
+  ::setenv("PYTHONSAFEPATH", "1", 1);  // no module of the working directory's
   ::setenv("MPLBACKEND", "Agg", 1);
   std::vector<std::string> words{python, "-B", "-m", module};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -28,7 +28,8 @@ std::string trouble_with(const Simulator& simulator) {
   if (std::string_view(simulator.module).empty()) {
     return "";
   }
-  const auto answer = doctor::ask({{{python, "-c", kFindModule, simulator.module}, {}, "", ""}});
+  const auto answer = doctor::ask(
+      {{{python, "-c", kFindModule, simulator.module}, {{"PYTHONSAFEPATH", "1"}}, "", ""}});
   // One that takes too long may have it all the same: the run will tell.
   return answer.front().exit_code == 0 || !answer.front().in_time
              ? ""

@@ -13,6 +13,7 @@
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/reason.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/file.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop {
@@ -133,6 +134,8 @@ NetworkFile run_network_script(const std::string& written) {
   if (!fs::exists(file)) {
     throw FileError("read the network's function from", file, ENOENT);
   }
+  require_regular_file(file, "network script");
+  require_code_may_run(fmt::format("network '{}'", written));
   const HeldSignals held;  // the folder is gone before one of them ends this process
   const Folder folder;
   const int exit_code = run_python(

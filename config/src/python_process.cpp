@@ -45,6 +45,7 @@ std::vector<std::string> environment() {
     }
   }
   variables.push_back("PYTHONPATH=" + path);
+  variables.push_back("PYTHONSAFEPATH=1");  // no module of the working directory's
   return variables;
 }
 

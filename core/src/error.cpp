@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <numeric>
 #include <system_error>
 
@@ -79,6 +80,12 @@ FileError::FileError(std::string_view action, std::string_view path, int error_n
 
 NodeError::NodeError(std::string_view node, std::string_view message)
     : Error(fmt::format("node '{}': {}", node, message)) {}
+
+void require_code_may_run(std::string_view what) {
+  if (std::getenv(kNoCode) != nullptr) {
+    throw NotRun(fmt::format("not checked: {} is code, which --no-code does not run", what));
+  }
+}
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
   const std::string wanted = lower_case(word);

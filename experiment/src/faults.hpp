@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "spikeloop/config/reason.hpp"
@@ -22,14 +23,17 @@ namespace spikeloop::experiment {
 
 class Faults {
  public:
-  explicit Faults(std::vector<Fault>& list) : list_(list) {}
+  explicit Faults(std::vector<Fault>& list) : list_(list) {
+    for (const Fault& fault : list) {
+      told_.insert(fault.text);
+    }
+  }
 
   /// The same is not told twice: a node that is misspelt in the middle of a line is the end of two
   /// connections.
   void add(const Error& error) {
-    const std::string text = error.what();
-    if (std::ranges::none_of(list_, [&](const Fault& fault) { return fault.text == text; })) {
-      list_.push_back({text, error.where(), error.exit_code()});
+    if (told_.insert(error.what()).second) {
+      list_.push_back({error.what(), error.where(), error.exit_code()});
     }
   }
   void add(const Location& where, const std::string& message) {
@@ -50,6 +54,7 @@ class Faults {
 
  private:
   std::vector<Fault>& list_;
+  std::unordered_set<std::string> told_;
 };
 
 /// What is known of a node after a look at it alone.

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "faults.hpp"
@@ -27,8 +29,10 @@ void load_plugins(const ExperimentFile& file, const std::filesystem::path& direc
                   Loaded& loaded) {
   attempt(loaded, {}, [&] { loaded.kinds.load_plugin_path(plugin_path()); });
   for (const WrittenValue& plugin : file.plugins) {
-    attempt(loaded, plugin.where,
-            [&] { loaded.kinds.load_plugin((directory / plugin.text).string()); });
+    attempt(loaded, plugin.where, [&] {
+      require_code_may_run(fmt::format("plug-in '{}'", plugin.text));
+      loaded.kinds.load_plugin((directory / plugin.text).string());
+    });
   }
 }
 

@@ -225,7 +225,7 @@ def _function(path, name):
     sys.modules[spec.name] = module
     # A change that keeps the size of a file, within a second, would not be seen.
     sys.dont_write_bytecode = True
-    sys.path.insert(0, os.path.dirname(os.path.abspath(path)))
+    sys.path.append(os.path.dirname(os.path.abspath(path)))  # last: a numpy.py there hides nothing
     spec.loader.exec_module(module)
     function = getattr(module, name, None)
     if not callable(function):

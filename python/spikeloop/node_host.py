@@ -39,7 +39,7 @@ def load(path):
     module.__file__ = os.path.abspath(path)
     directory = os.path.dirname(module.__file__)
     if directory not in sys.path:
-        sys.path.insert(0, directory)
+        sys.path.append(directory)  # last: a numpy.py there hides nothing
     code = compile(_source(path), path, "exec")
     sys.modules[module.__name__] = module
     first = len(defined)

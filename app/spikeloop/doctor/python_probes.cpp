@@ -86,7 +86,10 @@ Probe import_probe(const Package& package, const char* script, Judge judge = jud
                 [remedy = package.remedy] { return missing("there is no Python", remedy); });
   }
   return answer_of(package.name, false,
-                   {{interpreter, "-c", script, package.module}, {{"MPLBACKEND", "Agg"}}, "", ""},
+                   {{interpreter, "-c", script, package.module},
+                    {{"MPLBACKEND", "Agg"}, {"PYTHONSAFEPATH", "1"}},
+                    "",
+                    ""},
                    [remedy = std::string(package.remedy), judge](const Answer& answer) {
                      return judge_import(answer, remedy, judge);
                    });

@@ -44,7 +44,8 @@ int check_section(const SectionCheck& section, const ProgramText& text, const Bo
     // What has no line of its own is somewhere in the section.
     const bool located = where.line == 0 || error.located();
     const std::string place = located ? "" : where.text() + ": ";
-    print(stderr, fmt::format("error: {}{}\n", place, error.what()));
+    const char* const kind = error.exit_code() == 0 ? "warning" : "error";
+    print(stderr, fmt::format("{}: {}{}\n", kind, place, error.what()));
     return error.exit_code();
   } catch (const std::bad_alloc&) {
     print(stderr, "error: there is not enough memory; look for a width that is too large\n");

@@ -65,26 +65,41 @@ class FileError : public Error {
   int exit_code() const override { return 4; }
 };
 
+/// Code that a file names is not run (`spikeloop check --no-code`): what depends on it is not
+/// checked. No fault of the file's.
+class NotRun : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 0; }
+};
+
+/// `spikeloop check --no-code` sets this variable, for the programs that it starts too.
+inline constexpr const char* kNoCode = "SPIKELOOP_NO_CODE";
+/// To be called before code is run that a file names. @throws NotRun when kNoCode is set.
+void require_code_may_run(std::string_view what);
+
+/// Inside of its handler: the same error with this place, when it says none.
+template <typename Kind>
+[[noreturn]] void throw_located(const Kind& error, const Location& where) {
+  if (error.located()) {
+    throw;
+  }
+  throw Kind(where, error.what());
+}
+
 /// What `work` returns; an error of its that says no place gets this one.
 template <typename Work>
 auto located_at(const Location& where, Work&& work) {
   try {
     return work();
   } catch (const ConfigurationError& error) {
-    if (error.located()) {
-      throw;
-    }
-    throw ConfigurationError(where, error.what());
+    throw_located(error, where);
   } catch (const FileError& error) {
-    if (error.located()) {
-      throw;
-    }
-    throw FileError(where, error.what());
+    throw_located(error, where);
   } catch (const TransportError& error) {
-    if (error.located()) {
-      throw;
-    }
-    throw TransportError(where, error.what());
+    throw_located(error, where);
+  } catch (const NotRun& error) {
+    throw_located(error, where);
   }
 }
 
