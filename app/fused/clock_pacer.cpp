@@ -96,9 +96,22 @@ class ClockPacer : public Pacer {
     }
   }
 
+  /// A simulator that is paused is waited for; one that has gone brings no time any more.
+  void refuse_lost_publisher(TimeNs waited) const {
+    const TimeNs patience = waiting_.patience();
+    if (newest_ != kNone && patience > 0 && waited > patience && !subscriber_->has_publishers()) {
+      throw TransportError(
+          fmt::format("{} stands still at {} for {}, and nobody publishes it any more: the "
+                      "simulator has ended, or the node that sends it; start it again, then the "
+                      "experiment",
+                      kTopic, format_time(newest_), format_time(patience)));
+    }
+  }
+
   void meanwhile(TimeNs waited) {
     alive_();
     session_.require_alive();
+    refuse_lost_publisher(waited);
     if (told_ || waited < kSilence) {
       return;
     }

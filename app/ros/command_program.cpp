@@ -37,8 +37,8 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
   number("command_update_rate", "Hz", program.command_rate, "Another spelling of command_rate");
   number("deadband", "1", "0.01",
          "Part of its range by which a field must move to be sent at once");
-  number("min_interval", "s", "0.001",
-         "Least time between two commands (wall); not given: one tick, at least 1 ms, less half a "
+  number("min_interval", "s", "0.01",
+         "Least time between two commands (wall); not given: one tick, at least 10 ms, less half a "
          "tick's jitter");
   number("watchdog", "s", "0.1",
          "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """sync: sim_time: the loop is exactly as far as /clock, whether that is slow, stands still or jumps;
-and the shipped robot at half and at three times real time."""
+it ends the run when its publisher has gone. The shipped robot at half and at three times real time."""
 
 import json
 import os
@@ -74,7 +74,8 @@ class Run:
 
     def __init__(self, spikeloop, file, folder):
         self.folder = folder
-        self.process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
+        self.process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder),
+                                         "--stall-timeout", "6"],
                                         stderr=subprocess.PIPE, text=True)
         self.printed = ""
         self.reader = threading.Thread(target=self.read, daemon=True)
@@ -162,6 +163,18 @@ def back(simulator, begin):
     ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
 
 
+def gone(simulator, begin):
+    run = begin("gone")
+    simulator.join()
+    simulator.show(0)
+    simulator.show(100)
+    simulator.lets_go(0.5)
+    simulator.clock.unregister()
+    run.end(3)
+    run.says("/clock stands still at 1000.1 s for 6 s, and nobody publishes it any more")
+    ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
+
+
 def silence(begin, command):
     run = begin("silence")
     run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
@@ -214,7 +227,7 @@ def main():
             subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
             silence(lambda name: Run(spikeloop, file, scratch / name), "rostopic")
             simulator = Simulator()
-            for test in (pause, jump, back):
+            for test in (pause, jump, back, gone):
                 simulator.heard.clear()
                 test(simulator, lambda name: Run(spikeloop, file, scratch / name))
         shipped_robot(spikeloop, scratch, "1")

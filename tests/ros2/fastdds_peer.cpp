@@ -1,5 +1,6 @@
 // A robot on another vendor's DDS, configured as rmw_fastrtps does: publishes LaserScan on rt/scan
-// twenty times a second, and says which Twists come on rt/cmd_vel, until SIGTERM.
+// twenty times a second, and says which Twists come on rt/cmd_vel and how many publishers it has,
+// until SIGTERM.
 //
 //     fastdds_peer DOMAIN MODE [GID_BYTES]
 //
@@ -58,6 +59,15 @@ LaserScan scan(int number) {
   return message;
 }
 
+class TwistListener final : public Listener<Twist> {
+ public:
+  using Listener::Listener;
+  void on_subscription_matched(DataReader*, const SubscriptionMatchedStatus& status) override {
+    std::printf("publishers %d\n", status.current_count);
+    std::fflush(stdout);
+  }
+};
+
 bool is_over(const sigset_t& signals) {
   const timespec tick{0, 50'000'000};
   return ::sigtimedwait(&signals, nullptr, &tick) > 0;
@@ -71,7 +81,7 @@ int run(int argc, char** argv) {
   ::sigemptyset(&signals);
   ::sigaddset(&signals, SIGTERM);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  Listener<Twist> twists([](const Twist& twist, const SampleInfo&) {
+  TwistListener twists([](const Twist& twist, const SampleInfo&) {
     std::printf("twist %g %g\n", twist.values[0], twist.values[5]);
   });
   std::unique_ptr<DataReaderListener> nodes;

@@ -229,6 +229,17 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+/// Not when its lease ends, after 10 s.
+TEST_F(FastDdsTest, sees_at_once_that_a_brain_has_left) {
+  start_brain(domain_.place());
+  const auto other = robot("udp");
+  ASSERT_TRUE(other->wait_for("publishers 1", kLongMilliseconds)) << other->output();
+  scan_.reset();
+  command_.reset();
+  brain_.reset();
+  EXPECT_TRUE(other->wait_for("publishers 0", std::chrono::seconds(5))) << other->output();
+}
+
 TEST_F(FastDdsTest, is_not_met_by_a_brain_that_is_off) {
   start_brain({{"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}});
   const auto other = robot("udp");

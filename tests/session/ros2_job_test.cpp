@@ -266,6 +266,20 @@ TEST_F(Ros2Job, commands_that_nobody_takes) {
   EXPECT_THAT(driven.text(), Not(HasSubstr("nobody takes")));
 }
 
+TEST_F(Ros2Job, a_subscriber_that_asks_for_more_than_commands_offer) {
+  ros2::Session session({.node_name = "late", .place = domain_.place()});
+  const auto latched = session.subscriber({.topic = "/cmd_vel",
+                                           .message_type = "geometry_msgs/Twist",
+                                           .latched = true,
+                                           .take = [](auto) {}});
+  const auto outcome = run(launched(scan_to_twist("stoptime=4")));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_THAT(outcome.text(),
+              HasSubstr("a subscriber of '/cmd_vel' gets no command: it asks for durability "
+                        "transient local, and this one is volatile; 'ros2 topic info -v /cmd_vel' "
+                        "names it"));
+}
+
 TEST_F(Ros2Job, silence_and_names) {
   const auto silent = run(launched(scan_to_twist("stoptime=4", "", "/nothing")));
   EXPECT_EQ(silent.exit_code, 0) << silent.text();

@@ -5,7 +5,8 @@
 namespace spikeloop::command {
 namespace {
 
-constexpr TimeNs kLeastInterval = 1'000'000;
+constexpr TimeNs kLeastInterval = 10'000'000;  // robot bases expect 10 to 100 Hz
+constexpr TimeNs kLeastLockstepInterval = 1'000'000;
 constexpr TimeNs kLeastWatchdog = 100'000'000;
 constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
@@ -53,9 +54,11 @@ CommandSettings command_settings(const Parameters& keys, const ComponentMap& map
 CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
                                    CommandClock clock, bool with_pace) {
   const double rate = keys.number("command_rate");
+  const bool every_step = clock == CommandClock::lockstep && !keys.given("min_interval");
   CommandSettings settings;
   settings.gate = {.deadband = map.deadbands(keys.number("deadband")),
-                   .min_interval = from_seconds(keys.number("min_interval")),
+                   .min_interval = every_step ? kLeastLockstepInterval
+                                              : from_seconds(keys.number("min_interval")),
                    .period = rate > 0 ? from_seconds(1 / rate) : 0};
   settings.watchdog =
       clock == CommandClock::lockstep ? kYears : from_seconds(keys.number("watchdog"));

@@ -179,11 +179,13 @@ std::string meeting_nobody() {
                                   element("Tag", fmt::format("spikeloop_{}", ::getpid())));
 }
 
-/// A writer never waits for a slow subscriber: its queue bounds what it keeps.
+/// A writer never waits for a slow subscriber: its queue bounds what it keeps. Fast DDS takes leave
+/// of a node by the hash of its key alone; without it the node stays in the graph until its lease
+/// ends.
 constexpr const char* kQueues =
     "<Internal><Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHighInit>1 GB</WhcHighInit>"
     "<WhcHigh>1 GB</WhcHigh></Watermarks>"
-    R"(<SocketReceiveBufferSize max="8 MB"/></Internal>)";
+    R"(<SocketReceiveBufferSize max="8 MB"/><GenerateKeyhash>true</GenerateKeyhash></Internal>)";
 
 }  // namespace
 

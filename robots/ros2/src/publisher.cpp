@@ -54,6 +54,24 @@ bool Publisher::has_subscribers() const {
          status.current_count > 0;
 }
 
+std::string Publisher::misfit() const {
+  dds_offered_incompatible_qos_status_t status{};
+  if (dds_get_offered_incompatible_qos_status(writer_, &status) != DDS_RETCODE_OK ||
+      status.total_count == 0) {
+    return {};
+  }
+  switch (status.last_policy_id) {
+    case DDS_DURABILITY_QOS_POLICY_ID:
+      return "durability transient local, and this one is volatile";
+    case DDS_DEADLINE_QOS_POLICY_ID:
+      return "a deadline, and this one has none";
+    case DDS_LIVELINESS_QOS_POLICY_ID:
+      return "liveliness by topic, and this one's is automatic";
+    default:
+      return fmt::format("another quality of service (policy {} of DDS)", status.last_policy_id);
+  }
+}
+
 // Cyclone writes to the socket within publish(); what is left to wait for is that reliable
 // subscribers have it, lest something was lost on the way.
 void Publisher::drain() const {

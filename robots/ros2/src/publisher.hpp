@@ -18,6 +18,7 @@ class Publisher final : public topics::RawPublisher {
   /// What leaves is with the system when this returns.
   void publish(std::span<const std::byte> message) override;
   bool has_subscribers() const override;
+  std::string misfit() const override;
   void drain() const override;
 
  private:

@@ -130,6 +130,12 @@ void RosCommand::mind_subscribers() {
         address_.message_type, address_.topic, topics::topic_command(session_.dialect()),
         address_.topic);
   }
+  if (const std::string misfit = publisher_.misfit(); !misfit.empty()) {
+    log::warning(
+        "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "
+        "the default quality of service",
+        address_.topic, misfit, topics::topic_command(session_.dialect()), address_.topic);
+  }
 }
 
 void RosCommand::leave_to_guard_if_dead() {

@@ -73,6 +73,10 @@ bool Publisher::has_subscribers() const {
   return impl_->publisher->has_subscribers();
 }
 
+std::string Publisher::misfit() const {
+  return impl_->publisher->misfit();
+}
+
 void Publisher::drain() const {
   impl_->publisher->drain();
 }

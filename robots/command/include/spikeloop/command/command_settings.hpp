@@ -13,13 +13,13 @@ struct LoopClock {
 };
 
 /// Of the keys deadband, min_interval, watchdog, max_age; `command_rate` in Hz of simulated time,
-/// 0: never again. Not written, min_interval is a tick of wall time, at least 1 ms, less half a
+/// 0: never again. Not written, min_interval is a tick of wall time, at least 10 ms, less half a
 /// tick's jitter, and watchdog 3 ticks, at least 0.1 s.
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock, bool with_pace);
 
-/// The same keys, all but the watchdog in simulated time; min_interval as it is declared. In
-/// lockstep there is no watchdog, for a guard neither.
+/// The same keys, all but the watchdog in simulated time. In lockstep min_interval is 1 ms when it
+/// is not written, and there is no watchdog, for a guard neither.
 CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
                                    CommandClock clock, bool with_pace);
 

@@ -30,6 +30,8 @@ class Publisher {
   /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
   std::span<const std::byte> publish(std::span<const double> values);
   bool has_subscribers() const;
+  /// As RawPublisher::misfit.
+  std::string misfit() const;
   /// As RawPublisher::drain.
   void drain() const;
 

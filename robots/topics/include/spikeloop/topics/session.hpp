@@ -27,6 +27,9 @@ class RawPublisher {
   /// call from any thread, one at a time.
   virtual void publish(std::span<const std::byte> message) = 0;
   virtual bool has_subscribers() const = 0;
+  /// What subscribers of this topic ask for that it does not offer, so that ROS 2 does not connect
+  /// them ("durability"); empty when all are connected, and where subscribers ask nothing (ROS 1).
+  virtual std::string misfit() const { return {}; }
   /// Returns when the system has what was published, and delivers it even when this process dies.
   virtual void drain() const = 0;
 };
