@@ -32,6 +32,13 @@ class Checker {
           "the file has no application; write '[label]', np=1, binary=program and its connections");
       return std::move(problems_);
     }
+    constexpr std::size_t kMost = 10'000;  // MUSIC can pass on fewer
+    if (std::max(file_.sections.size(), file_.connections.size()) > kMost) {
+      add({file_.path}, fmt::format("the file has {} sections and {} connections; write at most {} "
+                                    "of each",
+                                    file_.sections.size(), file_.connections.size(), kMost));
+      return std::move(problems_);
+    }
     for (const auto& section : file_.sections) {
       check_section(section);
     }
@@ -92,10 +99,6 @@ class Checker {
     const bool to_known = check_application(c.to_app, c);  // both are reported
     if (!from_known || !to_known) {
       return;
-    }
-    if (c.width && *c.width == 0) {
-      add(c.where,
-          fmt::format("the connection '{}' has width 0; write at least 1", shown(describe(c))));
     }
     if (c.from_app == c.to_app) {
       add(c.where, fmt::format("the connection '{}' joins an application to itself, which MUSIC "

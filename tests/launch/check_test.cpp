@@ -76,14 +76,14 @@ TEST(CheckPrograms, LooksIntoScripts) {
   EXPECT_EQ(
       script_problem("import nest\n"),
       "loop.music:2:1: section 'a': './x' is neither a program nor a script that says what runs "
-      "it; write a first line like '#!/usr/bin/env python3'");
+      "it; write a first line like '#!/usr/bin/python3'");
   EXPECT_EQ(script_problem("#!/bin/sh\r\n"),
             "loop.music:2:1: section 'a': the first line of './x' ends as on Windows, and its "
             "interpreter will not be found; write  sed -i 's/\\r$//' ./x");
   EXPECT_EQ(
       script_problem("#!/usr/bin/python7\n"),
       "loop.music:2:1: section 'a': the first line of './x' names '/usr/bin/python7', which is "
-      "not there; install it, or write '#!/usr/bin/env python3'");
+      "not there; install it, or write '#!/usr/bin/python3'");
   EXPECT_THAT(script_problem("#!\n"), HasSubstr("names '', which is not there"));
 }
 
@@ -252,7 +252,7 @@ TEST(CheckTogether, SeveralSendingProcesses) {
   EXPECT_THAT(
       together("[a]\nnp=2\nbinary=./brain\n[b]\nnp=3\nbinary=./sink\na.out -> b.in [3]\n").warnings,
       ElementsAre("f:2:1: 'a' sends from 2 processes: MUSIC mixes up the ticks of several "
-                  "senders; write np=1 (and more threads), unless the program sends from its "
+                  "senders; write np=1, unless the program sends from its "
                   "first process only"));
 }
 

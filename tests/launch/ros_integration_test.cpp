@@ -96,6 +96,12 @@ TEST(RobotOfAJob, DrivesAndReports) {
   EXPECT_TRUE(std::filesystem::exists(job.folder() + "/trajectory.csv"));
 }
 
+TEST(RobotOfAJob, MayHaveOtherTopics) {
+  const TwoPrograms job("stoptime=1", "stoptime=1");
+  const Outcome outcome = run_with_robot(job, {"--robot-arg=--scan-topic=/Pioneer3AT/laserscan"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+}
+
 TEST(RobotOfAJob, FailsWithItsReason) {
   const TwoPrograms job;
   const Outcome outcome = run_with_robot(job, {"--robot-arg=--world=nope.xml"});

@@ -39,8 +39,8 @@ class TogetherCheck {
     }
     check_globals();
     check_ours();
-    for (const MusicSection& section : file_.sections) {
-      check_ranks(section);
+    for (const MusicSection* section : in_written_order(file_)) {
+      check_ranks(*section);
     }
     check_connections();
     findings_.append(check_outside(file_, strict_));
@@ -165,7 +165,7 @@ class TogetherCheck {
       findings_.add_warning(
           where(section, "np"),
           fmt::format("'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
-                      "write np=1 (and more threads), unless the program sends from its first "
+                      "write np=1, unless the program sends from its first "
                       "process only",
                       section.label, file_.processes(section)),
           strict_);
@@ -176,6 +176,7 @@ class TogetherCheck {
     std::map<std::string, const MusicConnection*> senders;
     for (const MusicConnection& connection : file_.connections) {
       check_kinds(connection);
+      check_width(connection);
       const auto [first, is_new] =
           senders.emplace(connection.from_app + "." + connection.from_port, &connection);
       const Program* sender = find_program(file_, connection.from_app);
@@ -203,6 +204,19 @@ class TogetherCheck {
                     connection.from_app, spikes ? "spikes" : "a continuous signal",
                     connection.to_app, spikes ? "a continuous signal" : "spikes",
                     spikes ? "a linear_readout_decoder" : "a rate_encoder"));
+  }
+
+  /// Width 0 is that of MUSIC's message ports, which none of our programs has.
+  void check_width(const MusicConnection& connection) {
+    const bool ours = find_program(file_, connection.from_app) != nullptr ||
+                      find_program(file_, connection.to_app) != nullptr;
+    if (ours && connection.width == 0U) {
+      findings_.add_error(connection.where,
+                          fmt::format("the connection '{}.{} -> {}.{}' has width 0; write at least "
+                                      "1 (0 is for message ports between other programs)",
+                                      connection.from_app, connection.from_port, connection.to_app,
+                                      connection.to_port));
+    }
   }
 
   const EffectiveFile& effective_;

@@ -7,6 +7,7 @@
 #include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/launch/ros_master.hpp"
 
@@ -51,6 +52,52 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
   };
   if (found != nullptr && std::none_of(given.begin(), given.end(), begins)) {
     arguments.insert(arguments.end(), {option, found->value});
+  }
+}
+
+std::string whole(const std::string& topic) {
+  return topic.starts_with('/') ? topic : "/" + topic;
+}
+
+/// Of  --scan-topic=/front  or  --scan-topic /front;  `otherwise` when it is not given.
+std::string option_of(const std::vector<std::string>& arguments, const std::string& option,
+                      const std::string& otherwise) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i].starts_with(option + "=")) {
+      return whole(arguments[i].substr(option.size() + 1));
+    }
+    if (arguments[i] == option && i + 1 < arguments.size()) {
+      return whole(arguments[i + 1]);
+    }
+  }
+  return otherwise;
+}
+
+/// A robot whose scans nobody takes, or whose commands nobody sends.
+void warn_of_other_topics(const MusicFile& file, bool sources, const std::string& topic,
+                          const char* option) {
+  const MusicSection* other = nullptr;
+  std::string others;
+  for (const MusicSection* section : in_written_order(file)) {
+    const Program* program = find_program(file, *section);
+    if (program == nullptr || !program->ros || program->source != sources) {
+      continue;
+    }
+    const MusicKey* key = file.find_key(*section, program->outside.key);
+    const std::string name =
+        whole(key != nullptr ? key->value : std::string(program->outside.otherwise));
+    if (name == topic) {
+      return;
+    }
+    if (other == nullptr) {
+      other = section;
+      others = name;
+    }
+  }
+  if (other != nullptr) {
+    log::warning("the robot {} {}, and '{}' {} {}: write  --robot-arg={}={}",
+                 sources ? "sends" : "takes", topic, other->label, sources ? "takes" : "sends",
+                 others, option, others);
   }
 }
 
@@ -137,34 +184,35 @@ bool JobRun::start_roscore() {
 }
 
 /// Says so when a master still knows a robot that has gone.
-bool JobRun::robot_is_there() {
+bool JobRun::robot_is_there(const std::string& scan_topic) {
   if (robot_ros() == 2) {
-    return options_.published_in_ros2 && options_.published_in_ros2(options_.scan_topic);
+    return options_.published_in_ros2 && options_.published_in_ros2(scan_topic);
   }
   const RosMaster master(ros_environment_["ROS_MASTER_URI"]);
-  if (!living(master, options_.scan_topic).empty()) {
+  if (!living(master, scan_topic).empty()) {
     return true;
   }
-  for (const std::string& dead : master.publishers(options_.scan_topic)) {
+  for (const std::string& dead : master.publishers(scan_topic)) {
     log::warning(
         "the ROS master has {} as a publisher of {}, but it does not answer: a robot of "
         "our own is started; 'rosnode cleanup' makes the master forget the other one",
-        dead, options_.scan_topic);
+        dead, scan_topic);
   }
   return false;
 }
 
-/// Whether the robot that we have started publishes.
-bool JobRun::robot_publishes() {
-  return robot_ros() == 2
-             ? state_.has_ticked("robot")
-             : !living(RosMaster(ros_environment_["ROS_MASTER_URI"]), options_.scan_topic).empty();
-}
-
 bool JobRun::start_robot() {
-  if (robot_is_there()) {
-    log::info("{} is published already: no robot is started", options_.scan_topic);
+  const std::string scan_topic =
+      option_of(options_.robot_arguments, "--scan-topic", options_.scan_topic);
+  if (robot_is_there(scan_topic)) {
+    log::info("{} is published already: no robot is started", scan_topic);
     return true;
+  }
+  if (options_.run.ros_arguments.empty()) {
+    warn_of_other_topics(effective_.file, true, scan_topic, "--scan-topic");
+    warn_of_other_topics(effective_.file, false,
+                         option_of(options_.robot_arguments, "--cmd-topic", "/cmd_vel"),
+                         "--cmd-topic");
   }
   ProgramStart start;
   start.arguments = {"spikeloop-robot", "--out", folder_, "--ros", std::to_string(robot_ros())};
@@ -175,23 +223,17 @@ bool JobRun::start_robot() {
                          options_.robot_arguments.end());
   robot_ = &crew_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
-  bool publishes = false;  // once is enough: a busy master answers late
-  crew_.turn_until(
-      [&] {
-        publishes = robot_publishes();
-        return outcome_ || robot_->gone() || publishes;
-      },
-      kRosStart);
+  const auto drives = [this] { return state_.has_ticked("robot"); };
+  crew_.turn_until([&] { return outcome_ || robot_->gone() || drives(); }, kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
          fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
-  } else if (!outcome_ && !publishes) {
-    fail(TransportError::kExitCode,
-         fmt::format("robot: has not published {} within {} s{}", options_.scan_topic,
-                     kRosStart.count() / 1000, last_line(*robot_)));
+  } else if (!outcome_ && !drives()) {
+    fail(TransportError::kExitCode, fmt::format("robot: has not begun within {} s{}",
+                                                kRosStart.count() / 1000, last_line(*robot_)));
   }
   return !outcome_;
 }

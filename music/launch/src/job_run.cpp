@@ -232,12 +232,13 @@ void JobRun::watch_start() {
   if (reason.empty()) {
     return;
   }
+  const bool explained = reason.find(kLastLine) != std::string::npos;
   const double limit_s = std::chrono::duration<double>(options_.start_timeout).count();
-  fail(3,
-       fmt::format(
-           "the job has not begun{}; {}{}", too_late ? fmt::format(" within {:g} s", limit_s) : "",
-           reason,
-           before_setup || !options_.program.empty() ? "" : fmt::format(". {}", kBarrierAdvice)));
+  fail(3, fmt::format("the job has not begun{}; {}{}",
+                      too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
+                      before_setup || !options_.program.empty() || explained
+                          ? ""
+                          : fmt::format(". {}", kBarrierAdvice)));
   mpirun_->tree().end();
 }
 

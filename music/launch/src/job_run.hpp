@@ -48,8 +48,7 @@ class JobRun {
   bool start_roscore();
   bool start_robot();
   int robot_ros() const;
-  bool robot_is_there();
-  bool robot_publishes();
+  bool robot_is_there(const std::string& scan_topic);
   void start_programs();
 
   /// Whether a signal came before there was anything to stop.

@@ -176,7 +176,7 @@ bool JobState::all_reported() const {
 std::string JobState::last_line(const std::string& label) const {
   const auto words = std::ranges::find_if(
       last_words_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });
-  return words == last_words_.end() ? "" : "; its last line: " + words->second;
+  return words == last_words_.end() ? "" : kLastLine + words->second;
 }
 
 std::string JobState::named(int rank) const {

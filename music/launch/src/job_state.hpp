@@ -29,6 +29,9 @@ struct MpirunEnd {
   std::string program = "mpirun";     ///< or what runs in its place
 };
 
+/// Before what a program said last.
+inline constexpr const char* kLastLine = "; its last line: ";
+
 class JobState {
  public:
   /// `all_here`: everybody can report; else only those who do are expected to go on.

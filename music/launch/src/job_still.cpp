@@ -53,7 +53,8 @@ std::string JobState::what_is_late(Clock::time_point now) const {
                              : !process.phase                     ? 3
                              : *process.phase == Phase::preparing ? 2
                                                                   : 4;
-    labels.at(kind).push_back(shown(label));
+    // A script that has raised waits for the others at the end of MPI, as if nothing had happened.
+    labels.at(kind).push_back(shown(label) + (process.ours ? "" : last_line(label)));
   }
   std::vector<std::string> parts;
   for (std::size_t kind = 0; kind < kWhat.size(); ++kind) {
@@ -80,7 +81,7 @@ std::string JobState::why_nobody_starts(const std::map<std::string, bool>& livin
     } else if (living.at(label)) {
       stopped.push_back(shown(label));
     } else if (!process.ours) {
-      foreign.push_back(shown(label));
+      foreign.push_back(shown(label) + last_line(label));
     } else if (process.script) {
       scripts.push_back(shown(label));
     }

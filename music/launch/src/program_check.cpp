@@ -10,6 +10,7 @@
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/check.hpp"
+#include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -44,9 +45,9 @@ class ProgramCheck {
   Findings run() {
     need("mpirun", "openmpi-bin");
     need("music", "music-bin");
-    for (const MusicSection& section : file_.sections) {
-      if (const MusicKey* binary = file_.find_key(section, "binary")) {
-        check(section, *binary);
+    for (const MusicSection* section : in_written_order(file_)) {
+      if (const MusicKey* binary = file_.find_key(*section, "binary")) {
+        check(*section, *binary);
       }
     }
     return std::move(findings_);
@@ -105,11 +106,12 @@ class ProgramCheck {
       add(section, binary,
           fmt::format("'{0}' is there, but is not executable; write  chmod +x {0}", name));
     } else {
+      const std::string own = whole.filename().string();
       add(section, binary,
-          fmt::format(
-              "there is no program '{}', seen from '{}'; write a path from there, or a name "
-              "that is in PATH",
-              name, from));
+          fmt::format("there is no program '{}', seen from '{}'; write {}", name, from,
+                      std::ranges::count(own_programs(), own) > 0
+                          ? fmt::format("binary={}, which Spikeloop has", own)
+                          : "a path from there, or a name that is in PATH"));
     }
   }
 
@@ -127,7 +129,7 @@ class ProgramCheck {
       add(section, binary,
           fmt::format(
               "'{}' is neither a program nor a script that says what runs it; write a first "
-              "line like '#!/usr/bin/env python3'",
+              "line like '#!/usr/bin/python3'",
               binary.value));
       return;
     }
@@ -145,7 +147,7 @@ class ProgramCheck {
     if (access(interpreter.c_str(), X_OK) != 0) {
       add(section, binary,
           fmt::format("the first line of '{}' names '{}', which is not there; install it, or write "
-                      "'#!/usr/bin/env python3'",
+                      "'#!/usr/bin/python3'",
                       binary.value, interpreter));
     }
   }
