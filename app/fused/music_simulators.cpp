@@ -15,27 +15,27 @@ std::vector<EndpointPort> named(std::vector<EndpointPort> ports, const std::stri
 /// A port of MUSIC's under the name that the simulator has for it.
 class NamedSource : public Source {
  public:
-  NamedSource(std::unique_ptr<Source> source, std::string name)
+  NamedSource(std::shared_ptr<Source> source, std::string name)
       : source_(std::move(source)), name_(std::move(name)) {}
   std::vector<EndpointPort> ports() const override { return named(source_->ports(), name_); }
   void receive(const Step& step) override { source_->receive(step); }
   std::vector<Counter> counters() const override { return source_->counters(); }
 
  private:
-  std::unique_ptr<Source> source_;
+  std::shared_ptr<Source> source_;
   std::string name_;
 };
 
 class NamedSink : public Sink {
  public:
-  NamedSink(std::unique_ptr<Sink> sink, std::string name)
+  NamedSink(std::shared_ptr<Sink> sink, std::string name)
       : sink_(std::move(sink)), name_(std::move(name)) {}
   std::vector<EndpointPort> ports() const override { return named(sink_->ports(), name_); }
   void send(const Step& step) override { sink_->send(step); }
   std::vector<Counter> counters() const override { return sink_->counters(); }
 
  private:
-  std::unique_ptr<Sink> sink_;
+  std::shared_ptr<Sink> sink_;
   std::string name_;
 };
 
@@ -43,16 +43,16 @@ class NamedSink : public Sink {
 
 std::unique_ptr<Source> MusicSimulators::output(const experiment::Link& link) {
   const std::string port = experiment::fused_port(link.from);
-  return std::make_unique<NamedSource>(
-      link.kind == PortKind::spikes ? process_.spike_input(port) : process_.signal_input(port),
-      experiment::port_of(link.from));
+  sources_.push_back(link.kind == PortKind::spikes ? process_.spike_input(port)
+                                                   : process_.signal_input(port));
+  return std::make_unique<NamedSource>(sources_.back(), experiment::port_of(link.from));
 }
 
 std::unique_ptr<Sink> MusicSimulators::input(const experiment::Link& link) {
   const std::string port = experiment::fused_port(link.to);
-  return std::make_unique<NamedSink>(
-      link.kind == PortKind::spikes ? process_.spike_output(port) : process_.signal_output(port),
-      experiment::port_of(link.to));
+  sinks_.push_back(link.kind == PortKind::spikes ? process_.spike_output(port)
+                                                 : process_.signal_output(port));
+  return std::make_unique<NamedSink>(sinks_.back(), experiment::port_of(link.to));
 }
 
 void MusicSimulators::meet() {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/fused/simulators.hpp"
@@ -27,6 +28,9 @@ class MusicSimulators : public fused::Simulators {
 
  private:
   music::Process& process_;
+  // MUSIC's finalize still gives spikes to their handlers, when the graph has gone.
+  std::vector<std::shared_ptr<Source>> sources_;
+  std::vector<std::shared_ptr<Sink>> sinks_;
   fused::Progress progress_;
   nlohmann::json summary_ = nlohmann::json::object();
   std::unique_ptr<music::Process::Loop> loop_;

@@ -203,6 +203,11 @@ class NestHost(Host):
         super()._finish()
 
     def _check_time(self, tick):
+        threads = nest.local_num_threads
+        if WITH_MUSIC and threads > 1:
+            # Spikes from MUSIC reach several threads of NEST at once, and it dies (NEST 3.9).
+            raise HostError(f"nest.local_num_threads is {threads}: a NEST with MUSIC takes spikes "
+                            "with one thread only; write 1, or use a NEST without MUSIC")
         now_ms = nest.biological_time
         if tick.begin_ns or now_ms:
             raise HostError(f"NEST's time is {now_ms:g} ms at {tick.begin_s:g} s of the run; let "

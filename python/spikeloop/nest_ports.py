@@ -180,8 +180,10 @@ class Proxies(Exchange):
         for key, value in (("spike_delay", library.spike_delay()),
                            ("signal_delay", library.signal_delay())):
             if value:
-                raise HostError(f"{key} is {value}, but NEST's own MUSIC has no such delay; leave "
-                                "the key out, and add it to the delays of the connections")
+                raise HostError(f"{value / 1e6:g} ms of delay are asked for on the way out of NEST "
+                                f"({key}=, or a connection's delay in an experiment), and NEST's "
+                                "own MUSIC has none there; leave it out, and make the delays of "
+                                "NEST's connections longer")
 
     def _make_input(self, port, precise):
         # Proxies always bring precise times to those that can use them.
@@ -285,9 +287,10 @@ class Proxies(Exchange):
         least as long, and the spike acts at its time. A nanosecond less is none to MUSIC, which
         would exchange a tick later; NEST rounds it to the tick."""
         if self._latency_ns > tick_ns:
-            raise HostError(f"accept_latency is {self._latency_ns / 1e9:g} s, more than the tick of "
-                            f"{tick_ns / 1e9:g} s: a spike could come when its delay is over; write "
-                            f"at most {tick_ns / 1e9:g}")
+            raise HostError(f"spikes may come {self._latency_ns / 1e6:g} ms late, more than the tick "
+                            f"of {tick_ns / 1e6:g} ms, and then their delay is over; write "
+                            f"accept_latency={tick_ns / 1e9:g} or less, in an experiment a longer "
+                            "tick")
         return max(self._latency_ns, tick_ns - 1)
 
     def _settle_tick(self, tick_ns):
@@ -297,8 +300,10 @@ class Proxies(Exchange):
         if round(nest.min_delay * 1e6) != tick_ns:
             raise HostError(f"the shortest delay in NEST is {nest.min_delay:g} ms, {self._shortest()}"
                             f", but the tick is {self._tick_ms:g} ms, and NEST's own MUSIC ticks at "
-                            f"its shortest delay; write  music_timestep={nest.min_delay / 1e3:g}  at "
-                            f"the top of the file, or delays of at least {self._tick_ms:g} ms")
+                            f"its shortest delay; write  tick: {nest.min_delay:g} ms  in the "
+                            f"experiment (music_timestep={nest.min_delay / 1e3:g} in a .music file), "
+                            f"or delays of at least {self._tick_ms:g} ms, or use a NEST without "
+                            "MUSIC, which takes any delay")
 
     @staticmethod
     def _shortest():

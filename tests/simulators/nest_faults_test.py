@@ -127,8 +127,12 @@ class OwnMusic(unittest.TestCase):
     def test_delays_shorter_than_the_tick(self):
         self.check(script(), "the shortest delay in NEST is 1 ms, that of a connection from "
                    "music_event_in_proxy to parrot_neuron, but the tick is 10 ms, and NEST's own MUSIC "
-                   "ticks at its shortest delay; write  music_timestep=0.001  at the top of the file, "
-                   "or delays of at least 10 ms", tick_s=0.01)
+                   "ticks at its shortest delay; write  tick: 1 ms  in the experiment "
+                   "(music_timestep=0.001 in a .music file), or delays of at least 10 ms", tick_s=0.01)
+
+    def test_threads(self):
+        self.check(script(early="nest.local_num_threads = 2"), "nest.local_num_threads is 2: a NEST with MUSIC takes spikes with one thread "
+                   "only")
 
     def test_outputs_without_values(self):
         text = script(ports=', signals_out={"v": 1}')
@@ -142,10 +146,10 @@ class OwnMusic(unittest.TestCase):
         self.check(script("tick.write('v', 1)", ports=', signals_out={"v": 1}'), "tick.write('v', ...): "
                    "NEST's own MUSIC sends what NEST records; write  host.record('v', neurons, \"V_m\")"
                    "  before the loop")
-        self.check(script(), "spike_delay is 1000000, but NEST's own MUSIC has no such delay",
+        self.check(script(), "1 ms of delay are asked for on the way out of NEST (spike_delay=",
                    keys="spike_delay=1")
-        self.check(script(), "accept_latency is 0.002 s, more than the tick of 0.001 s: a spike could "
-                   "come when its delay is over; write at most 0.001", keys="accept_latency=0.002")
+        self.check(script(), "spikes may come 2 ms late, more than the tick of 1 ms, and then their "
+                   "delay is over; write accept_latency=0.001 or less", keys="accept_latency=0.002")
 
 
 if __name__ == "__main__":
