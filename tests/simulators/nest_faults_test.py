@@ -131,8 +131,8 @@ class OwnMusic(unittest.TestCase):
                    "(music_timestep=0.001 in a .music file), or delays of at least 10 ms", tick_s=0.01)
 
     def test_threads(self):
-        self.check(script(early="nest.local_num_threads = 2"), "nest.local_num_threads is 2: a NEST with MUSIC takes spikes with one thread "
-                   "only")
+        self.check(script(early="nest.local_num_threads = 2"), "nest.local_num_threads is 2: a NEST "
+                   "with MUSIC takes spikes with one thread only")
 
     def test_outputs_without_values(self):
         text = script(ports=', signals_out={"v": 1}')
