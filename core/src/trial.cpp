@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 
 namespace spikeloop {
 namespace {
@@ -59,6 +60,7 @@ void set_limit(__rlimit_resource kind, rlim_t value) {
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     ::dup2(nowhere, file);
   }
+  log::set_level(log::Level::error);  // the caller says it all when it does the work itself
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_CPU, seconds);
   set_limit(RLIMIT_AS, memory() + kMemory);
