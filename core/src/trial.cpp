@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
@@ -50,6 +52,7 @@ void set_limit(__rlimit_resource kind, rlim_t value) {
 }
 
 [[noreturn]] void be_the_copy(std::uint64_t seconds, const std::function<void()>& work) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (int number = 1; number < NSIG; ++number) {
     signal(number, SIG_DFL);
   }
@@ -111,10 +114,11 @@ void refuse(const std::string& path, std::string_view library, int status, std::
                                     "that is too large",
                                     library, kMemory / 1'000'000'000));
   }
-  if (!WIFSIGNALED(status)) {
-    return;
+  const int number = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  constexpr std::array kAsked{0, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1};
+  if (std::ranges::find(kAsked, number) != kAsked.end()) {
+    return;  // Ctrl-C is everybody's
   }
-  const int number = WTERMSIG(status);
   if (number == SIGXCPU || number == SIGKILL) {
     throw FileError(
         fmt::format("cannot read '{}': {} takes longer than {} s; see whether it, or "
