@@ -118,6 +118,10 @@ TEST_F(State, SaysWhomEverybodyWaitsFor) {
   EXPECT_EQ(state_.what_is_late(now_),
             "silent: 'c' (linear_readout_decoder); waiting for the others: 'a' (rate_encoder); no "
             "news of: 'b' (brain.py)");
+  line(1, "ValueError: no such synapse");
+  EXPECT_EQ(state_.what_is_late(now_),
+            "silent: 'c' (linear_readout_decoder); waiting for the others: 'a' (rate_encoder); no "
+            "news of: 'b' (brain.py); its last line: ValueError: no such synapse");
 }
 
 TEST_F(State, AProgramThatDoesNotEndItsStepHoldsUpTheJob) {
