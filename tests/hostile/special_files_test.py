@@ -102,7 +102,7 @@ def in_place_of(name, use, kind):
 
 
 def in_run_folder(name, kind, verb, run):
-    """A file of a run's folder, for plot and replay."""
+    """A file of a run's folder, for plot, replay and the next run."""
     with tempfile.TemporaryDirectory() as scratch:
         copy = pathlib.Path(scratch) / "run"
         shutil.copytree(run, copy)
@@ -113,6 +113,9 @@ def in_run_folder(name, kind, verb, run):
             (copy / name).write_text('{"nodes":' + "[" * 500_000)
         else:
             os.symlink("/dev/zero", copy / name)
+        if verb == "run":
+            file = experiment(pathlib.Path(scratch), ROBOT, "arena")
+            return Answer(SPIKELOOP, "run", file, "--out", copy).refused(name)
         # A plot leaves out what it cannot read, and says so.
         answer = Answer(SPIKELOOP, verb, copy, cwd=scratch)
         assert not answer.trouble(), f"{kind} as {name}: {answer.command}: {answer.text[-2000:]}"
@@ -216,9 +219,9 @@ def main():
             answers += [pool.submit(in_place_of, name, use, kind)
                         for kind in ("pipe", "device", "folder")]
         for name in ("resolved.json", "summary.json", "messages.bag", "scan.h5", "trajectory.csv",
-                     "world.json"):
+                     "world.json", "log.txt"):
             answers += [pool.submit(in_run_folder, name, kind, verb, run)
-                        for kind in ("pipe", "device") for verb in ("plot", "replay")]
+                        for kind in ("pipe", "device") for verb in ("plot", "replay", "run")]
         answers += [pool.submit(in_run_folder, name, "deep", verb, run)
                     for name in ("resolved.json", "summary.json") for verb in ("plot", "replay")]
         for part, make, use in (

@@ -46,7 +46,27 @@ std::string make_folder(const std::string& path) {
   return whole.lexically_normal().string();
 }
 
+namespace {
+
+/// A run that writes its log into a pipe would wait for a reader.
+void refuse_pipes(const std::string& path) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(path, ignored)) {
+    const auto kind = fs::status(entry.path(), ignored).type();
+    if (kind == fs::file_type::fifo || kind == fs::file_type::character ||
+        kind == fs::file_type::block) {
+      throw FileError(
+          fmt::format("cannot write into the run folder: '{}' in it is a pipe or a "
+                      "device; take it away, or give another folder with --out",
+                      entry.path().string()));
+    }
+  }
+}
+
+}  // namespace
+
 status::Descriptor lock_folder(const std::string& path, const std::string& as_written) {
+  refuse_pipes(path);
   status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   // Some network file systems know no such locks: then there is none.
   if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {

@@ -31,7 +31,8 @@ std::string directory_of(const std::string& file);
 std::string make_folder(const std::string& path);
 
 /// Holds a run folder while the result lives: one folder takes one run at a time.
-/// @throws FileError when another run holds it; `as_written` is the folder's name in the message.
+/// @throws FileError when another run holds it, or a pipe or device is in it; `as_written` is the
+/// folder's name in the message.
 status::Descriptor lock_folder(const std::string& path, const std::string& as_written);
 
 /// @throws ConfigurationError when `path`, which we are about to write, is the user's `file`.
