@@ -21,7 +21,6 @@ namespace {
 
 /// @throws FileError with the system's reason, or with ours.
 hdf5::Handle open_file(const std::string& path) {
-  require_regular_file(path, "recording");
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     throw FileError("open", path, errno);

@@ -150,29 +150,34 @@ def jump(simulator, begin):
     check_counters(report["counters"])
 
 
-def back(simulator, begin):
-    run = begin("back")
+def driving(simulator, begin, name):
+    """A run at 0.1 s, that drives."""
+    run = begin(name)
     simulator.join()
     simulator.show(0)
     simulator.show(100)
     simulator.lets_go(0.5)
-    simulator.show(20)
+    return run
+
+
+def ended(simulator, run, words):
+    """With an error that says so, and the robot is stopped."""
     run.end(3)
-    run.says("/clock went back from 1000.1 s to 1000.02 s: the simulator was set back, or two programs "
-             "publish it ('rostopic info /clock')")
+    run.says(words)
     ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
+
+
+def back(simulator, begin):
+    run = driving(simulator, begin, "back")
+    simulator.show(20)
+    ended(simulator, run, "/clock went back from 1000.1 s to 1000.02 s: the simulator was set back, or two "
+          "programs publish it ('rostopic info /clock')")
 
 
 def gone(simulator, begin):
-    run = begin("gone")
-    simulator.join()
-    simulator.show(0)
-    simulator.show(100)
-    simulator.lets_go(0.5)
+    run = driving(simulator, begin, "gone")
     simulator.clock.unregister()
-    run.end(3)
-    run.says("/clock stands still at 1000.1 s for 6 s, and nobody publishes it any more")
-    ros.until(lambda: simulator.heard[-1].data[0] == 0, "a zero command")
+    ended(simulator, run, "/clock stands still at 1000.1 s for 6 s, and nobody publishes it any more")
 
 
 def silence(begin, command):

@@ -212,10 +212,9 @@ class TogetherCheck {
                       find_program(file_, connection.to_app) != nullptr;
     if (ours && connection.width == 0U) {
       findings_.add_error(connection.where,
-                          fmt::format("the connection '{}.{} -> {}.{}' has width 0; write at least "
-                                      "1 (0 is for message ports between other programs)",
-                                      connection.from_app, connection.from_port, connection.to_app,
-                                      connection.to_port));
+                          fmt::format("the connection '{}' has width 0; write at least 1 (0 is for "
+                                      "message ports between other programs)",
+                                      describe(connection)));
     }
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "job_run.hpp"
+#include "outside.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/effective_file.hpp"
@@ -55,19 +56,15 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
   }
 }
 
-std::string whole(const std::string& topic) {
-  return topic.starts_with('/') ? topic : "/" + topic;
-}
-
 /// Of  --scan-topic=/front  or  --scan-topic /front;  `otherwise` when it is not given.
 std::string option_of(const std::vector<std::string>& arguments, const std::string& option,
                       const std::string& otherwise) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i].starts_with(option + "=")) {
-      return whole(arguments[i].substr(option.size() + 1));
+      return topic_name(arguments[i].substr(option.size() + 1));
     }
     if (arguments[i] == option && i + 1 < arguments.size()) {
-      return whole(arguments[i + 1]);
+      return topic_name(arguments[i + 1]);
     }
   }
   return otherwise;
@@ -83,9 +80,7 @@ void warn_of_other_topics(const MusicFile& file, bool sources, const std::string
     if (program == nullptr || !program->ros || program->source != sources) {
       continue;
     }
-    const MusicKey* key = file.find_key(*section, program->outside.key);
-    const std::string name =
-        whole(key != nullptr ? key->value : std::string(program->outside.otherwise));
+    const std::string name = topic_name(written_place(file, *section, *program));
     if (name == topic) {
       return;
     }

@@ -13,6 +13,24 @@
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::launch {
+
+std::string written_place(const MusicFile& file, const MusicSection& section,
+                          const Program& program) {
+  const MusicKey* key = file.find_key(section, program.outside.key);
+  return key != nullptr ? key->value : std::string(program.outside.otherwise);
+}
+
+std::string topic_name(const std::string& written) {
+  std::string name = "/" + written;
+  for (std::size_t i = name.find("//"); i != std::string::npos; i = name.find("//")) {
+    name.erase(i, 1);
+  }
+  if (name.ends_with('/')) {
+    name.pop_back();
+  }
+  return name.starts_with("/~") ? "" : name;
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,22 +77,9 @@ class OutsideCheck {
  private:
   Place place_of(const MusicSection& section, const Program& program) const {
     const MusicKey* key = file_.find_key(section, program.outside.key);
-    const std::string written =
-        key != nullptr ? key->value : std::string(program.outside.otherwise);
+    const std::string written = written_place(file_, section, program);
     return {program.ros ? topic_name(written) : canonical_address(written, section),
             ros_version(file_, section), key != nullptr ? key->where : section.where};
-  }
-
-  /// scan and /scan// are one topic, as long as no namespace is set. Empty: none.
-  static std::string topic_name(const std::string& written) {
-    std::string name = "/" + written;
-    for (std::size_t i = name.find("//"); i != std::string::npos; i = name.find("//")) {
-      name.erase(i, 1);
-    }
-    if (name.ends_with('/')) {
-      name.pop_back();
-    }
-    return name.starts_with("/~") ? "" : name;
   }
 
   /// One spelling of an address. Empty: it is another one for each program that binds to it.
