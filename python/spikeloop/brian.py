@@ -15,18 +15,21 @@
 All of it is one run of Brian2's. docs/simulators.md has the rules.
 """
 
+import importlib
 import math
 
-import brian2
 import numpy as np
-from brian2.core.base import BrianObject
-from brian2.core.spikesource import SpikeSource
-from brian2.core.variables import Variables
-from brian2.devices.device import runtime_device
-from brian2.groups.group import Group
-from brian2.groups.subgroup import Subgroup
 
+from .frames import with_room
 from .music_host import Host, HostError
+
+brian2 = with_room(importlib.import_module, "brian2")
+from brian2.core.base import BrianObject  # noqa: E402
+from brian2.core.spikesource import SpikeSource  # noqa: E402
+from brian2.core.variables import Variables  # noqa: E402
+from brian2.devices.device import runtime_device  # noqa: E402
+from brian2.groups.group import Group  # noqa: E402
+from brian2.groups.subgroup import Subgroup  # noqa: E402
 
 WITHOUT_END_S = 1e6  # eleven days
 
@@ -156,7 +159,7 @@ class BrianHost(Host):
         self._ticks = iter(self)
         ticks = None if self._stop_ns is None else math.ceil(self._stop_ns / self._tick_ns)
         seconds = WITHOUT_END_S if ticks is None else ticks * steps * self._step_ns / 1e9
-        network.run(seconds * brian2.second, namespace=namespace, level=1)
+        with_room(network.run, seconds * brian2.second, namespace=namespace, level=2)
         if self._ticks is not None:
             self._turn()
 
