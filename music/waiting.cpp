@@ -30,9 +30,9 @@ constexpr std::int64_t kBusyYield = 1000 * kMicrosecond;
 /// For so long after such a yield the machine counts as busy: a waiting program only sleeps.
 constexpr std::int64_t kBusyFor = 20'000 * kMicrosecond;
 constexpr std::int64_t kBusySleep = 5 * kMicrosecond;
-/// A program that only waits calls again after about the same time, some 100 ns. Between two calls
-/// of which one is for another message, it takes ten times as long even if it has little to do.
-constexpr std::int64_t kOtherWork = 5;
+/// A program that only waits calls again after 20 to 300 ns. After a message it has more to do, and
+/// then begins another wait.
+constexpr std::int64_t kOtherWork = 500;
 
 /// Nanoseconds.
 std::int64_t now() {
@@ -45,9 +45,7 @@ class Waiting {
  public:
   void yield() {
     const std::int64_t called = now();
-    const std::int64_t pause = called - yielded_;
-    shortest_pause_ = std::min(shortest_pause_, pause);
-    if (pause > kOtherWork * shortest_pause_) {
+    if (called - yielded_ > kOtherWork) {
       began_ = called;
     }
     const std::int64_t waited = called - began_;
@@ -79,7 +77,6 @@ class Waiting {
   std::int64_t began_ = 0;
   std::int64_t yielded_ = 0;
   std::int64_t busy_until_ = 0;
-  std::int64_t shortest_pause_ = kMicrosecond;  // longer ones are no mere calls
   bool precise_ = false;
 };
 

@@ -33,9 +33,13 @@ void close_all_but(const std::vector<int>& kept) {
   for (int fd = 0; fd <= 2; ++fd) {
     dup2(nowhere, fd);
   }
-  for (int fd = 3; fd < static_cast<int>(sysconf(_SC_OPEN_MAX)) && fd < 4096; ++fd) {
-    if (std::find(kept.begin(), kept.end(), fd) == kept.end()) {
-      close(fd);
+  std::vector<unsigned> borders{2};
+  borders.insert(borders.end(), kept.begin(), kept.end());
+  std::sort(borders.begin(), borders.end());
+  borders.push_back(~0U);
+  for (std::size_t i = 1; i < borders.size(); ++i) {
+    if (borders[i] > borders[i - 1] + 1) {
+      close_range(borders[i - 1] + 1, borders[i] - 1, 0);
     }
   }
 }
