@@ -41,7 +41,7 @@ TEST(Doctor, FindsAllThatARunNeeds) {
   EXPECT_THAT(seen.line("mpirun"), HasSubstr("; --oversubscribe works"));
   EXPECT_THAT(seen.line("MUSIC launcher"), MatchesRegex("ok \\| [0-9.]+, /.*/music \\| "));
   EXPECT_EQ(seen.line("plug-ins"), "ok | SPIKELOOP_PLUGIN_PATH is not set | ");
-  EXPECT_THAT(seen.line("ROS 1"), MatchesRegex("ok \\| /.*/roscore, /.*/rosmaster \\| "));
+  EXPECT_THAT(seen.line("ROS 1"), MatchesRegex("ok \\| /.*/rosmaster \\| "));
   EXPECT_EQ(seen.status("numpy"), "ok");
 }
 
@@ -86,8 +86,8 @@ TEST(Doctor, WorksWithAnEmptyPath) {
   EXPECT_EQ(unset.line("MUSIC launcher"),
             std::string("missing | no music: PATH is empty") + kInstallMusic);
   EXPECT_EQ(unset.line("ROS 1"),
-            "missing | no roscore in PATH | apt-get install python3-roslaunch python3-rosmaster "
-            "rosout, or source ROS's setup.bash");
+            "missing | no rosmaster in PATH | apt-get install python3-rosmaster, or source ROS's "
+            "setup.bash");
   EXPECT_EQ(unset.status("its libraries"), "ok");
   Command empty = doctor({}, none);
   empty.arguments = {"/usr/bin/env", "PATH=", SPIKELOOP_PROGRAM, "doctor"};

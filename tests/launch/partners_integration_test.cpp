@@ -41,32 +41,31 @@ TEST(Mpirun, ThatHangsWhenAllIsDoneIsEnded) {
   EXPECT_EQ(job.summary()["exit_reason"], "finished");
 }
 
-TEST(Roscore, ThatEndsAtOnceIsTheReason) {
+TEST(OwnRosMaster, ThatEndsAtOnceIsTheReason) {
   const TwoPrograms job;
-  const Outcome outcome =
-      run_with(job, "roscore", "echo 'no rosmaster' >&2; exit 1", {"--roscore"});
+  const Outcome outcome = run_with(job, "rosmaster", "echo 'no port' >&2; exit 1", {"--roscore"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: roscore ended before it answered; it says: no rosmaster");
+            "spikeloop: rosmaster ended before it answered; it says: no port");
 }
 
 // Its last line is where its traceback is.
-TEST(Roscore, ThatGivesAReasonIsQuoted) {
+TEST(OwnRosMaster, ThatGivesAReasonIsQuoted) {
   const TwoPrograms job;
-  const Outcome outcome = run_with(job, "roscore",
+  const Outcome outcome = run_with(job, "rosmaster",
                                    "echo 'RLException: Unable to contact my own server.' >&2\n"
                                    "echo 'The traceback is in the log file' >&2; exit 1",
                                    {"--roscore"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: roscore ended before it answered; it says: Unable to contact my own "
+            "spikeloop: rosmaster ended before it answered; it says: Unable to contact my own "
             "server");
 }
 
-TEST(Roscore, ThatEndsWithoutAWordToo) {
+TEST(OwnRosMaster, ThatEndsWithoutAWordToo) {
   const TwoPrograms job;
-  const Outcome outcome = run_with(job, "roscore", "", {"--roscore"});
-  EXPECT_EQ(last_line(outcome.err), "spikeloop: roscore ended before it answered");
+  const Outcome outcome = run_with(job, "rosmaster", "", {"--roscore"});
+  EXPECT_EQ(last_line(outcome.err), "spikeloop: rosmaster ended before it answered");
 }
 
 }  // namespace

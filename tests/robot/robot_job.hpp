@@ -1,7 +1,7 @@
-// A real roscore and a real robot for a test.
+// A real ROS master and a real robot for a test.
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,15 +13,9 @@ namespace spikeloop::robot {
 
 class RobotJob {
  public:
-  /// Starts a roscore; one that lost its port to somebody else is tried again.
   void start_core() {
-    for (int attempt = 0; attempt < 5; ++attempt) {
-      uri_ = "http://127.0.0.1:" + std::to_string(test::free_port());
-      core_ = std::make_unique<test::Child>(
-          command({"roscore", "-p", uri_.substr(uri_.rfind(':') + 1)}));
-      if (core_->wait_for("started core service [/rosout]", std::chrono::seconds(60))) return;
-    }
-    throw std::runtime_error("roscore does not start: " + core_->output());
+    core_.emplace();
+    uri_ = core_->uri();
   }
   void set_master(const std::string& uri) { uri_ = uri; }
 
@@ -57,7 +51,7 @@ class RobotJob {
 
   test::TemporaryDirectory directory_;
   std::string uri_;
-  std::unique_ptr<test::Child> core_;
+  std::optional<test::RosCore> core_;
 };
 
 }  // namespace spikeloop::robot

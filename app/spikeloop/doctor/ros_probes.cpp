@@ -17,20 +17,14 @@
 namespace spikeloop::app::doctor {
 namespace {
 
-constexpr const char* kInstallRos =
-    "apt-get install python3-roslaunch python3-rosmaster rosout, or source ROS's setup.bash";
+constexpr const char* kInstallRos = "apt-get install python3-rosmaster, or source ROS's setup.bash";
 constexpr const char* kStartMaster =
     "roscore, or spikeloop run FILE --roscore; or set ROS_MASTER_URI to where one is";
 constexpr const char* kHostRemedy = "see /etc/hosts; or set ROS_IP to this machine's address";
 
 Finding ros_tools() {
-  const std::string roscore = in_path("roscore");
   const std::string rosmaster = in_path("rosmaster");
-  if (roscore.empty() || rosmaster.empty()) {
-    return missing(fmt::format("no {} in PATH", roscore.empty() ? "roscore" : "rosmaster"),
-                   kInstallRos);
-  }
-  return ok(fmt::format("{}, {}", roscore, rosmaster));
+  return rosmaster.empty() ? missing("no rosmaster in PATH", kInstallRos) : ok(rosmaster);
 }
 
 /// What the nodes of this machine tell others to call them by.

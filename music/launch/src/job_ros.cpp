@@ -18,18 +18,18 @@ namespace {
 /// The exit code of a TransportError.
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
-/// Somebody else may take a port between our look and roscore's.
+/// Somebody else may take a port between our look and rosmaster's.
 constexpr int kPortsTried = 3;
 
 std::string last_line(const Member& member) {
   return member.last_words().empty() ? "" : "; its last line: " + member.last_words();
 }
 
-/// What a roscore that does not answer said, and what to do when `master` has no address.
-std::string roscore_trouble(const Member& roscore, const RosMaster& master) {
+/// What a rosmaster that does not answer said, and what to do when `master` has no address.
+std::string rosmaster_trouble(const Member& rosmaster, const RosMaster& master) {
   std::string text;
-  if (!roscore.last_words().empty()) {
-    text = "; it says: " + roscore.last_words();
+  if (!rosmaster.last_words().empty()) {
+    text = "; it says: " + rosmaster.last_words();
   }
   if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
     text += "; " + unresolved;
@@ -139,12 +139,12 @@ bool JobRun::find_master() {
           is_experiment ? "write  robot: {simulator: mujoco}  for a robot and a master of our own"
                         : "let us start one of our own: --roscore"));
     }
-    return start_roscore();
+    return start_rosmaster();
   }
   return true;
 }
 
-bool JobRun::start_roscore() {
+bool JobRun::start_rosmaster() {
   // All programs run on this machine, whose name need not be known to any name server.
   ros_environment_["ROS_HOSTNAME"] = "localhost";
   for (int attempt = 0; attempt < kPortsTried; ++attempt) {
@@ -152,30 +152,31 @@ bool JobRun::start_roscore() {
     const RosMaster master("http://localhost:" + port);
     ros_environment_["ROS_MASTER_URI"] = master.uri();
     ProgramStart start;
-    start.arguments = {"roscore", "-p", port};
-    roscore_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
-      log_ << "roscore: " << line.text << std::endl;
+    start.arguments = {"rosmaster", "--core", "-p", port};
+    rosmaster_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
+      log_ << "rosmaster: " << line.text << std::endl;
     });
-    crew_.turn_until([&] { return outcome_.has_value() || roscore_->gone() || master.answers(); },
+    crew_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
                      kRosStart);
     if (outcome_) {
       return false;
     }
-    if (!roscore_->gone() && master.answers()) {
+    if (!rosmaster_->gone() && master.answers()) {
       log::info("ROS master at {}", master.uri());
       return true;
     }
-    if (!roscore_->gone()) {
-      throw TransportError(fmt::format("roscore has not begun to answer within {} s{}",
+    if (!rosmaster_->gone()) {
+      throw TransportError(fmt::format("rosmaster has not begun to answer within {} s{}",
                                        kRosStart.count() / 1000,
-                                       roscore_trouble(*roscore_, master)));
+                                       rosmaster_trouble(*rosmaster_, master)));
     }
     if (!master.unresolved().empty()) {
       break;  // another port would not help
     }
   }
-  throw TransportError("roscore ended before it answered" +
-                       roscore_trouble(*roscore_, RosMaster(ros_environment_["ROS_MASTER_URI"])));
+  throw TransportError(
+      "rosmaster ended before it answered" +
+      rosmaster_trouble(*rosmaster_, RosMaster(ros_environment_["ROS_MASTER_URI"])));
 }
 
 /// Says so when a master still knows a robot that has gone.
@@ -251,7 +252,7 @@ void JobRun::end_helper(Member* helper) {
 void JobRun::end_helpers() {
   end_guard();  // while there still is a master to say goodbye to
   end_helper(robot_);
-  end_helper(roscore_);
+  end_helper(rosmaster_);
 }
 
 }  // namespace spikeloop::launch

@@ -45,7 +45,7 @@ class JobRun {
   // Each returns whether the job goes on.
   bool start_ros();
   bool find_master();
-  bool start_roscore();
+  bool start_rosmaster();
   bool start_robot();
   int robot_ros() const;
   bool robot_is_there(const std::string& scan_topic);
@@ -88,7 +88,7 @@ class JobRun {
   status::Receiver receiver_;
   Crew crew_;
   std::map<std::string, std::string> ros_environment_;
-  Member* roscore_ = nullptr;
+  Member* rosmaster_ = nullptr;
   Member* robot_ = nullptr;
   Member* mpirun_ = nullptr;
   std::unique_ptr<GuardProcess> guard_;

@@ -84,8 +84,8 @@ class LatencyError(Exception):
 
 def lacks():
     """Why this part cannot be measured here; empty when it can."""
-    return "" if shutil.which("roscore") else \
-        "there is no roscore; apt-get install python3-roslaunch"
+    return "" if shutil.which("rosmaster") else \
+        "there is no rosmaster; apt-get install python3-rosmaster"
 
 
 def free_port():
@@ -108,7 +108,7 @@ class Domain:
         pass
 
 
-class Roscore:
+class RosMaster:
     """A ROS master on a free port for the length of a `with` block."""
 
     version = 1
@@ -117,7 +117,7 @@ class Roscore:
         port = free_port()
         self.environment = dict(os.environ, ROS_MASTER_URI=f"http://127.0.0.1:{port}",
                                 ROS_IP="127.0.0.1")
-        self.process = subprocess.Popen(["roscore", "-p", str(port)], env=self.environment,
+        self.process = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=self.environment,
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                         start_new_session=True)
         try:
@@ -131,7 +131,7 @@ class Roscore:
             self.__exit__()
             raise
         self.__exit__()
-        raise LatencyError("roscore did not start within 20 s")
+        raise LatencyError("rosmaster did not start within 20 s")
 
     def __exit__(self, *_):
         os.killpg(self.process.pid, signal.SIGINT)
@@ -153,7 +153,7 @@ def write_job(folder, ros, tick_ms, network):
 def measure(programs, place, layout, tick_ms, trials, network, timeout_s=None):
     """One row: the probe's figures and the command adapter's own.
 
-    place: a Roscore or a Domain, where job and probe meet. Raises LatencyError.
+    place: a RosMaster or a Domain, where job and probe meet. Raises LatencyError.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -203,7 +203,7 @@ def part_c(programs, plan, results, say, deadline_in):
         for keys in wanted:
             results.lacks(keys, reason, False)
         return
-    with Roscore() as roscore:
+    with RosMaster() as master:
         for keys in wanted:
             left = deadline_in()
             if left < 5:
@@ -211,7 +211,7 @@ def part_c(programs, plan, results, say, deadline_in):
                 continue
             say(f"{keys['layout']}, tick {keys['tick_ms']:g} ms: latency of {plan.steps} steps")
             try:
-                row = measure(programs, roscore, keys["layout"], keys["tick_ms"], plan.steps, False,
+                row = measure(programs, master, keys["layout"], keys["tick_ms"], plan.steps, False,
                               min(left, 60 + 2 * plan.steps))
             except LatencyError as error:
                 results.lacks(keys, str(error))
