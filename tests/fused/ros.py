@@ -26,20 +26,21 @@ def _answers(uri):
 
 
 @contextlib.contextmanager
-def master(scratch):
-    """Starts a master on a free port and points this process and its children to it."""
+def master(scratch, *program):
+    """Starts rosmaster, or this program, on a free port and points this process and its children to it."""
+    program = program or ("rosmaster", "--core")
     before = dict(os.environ)
     os.environ.update(ROS_HOSTNAME="localhost", ROS_LOG_DIR=str(scratch / "ros"))
     for _ in range(5):  # somebody else may take the port
         port = str(_free_port())
         os.environ["ROS_MASTER_URI"] = uri = f"http://localhost:{port}"
-        core = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL,
+        core = subprocess.Popen([*program, "-p", port], stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
         while core.poll() is None and not _answers(uri):
             time.sleep(0.1)
         if core.poll() is None:
             break
-    assert core.poll() is None, "rosmaster does not start"
+    assert core.poll() is None, f"{program[0]} does not start"
     try:
         yield uri
     finally:

@@ -49,7 +49,7 @@ class Roslaunch(unittest.TestCase):
         cls.folder = pathlib.Path(scratch.name)
         prefix = workspace.catkin(cls.folder / "workspace")
         cls.shell = workspace.sourced(prefix / "setup.bash", HOME=str(cls.folder))
-        with xmlrpc.client.ServerProxy(cls.enterClassContext(ros.master(cls.folder))) as master:
+        with xmlrpc.client.ServerProxy(cls.enterClassContext(ros.master(cls.folder, "roscore"))) as master:
             # roscore names its run after it answers; a roslaunch in between would take it for another's.
             wait_for(lambda: master.hasParam("/test", "/run_id")[2])
         cls.shell.update({name: value for name, value in os.environ.items() if name.startswith("ROS_M")
