@@ -133,6 +133,16 @@ class Showing(Folder):
         self.assertIn("latency, fused, tick 1 ms: median 1.00 ms, 99 % 2.00 ms, 3 of 3 answered", lines)
         self.assertEqual(lines[-1], "not measured: rate, NEST, fused, tick 50 ms: why")
 
+    def test_a_share_of_bounds_is_a_bound(self):
+        for coupled, alone, share in ((None, 41_000, "0.95 or more"), (39_000, None, "0.95 or less"),
+                                      (None, None, "not known")):
+            kept = self.results()
+            for layout, found in (("separate", search.Found(38_000, coupled)),
+                                  ("alone", search.Found(40_000, alone))):
+                kept.set_largest(sweeps.curve_of(setting(layout, simulator="nest")), found)
+            rows = [line.split() for line in table.lines(kept.document())]
+            self.assertIn(f"NEST in a job over NEST alone, separate {share} 0.9".split(), rows)
+
     def test_pictures(self):
         drawn = pictures.draw(self.everything(), self.folder)
         self.assertEqual([path.name for path in drawn], ["a.png", "b.png", "c.png", "d.png"])

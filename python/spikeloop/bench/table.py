@@ -70,8 +70,16 @@ def _nest(document):
     for layout in ("fused", "separate"):
         coupled = figures.largest(document, layout, "rate", "nest", sweeps.COARSE_TICK_MS)
         if alone and coupled and alone["neurons"]:
-            yield (f"NEST in a job over NEST alone, {layout}",
-                   f"{coupled['neurons'] / alone['neurons']:.2f}", f"{paper.NEST_SHARE:g}", "")
+            yield (f"NEST in a job over NEST alone, {layout}", _share(coupled, alone),
+                   f"{paper.NEST_SHARE:g}", "")
+
+
+def _share(coupled, alone):
+    """"0.95"; of a number above which nothing was tried, the ratio is a bound, and of two of them none."""
+    if coupled["next"] is None and alone["next"] is None:
+        return "not known"
+    bound = " or more" if coupled["next"] is None else " or less" if alone["next"] is None else ""
+    return f"{coupled['neurons'] / alone['neurons']:.2f}{bound}"
 
 
 def _latencies(document):
