@@ -40,6 +40,8 @@ def table(summary):
     lines = []
     for key, label, unit, pattern in ROWS:
         if key in summary:
+            if key.startswith("latency_") and summary.get("latency_clock") == "simulated":
+                unit = "ms, simulated"
             lines.append(f"  {label:<27}{value_text(key, summary[key], pattern):>10} {unit}".rstrip())
     return lines
 

@@ -25,6 +25,7 @@ def main():
         assert len(set(prints)) == 1, prints
         assert summary["collisions"] == 0 and summary["distance_m"] > 10, summary
         assert summary["simulated_s"] == 60, summary
+        assert summary["latency_clock"] == "simulated", summary
         runs.run(spikeloop, file, scratch / "other", "--seed", "2")
         assert runs.fingerprint(scratch / "other") != prints[0]
         replay(spikeloop, scratch)

@@ -124,6 +124,7 @@ def latency_is_recorded(folder):
     summary = json.loads((folder / "summary.json").read_text())
     with h5py.File(folder / "wheels.h5") as file:
         values = np.sort(file["signals/latency/values"][:, 0])
+    assert summary["latency_clock"] == "wall", summary
     assert 5 <= len(values) <= summary["scans"], (len(values), summary["scans"])
     ranks = [values[int(np.ceil(part * len(values))) - 1] for part in (0.5, 0.99)]
     counted = [summary["latency_median_ms"], summary["latency_p99_ms"]]

@@ -102,7 +102,8 @@ nlohmann::json CommandFeed::summary() const {
   return {{"commands", channel_.counters().front().value},
           {"latency_median_ms", measured(age.latency_median_ms)},
           {"latency_p99_ms", measured(age.latency_p99_ms)},
-          {"age_max_ms", measured(age.age_max_ms)}};
+          {"age_max_ms", measured(age.age_max_ms)},
+          {"latency_clock", settings_.simulated ? "simulated" : "wall"}};
 }
 
 const WatchedSensor& CommandFeed::silent_sensor() const {

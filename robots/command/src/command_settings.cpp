@@ -19,6 +19,7 @@ ChannelSettings channel_settings(const CommandSettings& settings) {
 FeedSettings feed_settings(const CommandSettings& settings) {
   return {.width = settings.width,
           .with_pace = settings.with_pace,
+          .simulated = settings.clock != CommandClock::wall,
           .max_age = settings.max_age,
           .sensors = settings.sensors,
           .spike_widths = settings.spike_widths,

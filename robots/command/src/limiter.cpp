@@ -16,8 +16,7 @@ void Limiter::restart(TimeNs now) {
   time_ = now;
 }
 
-std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now,
-                                       bool may_stand) {
+std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now, bool may_stand) {
   const double elapsed = to_seconds(std::max<TimeNs>(0, now - time_));
   std::optional<Cut> cut;
   for (std::size_t i = 0; i < values_.size(); ++i) {

@@ -27,7 +27,7 @@ class CommandEnd : public Sink {
   virtual void on_latency(command::TakeLatency take) = 0;
   /// Zero, the last thing that leaves.
   virtual void stop(command::StopReason reason) = 0;
-  /// commands, latency_median_ms, latency_p99_ms, age_max_ms.
+  /// As command::CommandFeed's.
   virtual nlohmann::json summary() const = 0;
 };
 

@@ -30,7 +30,8 @@ struct WatchedSensor {
 struct FeedSettings {
   std::uint32_t width = 0;  ///< fields of the command
   bool with_pace = false;
-  TimeNs max_age = 0;  ///< of the data; 0: any
+  bool simulated = false;  ///< times, and so ages, are simulated ones; else those of the wall clock
+  TimeNs max_age = 0;      ///< of the data; 0: any
   std::vector<WatchedSensor> sensors{};
   std::vector<std::uint32_t> spike_widths{};  ///< of the spikes on the way, a port each
   TimeNs spike_timeout = 0;                   ///< without one of them; 0: any
@@ -49,6 +50,7 @@ class CommandFeed {
   /// Returns when the channel's poll() should be called if nothing else comes.
   TimeNs take(const Step& step, TimeNs now);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
+  /// latency_clock: wall or simulated, the time that these are of.
   nlohmann::json summary() const;
   /// The sensor that was silent when one last was. Safe to call from any thread.
   const WatchedSensor& silent_sensor() const;

@@ -86,7 +86,7 @@ class CommandSink : public Sink {
   void override_with(std::span<const double> values);
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
-  /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
+  /// As CommandFeed's.
   nlohmann::json summary() const;
 
  private:
