@@ -32,7 +32,7 @@ constexpr std::int64_t kBusyFor = 20'000 * kMicrosecond;
 constexpr std::int64_t kBusySleep = 5 * kMicrosecond;
 /// A program that only waits calls again after 20 to 300 ns. After a message it has more to do, and
 /// then begins another wait.
-constexpr std::int64_t kOtherWork = 500;
+constexpr std::int64_t kOtherWork = 1 * kMicrosecond;
 
 /// Nanoseconds.
 std::int64_t now() {

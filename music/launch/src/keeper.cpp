@@ -33,15 +33,13 @@ void close_all_but(const std::vector<int>& kept) {
   for (int fd = 0; fd <= 2; ++fd) {
     dup2(nowhere, fd);
   }
-  std::vector<unsigned> borders{2};
-  borders.insert(borders.end(), kept.begin(), kept.end());
-  std::sort(borders.begin(), borders.end());
-  borders.push_back(~0U);
-  for (std::size_t i = 1; i < borders.size(); ++i) {
-    if (borders[i] > borders[i - 1] + 1) {
-      close_range(borders[i - 1] + 1, borders[i] - 1, 0);
+  const int last = std::max(2, *std::max_element(kept.begin(), kept.end()));
+  for (int fd = 3; fd < last; ++fd) {
+    if (std::find(kept.begin(), kept.end(), fd) == kept.end()) {
+      close(fd);
     }
   }
+  closefrom(last + 1);
 }
 
 void reset_signals() {
