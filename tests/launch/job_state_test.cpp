@@ -342,10 +342,10 @@ TEST_F(State, ThenWhatMpirunSaidLast) {
   EXPECT_EQ(state_.explain({3}).exit_code, 3);
   line({}, "ssh: Could not resolve hostname robot: Name or service not known");
   line({}, "This usually is caused by:");
-  EXPECT_EQ(
-      state_.explain({255}).message,
-      "mpirun ended with exit code 255; its last line: ssh: Could not resolve hostname robot: "
-      "Name or service not known");
+  EXPECT_EQ(state_.explain({255}).message,
+            "a host of the job cannot be reached; ssh: Could not resolve hostname robot: Name or "
+            "service not known");
+  EXPECT_EQ(state_.explain({255}).exit_code, 3);
 }
 
 TEST_F(State, MpirunItselfMayBeKilled) {

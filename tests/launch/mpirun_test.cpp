@@ -143,6 +143,7 @@ TEST(TaggedOutput, JoinsWhatMpirunReadInPieces) {
   EXPECT_THAT(lines_of({"[1,0]<stdout>:be[1,1]<stdout>:whole\n[1,0]<stdout>:gin\n"}),
               ElementsAre("1 out whole", "0 out begin"));
   EXPECT_THAT(lines_of({"[1,0]<stdout>:no end"}), ElementsAre("0 out no end"));
+  EXPECT_THAT(lines_of({"ssh: no route\r\n"}), ElementsAre("mpirun err ssh: no route"));
 }
 
 TEST(TaggedOutput, LeavesBracketsOfProgramsAlone) {

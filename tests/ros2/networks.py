@@ -11,25 +11,29 @@ _INSIDE = "SPIKELOOP_TEST_INSIDE_NETWORKS"
 _UNSHARED = ["unshare", "--map-root-user", "--net", "--mount"]
 
 
-def _refusal():
+def _refusal(unshared):
     try:
-        tried = subprocess.run([*_UNSHARED, "ip", "link", "set", "lo", "up"], capture_output=True, text=True,
+        tried = subprocess.run([*unshared, "ip", "link", "set", "lo", "up"], capture_output=True, text=True,
                                check=False)
     except OSError as error:
         return str(error)
     return tried.stderr.strip() if tried.returncode else ""
 
 
-def enter():
-    """Runs this program once more, where it may make networks, and shares no memory with others."""
+def enter(as_root=False):
+    """Runs this program once more, where it may make networks, and shares no memory with others.
+    @param as_root where root may change users, as an sshd does: of this machine, not of a namespace"""
     if _INSIDE in os.environ:
         subprocess.run(["mount", "-t", "tmpfs", "none", "/dev/shm"], check=True)
         return
-    if why := _refusal():
+    # With a namespace of processes nobody outlives the test.
+    unshared = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"] if as_root \
+        else _UNSHARED
+    if why := _refusal(unshared):
         print(f"not run: here are no network namespaces ({why})")
         sys.exit(SKIPPED)
     os.environ[_INSIDE] = "1"
-    os.execvp("unshare", [*_UNSHARED, sys.executable, "-B", *sys.argv])
+    os.execvp("unshare", [*unshared, sys.executable, "-B", *sys.argv])
 
 
 def _ip(words):
@@ -37,14 +41,15 @@ def _ip(words):
 
 
 class Machine:
-    """A loopback interface that is up."""
+    """A loopback interface that is up, and a name."""
 
-    def __init__(self):
-        self._holder = subprocess.Popen(["unshare", "-n", "sh", "-c", "ip link set lo up && echo up && cat"],
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    def __init__(self, name="machine"):
+        self._holder = subprocess.Popen(
+            ["unshare", "-n", "-u", "sh", "-c", f"hostname {name} && ip link set lo up && echo up && exec cat"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert self._holder.stdout.readline() == "up\n"
         self.pid = self._holder.pid
-        self.enter = ["nsenter", f"--net=/proc/{self.pid}/ns/net"]
+        self.enter = ["nsenter", f"--net=/proc/{self.pid}/ns/net", f"--uts=/proc/{self.pid}/ns/uts"]
 
     def close(self):
         self._holder.communicate()
@@ -73,3 +78,25 @@ def joined(addresses, multicast=True):
             _ip(f"link set {name} netns {machine.pid}")
             machine.connect(name, address)
         yield first, second
+
+
+@contextlib.contextmanager
+def switched(addresses):
+    """Machines on one switch: m1, m2 and so on, with these addresses; cut_off() takes the cable out of one."""
+    with contextlib.ExitStack() as stack:
+        _ip("link add switch type bridge")
+        _ip("link set switch up")
+        machines = []
+        for i, address in enumerate(addresses, 1):
+            machine = stack.enter_context(contextlib.closing(Machine(f"m{i}")))
+            _ip(f"link add port{i} type veth peer name cable{i}")
+            _ip(f"link set port{i} master switch up")
+            _ip(f"link set cable{i} netns {machine.pid}")
+            machine.connect(f"cable{i}", address)
+            machines.append(machine)
+        yield machines
+
+
+def cut_off(number):
+    """@param number 1 for the first of switched()"""
+    _ip(f"link set port{number} down")

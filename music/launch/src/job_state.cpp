@@ -16,6 +16,9 @@ namespace {
 
 using nlohmann::json;
 
+/// What ssh's own messages begin with.
+constexpr const char* kSsh = "ssh: ";
+
 /// Nothing that a process sends may end the launcher.
 template <typename T>
 T value_of(const json& message, const char* key, T otherwise) {
@@ -133,7 +136,7 @@ void JobState::take(const OutputLine& line) {
   }
   diagnosis_.read(line.text);
   // What ssh says of a host is the cause; Open MPI's guesses follow.
-  const bool cause_known = last_words_of_mpirun_.starts_with("ssh: ");
+  const bool cause_known = last_words_of_mpirun_.starts_with(kSsh);
   if (!cause_known && line.text.find_first_not_of("- ") != std::string::npos) {
     last_words_of_mpirun_ = line.text;
   }
@@ -213,6 +216,9 @@ Failure JobState::explain(const MpirunEnd& end) const {
             number > 0 && number < NSIG
                 ? killed_text(who, number)
                 : fmt::format("{} ended before MUSIC's Setup, with exit code {}", who, otherwise)};
+  }
+  if (!rank && last_words_of_mpirun_.starts_with(kSsh)) {
+    return {3, "a host of the job cannot be reached; " + last_words_of_mpirun_};
   }
   if (!rank) {
     return {otherwise,

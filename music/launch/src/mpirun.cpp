@@ -294,6 +294,9 @@ void TaggedOutput::feed(std::string_view bytes) {
 }
 
 void TaggedOutput::take_line(std::string_view line) {
+  if (line.ends_with('\r')) {  // as ssh ends its lines
+    line.remove_suffix(1);
+  }
   Source source{-1, error_};
   while (true) {
     const std::size_t size = find_tag(line);
