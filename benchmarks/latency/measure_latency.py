@@ -44,7 +44,7 @@ def main():
     rows = []
     try:
         for version in options.ros.split(","):
-            with latency.Roscore() if version == "1" else latency.Domain() as place:
+            with latency.RosMaster() if version == "1" else latency.Domain() as place:
                 rows += measure(place, options)
     except latency.LatencyError as error:
         raise SystemExit(str(error)) from None
