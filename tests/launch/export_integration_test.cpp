@@ -82,8 +82,8 @@ TEST(Run, AHostThatCannotBeReached) {
   const TwoPrograms job;
   const std::string hosts = job.directory().write("hosts", "nosuchhost.invalid slots=4\n");
   const Outcome outcome = run(job.command({"--hostfile", hosts}));
-  EXPECT_NE(outcome.exit_code, 0);
-  EXPECT_THAT(last_line(outcome.err), HasSubstr("spikeloop: mpirun ended with exit code "));
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(last_line(outcome.err), HasSubstr("a host of the job cannot be reached; ssh: "));
   EXPECT_THAT(last_line(outcome.err), EndsWith("/mpirun.log"));
   EXPECT_EQ(outcome.left_behind, 0);
 }
