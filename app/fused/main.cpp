@@ -71,16 +71,17 @@ int run(const Arguments& arguments, const status::Sender& sender) {
                                 .stop = stop};
   const fused::RunResult result = fused::run(experiment, transport, arguments.run, events);
   heartbeat.enter(status::Phase::finalizing);
-  if (result.exit_code != 0) {
+  if (result.exit_code != 0) {  // before the report, which else would be that of an early end
     fmt::print(stderr, "{}\n", result.reason);
     sender.failure(result.exit_code, result.reason);
-    return result.exit_code;
   }
   auto summary = result.summary;
-  const auto counters = summary["counters"];
-  summary.erase("counters");
-  sender.report(counters, summary, simulated);
-  return 0;
+  if (summary.contains("counters")) {  // also of a run that has failed: how far it came
+    const auto counters = summary["counters"];
+    summary.erase("counters");
+    sender.report(counters, summary, simulated);
+  }
+  return result.exit_code;
 }
 
 int guarded(const Arguments& arguments) {

@@ -206,9 +206,17 @@ int run_command(music::Process& process, const RosProgram& program) {
   record_latency(process, pace != nullptr, sink);
   Graph graph(description);
   music::Process::LoopHooks hooks;
-  hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
+  std::string missing_data;
+  hooks.after_loop = [&] {
+    missing_data = status::stop_requested() ? "" : sink.missing_data();
+    sink.stop(command::StopReason::ended);
+  };
   hooks.summary = [&] { return sink.summary(); };
-  return process.run(graph, hooks);
+  const int code = process.run(graph, hooks);
+  if (!missing_data.empty()) {
+    throw TransportError(missing_data);
+  }
+  return code;
 }
 
 }  // namespace spikeloop

@@ -74,7 +74,8 @@ class Loop {
         events_(events),
         pacer_(make_pacer(experiment, transport)) {}
 
-  void run() {
+  /// Returns whether the run came to its end; else somebody has stopped it.
+  bool run() {
     const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
     Graph& graph = assembly_.graph();
     if (simulators_ != nullptr) {
@@ -85,7 +86,7 @@ class Loop {
       pacer_->wait_until(graph.time());
       transport_.begin(graph.time());
       if (events_.stop && events_.stop()) {
-        return;  // perhaps while it waited
+        return false;  // perhaps while it waited
       }
       graph.step();
       if (simulators_ != nullptr) {
@@ -97,6 +98,7 @@ class Loop {
       }
       tell_progress(wall_now());
     }
+    return true;
   }
 
   void tell_progress(TimeNs now) {
@@ -316,9 +318,15 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   Loop loop(experiment, transport, assembly, simulators, events);
   RunResult result;
   result.summary = json::object();
-  attempt(result, [&] { loop.run(); });
+  std::string missing_data;
+  attempt(result, [&] { missing_data = loop.run() ? assembly.missing_data() : ""; });
   assembly.stop_robot(result.exit_code == 0 ? command::StopReason::ended
                                             : command::StopReason::terminated);
+  attempt(result, [&] {
+    if (!missing_data.empty()) {
+      throw TransportError(missing_data);
+    }
+  });
   const Progress progress = loop.progress();
   if (events.progress) {
     events.progress(progress);

@@ -21,6 +21,7 @@ ROWS = (
     ("spikes", "spikes of the network", "", "{:,d}"),
     ("scans", "laser scans", "", "{:,d}"),
     ("commands", "commands sent", "", "{:,d}"),
+    ("stopped_s", "robot stopped by safety", "s", "{:.1f}"),
     ("latency_median_ms", "sensor to command, median", "ms", "{:.2f}"),
     ("latency_p99_ms", "sensor to command, p99", "ms", "{:.2f}"),
 )
@@ -39,7 +40,7 @@ def table(summary):
     """The lines of the table: label, value, unit."""
     lines = []
     for key, label, unit, pattern in ROWS:
-        if key in summary:
+        if key in summary and not (key == "stopped_s" and summary[key] == 0):
             if key.startswith("latency_") and summary.get("latency_clock") == "simulated":
                 unit = "ms, simulated"
             lines.append(f"  {label:<27}{value_text(key, summary[key], pattern):>10} {unit}".rstrip())

@@ -79,6 +79,19 @@ TEST_F(CommandChannelTest, zeros_of_stale_data_are_repeated) {
   EXPECT_THAT(sent_.back(), ElementsAre(0.5, 0.1));
 }
 
+TEST_F(CommandChannelTest, the_time_that_it_stands_is_summed_up_until_the_end) {
+  channel_.stop(StopReason::stale, 0);
+  command(0.5, 0, 10 * kMs);
+  EXPECT_EQ(channel_.stood_for(), 0) << "it waited for its first command";
+  channel_.stop(StopReason::stale, 20 * kMs);
+  channel_.stop(StopReason::silent, 25 * kMs);
+  command(0.5, 0, 50 * kMs);
+  EXPECT_EQ(channel_.stood_for(), 30 * kMs);
+  channel_.stop(StopReason::stale, 60 * kMs);
+  channel_.stop(StopReason::ended, 100 * kMs);
+  EXPECT_EQ(channel_.stood_for(), 70 * kMs);
+}
+
 TEST_F(CommandChannelTest, silence_stops_until_the_next_tick) {
   command(0.5, 0.1, 0);
   EXPECT_EQ(next_, 100 * kMs);

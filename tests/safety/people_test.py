@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """People and sensors over ROS, in both layouts: the emergency stop is obeyed and released, commands by hand
-leave within the limits, a second sensor that falls silent is named and comes back."""
+leave within the limits, a second sensor that falls silent is named and comes back; a run that ends without it has
+failed."""
 
+import contextlib
 import json
 import math
 import os
@@ -88,23 +90,41 @@ def lose_a_sensor(person, printed):
     ros.until(person.is_driven, "driving when it is back", 10)
 
 
-def with_people(spikeloop, person, version, layout, folder):
-    (folder / "people.yaml").write_text(EXPERIMENT)
-    printed = folder / f"{layout}.txt"
+@contextlib.contextmanager
+def run_that_drives(spikeloop, person, version, layout, out, *options):
+    """Gives the process and the path of what it prints."""
+    (out.parent / "people.yaml").write_text(EXPERIMENT)
+    printed = out.with_suffix(".txt")
     person.forget()
     with open(printed, "w", encoding="utf-8") as log:
         process = subprocess.Popen(
-            [spikeloop, "run", str(folder / "people.yaml"), "--ros", version, "--layout", layout, "--out",
-             str(folder / layout)], stdout=log, stderr=log)
+            [spikeloop, "run", str(out.parent / "people.yaml"), "--ros", version, "--layout", layout, "--out",
+             str(out), *options], stdout=log, stderr=log)
     try:
         ros.until(lambda: person.is_driven() or process.poll() is not None, "a command", 90)
         assert process.poll() is None, printed.read_text()
-        stop_and_release(person)
-        drive_by_hand(person, printed)
-        lose_a_sensor(person, printed)
+        yield process, printed
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(30)
+
+
+def without_a_sensor_at_the_end(spikeloop, person, version, layout, out):
+    with run_that_drives(spikeloop, person, version, layout, out, "--duration", "8") as (process, printed):
+        person.odometry(False)
+        assert process.wait(60) == 3, printed.read_text()
+    person.odometry(True)
+    end = "the robot stood when the run ended: no message with a reading has come on topic '/odom' for 400 ms"
+    assert end in printed.read_text(), printed.read_text()
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["exit_code"] == 3 and summary.get("stopped_s", 0) > 1, summary
+
+
+def with_people(spikeloop, person, version, layout, folder):
+    with run_that_drives(spikeloop, person, version, layout, folder / layout) as (_, printed):
+        stop_and_release(person)
+        drive_by_hand(person, printed)
+        lose_a_sensor(person, printed)
     text = printed.read_text()
     assert "the emergency stop, topic '/emergency_stop', says so" in text, text
     assert "topic '/cmd_vel_manual': a command by hand that is not a finite number stops the robot" in text, text
@@ -123,6 +143,8 @@ def main():
         person.odometry(True)
         for layout in ("fused", "separate"):
             with_people(str(programs / "spikeloop"), person, version, layout, pathlib.Path(scratch))
+            without_a_sensor_at_the_end(str(programs / "spikeloop"), person, version, layout,
+                                        pathlib.Path(scratch) / f"{layout}_without")
     print(f"people stop and drive the robot in both layouts over ROS {version}")
 
 

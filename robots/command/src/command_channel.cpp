@@ -64,13 +64,24 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
-  state_ = is_final(reason) ? State::closed : State::suspended;
+  enter(is_final(reason) ? State::closed : State::suspended, now);
   overridden_ = false;
   if (reason == StopReason::continued) {
     suspended_until_ = now + kContinuedPause;
   }
   send_zero(now);
   return kNever;
+}
+
+void CommandChannel::enter(State state, TimeNs now) {
+  const bool stands = state == State::stopped || state == State::suspended;
+  if (stands && !stands_since_) {
+    stands_since_ = now;
+  } else if (!stands && stands_since_) {
+    stood_for_ += now - *stands_since_;
+    stands_since_.reset();
+  }
+  state_ = state;
 }
 
 TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
@@ -82,7 +93,7 @@ TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
-  state_ = is_from_loop(reason) ? State::stopped : State::suspended;
+  enter(is_from_loop(reason) ? State::stopped : State::suspended, now);
   send_zero(now);
   return state_ == State::stopped ? gate_.next_due() : kNever;
 }
@@ -97,10 +108,10 @@ void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
   if (reason) {
     ++stops_[static_cast<std::size_t>(*reason)];
     reason_ = *reason;
-    state_ = State::stopped;
+    enter(State::stopped, now);
     send_zero(now);
   } else if (!driven_) {
-    state_ = State::idle;
+    enter(State::idle, now);
   } else if (network_stop_) {
     stop_network(*network_stop_, now);
   }
@@ -119,7 +130,7 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   if (override_stops_) {
     ++stops_[static_cast<std::size_t>(StopReason::not_finite)];
     reason_ = StopReason::not_finite;
-    state_ = State::stopped;
+    enter(State::stopped, now);
     send_zero(now);
   } else {
     drive(override_, now);
@@ -139,7 +150,7 @@ bool CommandChannel::still_overridden(TimeNs now) {
 TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
   if (state_ != State::running) {
     resumed_ += state_ == State::idle ? 0 : 1;
-    state_ = State::running;
+    enter(State::running, now);
     gate_.forget();
     limiter_.restart(now);
   }
@@ -191,6 +202,11 @@ std::optional<StopReason> CommandChannel::stopped_by() const {
   const std::lock_guard lock(mutex_);
   const bool driven = state_ == State::running || state_ == State::idle;
   return driven ? std::nullopt : std::optional(reason_);
+}
+
+TimeNs CommandChannel::stood_for() const {
+  const std::lock_guard lock(mutex_);
+  return stood_for_;
 }
 
 bool CommandChannel::overridden() const {

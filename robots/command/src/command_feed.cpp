@@ -100,6 +100,7 @@ nlohmann::json CommandFeed::summary() const {
   };
   const auto age = age_.report();
   return {{"commands", channel_.counters().front().value},
+          {"stopped_s", to_seconds(channel_.stood_for())},
           {"latency_median_ms", measured(age.latency_median_ms)},
           {"latency_p99_ms", measured(age.latency_p99_ms)},
           {"age_max_ms", measured(age.age_max_ms)},

@@ -144,4 +144,11 @@ nlohmann::json CommandSink::summary() const {
   return feed_.summary();
 }
 
+std::string CommandSink::missing_data() const {
+  const auto reason = channel_.stopped_by();
+  const bool missing = reason == StopReason::sensor_silent || reason == StopReason::stale;
+  return missing ? "the robot stood when the run ended: " + stop_cause(*reason, settings_, feed_)
+                 : "";
+}
+
 }  // namespace spikeloop::command

@@ -62,6 +62,8 @@ class CommandChannel {
 
   /// Why the robot stands; nothing while it is driven, and before the first command.
   std::optional<StopReason> stopped_by() const;
+  /// How long the robot stood while it had a reason to, until it was last driven or the run ended.
+  TimeNs stood_for() const;
   /// Manual commands hold.
   bool overridden() const;
   /// The first value that the bounds have cut.
@@ -73,7 +75,10 @@ class CommandChannel {
   std::vector<Counter> counters() const;
 
  private:
+  enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
+
   // All below are called under the lock.
+  void enter(State state, TimeNs now);
   void send_zero(TimeNs now);
   void send(std::span<const double> values);
   TimeNs drive(std::span<const double> values, TimeNs now);
@@ -88,8 +93,9 @@ class CommandChannel {
   Limiter limiter_;
   Publish publish_;
   std::vector<double> zero_;
-  enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
   State state_ = State::idle;
+  std::optional<TimeNs> stands_since_;  ///< while it is stopped or suspended
+  TimeNs stood_for_ = 0;                ///< before that
   StopReason reason_ = StopReason::no_value;
   bool driven_ = false;  ///< a command has left
   /// Why the network does not drive, whoever else does.

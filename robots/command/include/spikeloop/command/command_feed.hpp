@@ -50,7 +50,8 @@ class CommandFeed {
   /// Returns when the channel's poll() should be called if nothing else comes.
   TimeNs take(const Step& step, TimeNs now);
   /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
-  /// latency_clock: wall or simulated, the time that these are of.
+  /// latency_clock: wall or simulated, the time that these are of. stopped_s: the channel's
+  /// stood_for().
   nlohmann::json summary() const;
   /// The sensor that was silent when one last was. Safe to call from any thread.
   const WatchedSensor& silent_sensor() const;

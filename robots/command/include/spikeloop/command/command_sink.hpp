@@ -88,6 +88,9 @@ class CommandSink : public Sink {
   void stop(StopReason reason);
   /// As CommandFeed's.
   nlohmann::json summary() const;
+  /// At the end of a run: "the robot stood when the run ended: ...", when it does for want of data
+  /// (a sensor is silent, or what is known is too old); empty otherwise.
+  std::string missing_data() const;
 
  private:
   TimeNs now() const;

@@ -49,6 +49,7 @@ class RosCommand : public Sink {
   void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
   void stop(command::StopReason reason) { sink_.stop(reason); }
   nlohmann::json summary() const { return sink_.summary(); }
+  std::string missing_data() const { return sink_.missing_data(); }
   void alive() { sink_.alive(); }
 
   /// Whether somebody hears us, and the guard. To be called from the loop's thread.
