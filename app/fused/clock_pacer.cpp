@@ -31,8 +31,8 @@ class ClockPacer : public Pacer {
         seconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.secs"),
         nanoseconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.nsecs"),
         subscriber_(session.subscriber(
-            {.topic = kTopic, .message_type = kType, .queue = 0, .take = [this](auto message) {
-               take(message);
+            {.topic = kTopic, .message_type = kType, .queue = 1, .take = [this](auto message) {
+               take(message);  // the newest is enough, as for the nodes of rclcpp
              }})) {}
 
   void start() override { started_ = wall_now(); }

@@ -26,6 +26,7 @@ using nlohmann::json;
 
 constexpr int kFileFault = 4;  // the exit code of a FileError
 constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
+constexpr std::uint64_t kTicksPerOverrun = 100;  // more overruns are worth a warning
 
 void write_json(const std::string& path, const json& contents) {
   errno = 0;
@@ -84,6 +85,7 @@ class Loop {
     pacer_->start();
     while (graph.time() < duration) {
       pacer_->wait_until(graph.time());
+      const TimeNs began = wall_now();
       transport_.begin(graph.time());
       if (events_.stop && events_.stop()) {
         return false;  // perhaps while it waited
@@ -96,10 +98,15 @@ class Loop {
       if (events_.ticked) {
         events_.ticked(graph.time());
       }
-      tell_progress(wall_now());
+      const TimeNs now = wall_now();
+      computing_ += now - began;
+      tell_progress(now);
     }
     return true;
   }
+
+  /// Wall time of all ticks, without the waiting before them.
+  TimeNs computing() const { return computing_; }
 
   void tell_progress(TimeNs now) {
     if (now >= next_ && events_.progress) {
@@ -121,6 +128,7 @@ class Loop {
   const RunEvents& events_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs next_ = 0;
+  TimeNs computing_ = 0;
 };
 
 /// As near as a double comes: what is written down is read by people.
@@ -235,6 +243,24 @@ void warn_of_silence(const Experiment& experiment, const json& summary) {
   }
 }
 
+/// Whoever gets overruns wants to know how fast this machine is.
+void warn_of_overruns(const Experiment& experiment, const Progress& progress, TimeNs computing) {
+  const auto ticks = static_cast<std::uint64_t>(progress.simulated / experiment.tick);
+  if (progress.overruns <= ticks / kTicksPerOverrun || computing <= 0) {
+    return;
+  }
+  const double speed = to_seconds(progress.simulated) / to_seconds(computing);
+  const bool by_clock = experiment.sync == Sync::sim_time;
+  std::string remedy = "; single ticks took longer, or other programs used the processor";
+  if (by_clock) {
+    remedy = fmt::format("; let the simulator run at less than {:.2g} times real time", speed);
+  } else if (speed < experiment.real_time_factor) {
+    remedy = fmt::format("; a real_time_factor below {:.2g} can be kept", speed);
+  }
+  log::warning("{} of {} ticks began more than a tick late. Computing 1 s takes {:.2g} s here{}",
+               progress.overruns, ticks, 1 / speed, remedy);
+}
+
 }  // namespace
 
 json resolved_json(const Experiment& experiment) {
@@ -336,6 +362,7 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     result.summary = summary_of(experiment, assembly, assembly.graph(), transport, progress);
   });
   warn_of_silence(experiment, result.summary);
+  warn_of_overruns(experiment, progress, loop.computing());
   std::string lost;
   result.summary.update(assembly.close_recordings(lost));
   if (!lost.empty() && result.exit_code == 0) {

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """In lockstep a run can be repeated to the bit; another seed is another run; a replay of the
-recorded sensor gives the same spikes."""
+recorded sensor gives the same spikes. In real time a run that is asked for too much says what it can do."""
 
 import pathlib
+import re
 import sys
 import tempfile
 
@@ -29,6 +30,7 @@ def main():
         runs.run(spikeloop, file, scratch / "other", "--seed", "2")
         assert runs.fingerprint(scratch / "other") != prints[0]
         replay(spikeloop, scratch)
+        faster_than_it_can(spikeloop, scratch)
     print("five runs of 60 s are the same to the bit; real-time factor",
           round(summary["real_time_factor"]))
 
@@ -50,6 +52,18 @@ connections:
             h5py.File(scratch / "replay/encoder.h5") as second:
         for name in ("timestamps_ns", "node_ids"):
             assert np.array_equal(first["spikes/out"][name], second["spikes/out"][name])
+
+
+def faster_than_it_can(spikeloop, scratch):
+    """It is always late and never waits: what it says that it computes is what it has done."""
+    file = runs.new_experiment(spikeloop, scratch / "fast.yaml", real_time_factor="1000")
+    summary, printed = runs.run(spikeloop, file, scratch / "fast")
+    said = re.search(r"(\d+) of (\d+) ticks began more than a tick late\. Computing 1 s takes ([\d.e-]+) s here; "
+                     r"a real_time_factor below (\S+) can be kept", printed)
+    overruns, ticks, seconds, factor = (float(value) for value in said.groups())
+    assert overruns == summary["overruns"] and ticks == summary["simulated_s"] * 1000 > 1000, (said[0], summary)
+    for claimed in (1 / seconds, factor):
+        assert 0.9 < claimed / summary["real_time_factor"] < 1.5, (said[0], summary)
 
 
 if __name__ == "__main__":
