@@ -21,24 +21,25 @@ namespace {
 constexpr std::int64_t kMicrosecond = 1000;
 /// A shorter wait only yields.
 constexpr std::int64_t kYielding = 20 * kMicrosecond;
-/// A longer one sleeps this part of the time that it has lasted: it ends that much later at most.
+/// A longer one sleeps this part of the time that it has lasted, up to kShortSleep: it ends that
+/// much later at most.
 constexpr std::int64_t kPart = 4;
-constexpr std::int64_t kLongestSleep = 100 * kMicrosecond;
-/// A program whose waits have all been as long is idle. It sleeps as long again as it has waited,
-/// for MPI looks at its sockets every 10 ms and a new wait seems to begin; this part of its idle
-/// time is the most.
-constexpr std::int64_t kIdle = 2'000 * kMicrosecond;
-constexpr std::int64_t kPartOfIdle = 40;
-constexpr std::int64_t kLongestIdleSleep = 5'000 * kMicrosecond;
+constexpr std::int64_t kShortSleep = 100 * kMicrosecond;
+/// From 3.2 ms on this part, up to kLongestSleep.
+constexpr std::int64_t kPartOfLongWait = 32;
+constexpr std::int64_t kLongestSleep = 5'000 * kMicrosecond;
 /// A yield that takes longer gave the processor to a program that computes: whoever yields then
 /// waits for the whole time slice of each such program, and whoever sleeps goes before them.
 constexpr std::int64_t kBusyYield = 1000 * kMicrosecond;
 /// For so long after such a yield the machine counts as busy: a waiting program only sleeps.
 constexpr std::int64_t kBusyFor = 20'000 * kMicrosecond;
 constexpr std::int64_t kBusySleep = 5 * kMicrosecond;
-/// A program that only waits calls again after 20 to 300 ns, and after 2 us when it has slept and
-/// its caches are cold. After a message it has more to do, and then begins another wait.
+/// A program that only waits calls again after 20 to 300 ns; after 2 us when it has slept and its
+/// caches are cold, after up to 10 us when it has slept for milliseconds. After a message it has
+/// more to do, and then begins another wait.
 constexpr std::int64_t kOtherWork = 2 * kMicrosecond;
+constexpr std::int64_t kOtherWorkWhenCold = 10 * kMicrosecond;
+constexpr std::int64_t kPartOfColdWait = 1000;
 
 /// Nanoseconds.
 std::int64_t now() {
@@ -51,30 +52,30 @@ class Waiting {
  public:
   void yield() {
     const std::int64_t called = now();
-    if (called - yielded_ > kOtherWork) {
-      if (yielded_ - began_ < kIdle) {
-        idle_since_ = called;
-      }
+    if (called - yielded_ > other_work_after(yielded_ - began_)) {
       began_ = called;
     }
     const std::int64_t waited = called - began_;
     if (called < busy_until_) {
-      sleep(std::max(kBusySleep, sleep_after(waited, called - idle_since_)));
+      sleep(std::max(kBusySleep, sleep_after(waited)));
     } else if (waited < kYielding) {
       syscall(SYS_sched_yield);
       const std::int64_t ended = now();
       busy_until_ = ended - called > kBusyYield ? ended + kBusyFor : 0;
     } else {
-      sleep(sleep_after(waited, called - idle_since_));
+      sleep(sleep_after(waited));
     }
     yielded_ = now();
   }
 
  private:
-  static std::int64_t sleep_after(std::int64_t waited, std::int64_t idle) {
-    return idle < kIdle
-               ? std::min(waited / kPart, kLongestSleep)
-               : std::min(waited, std::clamp(idle / kPartOfIdle, kLongestSleep, kLongestIdleSleep));
+  static std::int64_t other_work_after(std::int64_t waited) {
+    return std::clamp(waited / kPartOfColdWait, kOtherWork, kOtherWorkWhenCold);
+  }
+
+  static std::int64_t sleep_after(std::int64_t waited) {
+    return std::min(waited / kPart,
+                    std::clamp(waited / kPartOfLongWait, kShortSleep, kLongestSleep));
   }
 
   void sleep(std::int64_t length) {
@@ -90,7 +91,6 @@ class Waiting {
   }
 
   std::int64_t began_ = 0;
-  std::int64_t idle_since_ = 0;
   std::int64_t yielded_ = 0;
   std::int64_t busy_until_ = 0;
   bool precise_ = false;

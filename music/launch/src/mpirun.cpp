@@ -157,6 +157,11 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     settings.emplace_back("orte_tmpdir_base", hosts.scratch);
     settings.emplace_back("btl_vader_backing_directory", hosts.scratch);
   }
+  if (hosts.hostfile.empty()) {
+    // MPI looks at its sockets every 10 ms. It has none here, and music/waiting.cpp takes each look
+    // for the end of a wait.
+    settings.emplace_back("mpi_event_tick_rate", "1000000");  // microseconds
+  }
   // Waiting programs ask again and again: without yielding and free placement they starve each
   // other.
   std::vector<std::string> command{
