@@ -3,8 +3,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "host.hpp"
 #include "parameter_values.hpp"
@@ -131,6 +134,29 @@ py::tuple spikes(const Host& host, std::size_t i) {
   return py::make_tuple(times, channels);
 }
 
+/// (channels that have spikes, for each of them its times in ms, sorted) on a simulator's grid: to
+/// the nearest tic, up to the grid's next point, and to the first one after `begin` what is late.
+/// All in ns.
+py::tuple spikes_on_grid(const Host& host, std::size_t i, TimeNs tic, TimeNs grid, TimeNs begin) {
+  std::map<std::int32_t, std::vector<double>> times;
+  std::vector<std::pair<std::int32_t, TimeNs>> steps;
+  for (const Spike& spike : host.inbox().spikes(i)) {
+    const TimeNs time = (spike.time_ns + tic / 2) / tic * tic;
+    steps.emplace_back(spike.channel, std::max((time + grid - 1) / grid, begin / grid + 1));
+  }
+  std::ranges::sort(steps);
+  for (const auto& [channel, step] : steps) {
+    times[channel].push_back(static_cast<double>(step * grid) / 1e6);
+  }
+  py::list channels;
+  py::list arrays;
+  for (const auto& [channel, values] : times) {
+    channels.append(channel);
+    arrays.append(py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data()));
+  }
+  return py::make_tuple(channels, arrays);
+}
+
 /// (values, revision), a copy; revision 0: no value yet.
 py::tuple signal(const Host& host, std::size_t i) {
   const auto& value = host.inbox().signal(i);
@@ -172,6 +198,7 @@ void bind_host(py::module_& module) {
       .def("end", &unlocked<&Host::end>)
       .def("finish", &unlocked<&Host::finish>)
       .def("spikes", &spikes)
+      .def("spikes_on_grid", &spikes_on_grid)
       .def("signal", &signal)
       .def("send", &send)
       .def("write", &write)

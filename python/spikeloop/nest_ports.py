@@ -11,9 +11,11 @@ MOST_EVENTS = 1000
 MOST_CONNECTIONS_LOOKED_AT = 1_000_000
 
 # Times on the stack for each of the numbers of nodes below them; a call of nest.SetStatus a node
-# takes longer than a tick of many neurons.
-SET_SPIKE_TIMES = """
-2 arraystore { << >> begin /spike_times Set currentdict end SetStatus } ScanThread
+# takes longer than a tick of many neurons. Between two ticks all of Python is out of the processor's
+# caches: each line counts here.
+DEFINE_SET_SPIKE_TIMES = """
+/spikeloop_set_spike_times
+{ 2 arraystore { << >> begin /spike_times Set currentdict end SetStatus } ScanThread } def
 """
 
 
@@ -26,12 +28,17 @@ class Recorder:
         self._channels = np.zeros(ids.max() - self._first + 1, np.int64)
         self._channels[ids - self._first] = np.arange(len(ids))
         self._node = nest.Create("spike_recorder", params={"time_in_steps": True})
+        self._number = self._node.tolist()[0]
         nest.Connect(neurons, self._node, syn_spec={"delay": delay_ms})
         self.seen = 0
 
     def take(self, step_ns, precise):
         """(times in ns, channels) since the last time. precise: with the offsets that neurons with
         precise spike times give, instead of rounded up to the step."""
+        nest.ll_api.sps(self._number)
+        nest.ll_api.sr("GetStatus /n_events get")
+        if nest.ll_api.spp() == self.seen:
+            return (), ()
         events = self._node.get("events")
         new = slice(self.seen, None)
         self.seen = len(events["times"])
@@ -127,7 +134,8 @@ class Generators(Exchange):
     def begin(self, tick_ns):
         self._begin()
         self._tic_ns = round(1e6 / nest.tics_per_ms)
-        self._ids = {port: np.array(nodes.tolist()) for port, nodes in self._inputs.items()}
+        self._ids = {port: nodes.tolist() for port, nodes in self._inputs.items()}
+        nest.ll_api.sr(DEFINE_SET_SPIKE_TIMES)
         nest.Prepare()
 
     def advance(self, tick):
@@ -152,20 +160,15 @@ class Generators(Exchange):
         Tick.write(tick, port, values)
 
     def _deliver(self, tick, port):
-        spikes = Tick.spikes(tick, port)
-        if not len(spikes.times):
-            return
-        times = np.rint(spikes.times * 1e9).astype(np.int64)
         # As in NEST's own proxies: to the next tic, up to the next step; what came late, now.
-        tics = (times + self._tic_ns // 2) // self._tic_ns * self._tic_ns
-        grid = self._tic_ns if self._precise[port] else self._step_ns
-        steps = np.maximum(-(-tics // grid), tick.begin_ns // grid + 1)
-        order = np.lexsort((steps, spikes.channels))
-        channels, times_ms = spikes.channels[order], steps[order] * grid / 1e6
-        firsts = np.flatnonzero(np.diff(channels, prepend=-1))
-        nest.ll_api.sps(self._ids[port][channels[firsts]].tolist())
-        nest.ll_api.sps(np.split(times_ms, firsts[1:]))
-        nest.ll_api.sr(SET_SPIKE_TIMES)
+        grid_ns = self._tic_ns if self._precise[port] else self._step_ns
+        channels, times_ms = tick._library().spikes_on_grid(
+            tick._index(port, "spikes", True), self._tic_ns, grid_ns, tick.begin_ns)
+        if channels:
+            ids = self._ids[port]
+            nest.ll_api.sps([ids[channel] for channel in channels])
+            nest.ll_api.sps(times_ms)
+            nest.ll_api.sr("spikeloop_set_spike_times")
 
 
 class Proxies(Exchange):
