@@ -43,7 +43,7 @@ int run(const Arguments& arguments, const status::Sender& sender) {
   const auto enter = [&](bool waits) {
     heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  RosTransport transport(experiment, arguments.ros_arguments,
+  RosTransport transport(experiment, arguments.ros_arguments, arguments.run.folder,
                          {stop, enter, from_seconds(arguments.stall_timeout_s)});
   sender.started();
   heartbeat.enter(status::Phase::computing);

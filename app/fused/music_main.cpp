@@ -89,7 +89,7 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
   const auto enter = [&](bool waits) {
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  RosTransport transport(experiment, keys.text("ros_arguments"),
+  RosTransport transport(experiment, keys.text("ros_arguments"), options.folder,
                          {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes

@@ -76,7 +76,8 @@ class RosCommandEnd : public fused::CommandEnd {
 }  // namespace
 
 RosTransport::RosTransport(const experiment::Experiment& experiment,
-                           const std::string& ros_arguments, const LoopSurroundings& surroundings)
+                           const std::string& ros_arguments, const std::string& folder,
+                           const LoopSurroundings& surroundings)
     : experiment_(experiment),
       session_(session::open({{.node_name = "spikeloop_" + experiment.name,
                                .unique_name = true,
@@ -85,6 +86,8 @@ RosTransport::RosTransport(const experiment::Experiment& experiment,
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);
+  } else if (!experiment.robot && !folder.empty()) {
+    odometry_.emplace(*session_, folder);  // ours writes its path itself
   }
 }
 
@@ -185,12 +188,22 @@ void RosTransport::end(TimeNs time) {
   if (robot_) {
     robot_->advance(time);
   }
+  if (odometry_) {
+    odometry_->tick(time);
+  }
 }
 
 void RosTransport::finish() {
   if (robot_) {
     robot_->end();
   }
+  if (odometry_) {
+    odometry_->close();
+  }
+}
+
+nlohmann::json RosTransport::summary() const {
+  return odometry_ ? odometry_->summary() : nlohmann::json::object();
 }
 
 }  // namespace spikeloop

@@ -34,7 +34,7 @@ def draw(run, path):
         _draw_pose(axes, track, 0, "o", "white", length)
         _draw_pose(axes, track, -1, "s", style.INK, length)
         _finish_axes(axes, track, world or {})
-        axes.set_title(_title(track, summary or {}, missing), pad=10)
+        axes.set_title(_title(track, summary or {}), pad=10)
         bar = figure.colorbar(lines, ax=axes, shrink=0.85, pad=0.02, aspect=35)
         bar.set_label("time (s)")
         bar.outline.set_visible(False)
@@ -142,16 +142,15 @@ def _finish_axes(axes, track, world):
     axes.set_ylabel("y (m)")
 
 
-def _title(track, summary, missing):
+def _title(track, summary):
     steps = np.hypot(np.diff(track["x_m"]), np.diff(track["y_m"]))
     distance = summary.get("distance_m", float(steps.sum()))
-    collisions = int(summary.get("collisions", track["collisions"][-1]))
+    collisions = summary.get("collisions", track["collisions"][-1])
     parts = [f"{distance:.1f} m driven in {track['t_s'][-1] - track['t_s'][0]:.0f} s"]
     if "coverage" in summary:
         parts.append(f"{100 * summary['coverage']:.0f} % of the free area covered")
-    elif summary:
-        missing.append("summary.json has no 'coverage'; the title goes without")
-    parts.append(f"{collisions} collision{'' if collisions == 1 else 's'}")
+    if not np.isnan(collisions):
+        parts.append(f"{int(collisions)} collision{'' if collisions == 1 else 's'}")
     return "  ·  ".join(parts)
 
 

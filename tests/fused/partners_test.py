@@ -1,8 +1,11 @@
 #!/usr/bin/python3
 """Over ROS: a robot that was killed and that the master still knows, a process that is killed, a
-sensor that another robot fills, a process that hangs."""
+sensor that another robot fills, the path of another robot, a process that hangs."""
 
 import contextlib
+import csv
+import itertools
+import math
 import os
 import pathlib
 import signal
@@ -89,6 +92,30 @@ def living_robot_of_ros2(spikeloop, scratch):
         assert process.poll() is None
 
 
+def path_of_another_robot(spikeloop, scratch, version):
+    """Without `robot:` it is that of /odom: poses that the robot itself has written, and the way between them."""
+    file = runs.new_experiment(spikeloop, scratch / f"foreign-{version}.yaml", ros=version, duration="4 s")
+    text = file.read_text()
+    file.write_text("".join(line for line in text.splitlines(True) if not line.startswith("robot:")))
+    own, folder = scratch / f"own-{version}", scratch / f"foreign-{version}"
+    with ros.place(version, scratch), ros.program(runs.programs() / "spikeloop-robot", "--ros", version, "--out", own):
+        ros.until((own / "world.json").exists, "the robot's start")
+        summary, _ = runs.run(spikeloop, file, folder)
+    poses = {path: [tuple(row[name] for name in ("x_m", "y_m", "theta_rad")) for row in rows(path)]
+             for path in (own, folder)}
+    known = sum(pose in set(poses[own]) for pose in poses[folder])
+    assert known >= 0.95 * len(poses[folder]) > 50, (known, len(poses[folder]))
+    points = [(float(x), float(y)) for x, y, _ in poses[folder]]
+    way = sum(math.dist(*pair) for pair in itertools.pairwise(points))
+    assert way > 0.2 and abs(summary["distance_m"] - way) < 0.001, (way, summary)
+    assert all(row["collisions"] == "nan" for row in rows(folder)) and "collisions" not in summary, summary
+
+
+def rows(folder):
+    with open(folder / "trajectory.csv", encoding="utf-8") as table:
+        return list(csv.DictReader(table))
+
+
 def killed(spikeloop, scratch):
     """What is killed is named."""
     file = runs.new_experiment(spikeloop, scratch / "long.yaml", ros="1", duration="60 s")
@@ -127,6 +154,8 @@ def main():
         dead_robot(spikeloop, scratch)
         living_robot(spikeloop, scratch)
         living_robot_of_ros2(spikeloop, scratch)
+        for version in "12":
+            path_of_another_robot(spikeloop, scratch, version)
         killed(spikeloop, scratch)
         stalled(spikeloop, scratch)
     print("a dead robot is replaced, a living one used, a killed process named, one that hangs ended")

@@ -44,10 +44,12 @@ TrajectoryFile::TrajectoryFile(const std::string& directory)
   file_ << "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n";
 }
 
-void TrajectoryFile::write(const vehicle::Odometry& odometry, std::uint64_t collisions) {
+void TrajectoryFile::write(const vehicle::Odometry& odometry,
+                           std::optional<std::uint64_t> collisions) {
   file_ << fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", to_seconds(odometry.stamp),
                        odometry.pose.x_m, odometry.pose.y_m, odometry.pose.theta_rad,
-                       odometry.linear_x_m_s, odometry.angular_z_rad_s, collisions);
+                       odometry.linear_x_m_s, odometry.angular_z_rad_s,
+                       collisions ? fmt::to_string(*collisions) : "nan");
   if (odometry.stamp - flushed_ >= kNsPerSecond) {
     file_.flush();
     flushed_ = odometry.stamp;

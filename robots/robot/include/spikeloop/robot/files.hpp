@@ -3,19 +3,21 @@
 
 #include <fstream>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 
-/// trajectory.csv: t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far).
+/// trajectory.csv: t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far;
+/// nan: not known).
 class TrajectoryFile {
  public:
   /// Makes the directory when there is none. @throws FileError.
   explicit TrajectoryFile(const std::string& directory);
   /// Is on disk within a second of simulated time. @throws FileError.
-  void write(const vehicle::Odometry& odometry, std::uint64_t collisions);
+  void write(const vehicle::Odometry& odometry, std::optional<std::uint64_t> collisions);
   /// @throws FileError.
   void close();
 

@@ -1,0 +1,45 @@
+// The path of a robot that is not ours, as its odometry tells it.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/robot/files.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop {
+
+/// Writes trajectory.csv of what comes on /odom (nav_msgs/Odometry); without a message there is no
+/// file. Collisions are not known: nan.
+class OdometryLog {
+ public:
+  OdometryLog(topics::Session& session, std::string folder);
+
+  /// A row, every 20 ms at most, when a message has come since the last one. @throws FileError.
+  void tick(TimeNs time);
+  /// @throws FileError.
+  void close();
+  /// distance_m and mean_speed_m_s of the rows; empty without any.
+  nlohmann::json summary() const;
+
+ private:
+  void take(std::span<const std::byte> message);
+  void write(const vehicle::Odometry& now);
+
+  std::string folder_;
+  std::vector<messages::FieldReader> fields_;
+  std::optional<robot::TrajectoryFile> file_;
+  std::optional<vehicle::Odometry> first_;
+  vehicle::Odometry last_;  ///< that was written
+  double distance_m_ = 0;
+  std::mutex mutex_;
+  std::optional<vehicle::Odometry> newest_;            ///< and not written yet
+  std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< last: its callback uses the others
+};
+
+}  // namespace spikeloop
