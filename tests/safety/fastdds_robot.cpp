@@ -6,10 +6,10 @@
 //     stop 1 | 0        one message on /emergency_stop
 //     manual X          one message on /cmd_vel_manual, whose linear.x is X
 //
-// It says "ready", "button T N" and "driver T N" when /emergency_stop has a
-// subscriber and /cmd_vel a publisher more, "scan T 0" for every
-// scan that it has sent and "twist T X" for every message on /cmd_vel: times are CLOCK_MONOTONIC in
-// seconds, X linear.x. It ends with its input.
+// It says "ready", "done T 0" for every line, "button T N" and "driver T N" when /emergency_stop
+// has a subscriber and /cmd_vel a publisher more, "scan T 0" for every scan that it has sent and
+// "twist T X" for every message on /cmd_vel: times are CLOCK_MONOTONIC in seconds, X linear.x. It
+// ends with its input.
 //
 //     fastdds_robot DOMAIN
 #include <atomic>
@@ -133,6 +133,7 @@ int run(int argc, char** argv) {
     } else {
       refuse_word(word);
     }
+    say("done", now_s(), 0);
   }
   return 0;
 }

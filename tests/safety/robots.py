@@ -125,6 +125,7 @@ class Ros2Robot(Robot):
         super().__init__()
         self._is_heard = False  # by the run's process
         self._drivers = []  # when its process was met, and the guard
+        self._done = threading.Semaphore(0)
         self._process = subprocess.Popen([program, os.environ["ROS_DOMAIN_ID"]], text=True,
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         assert self._process.stdout.readline() == "ready\n", "fastdds_robot does not start"
@@ -135,6 +136,8 @@ class Ros2Robot(Robot):
             what, at, value = line.split()
             if what == "scan":
                 self.sent_at = float(at)
+            elif what == "done":
+                self._done.release()
             elif what == "button":
                 self._is_heard = True
             elif what == "driver":
@@ -145,6 +148,7 @@ class Ros2Robot(Robot):
     def _lead(self, word, value):
         self._process.stdin.write(f"{word} {value}\n")
         self._process.stdin.flush()
+        assert self._done.acquire(timeout=60), f"fastdds_robot does not take '{word} {value}'"
 
     def scans(self, on):
         self._lead("scans", int(on))
