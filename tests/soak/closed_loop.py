@@ -108,13 +108,13 @@ class Memory:
                  / sum((t - mean_t) ** 2 for t, _ in points))
         return slope * (points[-1][0] - points[0][0])
 
-    def faults(self):
+    def faults(self, most_growth):
         for name, samples in self.samples.items():
             sizes = [kib for _, kib in samples]
             print(f"memory of {name}: {sizes[0]} KiB at first, {sizes[-1]} at last, {max(sizes)} at most; "
                   f"growth {self.growth(name):.0f} KiB", flush=True)
-        grown = [name for name in self.samples if self.growth(name) > MOST_GROWTH_KIB]
-        return [f"the memory of {name} grows by more than {MOST_GROWTH_KIB} KiB" for name in grown]
+        grown = [name for name in self.samples if self.growth(name) > most_growth]
+        return [f"the memory of {name} grows by more than {most_growth} KiB" for name in grown]
 
 
 @contextlib.contextmanager
@@ -181,6 +181,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parents[1] / "build/release")
     parser.add_argument("--minutes", type=float, default=30)
+    parser.add_argument("--most-growth", type=float, default=MOST_GROWTH_KIB, metavar="KIB",
+                        help="of the memory of a process (default: %(default)s)")
     arguments = parser.parse_args()
     build = arguments.build.resolve()
     with tempfile.TemporaryDirectory() as folder, ros.domain() as domain:
@@ -203,7 +205,7 @@ def main():
         whole = came == last - first + 1
         faults += [] if whole else [f"fastdds_witness has heard {came} messages of /{name}, {first} to {last}"]
         faults += faults_of_sensor(counters, name, last, unheard)
-    faults += memory.faults()
+    faults += memory.faults(arguments.most_growth)
     assert not faults, "; ".join(faults)
 
 
