@@ -146,7 +146,11 @@ TEST_F(AdapterTest, the_pace_arrives_with_the_data_it_tells_the_age_of) {
   const auto data = spikeloop::record::read_signal(file, "command");
   const auto pace = spikeloop::record::read_signal(file, "pace");
   EXPECT_GT(data.times.size(), 50u);
-  EXPECT_EQ(data.times, pace.times);
+  EXPECT_GT(pace.times.size(), 50u);
+  // The programs end one after another: what is on its way then may come from one of them alone.
+  const auto [at, of_pace] = std::ranges::mismatch(data.times, pace.times);
+  EXPECT_TRUE(at == data.times.end() || of_pace == pace.times.end())
+      << "message " << at - data.times.begin() << " came at " << *at << ", its age at " << *of_pace;
 }
 
 // A decoder gives 0 before the first spike; a mapping's offset would make a command of it.

@@ -72,14 +72,17 @@ class GuardedJob : public RobotJob {
     return std::atoll(outcome.out.c_str());
   }
 
-  /// The adapter is stopped first: others' deaths are a signal to it, and it would stop the robot
-  /// itself. It dies when its launcher has: one of them says so, and that is the guard.
+  /// All are stopped first: the death of another one has mpirun end the adapter, which then stops
+  /// the robot itself. It dies when its launcher has: one of them says so, and that is the guard.
   /// Returns when it began.
   std::int64_t kill_all_but(pid_t spared) const {
-    const pid_t adapter = named("ros_command_ada");
     const auto processes = child_->family();
     const auto begin = ros_peer::monotonic_now();
-    kill(adapter, SIGSTOP);
+    for (const pid_t pid : processes) {
+      if (pid != spared && pid != child_->pid()) {
+        kill(pid, SIGSTOP);
+      }
+    }
     child_->signal(SIGKILL);
     siginfo_t gone{};
     waitid(P_PID, static_cast<id_t>(child_->pid()), &gone, WEXITED | WNOWAIT);
@@ -94,7 +97,7 @@ class GuardedJob : public RobotJob {
   void expect_zero_since(std::int64_t begin, const char* what) {
     const double ms = time_to_zero(begin, 10);
     std::printf("%s: zero command after %.1f ms\n", what, ms);
-    EXPECT_LE(ms, kDeadlineMs) << what << "\n" << child_->output();
+    EXPECT_LE(ms, deadline_.since(begin)) << what << "\n" << child_->output();
   }
 
   /// What the job that drives is told when a node of its is shut down by somebody.

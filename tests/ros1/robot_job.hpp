@@ -12,13 +12,11 @@
 #include <thread>
 
 #include "ros_peer.hpp"
+#include "tests/support/deadline.hpp"
 #include "tests/support/music_job.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace spikeloop::test {
-
-// The watchdog's 100 ms and 200 ms for a machine that does other things too.
-inline constexpr double kDeadlineMs = 300;
 
 class RobotJob : public testing::Test {
  protected:
@@ -119,6 +117,7 @@ class RobotJob : public testing::Test {
   TemporaryDirectory directory_;
   RosCore core_;
   ros_peer::Peer robot_{core_.uri()};
+  Deadline deadline_;
   std::unique_ptr<Child> child_;
   std::atomic<bool> publishing_{false};
   std::thread publisher_;

@@ -19,6 +19,7 @@
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/deadline.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace {
@@ -29,9 +30,6 @@ using messages::Catalog;
 using messages::Dialect;
 using testing::HasSubstr;
 using testing::Not;
-
-// The watchdog's 100 ms and 200 ms for a machine that does other things too.
-constexpr double kDeadlineMs = 300;
 
 struct Twist {
   double linear_x = 0;
@@ -173,11 +171,12 @@ class Ros2Job : public testing::Test {
     });
     const double ms = zero == 0 ? 1e9 : 1e-6 * static_cast<double>(zero - begin);
     std::printf("%s: zero command after %.1f ms\n", what, ms);
-    EXPECT_LE(ms, kDeadlineMs) << what << "\n" << child_->output();
+    EXPECT_LE(ms, deadline_.since(begin)) << what << "\n" << child_->output();
   }
 
   TemporaryDirectory directory_;
   FreeDomain domain_;
+  Deadline deadline_;
   Robot robot_{domain_.place()};
   std::unique_ptr<Child> child_;
 };
