@@ -87,9 +87,7 @@ TEST_F(GuardTest, launcher_and_mpirun_killed_at_once) {
 
 TEST_F(GuardTest, everything_else_killed_at_once) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
-  const pid_t guard = named("spikeloop-guard");
-  ASSERT_GT(guard, 0);
-  const auto begin = kill_all_but(guard);
+  const auto begin = kill_all_but_guard();
   expect_zero_since(begin, "everything but the guard killed at once");
   expect_nothing_left(begin);
   EXPECT_THAT(child_->wait().err,
@@ -136,7 +134,7 @@ TEST_F(GuardTest, master_killed_before) {
 TEST_F(GuardTest, master_that_hangs) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   core_.signal(SIGSTOP);
-  const auto begin = kill_all_but(named("spikeloop-guard"));
+  const auto begin = kill_all_but_guard();
   expect_zero_since(begin, "all killed, master hangs");
   expect_nothing_left(begin);
   core_.signal(SIGCONT);

@@ -72,26 +72,34 @@ class GuardedJob : public RobotJob {
     return std::atoll(outcome.out.c_str());
   }
 
-  /// All are stopped first: the death of another one has mpirun end the adapter, which then stops
-  /// the robot itself. It dies when its launcher has: one of them says so, and that is the guard.
-  /// Returns when it began.
-  std::int64_t kill_all_but(pid_t spared) const {
-    const auto processes = child_->family();
+  /// The adapter first: others that die have it stop the robot itself. The guard is stopped
+  /// meanwhile: the launcher would say what it says. Returns when it began.
+  std::int64_t kill_all_but_guard() const {
+    const pid_t guard = named("spikeloop-guard");
+    std::vector<pid_t> processes = child_->family();
+    EXPECT_EQ(std::erase(processes, guard), 1u);
+    const pid_t adapter = named("ros_command_ada");
+    std::ranges::stable_partition(processes, [&](pid_t pid) { return pid == adapter; });
     const auto begin = ros_peer::monotonic_now();
-    for (const pid_t pid : processes) {
-      if (pid != spared && pid != child_->pid()) {
-        kill(pid, SIGSTOP);
-      }
-    }
-    child_->signal(SIGKILL);
+    kill_all({guard}, SIGSTOP);
+    EXPECT_TRUE(ros_peer::eventually(10, [&] { return is_stopped(guard); }));
+    kill_all(processes, SIGKILL);
     siginfo_t gone{};
     waitid(P_PID, static_cast<id_t>(child_->pid()), &gone, WEXITED | WNOWAIT);
-    for (const pid_t pid : processes) {
-      if (pid != spared) {
-        kill(pid, SIGKILL);
-      }
-    }
+    kill_all({guard}, SIGCONT);
     return begin;
+  }
+  /// Threads go on after SIGSTOP until one of them takes it.
+  static bool is_stopped(pid_t pid) {
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+    std::string stat;
+    return std::getline(file, stat) && stat.find(") T ") != std::string::npos;
+  }
+  static void kill_all(const std::vector<pid_t>& processes, int signal) {
+    for (const pid_t pid : processes) {
+      ASSERT_GT(pid, 1);
+      kill(pid, signal);
+    }
   }
 
   void expect_zero_since(std::int64_t begin, const char* what) {
