@@ -40,7 +40,10 @@ OdometryLog::OdometryLog(topics::Session& session, std::string folder)
       fields_(readers(session.dialect())),
       subscriber_(session.subscriber({.topic = kOdometryTopic,
                                       .message_type = kOdometryType,
-                                      .take = [this](auto message) { take(message); }})) {}
+                                      .take = [this](auto message) { take(message); },
+                                      // Another type is for the experiment's own sensors to tell;
+                                      // over ROS 1 they would not get it if this asked for one.
+                                      .refuse = [](const auto&) {}})) {}
 
 /// In the session's thread.
 void OdometryLog::take(std::span<const std::byte> message) {

@@ -41,7 +41,6 @@ class RosCommandEnd : public fused::CommandEnd {
     keep_sent();
   }
   nlohmann::json summary() const override { return command_.summary(); }
-  std::string missing_data() const override { return command_.missing_data(); }
   ros_command::RosCommand& ros() { return command_; }
 
  private:

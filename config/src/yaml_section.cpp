@@ -109,7 +109,7 @@ void refuse_depth(const std::string& text, const std::string& path) {
   for (const char c : text) {
     where.line += c == '\n' ? 1 : 0;
     where.column = c == '\n' ? 0 : where.column + 1;
-    depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+    depth += c == '[' || c == '{' ? 1 : (c == ']' || c == '}') && depth > 0 ? -1 : 0;
     if (depth > kMostOpen) {
       throw ConfigurationError(where,
                                "this is not YAML: it is nested too deeply; close its brackets");

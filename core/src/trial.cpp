@@ -33,6 +33,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kSeconds = 4;
 constexpr std::uint64_t kBytesASecond = 20'000'000;
 constexpr rlim_t kMemory = 4'000'000'000;
+/// A recording in memory is twice as large as its file.
+constexpr rlim_t kMemoryAByte = 3;
 constexpr std::chrono::milliseconds kLook{1};
 constexpr int kTooLarge = 2;
 
@@ -51,7 +53,14 @@ void set_limit(__rlimit_resource kind, rlim_t value) {
   setrlimit(kind, &limit);
 }
 
-[[noreturn]] void be_the_copy(std::uint64_t seconds, const std::function<void()>& work) {
+struct Limits {
+  explicit Limits(std::uint64_t size)
+      : seconds(kSeconds + size / kBytesASecond), memory(kMemory + kMemoryAByte * size) {}
+  std::uint64_t seconds;
+  rlim_t memory;  ///< bytes beyond what this process has
+};
+
+[[noreturn]] void be_the_copy(const Limits& limits, const std::function<void()>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (int number = 1; number < NSIG; ++number) {
     signal(number, SIG_DFL);
@@ -65,8 +74,8 @@ void set_limit(__rlimit_resource kind, rlim_t value) {
   }
   log::set_level(log::Level::error);  // the caller says it all when it does the work itself
   set_limit(RLIMIT_CORE, 0);
-  set_limit(RLIMIT_CPU, seconds);
-  set_limit(RLIMIT_AS, memory() + kMemory);
+  set_limit(RLIMIT_CPU, limits.seconds);
+  set_limit(RLIMIT_AS, memory() + limits.memory);
   try {
     work();
   } catch (const std::bad_alloc&) {
@@ -107,23 +116,27 @@ int end_of(pid_t child, std::uint64_t seconds) {
   }
 }
 
-void refuse(const std::string& path, std::string_view library, int status, std::uint64_t seconds) {
+void refuse(const std::string& path, std::string_view library, int status, const Limits& limits) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == kTooLarge) {
     throw ConfigurationError(
         Location{path}, fmt::format("{} needs more than {} GB of memory for it; look for a size "
                                     "that is too large",
-                                    library, kMemory / 1'000'000'000));
+                                    library, limits.memory / 1'000'000'000));
   }
   const int number = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   constexpr std::array kAsked{0, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1};
   if (std::ranges::find(kAsked, number) != kAsked.end()) {
     return;  // Ctrl-C is everybody's
   }
-  if (number == SIGXCPU || number == SIGKILL) {
+  if (number == SIGKILL) {
+    throw FileError(fmt::format(
+        "cannot read '{}': {} was killed; see whether there is enough memory", path, library));
+  }
+  if (number == SIGXCPU) {
     throw FileError(
         fmt::format("cannot read '{}': {} takes longer than {} s; see whether it, or "
                     "a file that it names, is damaged or a pipe",
-                    path, library, seconds));
+                    path, library, limits.seconds));
   }
   throw FileError(
       fmt::format("cannot read '{}': damaged: {} crashes ({})", path, library, strsignal(number)));
@@ -149,15 +162,15 @@ void try_in_a_copy(const std::string& path, std::string_view library,
   if (tried.contains(file)) {
     return;
   }
-  const std::uint64_t seconds = kSeconds + (error ? 0 : size / kBytesASecond);
+  const Limits limits(error ? 0 : size);
   const pid_t child = fork();
   if (child == 0) {
-    be_the_copy(seconds, work);
+    be_the_copy(limits, work);
   }
   if (child < 0) {
     throw FileError("start a process to read", path, errno);
   }
-  refuse(path, library, end_of(child, seconds), seconds);
+  refuse(path, library, end_of(child, limits.seconds), limits);
   tried.insert(file);
 }
 

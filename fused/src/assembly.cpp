@@ -355,15 +355,6 @@ void Assembly::record_latency(const Part& part, CommandEnd& command, const std::
   }
 }
 
-std::string Assembly::missing_data() const {
-  for (const auto& command : commands_) {
-    if (std::string why = command->missing_data(); !why.empty()) {
-      return why;
-    }
-  }
-  return {};
-}
-
 void Assembly::stop_robot(command::StopReason reason) {
   for (const auto& command : commands_) {
     command->stop(reason);

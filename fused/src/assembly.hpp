@@ -38,8 +38,6 @@ class Assembly {
   ~Assembly();
 
   Graph& graph() { return *graph_; }
-  /// Of the first robot that has some, as CommandEnd's.
-  std::string missing_data() const;
   void stop_robot(command::StopReason reason);
   /// Closes the recordings; what they lost is warned of and counted, and the last such sentence is
   /// in `error`.

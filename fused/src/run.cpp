@@ -75,8 +75,7 @@ class Loop {
         events_(events),
         pacer_(make_pacer(experiment, transport)) {}
 
-  /// Returns whether the run came to its end; else somebody has stopped it.
-  bool run() {
+  void run() {
     const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
     Graph& graph = assembly_.graph();
     if (simulators_ != nullptr) {
@@ -88,7 +87,7 @@ class Loop {
       const TimeNs began = wall_now();
       transport_.begin(graph.time());
       if (events_.stop && events_.stop()) {
-        return false;  // perhaps while it waited
+        return;  // perhaps while it waited
       }
       graph.step();
       if (simulators_ != nullptr) {
@@ -102,7 +101,6 @@ class Loop {
       computing_ += now - began;
       tell_progress(now);
     }
-    return true;
   }
 
   /// Wall time of all ticks, without the waiting before them.
@@ -344,15 +342,9 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   Loop loop(experiment, transport, assembly, simulators, events);
   RunResult result;
   result.summary = json::object();
-  std::string missing_data;
-  attempt(result, [&] { missing_data = loop.run() ? assembly.missing_data() : ""; });
+  attempt(result, [&] { loop.run(); });
   assembly.stop_robot(result.exit_code == 0 ? command::StopReason::ended
                                             : command::StopReason::terminated);
-  attempt(result, [&] {
-    if (!missing_data.empty()) {
-      throw TransportError(missing_data);
-    }
-  });
   const Progress progress = loop.progress();
   if (events.progress) {
     events.progress(progress);

@@ -16,7 +16,8 @@ BRAIN = "simulator: python\nscript: echo.py"
 
 def over_ros(scratch, name, version, **keys):
     file = experiments.explorer(scratch, BRAIN, ros=version, **keys)
-    summary, _ = experiments.run(file, scratch / name)
+    summary, printed = experiments.run(file, scratch / name)
+    assert "robot-arg" not in printed, printed
     assert summary["layout"] == "fused" and summary["exit_reason"] == "finished", summary
     counters = summary["processes"]["experiment"]["counters"]
     assert counters["wheels.stops_ended"] == 1, counters

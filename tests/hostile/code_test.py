@@ -44,7 +44,8 @@ def main():
         (folder / "it.yaml").write_text("plugins: [plugin.py]\n" + text)
         (folder / "it.music").write_text(MUSIC)
         answer = Answer(SPIKELOOP, "check", "--no-code", "it.yaml", cwd=folder)
-        for word in ("plug-in 'plugin.py' is code", "brain.py' is code", "0 errors, 2 warnings"):
+        for word in ("plug-in 'plugin.py' is code", "brain.py' is code", "connections are not checked",
+                     "0 errors, 3 warnings"):
             assert word in answer.text, answer.text
         answer = Answer(SPIKELOOP, "check", "--no-code", "it.music", cwd=folder)
         assert "tauu" in answer.text, answer.text
@@ -53,7 +54,7 @@ def main():
         assert not ran.exists(), "code has run"
         (folder / "it.yaml").write_text(text)
         answer = Answer(SPIKELOOP, "check", "--no-code", "it.yaml", cwd=folder)
-        assert answer.code == 0 and "0 errors, 1 warning" in answer.text, answer.text
+        assert answer.code == 0 and "0 errors, 2 warnings" in answer.text, answer.text
         (folder / "brain.py").write_text(BRAIN)
         answer = Answer(SPIKELOOP, "check", "it.yaml", cwd=folder)
         answer.refused("numpy is of /usr/lib")

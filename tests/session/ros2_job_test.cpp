@@ -28,6 +28,7 @@ using namespace spikeloop;
 using namespace spikeloop::test;
 using messages::Catalog;
 using messages::Dialect;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -277,6 +278,22 @@ TEST_F(Ros2Job, a_subscriber_that_asks_for_more_than_commands_offer) {
               HasSubstr("a subscriber of '/cmd_vel' gets no command: it asks for durability "
                         "transient local, and this one is volatile; 'ros2 topic info -v /cmd_vel' "
                         "names it"));
+}
+
+TEST_F(Ros2Job, topics_that_a_robot_of_ours_does_not_use) {
+  const auto said = [this](const std::string& sensor, const std::string& robot) {
+    Command command = launched(scan_to_twist("stoptime=0.1", "", sensor));
+    command.arguments.insert(command.arguments.end(), {"--robot", "--robot-arg=" + robot});
+    return run(command).text();
+  };
+  EXPECT_THAT(said("/front/scan", "--scan-topic=/back/scan"),
+              AllOf(HasSubstr("the robot sends /back/scan, and 'sensor' takes /front/scan: write  "
+                              "--robot-arg=--scan-topic=/front/scan\n"),
+                    Not(HasSubstr("the robot takes"))));
+  EXPECT_THAT(said("/left/scan", "--topic-prefix=/left"),
+              AllOf(HasSubstr("the robot takes /left/cmd_vel, and 'command' sends /cmd_vel: write  "
+                              "--robot-arg=--cmd-topic=/cmd_vel\n"),
+                    Not(HasSubstr("the robot sends"))));
 }
 
 TEST_F(Ros2Job, silence_and_names) {

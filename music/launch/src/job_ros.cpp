@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "job_run.hpp"
 #include "outside.hpp"
@@ -56,28 +57,46 @@ void add_robot_option(const MusicFile& file, const char* key, const char* option
   }
 }
 
-/// Of  --scan-topic=/front  or  --scan-topic /front;  `otherwise` when it is not given.
-std::string option_of(const std::vector<std::string>& arguments, const std::string& option,
-                      const std::string& otherwise) {
+/// Of  --scan-topic=/front  or  --scan-topic /front;  empty when it is not given.
+std::string option_of(const std::vector<std::string>& arguments, const std::string& option) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i].starts_with(option + "=")) {
-      return topic_name(arguments[i].substr(option.size() + 1));
+      return arguments[i].substr(option.size() + 1);
     }
     if (arguments[i] == option && i + 1 < arguments.size()) {
-      return topic_name(arguments[i + 1]);
+      return arguments[i + 1];
     }
   }
-  return otherwise;
+  return "";
 }
 
-/// A robot whose scans nobody takes, or whose commands nobody sends.
+/// The topic of spikeloop-robot that such an option names; the prefix is for relative names.
+std::string robot_topic(const std::vector<std::string>& arguments, const std::string& option,
+                        const std::string& otherwise) {
+  const std::string given = option_of(arguments, option);
+  if (given.starts_with('/')) {
+    return topic_name(given);
+  }
+  return topic_name(option_of(arguments, "--topic-prefix") + "/" +
+                    (given.empty() ? otherwise : given));
+}
+
+bool takes_scans(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* type = file.find_key(section, "message_type");
+  std::string name = type == nullptr ? "" : type->value;
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.ends_with("laserscan");
+}
+
+/// A robot whose scans no program takes, or whose commands no program sends.
 void warn_of_other_topics(const MusicFile& file, bool sources, const std::string& topic,
                           const char* option) {
   const MusicSection* other = nullptr;
   std::string others;
   for (const MusicSection* section : in_written_order(file)) {
     const Program* program = find_program(file, *section);
-    if (program == nullptr || !program->ros || program->source != sources) {
+    if (program == nullptr || !program->ros || program->source != sources ||
+        (sources && !takes_scans(file, *section))) {
       continue;
     }
     const std::string name = topic_name(written_place(file, *section, *program));
@@ -116,6 +135,11 @@ int JobRun::robot_ros() const {
   return ros2 ? 2 : 1;
 }
 
+/// In a file of its own format, from which this one was made.
+bool JobRun::is_experiment() const {
+  return !options_.program.empty() || options_.translate != nullptr;
+}
+
 bool JobRun::find_master() {
   const RosMaster master(master_uri());
   ros_environment_["ROS_MASTER_URI"] = master.uri();
@@ -125,7 +149,6 @@ bool JobRun::find_master() {
       return false;  // while it was asked
     }
     if (!options_.roscore) {
-      const bool is_experiment = !options_.program.empty() || options_.translate;
       if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
         throw TransportError(
             fmt::format("no ROS master answers at {}: {}, or write another address into "
@@ -136,8 +159,8 @@ bool JobRun::find_master() {
           "no ROS master answers at {}; start one (roscore), write its address into "
           "ROS_MASTER_URI, or {}",
           master.uri(),
-          is_experiment ? "write  robot: {simulator: mujoco}  for a robot and a master of our own"
-                        : "let us start one of our own: --roscore"));
+          is_experiment() ? "write  robot: {simulator: mujoco}  for a robot and a master of our own"
+                          : "let us start one of our own: --roscore"));
     }
     return start_rosmaster();
   }
@@ -199,15 +222,15 @@ bool JobRun::robot_is_there(const std::string& scan_topic) {
 
 bool JobRun::start_robot() {
   const std::string scan_topic =
-      option_of(options_.robot_arguments, "--scan-topic", options_.scan_topic);
+      robot_topic(options_.robot_arguments, "--scan-topic", options_.scan_topic);
   if (robot_is_there(scan_topic)) {
     log::info("{} is published already: no robot is started", scan_topic);
     return true;
   }
-  if (options_.run.ros_arguments.empty()) {
+  if (options_.run.ros_arguments.empty() && !is_experiment()) {
     warn_of_other_topics(effective_.file, true, scan_topic, "--scan-topic");
     warn_of_other_topics(effective_.file, false,
-                         option_of(options_.robot_arguments, "--cmd-topic", "/cmd_vel"),
+                         robot_topic(options_.robot_arguments, "--cmd-topic", "/cmd_vel"),
                          "--cmd-topic");
   }
   ProgramStart start;

@@ -211,6 +211,9 @@ void JobRun::supervise() {
     fail(failure.exit_code,
          failure.message + (far ? fmt::format("; see {}/mpirun.log", folder_) : ""));
   }
+  if (const auto reason = state_.stood_at_end()) {
+    fail(3, *reason);
+  }
 }
 
 void JobRun::watch_start() {

@@ -47,6 +47,7 @@ class JobRun {
   bool find_master();
   bool start_rosmaster();
   bool start_robot();
+  bool is_experiment() const;
   int robot_ros() const;
   bool robot_is_there(const std::string& scan_topic);
   void start_programs();

@@ -176,6 +176,16 @@ bool JobState::all_reported() const {
   return any;
 }
 
+std::optional<std::string> JobState::stood_at_end() const {
+  for (const std::string& label : order_) {
+    const json& summary = processes_.at(label).summary;
+    if (summary.contains(status::kStoodAtEnd)) {
+      return fmt::format("{}: {}", label, value_of(summary, status::kStoodAtEnd, std::string()));
+    }
+  }
+  return std::nullopt;
+}
+
 std::string JobState::last_line(const std::string& label) const {
   const auto words = std::ranges::find_if(
       last_words_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });
@@ -226,7 +236,8 @@ Failure JobState::explain(const MpirunEnd& end) const {
                 "{} ended with exit code {}{}", end.program, end.exit_code,
                 last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
   }
-  const std::string last = last_line(label_of_rank(file_, *rank));
+  const auto words = last_words_.find(*rank);
+  const std::string last = words == last_words_.end() ? "" : kLastLine + words->second;
   if (const auto number = diagnosis_.signal()) {
     return {128 + *number, killed_text(named(*rank), *number) + last};
   }

@@ -69,6 +69,8 @@ class JobState {
   std::string who_ended_early() const;
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;
+  /// Why a robot stood before the run's end, as its process says; nothing: none did.
+  std::optional<std::string> stood_at_end() const;
   /// What mpirun's end means.
   Failure explain(const MpirunEnd& end) const;
   /// Without the outcome: file, times, what the reports say.

@@ -9,6 +9,7 @@
 #include "command_topics.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/status/status.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros_command {
@@ -74,6 +75,21 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
 
 RosCommand::~RosCommand() = default;
 
+void RosCommand::stop(command::StopReason reason) {
+  if (reason == command::StopReason::ended) {
+    stood_at_end_ = sink_.missing_data();
+  }
+  sink_.stop(reason);
+}
+
+nlohmann::json RosCommand::summary() const {
+  nlohmann::json summary = sink_.summary();
+  if (!stood_at_end_.empty()) {
+    summary[status::kStoodAtEnd] = stood_at_end_;
+  }
+  return summary;
+}
+
 void RosCommand::send(const Step& step) {
   if (!may_begin()) {
     sink_.alive();
@@ -88,7 +104,11 @@ void RosCommand::send(const Step& step) {
 /// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no
 /// guard: one that comes later is waited for, too.
 bool RosCommand::may_begin() {
-  if (!waits_for_guard_ || !publisher_.has_subscribers()) {
+  if (!waits_for_guard_) {
+    return true;
+  }
+  if (!publisher_.has_subscribers()) {
+    met_at_ = 0;
     return true;
   }
   if (guard_.reaches_robot()) {

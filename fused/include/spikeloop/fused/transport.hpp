@@ -29,8 +29,6 @@ class CommandEnd : public Sink {
   virtual void stop(command::StopReason reason) = 0;
   /// As command::CommandFeed's.
   virtual nlohmann::json summary() const = 0;
-  /// As command::CommandSink's; a robot in this process always has data.
-  virtual std::string missing_data() const { return {}; }
 };
 
 /// Keeps a message that a node took or sent, with the time at which it did: of a sensor the one at

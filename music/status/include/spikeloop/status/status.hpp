@@ -44,6 +44,10 @@ const char* name_of(Phase phase);
 /// Nothing for another name.
 std::optional<Phase> phase_named(std::string_view name);
 
+/// Key of a report's summary: why the robot stood before the end of the run stopped it, when it did
+/// for want of data. Such a run has failed.
+inline constexpr const char* kStoodAtEnd = "stood_at_end";
+
 /// The reporting side, one a process. Without a launcher, or when it has gone, every call does
 /// nothing. No call throws, and all may be used from any thread.
 class Sender {

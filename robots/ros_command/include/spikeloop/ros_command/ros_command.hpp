@@ -47,9 +47,10 @@ class RosCommand : public Sink {
   std::vector<Counter> counters() const override { return sink_.counters(); }
   /// As CommandSink.
   void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
-  void stop(command::StopReason reason) { sink_.stop(reason); }
-  nlohmann::json summary() const { return sink_.summary(); }
-  std::string missing_data() const { return sink_.missing_data(); }
+  void stop(command::StopReason reason);
+  /// As CommandSink's; `stood_at_end` says why the robot stood before the run's end stopped it,
+  /// when it did for want of data.
+  nlohmann::json summary() const;
   void alive() { sink_.alive(); }
 
   /// Whether somebody hears us, and the guard. To be called from the loop's thread.
@@ -72,6 +73,7 @@ class RosCommand : public Sink {
   topics::Publisher publisher_;
   Sent sent_;
   std::atomic<std::uint64_t> count_{0};
+  std::string stood_at_end_;
   guard::Link guard_;
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
