@@ -7,7 +7,9 @@
 
 #include <array>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fastdds_peer {
@@ -91,6 +93,30 @@ struct Bool {
   std::size_t most_bytes() const { return 8; }
   void write(Cdr& cdr) const { cdr << data; }
   void read(Cdr& cdr) { cdr >> data; }
+};
+
+/// The newest status alone is kept.
+struct DiagnosticArray {
+  std::uint8_t level = 0;
+  std::string name, message;
+  std::vector<std::pair<std::string, std::string>> values;
+
+  static const char* type() { return "diagnostic_msgs::msg::dds_::DiagnosticArray_"; }
+  std::size_t most_bytes() const { return 4096; }
+  void write(Cdr&) const { throw std::logic_error("nobody sends diagnostics here"); }
+  void read(Cdr& cdr) {
+    std::int32_t sec = 0;
+    std::uint32_t nanosec = 0, statuses = 0, pairs = 0;
+    std::string frame_id, hardware_id;
+    cdr >> sec >> nanosec >> frame_id >> statuses;
+    for (; statuses > 0; --statuses) {
+      cdr >> level >> name >> message >> hardware_id >> pairs;
+      values.resize(pairs);
+      for (auto& [key, value] : values) {
+        cdr >> key >> value;
+      }
+    }
+  }
 };
 
 /// rmw_dds_common/ParticipantEntitiesInfo, with identities of 24 bytes until Humble, 16 since Iron.

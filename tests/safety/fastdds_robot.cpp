@@ -7,9 +7,10 @@
 //     manual X          one message on /cmd_vel_manual, whose linear.x is X
 //
 // It says "ready", "done T 0" for every line, "button T N" and "driver T N" when /emergency_stop
-// has a subscriber and /cmd_vel a publisher more, "scan T 0" for every scan that it has sent and
-// "twist T X" for every message on /cmd_vel: times are CLOCK_MONOTONIC in seconds, X linear.x. It
-// ends with its input.
+// has a subscriber and /cmd_vel a publisher more, "scan T 0" for every scan that it has sent,
+// "twist T X" for every message on /cmd_vel, and "diagnosis T LEVEL NAME: MESSAGE (KEY VALUE, ...)"
+// for every one on /diagnostics: times are CLOCK_MONOTONIC in seconds, X linear.x. It ends with its
+// input.
 //
 //     fastdds_robot DOMAIN
 #include <atomic>
@@ -60,6 +61,16 @@ class Wheels : public Listener<Twist> {
   }
 };
 
+void say_diagnosis(const DiagnosticArray& array, const SampleInfo&) {
+  std::string values;
+  for (const auto& [key, value] : array.values) {
+    values += key + " " + value + ", ";
+  }
+  std::printf("diagnosis %.6f %d %s: %s (%s)\n", now_s(), array.level, array.name.c_str(),
+              array.message.c_str(), values.c_str());
+  std::fflush(stdout);
+}
+
 /// Sends its sensors' messages in a thread of its own.
 class Sensors {
  public:
@@ -107,10 +118,13 @@ int run(int argc, char** argv) {
   }
   Wheels wheels;
   Button button;
+  Listener<DiagnosticArray> monitor(say_diagnosis);
   // Without shared memory, which a killed process would leave behind.
   Peer peer(static_cast<std::uint32_t>(std::stoi(argv[1])), "udp");
   peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), every_message_qos(),
                                        &wheels);
+  peer.subscriber()->create_datareader(peer.topic<DiagnosticArray>("rt/diagnostics"),
+                                       every_message_qos(), &monitor);
   DataWriter* const stop = peer.publisher()->create_datawriter(
       peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT), &button);
   DataWriter* const manual = peer.publisher()->create_datawriter(

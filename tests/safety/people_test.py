@@ -18,6 +18,8 @@ import robots
 import time_to_zero
 from robots import ros
 
+OK, WARN, ERROR = range(3)  # diagnostic_msgs/DiagnosticStatus
+
 EXPERIMENT = """experiment: people
 nodes:
   scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
@@ -60,13 +62,23 @@ WITH_CLERK = EXPERIMENT.replace("  decoder:", "  clerk: {simulator: python, scri
     "  - encoder -> clerk.in [10]\n")
 
 
+def await_diagnosis(person, level, text):
+    """On /diagnostics, where monitors of ROS look."""
+    def told():
+        return person.diagnosis[0] == level and f"spikeloop: commands on /cmd_vel: {text}" in person.diagnosis[1]
+    ros.until(told, f"a status of level {level}, {text!r}", 5)
+
+
 def stop_and_release(person):
+    await_diagnosis(person, OK, "the robot is driven by the network (commands ")
     begin = time.monotonic()
     person.press_stop(True)
     assert person.time_to_zero_ms(begin) < time_to_zero.MARGIN_MS
     time.sleep(0.5)
     pressed = begin + time_to_zero.MARGIN_MS / 1e3
     assert not person.drives_since(pressed), "driven while the emergency stop is pressed"
+    await_diagnosis(person, ERROR, "the robot is stopped: the emergency stop, topic '/emergency_stop', says so")
+    assert "stops_emergency_stop 1, " in person.diagnosis[1], person.diagnosis
     person.drive_by_hand(0)
     time.sleep(0.1)
     assert not person.drives_since(pressed), "driven by hand while the emergency stop is pressed"
@@ -80,6 +92,7 @@ def drive_by_hand(person, printed):
         return "the robot is driven by hand, on topic '/cmd_vel_manual'" in printed.read_text()
 
     ros.until(announced, "the line about it, which may wait for a second", 5)
+    assert person.diagnosis[0] in (OK, WARN), person.diagnosis
     for _ in range(10):
         person.drive_by_hand(0.3)
         time.sleep(0.05)

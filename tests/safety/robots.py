@@ -17,10 +17,12 @@ RECENT_S = 0.35  # commands that do not change are repeated ten times a second
 
 
 class Robot:
-    """What both have. `heard`: (time, linear.x) of every command; `sent_at`: when the newest scan left."""
+    """What both have. `heard`: (time, linear.x) of every command; `sent_at`: when the newest scan left;
+    `diagnosis`: (level, text) of the newest message on /diagnostics."""
 
     def __init__(self):
         self.heard = []
+        self.diagnosis = (None, "")
         self.sent_at = 0.0
 
     def forget(self):
@@ -64,6 +66,7 @@ class Ros1Robot(Robot):
     def __init__(self):
         super().__init__()
         import rospy
+        from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Twist
         from nav_msgs.msg import Odometry
         from sensor_msgs.msg import LaserScan
@@ -76,6 +79,7 @@ class Ros1Robot(Robot):
         self._scans, self._odometry = publisher("/scan", LaserScan), publisher("/odom", Odometry)
         self._stop, self._manual = publisher("/emergency_stop", Bool), publisher("/cmd_vel_manual", Twist)
         rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnosis)
         self._scanning = self._moving = False
         self._scan = LaserScan(range_min=0.1, range_max=4.1, ranges=[3.0] * 10)
         self._pose = Odometry()
@@ -83,6 +87,11 @@ class Ros1Robot(Robot):
 
     def _take(self, message):
         self.heard.append((time.monotonic(), message.linear.x))
+
+    def _take_diagnosis(self, message):
+        status, = message.status
+        values = "".join(f"{pair.key} {pair.value}, " for pair in status.values)
+        self.diagnosis = (status.level, f"{status.name}: {status.message} ({values})")
 
     def _send(self):
         while True:
@@ -133,7 +142,7 @@ class Ros2Robot(Robot):
 
     def _read(self):
         for line in self._process.stdout:
-            what, at, value = line.split()
+            what, at, value, *text = line.split(maxsplit=3)
             if what == "scan":
                 self.sent_at = float(at)
             elif what == "done":
@@ -142,6 +151,8 @@ class Ros2Robot(Robot):
                 self._is_heard = True
             elif what == "driver":
                 self._drivers.append(float(at))
+            elif what == "diagnosis":
+                self.diagnosis = (int(value), text[0])
             else:
                 self.heard.append((float(at), float(value)))
 

@@ -204,6 +204,11 @@ std::optional<StopReason> CommandChannel::stopped_by() const {
   return driven ? std::nullopt : std::optional(reason_);
 }
 
+bool CommandChannel::has_driven() const {
+  const std::lock_guard lock(mutex_);
+  return driven_;
+}
+
 TimeNs CommandChannel::stood_for() const {
   const std::lock_guard lock(mutex_);
   return stood_for_;

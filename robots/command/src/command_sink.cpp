@@ -1,5 +1,7 @@
 #include "spikeloop/command/command_sink.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -103,7 +105,7 @@ TimeNs CommandSink::beat(TimeNs wall) {
 }
 
 void CommandSink::announce(TimeNs now) {
-  const State state{channel_.stopped_by(), channel_.overridden()};
+  const State state = this->state();
   const auto cut = channel_.first_cut();
   const std::lock_guard lock(announcing_);
   if (cut && !cut_announced_) {
@@ -115,13 +117,28 @@ void CommandSink::announce(TimeNs now) {
   }
   const State before = std::exchange(announced_, state);
   announced_at_ = now;
-  if (state.overridden) {
-    log::warning("the robot is driven by hand, on topic '{}'", settings_.manual.topic);
-  } else if (!state.stopped) {
+  if (!state.overridden && !state.stopped) {
     log::warning("the robot is driven {}again", before.overridden ? "by the network " : "");
-  } else if (*state.stopped < StopReason::terminated) {
-    log::warning("the robot is stopped: {}", stop_cause(*state.stopped, settings_, feed_));
+  } else if (state.overridden || *state.stopped < StopReason::terminated) {
+    log::warning("{}", condition_of(state).text);
   }
+}
+
+Condition CommandSink::condition() const {
+  return condition_of(state());
+}
+
+Condition CommandSink::condition_of(const State& state) const {
+  using enum Condition::Level;
+  if (state.overridden) {
+    return {warning,
+            fmt::format("the robot is driven by hand, on topic '{}'", settings_.manual.topic)};
+  }
+  if (state.stopped) {
+    return {error, "the robot is stopped: " + stop_cause(*state.stopped, settings_, feed_)};
+  }
+  return channel_.has_driven() ? Condition{ok, "the robot is driven by the network"}
+                               : Condition{warning, "there has been no command yet"};
 }
 
 void CommandSink::stop(StopReason reason) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_topics.hpp"
+#include "diagnostics.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/status/status.hpp"
@@ -45,6 +46,9 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
       publisher_(session, address.topic, address.message_type, address.fields),
       sent_(std::move(sent)),
       guard_(guard_hello(session, address, settings, publisher_)),
+      diagnostics_(settings.clock == command::CommandClock::lockstep
+                       ? nullptr
+                       : std::make_unique<Diagnostics>(session, address.topic)),
       sink_(settings, {.publish =
                            [this](auto values) {
                              if (drives_unguarded(values)) {
@@ -66,7 +70,7 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
                        .beat =
                            [this](TimeNs now) {
                              leave_to_guard_if_dead();
-                             return guard_.beat(now);
+                             return std::min(guard_.beat(now), report(now));
                            },
                        .require = [this] { session_.require_alive(); }}),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
@@ -99,6 +103,11 @@ void RosCommand::send(const Step& step) {
   if (!minded_subscribers_ && count_ != 0) {
     mind_subscribers();
   }
+}
+
+/// In the watch's thread, so also while the loop stands still.
+TimeNs RosCommand::report(TimeNs now) {
+  return diagnostics_ ? diagnostics_->publish(now, sink_) : kNever;
 }
 
 /// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no

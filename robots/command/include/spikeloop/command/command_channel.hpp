@@ -62,6 +62,8 @@ class CommandChannel {
 
   /// Why the robot stands; nothing while it is driven, and before the first command.
   std::optional<StopReason> stopped_by() const;
+  /// A command of the network, or one by hand, has left.
+  bool has_driven() const;
   /// How long the robot stood while it had a reason to, until it was last driven or the run ended.
   TimeNs stood_for() const;
   /// Manual commands hold.

@@ -52,6 +52,13 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings, const
 /// A warning of a value that the bounds have cut.
 std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings);
 
+/// What a robot is doing, as diagnostic_msgs/DiagnosticStatus of ROS tells it.
+struct Condition {
+  enum class Level : std::uint8_t { ok, warning, error };
+  Level level;
+  std::string text;  ///< "the robot is stopped: ..."
+};
+
 /// Ports: as CommandFeed.
 class CommandSink : public Sink {
  public:
@@ -86,6 +93,8 @@ class CommandSink : public Sink {
   void override_with(std::span<const double> values);
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
+  /// Safe to call from any thread.
+  Condition condition() const;
   /// As CommandFeed's.
   nlohmann::json summary() const;
   /// At the end of a run: "the robot stood when the run ended: ...", when it does for want of data
@@ -112,6 +121,8 @@ class CommandSink : public Sink {
     bool overridden = false;
     bool operator==(const State&) const = default;
   };
+  State state() const { return {channel_.stopped_by(), channel_.overridden()}; }
+  Condition condition_of(const State& state) const;
   std::mutex announcing_;
   State announced_;
   TimeNs announced_at_ = 0;

@@ -21,6 +21,7 @@
 namespace spikeloop::ros_command {
 
 class CommandTopics;
+class Diagnostics;
 
 struct Address {
   std::string process;  ///< how the guard calls this one
@@ -63,6 +64,7 @@ class RosCommand : public Sink {
   bool may_begin();
   bool drives_unguarded(std::span<const double> values) const;
   void mind_subscribers();
+  TimeNs report(TimeNs now);
 
   topics::Session& session_;
   const Address address_;
@@ -75,6 +77,7 @@ class RosCommand : public Sink {
   std::atomic<std::uint64_t> count_{0};
   std::string stood_at_end_;
   guard::Link guard_;
+  std::unique_ptr<Diagnostics> diagnostics_;  ///< none for a robot that is stepped
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
   status::TerminationHook on_termination_;
