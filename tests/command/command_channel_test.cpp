@@ -52,6 +52,19 @@ TEST_F(CommandChannelTest, nothing_leaves_before_the_first_value) {
   EXPECT_EQ(count("resumed"), 0u);
 }
 
+TEST_F(CommandChannelTest, a_robot_that_comes_late_gets_the_same_command) {
+  channel_.begin_anew(0);
+  command(0.5, 0, kMs);
+  command(0.5, 0, 2 * kMs);
+  EXPECT_EQ(sent_.size(), 1u);
+  channel_.begin_anew(3 * kMs);
+  command(0.5, 0, 4 * kMs);
+  EXPECT_THAT(sent_, ElementsAre(ElementsAre(0.5, 0), ElementsAre(0.5, 0)));
+  channel_.stop(StopReason::emergency, 5 * kMs);
+  channel_.begin_anew(6 * kMs);
+  EXPECT_EQ(sent_.size(), 3u) << "a stop stays one";
+}
+
 TEST_F(CommandChannelTest, not_finite_is_never_sent_and_stops) {
   command(0.5, 0.1, 0);
   command(0.5, kNan, kMs);

@@ -117,6 +117,14 @@ void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
   }
 }
 
+void CommandChannel::begin_anew(TimeNs now) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::running) {
+    gate_.forget();
+    limiter_.restart(now);
+  }
+}
+
 void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   const std::lock_guard lock(mutex_);
   if (state_ == State::closed || held_ || now < suspended_until_) {

@@ -42,6 +42,9 @@ void CommandSink::send(const Step& step) {
   }
   ticked_ = true;
   simulated_ = step.interval().end;
+  if (std::exchange(anew_, false)) {
+    channel_.begin_anew(now());
+  }
   if (settings_.clock == CommandClock::lockstep) {
     interventions_.apply(wall_now(), now());
   }

@@ -120,20 +120,20 @@ bool RosCommand::may_begin() {
     met_at_ = 0;
     return true;
   }
-  if (guard_.reaches_robot()) {
-    waits_for_guard_ = false;
-    return true;
-  }
   const TimeNs now = wall_now();
   met_at_ = met_at_ == 0 ? now : met_at_;
-  if (now - met_at_ < kGuardPatience) {
+  const bool reaches = guard_.reaches_robot();
+  if (!reaches && now - met_at_ < kGuardPatience) {
     return false;
   }
-  log::warning(
-      "the guard has met nobody on topic '{}' within {}; the robot is driven all the same. Until "
-      "they meet, nothing stops it when this program is killed or stopped",
-      address_.topic, format_time(kGuardPatience));
+  if (!reaches) {
+    log::warning(
+        "the guard has met nobody on topic '{}' within {}; the robot is driven all the same. Until "
+        "they meet, nothing stops it when this program is killed or stopped",
+        address_.topic, format_time(kGuardPatience));
+  }
   waits_for_guard_ = false;
+  sink_.begin_anew();
   return true;
 }
 

@@ -57,6 +57,9 @@ class CommandChannel {
   /// has come for the timeout. One that is not finite is a zero.
   void override_with(std::span<const double> values, TimeNs now);
 
+  /// A robot hears the commands from now on: the next one leaves in any case, and slews from zero.
+  void begin_anew(TimeNs now);
+
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
 

@@ -81,6 +81,8 @@ class CommandSink : public Sink {
 
   /// The loop lives, but waits: its silence does not count. Before the first tick nothing does.
   void alive();
+  /// As CommandChannel's, with the next step. For the loop's thread.
+  void begin_anew() { anew_ = true; }
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
   /// As Interventions.
@@ -113,7 +115,8 @@ class CommandSink : public Sink {
   CommandSettings settings_;
   Carrier carrier_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
-  bool ticked_ = false;               ///< the loop's
+  bool ticked_ = false;               ///< the loop's, as is the next
+  bool anew_ = false;
   std::mutex stopping_;
   bool stopped_ = false;
   struct State {
