@@ -11,6 +11,7 @@
 #include "server.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/priority.hpp"
 
 namespace {
 
@@ -66,6 +67,7 @@ int main(int argc, char** argv) {
     return exit_code;
   }
   signal(SIGPIPE, SIG_IGN);
+  run_before_others();
   if (options->owner >= 0) {
     fcntl(options->owner, F_SETFD, FD_CLOEXEC);
   }

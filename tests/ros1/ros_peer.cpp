@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "dvs_messages.hpp"
+#include "spikeloop/core/priority.hpp"
 
 namespace ros_peer {
 
@@ -46,6 +47,23 @@ struct Peer::Impl {
   std::vector<Twist> twists;
   std::vector<std::vector<double>> arrays;
 
+  void start(const std::string& master_uri) {
+    if (!ros::isInitialized()) {
+      // A machine need not know its own name.
+      ::setenv("ROS_HOSTNAME", "localhost", 0);
+      ros::init(ros::M_string{{"__master", master_uri}}, "test_robot",
+                ros::init_options::NoSigintHandler | ros::init_options::NoRosout |
+                    ros::init_options::AnonymousName);
+    }
+    node.reset(new ros::NodeHandle);
+    node->setCallbackQueue(&queue);
+    thread = std::thread([this] {
+      while (!ending) {
+        queue.callAvailable(ros::WallDuration(0.05));
+      }
+    });
+  }
+
   template <typename Message>
   void publish(const std::string& topic, const Message& message, std::uint32_t queue = 10) {
     auto& publisher = publishers[topic];
@@ -57,20 +75,11 @@ struct Peer::Impl {
 };
 
 Peer::Peer(const std::string& master_uri) : impl_(new Impl) {
-  if (!ros::isInitialized()) {
-    // A machine need not know its own name.
-    ::setenv("ROS_HOSTNAME", "localhost", 0);
-    ros::init(ros::M_string{{"__master", master_uri}}, "test_robot",
-              ros::init_options::NoSigintHandler | ros::init_options::NoRosout |
-                  ros::init_options::AnonymousName);
-  }
-  impl_->node.reset(new ros::NodeHandle);
-  impl_->node->setCallbackQueue(&impl_->queue);
-  impl_->thread = std::thread([this] {
-    while (!impl_->ending) {
-      impl_->queue.callAvailable(ros::WallDuration(0.05));
-    }
-  });
+  // A robot that hears late on a busy machine would have the stop look late.
+  std::thread([&] {
+    spikeloop::run_before_others();
+    impl_->start(master_uri);
+  }).join();
 }
 
 Peer::~Peer() {

@@ -16,6 +16,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/priority.hpp"
 
 namespace spikeloop::command {
 namespace {
@@ -70,6 +71,7 @@ struct Watch::Impl {
   }
 
   void run() {
+    run_before_others();
     while (!ending.load()) {
       const TimeNs now = wall_now();
       const TimeNs deadline = std::min({check_ticks(now), send_due(now), beat_due(now)});
