@@ -21,8 +21,10 @@ using std::chrono::seconds;
 
 /// Within this while a second signal is the first one once more.
 constexpr std::chrono::milliseconds kSameSignal{100};
-/// How long programs may take to leave their loops and finalize.
-constexpr seconds kStopGrace{2};
+/// How long programs may take to leave their loops and write what they have recorded.
+constexpr seconds kStopGrace{5};
+/// A foreign program is not asked, and keeps the others waiting.
+constexpr seconds kForeignStopGrace{2};
 /// A program that fails takes the others with it by MPI_Abort; this is for those that could not.
 constexpr seconds kFailureGrace{3};
 /// A program that says that it still prepares itself has so many times the start timeout.
@@ -346,7 +348,8 @@ void JobRun::watch_stop() {
     stopping_since_ = Clock::now();
     begin_stop();
   }
-  if (stopping_since_ && Clock::now() - *stopping_since_ > kStopGrace) {
+  const auto grace = all_ours(effective_.file) ? kStopGrace : kForeignStopGrace;
+  if (stopping_since_ && Clock::now() - *stopping_since_ > grace) {
     mpirun_->tree().end();
   }
 }
