@@ -126,8 +126,10 @@ def over_ros(spikeloop, scratch):
         assert bag.get_message_count("/cmd_vel") > 50
     assert headers == {b"place", b"speed"}, headers
     with h5py.File(folder / "scan.h5") as file:
-        # The ticks at which values changed, which have their ends there: a row for several messages.
-        assert sorted(set(stamps)) == (file["signals/out/times_ns"][:] - 1_000_000).tolist()
+        # The ticks at which values changed, which have their ends there: a row for several messages, and none
+        # while the vehicle stands.
+        ticks = (file["signals/out/times_ns"][:] - 1_000_000).tolist()
+        assert len(ticks) > 30 and set(ticks) <= set(stamps), (ticks, stamps)
     assert len({stamp % 50_000_000 for stamp in stamps}) > 1, "wall time decided nothing"
     count, _ = replayed(spikeloop, folder)
     print(count, "spikes in real time over ROS 1")

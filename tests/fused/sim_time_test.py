@@ -29,6 +29,7 @@ connections:
   - where -> same [1] -> go [1]
 """
 START_MS = 1_000_000  # the simulator has run for a while
+DRIVES_BY_MS = 100
 PAUSE_S = 4  # longer than watchdog and max_age
 
 
@@ -64,9 +65,16 @@ class Simulator:
                 if direction == "o" and other.startswith("/spikeloop_echo") and
                 other not in self.known}
 
-    def lets_go(self, value):
-        """Whether commands with this value come."""
-        ros.until(lambda: self.heard and self.heard[-1].data[0] == value, f"a command of {value}")
+    def drives(self):
+        """Lets the clock go on until commands come of what was measured; how far it is then, in ms."""
+        for shown in range(DRIVES_BY_MS):
+            self.show(shown)
+            end = time.monotonic() + 0.2
+            while time.monotonic() < end:
+                if self.heard and self.heard[-1].data[0] == 0.5:
+                    return shown
+                time.sleep(0.01)
+        raise AssertionError("no command of 0.5")
 
 
 class Run:
@@ -112,10 +120,10 @@ def pause(simulator, begin):
     """Paused in the middle: the brain is where the clock is, and Ctrl-C ends it."""
     run = begin("pause")
     simulator.join()
-    for shown in range(0, 201, 10):
+    simulator.drives()
+    for shown in range(DRIVES_BY_MS, 201, 10):
         simulator.show(shown)
         time.sleep(0.01)
-    simulator.lets_go(0.5)
     run.says("/clock has stood still at 1000.2 s for 3 s: is the simulator paused?")
     time.sleep(PAUSE_S - 3)
     heard = len(simulator.heard)
@@ -137,16 +145,15 @@ def jump(simulator, begin):
     """Ticks that the clock has passed are computed at once, to the end of the duration."""
     run = begin("jump")
     simulator.join()
-    simulator.show(0)
-    time.sleep(0.2)
+    shown = simulator.drives()
     simulator.show(300)
-    simulator.lets_go(0.5)
+    time.sleep(0.2)
     simulator.show(10_000)
     report = run.end(0)
     assert report["summary"]["simulated_s"] == 0.5, report
-    # Begun more than a tick late: those of 1 to 298 ms, and of 301 to 499 ms; those of 299 and 300 ms, too,
-    # where the second jump overtakes them.
-    assert 298 + 199 <= report["summary"]["overruns"] <= 499, report
+    # Begun more than a tick late: those from `shown` + 1 to 298 ms, and from 301 to 499 ms; a few more where a time
+    # was overtaken by the next one.
+    assert 298 - shown + 199 <= report["summary"]["overruns"] <= 499, report
     run.says("of 500 ticks began more than a tick late. Computing 1 s takes ")
     run.says("let the simulator run at less than ")
     check_counters(report["counters"])
@@ -156,9 +163,8 @@ def driving(simulator, begin, name):
     """A run at 0.1 s, that drives."""
     run = begin(name)
     simulator.join()
-    simulator.show(0)
-    simulator.show(100)
-    simulator.lets_go(0.5)
+    simulator.drives()
+    simulator.show(DRIVES_BY_MS)
     return run
 
 
@@ -197,8 +203,9 @@ def shipped_robot(spikeloop, scratch, version):
         summary, _ = runs.run(spikeloop, file, scratch / f"factor{factor}-ros{version}")
         # A busy machine is slower; nothing is faster than the robot.
         assert 0.1 < summary["real_time_factor"] < float(factor) * 1.05, summary
-        assert summary["distance_m"] > 0.3, summary
         counters = summary["processes"]["experiment"]["counters"]
+        # 3 times as fast, the robot of a busy machine may hear of the commands when all is over.
+        assert summary["distance_m"] > 0.3 or factor == "3" and counters["wheels.commands"] > 10, summary
         assert counters["wheels.stops_ended"] == 1, counters
 
 

@@ -34,8 +34,8 @@ SETTLING = 0.2
 # while the run settles.
 BUFFERS = "<Sizing><ReceiveBufferSize>192 KiB</ReceiveBufferSize></Sizing>"
 STOPPED = 130  # the exit code after Ctrl-C
-# Sent by a robot that knows its subscribers before they know it: a second of its messages at most.
-UNHEARD = {"scan": 20, "odom": 50}
+# Sent by who knows its subscribers before they know it: a second of messages at most.
+UNHEARD = {"scan": 20, "odom": 50, "eye": PICTURES_HZ, "cmd_vel": 100}
 
 
 class Witness:
@@ -161,18 +161,19 @@ def drive(programs, witness, folder, seconds):
 
 def faults_of_commands(counters, heard):
     """All that left came, in a row; that of the guard, too, where a machine that stood still made it speak."""
-    came = max(came for came, _, _ in heard["/cmd_vel"])
+    came, _, sent = max(heard["/cmd_vel"])
     print(f"commands: {counters['wheels.sent']} sent, {came} came", flush=True)
-    whole = counters["wheels.sent"] == came and all(came == last for came, _, last in heard["/cmd_vel"])
+    whole = counters["wheels.sent"] == sent and all(
+        came == last - first + 1 and first <= UNHEARD["cmd_vel"] for came, first, last in heard["/cmd_vel"])
     return [] if whole else [f"commands are lost: {heard['/cmd_vel']} of {counters['wheels.sent']}"]
 
 
-def faults_of_sensor(counters, name, sent, unheard):
+def faults_of_sensor(counters, name, sent):
     taken, lost = counters[f"{name}.messages"], counters[f"{name}.lost"]
     missing = sent - taken - lost
     print(f"{name}: {sent} sent, {taken} taken, {lost} lost on the way or replaced by newer ones, {missing} sent "
           "before the two knew each other", flush=True)
-    faults = [] if 0 <= missing <= unheard else [f"{missing} messages of {name} are not accounted for"]
+    faults = [] if 0 <= missing <= UNHEARD[name] else [f"{missing} messages of {name} are not accounted for"]
     wrong = [key for key in ("malformed", "wrong_type", "cropped", "short_messages") if counters[f"{name}.{key}"]]
     return faults + [f"{name}: {key}" for key in wrong]
 
@@ -199,12 +200,12 @@ def main():
     counters = summary["processes"]["experiment"]["counters"]
     stops = {key: value for key, value in counters.items() if key.startswith("wheels.stops_") and value}
     print(f"simulated {summary['simulated_s']:.0f} s, {summary['overruns']} overruns; stops: {stops}", flush=True)
-    faults = faults_of_commands(counters, heard) + faults_of_sensor(counters, "eye", pictures, 0)
-    for name, unheard in UNHEARD.items():
+    faults = faults_of_commands(counters, heard) + faults_of_sensor(counters, "eye", pictures)
+    for name in ("scan", "odom"):
         (came, first, last), = heard[f"/{name}"]
         whole = came == last - first + 1
         faults += [] if whole else [f"fastdds_witness has heard {came} messages of /{name}, {first} to {last}"]
-        faults += faults_of_sensor(counters, name, last, unheard)
+        faults += faults_of_sensor(counters, name, last)
     faults += memory.faults(arguments.most_growth)
     assert not faults, "; ".join(faults)
 

@@ -100,6 +100,8 @@ def run(programs, setting, limit_s, deadline=math.inf):
     programs: the folder of ours. limit_s: a run that takes longer is stopped; its factor is then
     an upper bound, below duration / limit. Raises TrialError, OutOfTime.
     """
+    if time.monotonic() > deadline:
+        raise OutOfTime
     with tempfile.TemporaryDirectory(prefix="spikeloop-bench-") as name:
         folder = pathlib.Path(name)
         if setting.layout == "alone":
