@@ -34,7 +34,7 @@ Content common_content(const std::string& type, unsigned seed) {
       spikeloop::test::random_content(*Catalog::builtin(Dialect::ros1).layout(type), seed);
   std::erase_if(content.numbers, [](const auto& entry) { return entry.first.ends_with("seq"); });
   for (auto& [path, numbers] : content.numbers) {
-    if (type.starts_with("std_msgs/Byte")) {
+    if (type.starts_with("std_msgs/Byte") || path.ends_with("level")) {
       std::ranges::transform(numbers, numbers.begin(),
                              [](double number) { return std::min(std::abs(number), 127.0); });
     }

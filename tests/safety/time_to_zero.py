@@ -124,7 +124,7 @@ def measured(spikeloop, robot, version, layout, fault):
         (folder / "brain.py").write_text(BRAIN)
         robot.forget()
         robot.scans(True)
-        log = open(folder / "printed", "w+", encoding="utf-8")
+        log = open(folder / "printed", "w", encoding="utf-8")
         process = subprocess.Popen(
             [spikeloop, "run", str(folder / "faults.yaml"), "--ros", version, "--layout", layout, "--out",
              str(folder / "run"), "--no-record"], stdout=log, stderr=log, start_new_session=True)
@@ -132,8 +132,7 @@ def measured(spikeloop, robot, version, layout, fault):
         try:
             ros.until(lambda: fault.when(robot) or process.poll() is not None, "a command", 90)
             family = jobs.processes_of(process.pid)
-            log.seek(0)
-            assert process.poll() is None, log.read()
+            assert process.poll() is None
             ros.until(lambda: fault.when(robot), "a command")
             begin = fault.make(robot, process.pid)
             robot.time_to_zero_ms(begin)
@@ -142,6 +141,9 @@ def measured(spikeloop, robot, version, layout, fault):
             else:
                 time.sleep(STANDS_S)
             return robot.time_to_rest_ms(begin)
+        except AssertionError:
+            print((folder / "printed").read_text(), flush=True)
+            raise
         finally:
             robot.press_stop(False)
             if process.poll() is None:
