@@ -53,15 +53,15 @@ LATENCY_BOUND_MS = 200
 AGE_BOUND_MS = 1500
 
 
-def run(plugin, max_age, extra=()):
+def run(plugin, max_age, exit_codes=(0,)):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "job.music").write_text(JOB.format(plugin=plugin, max_age=max_age))
         (folder / "mapping.json").write_text('{"message_type": "Twist", "mapping": {"linear.x": 0}}')
         result = subprocess.run(
             [PROGRAMS / "spikeloop", "run", folder / "job.music", "--roscore", "--robot", "--quiet",
-             "--out", folder / "out", *extra], capture_output=True, text=True, timeout=100)
-        assert result.returncode == 0, f"exit {result.returncode}\n{result.stdout}{result.stderr}"
+             "--out", folder / "out"], capture_output=True, text=True, timeout=100)
+        assert result.returncode in exit_codes, f"exit {result.returncode}\n{result.stdout}{result.stderr}"
         return json.loads((folder / "out/summary.json").read_text())
 
 
@@ -79,7 +79,8 @@ def main():
     assert fresh["age_max_ms"] < AGE_BOUND_MS, "the age of the data is not bounded"
     assert fresh["distance_m"] > 0.1, "the robot did not drive: nothing is shown"
 
-    stale = run(options.plugin, 0.01)
+    # Whether the data were old in the last tick, too, or whether that was late, is chance.
+    stale = run(options.plugin, 0.01, exit_codes=(0, 3))
     print(f"max_age 10 ms: oldest data {stale['age_max_ms']:.0f} ms, "
           f"{stale['distance_m']:.2f} m driven")
     assert stale["distance_m"] < 0.05, "the robot was driven on data older than max_age"
