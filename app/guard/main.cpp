@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <thread>
 
 #include "server.hpp"
@@ -43,10 +44,21 @@ void end_in_time() {
   }).detach();
 }
 
+/// A launcher that was killed while it waited for us has left it behind.
+void remove_scratch(const guard::Options& options) {
+  const bool orphaned =
+      options.owner >= 0 && guard::send_packet(options.owner, guard::make_packet("ended")) != 0;
+  if (orphaned && !options.scratch.empty()) {
+    std::error_code ignored;
+    std::filesystem::remove_all(options.scratch, ignored);
+  }
+}
+
 int run(const guard::Options& options) {
   try {
     guard::Server server(options);
     server.run();
+    remove_scratch(options);
     end_in_time();
     return 0;
   } catch (const Error& error) {

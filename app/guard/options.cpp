@@ -36,6 +36,8 @@ std::optional<Options> parse_options(int argc, char** argv, int& exit_code) {
                  "Descriptor of a socket to the launcher; the guard ends after it")
       ->type_name("FD")
       ->check(CLI::Range(3, 1 << 20));
+  app.add_option("--scratch", options.scratch,
+                 "Folder of the launcher, to be removed when that was killed");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -39,7 +39,7 @@ Connection connect_pair() {
 }
 
 /// In the forked process: becomes the guard, or says why not.
-[[noreturn]] void become(const std::string& socket, int connection,
+[[noreturn]] void become(const std::string& scratch, int connection,
                          const std::map<std::string, std::string>& environment) {
   // Our terminal's Ctrl-C and hang-up are not for it.
   setsid();
@@ -58,18 +58,20 @@ Connection connect_pair() {
     setenv(name.c_str(), value.c_str(), 1);
   }
   const std::string owner = std::to_string(connection);
-  execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), nullptr);
+  const std::string socket = guard_socket(scratch);
+  execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), "--scratch",
+         scratch.c_str(), nullptr);
   auto packet = guard::make_packet("log");
   packet["text"] = std::strerror(errno);
   guard::send_packet(connection, packet);
   _exit(127);
 }
 
-void start(const std::string& socket, int connection,
+void start(const std::string& scratch, int connection,
            const std::map<std::string, std::string>& environment) {
   const pid_t pid = fork();
   if (pid == 0) {
-    become(socket, connection, environment);
+    become(scratch, connection, environment);
   }
   if (pid < 0) {
     fail(std::strerror(errno));
@@ -79,11 +81,15 @@ void start(const std::string& socket, int connection,
 
 }  // namespace
 
-GuardProcess::GuardProcess(const std::string& socket,
+std::string guard_socket(const std::string& scratch) {
+  return scratch + "/guard";
+}
+
+GuardProcess::GuardProcess(const std::string& scratch,
                            const std::map<std::string, std::string>& environment, Listener listener)
     : listener_(std::move(listener)) {
   Connection connection = connect_pair();
-  start(socket, connection.theirs.get(), environment);
+  start(scratch, connection.theirs.get(), environment);
   connection_ = std::move(connection.ours);
   connection.theirs.reset();
   await_listening();

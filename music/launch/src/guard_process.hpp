@@ -14,16 +14,20 @@ namespace spikeloop::launch {
 
 using status::Descriptor;
 
+/// Where the guard of a launcher with this scratch folder listens.
+std::string guard_socket(const std::string& scratch);
+
 /// A process in a session of its own, no child of ours, so that whatever kills this job at once
-/// leaves it the time to stop the robot. It ends by itself when we have gone.
+/// leaves it the time to stop the robot. It ends by itself when we have gone, and removes our
+/// scratch folder then.
 class GuardProcess {
  public:
   using Listener = std::function<void(log::Level, const std::string&)>;
 
-  /// Waits until it listens at `socket`.
+  /// Waits until it listens at guard_socket(scratch).
   /// @param environment added to ours; PATH says where it is
   /// @throws TransportError when it does not.
-  GuardProcess(const std::string& socket, const std::map<std::string, std::string>& environment,
+  GuardProcess(const std::string& scratch, const std::map<std::string, std::string>& environment,
                Listener listener);
   ~GuardProcess();
   GuardProcess(const GuardProcess&) = delete;

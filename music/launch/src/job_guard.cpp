@@ -26,14 +26,13 @@ void JobRun::start_guard() {
   if (!commands_robot(effective_.file)) {
     return;
   }
-  const std::string socket = scratch_.path() + "/guard";
   try {
-    guard_ = std::make_unique<GuardProcess>(socket, with_environment({}).environment,
+    guard_ = std::make_unique<GuardProcess>(scratch_.path(), with_environment({}).environment,
                                             [this](log::Level level, const std::string& text) {
                                               log_ << "guard: " << text << std::endl;
                                               log::write(level, text);
                                             });
-    ros_environment_[guard::kSocketVariable] = socket;
+    ros_environment_[guard::kSocketVariable] = guard_socket(scratch_.path());
   } catch (const TransportError& error) {
     log::warning("{}; {}", error.what(), kUnguarded);
   }
