@@ -36,13 +36,20 @@ def value_text(key, value, pattern):
     return pattern.format(int(value) if pattern.endswith("d}") else value)
 
 
+def wall_text(simulated_ms, factor):
+    """What a simulated latency takes where a run is slower than real time."""
+    if simulated_ms is None or not factor or factor >= 1:
+        return ""
+    return f" ({simulated_ms / factor:.1f} ms of wall time)"
+
+
 def table(summary):
     """The lines of the table: label, value, unit."""
     lines = []
     for key, label, unit, pattern in ROWS:
         if key in summary and not (key == "stopped_s" and summary[key] == 0):
             if key.startswith("latency_") and summary.get("latency_clock") == "simulated":
-                unit = "ms, simulated"
+                unit = "ms, simulated" + wall_text(summary[key], summary.get("real_time_factor"))
             lines.append(f"  {label:<27}{value_text(key, summary[key], pattern):>10} {unit}".rstrip())
     return lines
 
