@@ -63,6 +63,8 @@ class Robot:
 
 
 class Ros1Robot(Robot):
+    version = "1"
+
     def __init__(self):
         super().__init__()
         import rospy
@@ -129,6 +131,8 @@ MUTUAL_S = 1.5
 
 class Ros2Robot(Robot):
     """fastdds_robot, led line by line."""
+
+    version = "2"
 
     def __init__(self, program):
         super().__init__()

@@ -142,7 +142,7 @@ def measured(spikeloop, robot, version, layout, fault):
                 time.sleep(STANDS_S)
             return robot.time_to_rest_ms(begin)
         except AssertionError:
-            print((folder / "printed").read_text(), flush=True)
+            print(f"{len(robot.heard)} commands came; the run printed\n{(folder / 'printed').read_text()}", flush=True)
             raise
         finally:
             robot.press_stop(False)

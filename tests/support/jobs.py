@@ -33,6 +33,11 @@ def processes_of(launcher):
     return {pid: known[pid] for pid in known if belongs(pid)}
 
 
+def with_environment(word):
+    """Programs of all processes with this word, NAME=VALUE, in their environment, by id."""
+    return {pid: words for pid, (words, environment) in _all()[1].items() if word in environment}
+
+
 def find(launcher, program, section=None):
     """Of several processes of a program that of the section."""
     for pid, (words, environment) in processes_of(launcher).items():

@@ -1,0 +1,201 @@
+#!/usr/bin/python3
+"""Runs an experiment again and again, each time with a random fault: a signal to a random process (the launcher,
+mpirun, the guard, a program, the script) while the run starts, while the robot is driven, or while the run ends; in
+every layout, over ROS 1 and ROS 2. The robot is no part of Spikeloop, as in time_to_zero.py.
+
+Each run must end in time and name the cause; leave no process and no file behind; and the last command that the robot
+gets must be zero. A robot that is driven must stand within the time of docs/safety.md and 200 ms.
+
+  random_faults.py --launches 1000 --seed 1
+
+Runs that differ in --seed may go on at the same time; files that others leave in /dev/shm and TMPDIR meanwhile are
+taken for theirs.
+"""
+
+import argparse
+import contextlib
+import os
+import pathlib
+import random
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import robots
+import time_to_zero
+from robots import ros
+from time_to_zero import MARGIN_MS, WATCHDOG_MS, jobs
+
+PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
+WITHOUT_SCRIPT = time_to_zero.EXPERIMENT.replace(
+    "  brain: {simulator: python, script: brain.py}\n", "").replace(
+    "[10] -> brain.in [10]\n  - brain.out -> decoder [10]", "-> decoder [10]")
+SIGNALS = ["KILL", "KILL", "TERM", "INT", "HUP", "QUIT", "SEGV", "ABRT", "STOP"]
+PHASES = ["start", "driven", "driven", "end"]
+START_S, STALL_S = 20, 4
+LONGEST_S = START_S + STALL_S + 20  # mpirun has 10 s to end, and the launcher waits for the guard
+GOES_ON_S = 1.5  # a robot that is still driven then belongs to a run that bears the fault
+
+
+class Launch:
+    """One run, one fault."""
+
+    def __init__(self, dice, layout):
+        self.layout = layout
+        self.text = WITHOUT_SCRIPT if layout == "fused" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
+        self.phase = dice.choice(PHASES)
+        self.signal = dice.choice(SIGNALS)
+        self.moment_s = dice.uniform(0, {"start": 1.5, "driven": 0.5, "end": 0.3}[self.phase])
+        self.dice = dice
+        self.target, self.rest_ms, self.bound_ms = "nothing", None, None
+
+    def run(self, robot):
+        with tempfile.TemporaryDirectory(prefix="faults-") as name:
+            self.folder = pathlib.Path(name)
+            (self.folder / "faults.yaml").write_text(self.text)
+            (self.folder / "brain.py").write_text(time_to_zero.BRAIN)
+            (self.folder / "tmp").mkdir()
+            before = shared_files()
+            robot.forget()
+            robot.scans(True)
+            started = time.monotonic()
+            with open(self.folder / "printed", "w", encoding="utf-8") as log:
+                self.process = subprocess.Popen(
+                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version, "--layout", self.layout,
+                     "--out", "run", "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)],
+                    cwd=self.folder, env=dict(os.environ, SPIKELOOP_FAULTS=name, TMPDIR=f"{name}/tmp"),
+                    stdout=log, stderr=log, start_new_session=True)
+            try:
+                self.strike(robot)
+                self.hung = not self.end(robot)
+            finally:
+                self.left = self.left_processes()
+            self.taken_s = time.monotonic() - started
+            self.files = [*(self.folder / "tmp").iterdir(), *(shared_files() - before)]
+            lines = (self.folder / "printed").read_text(errors="replace").replace("\r", "\n").splitlines()
+            self.reason = ([line for line in lines if line.startswith("spikeloop: ") and
+                            not line.startswith("spikeloop: run folder: ")] or [""])[-1]
+            self.last_command = robot.last()
+
+    def strike(self, robot):
+        if self.phase != "start":
+            ros.until(lambda: robot.is_driven() or self.process.poll() is not None, "a command", 90)
+        if self.phase == "end":
+            os.kill(self.process.pid, signal.SIGINT)
+        time.sleep(self.moment_s)
+        candidates = self.family()
+        if not candidates:
+            return
+        pid, self.target = self.dice.choice(sorted(candidates.items()))
+        if self.target == "launcher" and self.signal == "STOP":
+            self.signal = "KILL"  # nobody else would end the run
+        driven = self.phase == "driven" and robot.is_driven()
+        begin = time.monotonic()
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, getattr(signal, f"SIG{self.signal}"))
+        if driven:
+            robot.time_to_zero_ms(begin, GOES_ON_S)
+            time.sleep(time_to_zero.STANDS_S)
+            if not robot.is_driven():
+                self.rest_ms = robot.time_to_rest_ms(begin)
+                self.bound_ms = MARGIN_MS + self.deadline_ms()
+
+    def deadline_ms(self):
+        """docs/safety.md."""
+        if self.target in ("experiment", "wheels"):
+            return WATCHDOG_MS + 100 if self.signal == "STOP" else 0
+        return WATCHDOG_MS
+
+    def family(self):
+        """Names of the run's processes, by id."""
+        found = {}
+        for pid, (words, environment) in jobs.processes_of(self.process.pid).items():
+            section = next((word.removeprefix("_MUSIC_CONFIG_=").split(":")[0] for word in environment
+                            if word.startswith("_MUSIC_CONFIG_=")), "")
+            program = {"spikeloop-fused": "experiment", "spikeloop": "keeper", "orterun": "mpirun"}.get(
+                words[-1], words[-1])
+            found[pid] = "launcher" if pid == self.process.pid else section or program
+        with contextlib.suppress(AssertionError):
+            found[jobs.guard_of(self.process.pid)] = "guard"
+        return found
+
+    def end(self, robot):
+        """Whether the run ends in time; by Ctrl-C where it bears the fault."""
+        deadline = time.monotonic() + LONGEST_S
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(GOES_ON_S + STALL_S if self.signal == "STOP" else GOES_ON_S)
+        while self.process.poll() is None and time.monotonic() < deadline:
+            if robot.is_driven() or self.phase == "start":
+                self.process.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(5)
+        return self.process.poll() is not None
+
+    def left_processes(self):
+        """Those that are there 5 s after the end: the launcher may have been killed. They are ended. A guard that
+        was stopped ends when it goes on."""
+        marker = f"SPIKELOOP_FAULTS={self.folder}"
+        deadline = time.monotonic() + 5
+        while (left := jobs.with_environment(marker)) and time.monotonic() < deadline:
+            if self.signal == "STOP":
+                for pid in left:
+                    os.kill(pid, signal.SIGCONT)
+            time.sleep(0.05)
+        for pid in left:
+            os.kill(pid, signal.SIGKILL)
+        self.process.wait()
+        return left
+
+    def complaints(self):
+        late = self.rest_ms is not None and self.rest_ms > self.bound_ms
+        named = {"launcher": "", "keeper": "", "nothing": ""}.get(self.target, self.target)
+        silent = self.process.returncode > 0 and self.process.returncode != 130 and named not in self.reason
+        found = {
+            "hung": self.hung,
+            f"left processes {self.left}": self.left,
+            f"left files {[str(file) for file in self.files]}": self.files,
+            f"the last command is {self.last_command}": self.last_command not in (None, 0),
+            f"stood after {self.rest_ms or 0:.0f} ms instead of {self.bound_ms}": late,
+            f"does not name {named}": silent}
+        return [text for text, is_so in found.items() if is_so]
+
+    def __str__(self):
+        stood = "" if self.rest_ms is None else f", stood after {self.rest_ms:.0f} ms"
+        return (f"{self.layout}, {self.phase} + {self.moment_s:.2f} s, SIG{self.signal} to {self.target}: exit code "
+                f"{self.process.returncode} after {self.taken_s:.1f} s{stood}: {self.reason}")
+
+
+def shared_files():
+    return set(pathlib.Path("/dev/shm").iterdir())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--launches", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    dice = random.Random(arguments.seed)
+    launches = []
+    for version in ("1", "2"):
+        with tempfile.TemporaryDirectory() as scratch, robots.robot(
+                version, PROGRAMS, pathlib.Path(scratch)) as robot:
+            for number in range(arguments.launches // 2):
+                launch = Launch(random.Random(dice.getrandbits(64)), ("fused", "separate")[number % 2])
+                launch.run(robot)
+                launches.append(launch)
+                complaints = launch.complaints()
+                print(f"{len(launches)}: ROS {version}, {launch}" + "".join(f"  <-- {text}" for text in complaints),
+                      flush=True)
+    bad = sum(launch.complaints() != [] for launch in launches)
+    rests = [launch.rest_ms for launch in launches if launch.rest_ms is not None]
+    print(f"{len(launches)} launches, {bad} with a complaint; the longest took "
+          f"{max(launch.taken_s for launch in launches):.1f} s. {len(rests)} robots that were driven stood after "
+          f"{statistics.median(rests):.0f} ms (median), {max(rests):.0f} ms at most")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
