@@ -19,6 +19,7 @@
 #include <iostream>
 #include <thread>
 
+#include "spikeloop/core/priority.hpp"
 #include "tests/ros2/fastdds_node.hpp"
 
 namespace fastdds_peer {
@@ -116,6 +117,7 @@ int run(int argc, char** argv) {
   if (argc != 2) {
     throw std::runtime_error("write fastdds_robot DOMAIN");
   }
+  spikeloop::run_before_others();  // what it hears late on a busy machine would look like a late stop
   Wheels wheels;
   Button button;
   Listener<DiagnosticArray> monitor(say_diagnosis);

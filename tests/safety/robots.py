@@ -67,6 +67,16 @@ class Ros1Robot(Robot):
 
     def __init__(self):
         super().__init__()
+        self._scanning = self._moving = False
+        begin = threading.Thread(target=self._begin)
+        begin.start()
+        begin.join()
+
+    def _begin(self):
+        """What it hears late on a busy machine would look like a late stop: its threads are before others, where the
+        user may ask for it."""
+        with contextlib.suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(os.sched_get_priority_min(os.SCHED_RR)))
         import rospy
         from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Twist
@@ -82,7 +92,6 @@ class Ros1Robot(Robot):
         self._stop, self._manual = publisher("/emergency_stop", Bool), publisher("/cmd_vel_manual", Twist)
         rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnosis)
-        self._scanning = self._moving = False
         self._scan = LaserScan(range_min=0.1, range_max=4.1, ranges=[3.0] * 10)
         self._pose = Odometry()
         threading.Thread(target=self._send, daemon=True).start()
