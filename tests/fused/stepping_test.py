@@ -18,13 +18,12 @@ import ros
 import runs
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
-BLOCK = {language: re.search(f"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)[1]
-         for language in ("python", "yaml")}
+BLOCKS = re.findall("```(?:python|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
+IN_ROSPY, IN_RCLPY, EXPERIMENT = BLOCKS
 
 
-def cart(scratch, *changes):
+def cart(scratch, *changes, text=IN_ROSPY):
     """The page's robot, with some of its text changed."""
-    text = BLOCK["python"]
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new)
@@ -41,15 +40,13 @@ def by_hand(steps, tick_ns=1_000_000):
     return np.array(wanted)
 
 
-def follows_the_recurrence(spikeloop, file, scratch):
-    with cart(scratch):
-        for name in ("first", "second"):
-            summary, _ = runs.run(spikeloop, file, scratch / name)
-            with h5py.File(scratch / name / "where.h5") as recording:
-                assert np.array_equal(recording["signals/out/times_ns"][()],
-                                      1_000_000 * np.arange(1, 2001))
-                where = recording["signals/out/values"][:, 0]
-            assert np.array_equal(where, by_hand(2000)), np.abs(where - by_hand(2000)).max()
+def follows_the_recurrence(spikeloop, file, folder, *options):
+    """One run. @return its summary"""
+    summary, _ = runs.run(spikeloop, file, folder, *options)
+    with h5py.File(folder / "where.h5") as recording:
+        assert np.array_equal(recording["signals/out/times_ns"][()], 1_000_000 * np.arange(1, 2001))
+        where = recording["signals/out/values"][:, 0]
+    assert np.array_equal(where, by_hand(2000)), np.abs(where - by_hand(2000)).max()
     return summary
 
 
@@ -179,10 +176,12 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         file = scratch / "cart.yaml"
-        file.write_text(BLOCK["yaml"])
+        file.write_text(EXPERIMENT)
         with ros.master(scratch):
             no_robot(spikeloop, file, scratch)
-            summary = follows_the_recurrence(spikeloop, file, scratch)
+            with cart(scratch):
+                for name in ("first", "second"):
+                    summary = follows_the_recurrence(spikeloop, file, scratch / name)
             wrong_robots(spikeloop, file, scratch)
             ctrl_c(spikeloop, file, scratch)
             stopped_robot(spikeloop, file, scratch)
