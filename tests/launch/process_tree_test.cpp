@@ -1,6 +1,7 @@
 // A keeper between us and a program: what it starts, reports and ends.
 #include "spikeloop/launch/process_tree.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
@@ -9,6 +10,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "descendants.hpp"
@@ -49,6 +51,22 @@ TEST(ProcessTree, RunsAProgramWithItsEnvironmentInItsDirectory) {
   ProcessTree tree(start);
   EXPECT_EQ(output_of(tree), "hello\n" + start.directory + "\n");
   EXPECT_EQ(exit_code(tree.status().value()), 7);
+}
+
+TEST(ProcessTree, EndsThoughItsKeeperWasStopped) {
+  ProcessTree tree(shell("sleep 100"));
+  std::ifstream status(fmt::format("/proc/{}/status", tree.pid()));
+  pid_t keeper = 0;
+  for (std::string word; keeper == 0 && status >> word;) {
+    if (word == "PPid:") {
+      status >> keeper;
+    }
+  }
+  ASSERT_GT(keeper, 1);
+  kill(keeper, SIGSTOP);
+  tree.end();
+  EXPECT_EQ(output_of(tree), "");
+  EXPECT_EQ(exit_code(tree.status().value()), 128 + SIGTERM);
 }
 
 TEST(ProcessTree, SaysWhyAProgramCannotBeStarted) {

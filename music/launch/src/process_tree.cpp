@@ -93,6 +93,7 @@ void ProcessTree::signal(int number) const {
 void ProcessTree::order(char command) const {
   if (keeper_.get() >= 0) {
     send(keeper_.get(), &command, 1, MSG_NOSIGNAL);
+    ::kill(keeper_pid_, SIGCONT);  // one that was stopped would not obey
   }
 }
 
