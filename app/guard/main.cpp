@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -36,30 +37,32 @@ void say(int owner, log::Level level, std::string_view text) {
   }
 }
 
-/// Leaving ROS asks the master, which may have gone, or hang.
-void end_in_time() {
-  std::thread([] {
-    std::this_thread::sleep_for(kLongestEnd);
-    _exit(0);
-  }).detach();
-}
-
-/// A launcher that was killed while it waited for us has left it behind.
+/// The last thing that we do: a launcher that was killed while it waited for us has left it behind.
 void remove_scratch(const guard::Options& options) {
-  const bool orphaned =
-      options.owner >= 0 && guard::send_packet(options.owner, guard::make_packet("ended")) != 0;
-  if (orphaned && !options.scratch.empty()) {
+  if (options.scratch.empty()) {
+    return;
+  }
+  const int reason = guard::send_packet(options.owner, guard::make_packet("ended"));
+  if (reason == EPIPE || reason == ECONNRESET) {
     std::error_code ignored;
     std::filesystem::remove_all(options.scratch, ignored);
   }
+}
+
+/// Leaving ROS asks the master, which may have gone, or hang.
+void end_in_time(const guard::Options& options) {
+  std::thread([options] {
+    std::this_thread::sleep_for(kLongestEnd);
+    remove_scratch(options);
+    _exit(0);
+  }).detach();
 }
 
 int run(const guard::Options& options) {
   try {
     guard::Server server(options);
     server.run();
-    remove_scratch(options);
-    end_in_time();
+    end_in_time(options);
     return 0;
   } catch (const Error& error) {
     log::write(log::Level::error, error.what());
@@ -84,5 +87,7 @@ int main(int argc, char** argv) {
     fcntl(options->owner, F_SETFD, FD_CLOEXEC);
   }
   log::set_sink([&](log::Level level, std::string_view text) { say(options->owner, level, text); });
-  return run(*options);
+  exit_code = run(*options);
+  remove_scratch(*options);
+  return exit_code;
 }

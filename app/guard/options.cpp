@@ -1,6 +1,9 @@
 #include "options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <filesystem>
 
 namespace spikeloop::guard {
 namespace {
@@ -37,9 +40,16 @@ std::optional<Options> parse_options(int argc, char** argv, int& exit_code) {
       ->type_name("FD")
       ->check(CLI::Range(3, 1 << 20));
   app.add_option("--scratch", options.scratch,
-                 "Folder of the launcher, to be removed when that was killed");
+                 "The launcher's folder with the socket in it, removed when the launcher was killed");
   try {
     app.parse(argc, argv);
+    const bool holds_socket =
+        std::filesystem::path(options.socket).parent_path() == options.scratch;
+    if (!options.scratch.empty() && !holds_socket) {
+      throw CLI::ValidationError(
+          "--scratch", fmt::format("'{}' is not the folder of the socket '{}'", options.scratch,
+                                   options.socket));
+    }
   } catch (const CLI::ParseError& error) {
     exit_code = app.exit(error) == 0 ? 0 : 2;
     return std::nullopt;
