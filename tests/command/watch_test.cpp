@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <thread>
 #include <utility>
 
@@ -22,6 +23,11 @@ using namespace spikeloop::command;
 using namespace std::chrono_literals;
 
 constexpr TimeNs kMs = 1'000'000;
+
+/// Of this process.
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 class WatchTest : public testing::Test {
  protected:
@@ -86,8 +92,10 @@ TEST_F(WatchTest, sends_what_is_due_between_ticks_until_silence) {
   const int polls = polls_;
   EXPECT_GE(polls, 5);
   EXPECT_LE(polls, 220);
-  std::this_thread::sleep_for(50ms);
+  const double before = processor_seconds();
+  std::this_thread::sleep_for(400ms);
   EXPECT_EQ(polls_, polls);
+  EXPECT_LT(processor_seconds() - before, 0.1) << "a watch of a loop that is silent sleeps";
 }
 
 TEST_F(WatchTest, an_earlier_time_wakes_it) {

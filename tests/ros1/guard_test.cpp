@@ -2,7 +2,9 @@
 // stopped. These are safety deadlines: they may be asserted.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "guarded_job.hpp"
@@ -163,6 +165,11 @@ TEST_F(GuardTest, good_end) {
     allowed = sched_getscheduler(0);
   }).join();
   EXPECT_EQ(sched_getscheduler(named("spikeloop-guard")), allowed);
+  const auto threads = std::filesystem::directory_iterator(
+      fmt::format("/proc/{}/task", named("ros_command_ada")));
+  EXPECT_TRUE(std::any_of(begin(threads), end(threads), [&](const auto& thread) {
+    return sched_getscheduler(std::stoi(thread.path().filename())) == allowed;
+  })) << "the adapter's stopping thread";
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
   EXPECT_EQ(outcome.left_behind, 0);

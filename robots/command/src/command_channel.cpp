@@ -206,25 +206,15 @@ TimeNs CommandChannel::poll(TimeNs now) {
   return next_due();
 }
 
-std::optional<StopReason> CommandChannel::stopped_by() const {
+CommandChannel::Standing CommandChannel::standing() const {
   const std::lock_guard lock(mutex_);
   const bool driven = state_ == State::running || state_ == State::idle;
-  return driven ? std::nullopt : std::optional(reason_);
-}
-
-bool CommandChannel::has_driven() const {
-  const std::lock_guard lock(mutex_);
-  return driven_;
+  return {driven ? std::nullopt : std::optional(reason_), overridden_, driven_};
 }
 
 TimeNs CommandChannel::stood_for() const {
   const std::lock_guard lock(mutex_);
   return stood_for_;
-}
-
-bool CommandChannel::overridden() const {
-  const std::lock_guard lock(mutex_);
-  return overridden_;
 }
 
 std::optional<Limiter::Cut> CommandChannel::first_cut() const {

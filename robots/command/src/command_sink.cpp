@@ -42,9 +42,6 @@ void CommandSink::send(const Step& step) {
   }
   ticked_ = true;
   simulated_ = step.interval().end;
-  if (std::exchange(anew_, false)) {
-    channel_.begin_anew(now());
-  }
   if (settings_.clock == CommandClock::lockstep) {
     interventions_.apply(wall_now(), now());
   }
@@ -108,7 +105,8 @@ TimeNs CommandSink::beat(TimeNs wall) {
 }
 
 void CommandSink::announce(TimeNs now) {
-  const State state = this->state();
+  const CommandChannel::Standing standing = channel_.standing();
+  const State state{standing.stopped, standing.overridden};
   const auto cut = channel_.first_cut();
   const std::lock_guard lock(announcing_);
   if (cut && !cut_announced_) {
@@ -123,25 +121,28 @@ void CommandSink::announce(TimeNs now) {
   if (!state.overridden && !state.stopped) {
     log::warning("the robot is driven {}again", before.overridden ? "by the network " : "");
   } else if (state.overridden || *state.stopped < StopReason::terminated) {
-    log::warning("{}", condition_of(state).text);
+    log::warning("{}", condition_of(standing).text);
   }
 }
 
 Condition CommandSink::condition() const {
-  return condition_of(state());
+  return condition_of(channel_.standing());
 }
 
-Condition CommandSink::condition_of(const State& state) const {
+Condition CommandSink::condition_of(const CommandChannel::Standing& standing) const {
   using enum Condition::Level;
-  if (state.overridden) {
+  if (standing.overridden) {
     return {warning,
             fmt::format("the robot is driven by hand, on topic '{}'", settings_.manual.topic)};
   }
-  if (state.stopped) {
-    return {error, "the robot is stopped: " + stop_cause(*state.stopped, settings_, feed_)};
+  if (standing.stopped == StopReason::ended) {
+    return {ok, "the run is over"};
   }
-  return channel_.has_driven() ? Condition{ok, "the robot is driven by the network"}
-                               : Condition{warning, "there has been no command yet"};
+  if (standing.stopped) {
+    return {error, "the robot is stopped: " + stop_cause(*standing.stopped, settings_, feed_)};
+  }
+  return standing.driven ? Condition{ok, "the robot is driven by the network"}
+                         : Condition{warning, "there has been no command yet"};
 }
 
 void CommandSink::stop(StopReason reason) {

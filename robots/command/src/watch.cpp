@@ -77,7 +77,7 @@ struct Watch::Impl {
       const TimeNs deadline = std::min({check_ticks(now), send_due(now), beat_due(now)});
       // Whoever brings an earlier time from now on wakes us.
       sleeping_until.store(deadline);
-      if (due.load() < deadline) {
+      if (!silent.load() && due.load() < deadline) {
         continue;
       }
       wait(deadline);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <utility>
+#include <chrono>
 
 #include "spikeloop/messages/catalog.hpp"
 
@@ -30,23 +30,25 @@ Diagnostics::Diagnostics(topics::Session& session, const std::string& topic)
       dialect_(session.dialect()),
       publisher_(session.publisher("/diagnostics", kType)) {}
 
-TimeNs Diagnostics::publish(TimeNs now, const command::CommandSink& sink) {
-  command::Condition condition = sink.condition();
+TimeNs Diagnostics::publish(TimeNs now, const command::Condition& condition,
+                            const std::vector<Counter>& counters) {
   const bool changed = condition.text != told_.text && now - sent_ >= kLeastPeriod;
   if (changed || now - sent_ >= kPeriod) {
     sent_ = now;
-    told_ = std::move(condition);
-    write(sink.counters());
+    told_ = condition;
+    write(counters);
     publisher_->publish(message_);
   }
-  return sent_ + kPeriod;
+  return now + kLeastPeriod;
 }
 
 void Diagnostics::write(const std::vector<Counter>& counters) {
   if (!writer_) {
     writer_.emplace(messages::Catalog::builtin(dialect_), kType, paths(counters.size()));
   }
-  const double stamp = to_seconds(sent_);
+  const std::chrono::duration<double> since_1970 =
+      std::chrono::system_clock::now().time_since_epoch();
+  const double stamp = since_1970.count();
   const auto level = static_cast<double>(told_.level);
   std::vector<std::string> numbers;
   numbers.reserve(counters.size());  // the texts below refer to them

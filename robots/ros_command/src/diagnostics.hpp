@@ -20,8 +20,9 @@ class Diagnostics {
   /// @param topic of the commands
   Diagnostics(topics::Session& session, const std::string& topic);
 
-  /// For one thread. Returns the wall time at which it is due again.
-  TimeNs publish(TimeNs now, const command::CommandSink& sink);
+  /// For one thread. Returns the wall time at which it wants to look again.
+  TimeNs publish(TimeNs now, const command::Condition& condition,
+                 const std::vector<Counter>& counters);
 
  private:
   void write(const std::vector<Counter>& counters);
@@ -32,7 +33,7 @@ class Diagnostics {
   std::optional<messages::MessageWriter> writer_;  ///< made when the counters are known
   std::vector<std::byte> message_;
   command::Condition told_{};
-  TimeNs sent_ = 0;
+  TimeNs sent_ = 0;  ///< wall time
 };
 
 }  // namespace spikeloop::ros_command

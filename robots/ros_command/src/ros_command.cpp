@@ -10,6 +10,7 @@
 #include "diagnostics.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -80,7 +81,7 @@ RosCommand::RosCommand(topics::Session& session, const Address& address,
 RosCommand::~RosCommand() = default;
 
 void RosCommand::stop(command::StopReason reason) {
-  if (reason == command::StopReason::ended) {
+  if (reason == command::StopReason::ended && !status::stop_requested()) {
     stood_at_end_ = sink_.missing_data();
   }
   sink_.stop(reason);
@@ -107,7 +108,19 @@ void RosCommand::send(const Step& step) {
 
 /// In the watch's thread, so also while the loop stands still.
 TimeNs RosCommand::report(TimeNs now) {
-  return diagnostics_ ? diagnostics_->publish(now, sink_) : kNever;
+  return diagnostics_ ? diagnostics_->publish(now, condition(), sink_.counters()) : kNever;
+}
+
+command::Condition RosCommand::condition() const {
+  command::Condition condition = sink_.condition();
+  using enum command::Condition::Level;
+  if (condition.level == ok && !publisher_.has_subscribers()) {
+    return {warning, "no subscriber on '" + address_.topic + "'"};
+  }
+  if (condition.level == ok && waits_for_guard_) {
+    return {warning, "the robot is not driven before its guard is connected to it"};
+  }
+  return condition;
 }
 
 /// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no
@@ -132,8 +145,8 @@ bool RosCommand::may_begin() {
         "they meet, nothing stops it when this program is killed or stopped",
         address_.topic, format_time(kGuardPatience));
   }
-  waits_for_guard_ = false;
   sink_.begin_anew();
+  waits_for_guard_ = false;
   return true;
 }
 

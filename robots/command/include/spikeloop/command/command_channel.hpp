@@ -63,14 +63,17 @@ class CommandChannel {
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
 
-  /// Why the robot stands; nothing while it is driven, and before the first command.
-  std::optional<StopReason> stopped_by() const;
-  /// A command of the network, or one by hand, has left.
-  bool has_driven() const;
+  struct Standing {
+    /// Why the robot stands; nothing while it is driven, and before the first command.
+    std::optional<StopReason> stopped;
+    bool overridden = false;  ///< manual commands hold
+    bool driven = false;      ///< there has been a command of the network, or one by hand
+  };
+  Standing standing() const;
+  std::optional<StopReason> stopped_by() const { return standing().stopped; }
+  bool overridden() const { return standing().overridden; }
   /// How long the robot stood while it had a reason to, until it was last driven or the run ended.
   TimeNs stood_for() const;
-  /// Manual commands hold.
-  bool overridden() const;
   /// The first value that the bounds have cut.
   std::optional<Limiter::Cut> first_cut() const;
 

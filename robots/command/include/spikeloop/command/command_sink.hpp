@@ -81,8 +81,8 @@ class CommandSink : public Sink {
 
   /// The loop lives, but waits: its silence does not count. Before the first tick nothing does.
   void alive();
-  /// As CommandChannel's, with the next step. For the loop's thread.
-  void begin_anew() { anew_ = true; }
+  /// As CommandChannel's.
+  void begin_anew() { channel_.begin_anew(now()); }
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
   /// As Interventions.
@@ -115,8 +115,7 @@ class CommandSink : public Sink {
   CommandSettings settings_;
   Carrier carrier_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
-  bool ticked_ = false;               ///< the loop's, as is the next
-  bool anew_ = false;
+  bool ticked_ = false;               ///< the loop's
   std::mutex stopping_;
   bool stopped_ = false;
   struct State {
@@ -124,8 +123,7 @@ class CommandSink : public Sink {
     bool overridden = false;
     bool operator==(const State&) const = default;
   };
-  State state() const { return {channel_.stopped_by(), channel_.overridden()}; }
-  Condition condition_of(const State& state) const;
+  Condition condition_of(const CommandChannel::Standing& standing) const;
   std::mutex announcing_;
   State announced_;
   TimeNs announced_at_ = 0;

@@ -65,6 +65,7 @@ class RosCommand : public Sink {
   bool drives_unguarded(std::span<const double> values) const;
   void mind_subscribers();
   TimeNs report(TimeNs now);
+  command::Condition condition() const;
 
   topics::Session& session_;
   const Address address_;
