@@ -62,7 +62,9 @@ def run(plugin, max_age, exit_codes=(0,)):
             [PROGRAMS / "spikeloop", "run", folder / "job.music", "--roscore", "--robot", "--quiet",
              "--out", folder / "out"], capture_output=True, text=True, timeout=100)
         assert result.returncode in exit_codes, f"exit {result.returncode}\n{result.stdout}{result.stderr}"
-        return json.loads((folder / "out/summary.json").read_text())
+        summary = json.loads((folder / "out/summary.json").read_text())
+        assert result.returncode == 0 or "older than max_age" in summary["exit_reason"], summary
+        return summary
 
 
 def main():

@@ -197,6 +197,7 @@ class OlderRosExample : public testing::Test {
     ASSERT_NE(driving, twists.end());
     const auto begin = driving->time_ns + 500'000'000;
     std::erase_if(twists, [&](const auto& twist) { return twist.time_ns < begin; });
+    ASSERT_FALSE(twists.empty());
     // MUSIC serves the pace in batches of 0.3 s, and the robot must not stop between them. A busy
     // machine may cause some stops.
     const auto batches = (twists.back().time_ns - begin) / 300'000'000;

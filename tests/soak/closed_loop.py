@@ -34,7 +34,7 @@ SETTLING = 0.2
 # while the run settles.
 BUFFERS = "<Sizing><ReceiveBufferSize>192 KiB</ReceiveBufferSize></Sizing>"
 STOPPED = 130  # the exit code after Ctrl-C
-# Sent by who knows its subscribers before they know it: a second of messages at most.
+# Sent by a publisher that knows its subscribers before they know it: a second of messages at most.
 UNHEARD = {"scan": 20, "odom": 50, "eye": PICTURES_HZ, "cmd_vel": 100}
 
 
