@@ -39,8 +39,9 @@ std::optional<Options> parse_options(int argc, char** argv, int& exit_code) {
                  "Descriptor of a socket to the launcher; the guard ends after it")
       ->type_name("FD")
       ->check(CLI::Range(3, 1 << 20));
-  app.add_option("--scratch", options.scratch,
-                 "The launcher's folder with the socket in it, removed when the launcher was killed");
+  app.add_option(
+      "--scratch", options.scratch,
+      "The launcher's folder with the socket in it, removed when the launcher was killed");
   try {
     app.parse(argc, argv);
     const bool holds_socket =

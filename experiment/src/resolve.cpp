@@ -378,7 +378,8 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     }
   } else if (file.joined &&
              std::ranges::all_of(faults, [](const Fault& fault) { return fault.exit_code == 0; })) {
-    all.add(NotRun("connections are not checked: the ports of a node of code are known when it runs"));
+    all.add(
+        NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);

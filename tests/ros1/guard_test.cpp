@@ -165,8 +165,8 @@ TEST_F(GuardTest, good_end) {
     allowed = sched_getscheduler(0);
   }).join();
   EXPECT_EQ(sched_getscheduler(named("spikeloop-guard")), allowed);
-  const auto threads = std::filesystem::directory_iterator(
-      fmt::format("/proc/{}/task", named("ros_command_ada")));
+  const auto threads =
+      std::filesystem::directory_iterator(fmt::format("/proc/{}/task", named("ros_command_ada")));
   EXPECT_TRUE(std::any_of(begin(threads), end(threads), [&](const auto& thread) {
     return sched_getscheduler(std::stoi(thread.path().filename())) == allowed;
   })) << "the adapter's stopping thread";
