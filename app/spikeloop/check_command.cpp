@@ -90,7 +90,7 @@ void add(CLI::App& app, Action& action) {
       if (arguments->no_code) {
         ::setenv(kNoCode, "1", 1);
       }
-      return is_experiment(arguments->file) ? check_experiment(arguments->file)
+      return is_experiment(arguments->file) ? check_experiment(arguments->file, arguments->strict)
                                             : check(arguments->file, arguments->strict);
     };
   });

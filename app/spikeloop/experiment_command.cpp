@@ -23,11 +23,15 @@
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
+#include "spikeloop/launch/process_tree.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "versions.hpp"
 
 namespace spikeloop::app {
 namespace {
+
+/// Of `check --strict`: as if they were errors.
+constexpr int kWarningsOnly = 2;
 
 using experiment::Experiment;
 
@@ -151,6 +155,13 @@ void begin_log(RunLog& log, const Experiment& experiment, const char* layout) {
                         experiment.seed));
 }
 
+void say_which_signal(fused::RunResult& result) {
+  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
+    result.exit_code = 128 + number;
+    result.reason = launch::stopped_by(number);
+  }
+}
+
 int run_here(const Experiment& experiment, const fused::RunOptions& options, Console::Volume volume,
              RunLog& log) {
   const BackgroundOutput output;
@@ -164,16 +175,12 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
                                       last = for_console(progress, experiment);
                                       console.progress(last);
                                     },
-                                .stop = stop_asked};
+                                .stop = stop_asked,
+                                .ended = say_which_signal};
   const fused::RunResult result = fused::run(experiment, options, events);
   log::set_sink({});
-  launch::JobResult end{result.exit_code, result.reason, {}};
-  if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
-    end.exit_code = 128 + number;
-    end.reason = fmt::format("stopped by SIG{}", ::sigabbrev_np(number));
-  }
-  console.end(end, last);
-  return end.exit_code;
+  console.end({result.exit_code, result.reason, {}}, last);
+  return result.exit_code;
 }
 
 /// The robot that the experiment has, started when nobody publishes its topics.
@@ -414,11 +421,12 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
   return loaded->faults.empty() ? use(*loaded->experiment) : tell_faults(file, loaded->faults);
 }
 
-int check_experiment(const std::string& file) {
+int check_experiment(const std::string& file, bool strict) {
   const auto loaded = load_with_simulators(file, {});
   check_fused(*loaded);
   if (!loaded->faults.empty()) {
-    return tell_faults(file, loaded->faults);
+    const int exit_code = tell_faults(file, loaded->faults);
+    return exit_code == 0 && strict ? kWarningsOnly : exit_code;
   }
   const Experiment& experiment = *loaded->experiment;
   put_result(fmt::format(

@@ -69,6 +69,7 @@ int use_experiment(const std::string& file,
                    const std::function<int(const experiment::Experiment&)>& use);
 
 /// Says everything that is wrong, each with its line. Returns the exit code.
-int check_experiment(const std::string& file);
+/// @param strict warnings have the exit code of errors
+int check_experiment(const std::string& file, bool strict);
 
 }  // namespace spikeloop::app

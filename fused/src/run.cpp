@@ -361,8 +361,11 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     result.exit_code = kFileFault;
     result.reason = lost;
   }
+  if (events.ended) {
+    events.ended(result);
+  }
   result.summary["exit_code"] = result.exit_code;
-  result.summary["exit_reason"] = result.reason;
+  result.summary["exit_reason"] = result.exit_code == 0 ? "finished" : result.reason;
   if (!options.folder.empty()) {
     attempt(result, [&] { write_results(assembly.graph(), options.folder); });
     write_json(options.folder + "/summary.json", result.summary);

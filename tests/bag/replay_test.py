@@ -192,7 +192,7 @@ def interrupted(spikeloop, scratch):
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     printed, errors = process.communicate(timeout=20)
-    assert process.returncode == 130 and "stopped by SIGINT" in errors, errors
+    assert process.returncode == 130 and "stopped by Ctrl-C" in errors, errors
     assert "same" not in printed, printed
 
 

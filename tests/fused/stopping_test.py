@@ -53,8 +53,9 @@ def interrupted(spikeloop, scratch):
     assert second.returncode == 4 and "another run that has not ended writes" in second.stderr, second
     process.send_signal(signal.SIGINT)
     _, printed = process.communicate(timeout=20)
-    assert process.returncode == 130 and "stopped by SIGINT" in printed, printed
+    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
     summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["exit_code"], summary["exit_reason"]) == (130, "stopped by Ctrl-C"), summary
     assert 0 < summary["simulated_s"] < 50, summary
     assert summary["counters"]["wheels.stops_ended"] == 1, summary
 

@@ -55,6 +55,8 @@ def main():
         (folder / "it.yaml").write_text(text)
         answer = Answer(SPIKELOOP, "check", "--no-code", "it.yaml", cwd=folder)
         assert answer.code == 0 and "0 errors, 2 warnings" in answer.text, answer.text
+        answer = Answer(SPIKELOOP, "check", "--no-code", "--strict", "it.yaml", cwd=folder)
+        assert answer.code == 2 and "0 errors, 2 warnings" in answer.text, answer.text
         (folder / "brain.py").write_text(BRAIN)
         answer = Answer(SPIKELOOP, "check", "it.yaml", cwd=folder)
         answer.refused("numpy is of /usr/lib")

@@ -151,8 +151,9 @@ class Launch:
 
     def complaints(self):
         late = self.rest_ms is not None and self.rest_ms > self.bound_ms
-        named = {"launcher": "", "keeper": "", "nothing": "", "experiment": "spikeloop-fused"}.get(
-            self.target, self.target)
+        # Of programs that check a section the launcher names the section.
+        known = {name: name for name in ("mpirun", "scan", "encoder", "brain", "decoder", "wheels")}
+        named = (known | {"experiment": "spikeloop-fused"}).get(self.target, "")
         silent = self.process.returncode > 0 and self.process.returncode != 130 and named not in self.reason
         found = {
             "hung": self.hung,

@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "spikeloop/core/error.hpp"
 
@@ -27,8 +29,14 @@ Scratch::Scratch() {
 }
 
 Scratch::~Scratch() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  // Programs whose keeper was killed may still write into it while they end.
+  constexpr int kMostTries = 50;
+  std::error_code error;
+  fs::remove_all(path_, error);
+  for (int i = 0; error && i < kMostTries; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    fs::remove_all(path_, error);
+  }
 }
 
 std::string directory_of(const std::string& file) {

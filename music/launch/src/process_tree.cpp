@@ -126,4 +126,9 @@ int exit_code(int wait_status) {
   return WIFSIGNALED(wait_status) ? 128 + WTERMSIG(wait_status) : WEXITSTATUS(wait_status);
 }
 
+std::string stopped_by(int signal) {
+  return signal == SIGINT ? "stopped by Ctrl-C"
+                          : fmt::format("stopped by signal {} ({})", signal, strsignal(signal));
+}
+
 }  // namespace spikeloop::launch

@@ -55,11 +55,6 @@ std::map<std::string, std::string> origin_environment(const std::string& file) {
   return environment;
 }
 
-std::string stopped_by(int signal) {
-  return signal == SIGINT ? "stopped by Ctrl-C"
-                          : fmt::format("stopped by signal {} ({})", signal, strsignal(signal));
-}
-
 SectionChecks::SectionChecks(Crew& crew, const MusicFile& file, const Places& places)
     : crew_(crew), file_(file) {
   for (const MusicSection* section : in_written_order(file)) {

@@ -16,9 +16,6 @@ namespace spikeloop::launch {
 /// file that the user wrote.
 std::map<std::string, std::string> origin_environment(const std::string& file);
 
-/// "stopped by Ctrl-C", "stopped by signal 15 (Terminated)".
-std::string stopped_by(int signal);
-
 class SectionChecks {
  public:
   struct Places {

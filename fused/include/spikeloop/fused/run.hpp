@@ -46,17 +46,19 @@ struct RunOptions {
   nlohmann::json about{};
 };
 
+struct RunResult {
+  int exit_code = 0;
+  std::string reason;  ///< one line; empty when all went well
+  nlohmann::json summary;
+};
+
 /// Called while it runs; may be left out.
 struct RunEvents {
   std::function<void(TimeNs simulated)> ticked{};   ///< after every tick
   std::function<void(const Progress&)> progress{};  ///< ten times a second, and at the end
   std::function<bool()> stop{};                     ///< asked every tick
-};
-
-struct RunResult {
-  int exit_code = 0;
-  std::string reason;  ///< one line; empty when all went well
-  nlohmann::json summary;
+  /// Before summary.json is written: who stopped the run may say so.
+  std::function<void(RunResult&)> ended{};
 };
 
 /// Runs to the end of the duration, or until `stop`. What goes wrong meanwhile is in the result;

@@ -69,4 +69,7 @@ class ProcessTree {
 /// As a shell says it: 128 + n after signal n.
 int exit_code(int wait_status);
 
+/// "stopped by Ctrl-C", "stopped by signal 15 (Terminated)".
+std::string stopped_by(int signal);
+
 }  // namespace spikeloop::launch
