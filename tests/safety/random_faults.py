@@ -8,8 +8,7 @@ gets must be zero. A robot that is driven must stand within the time of docs/saf
 
   random_faults.py --launches 1000 --seed 1
 
-Runs that differ in --seed may go on at the same time; files that others leave in /dev/shm and TMPDIR meanwhile are
-taken for theirs.
+Nothing else may use /dev/shm meanwhile, or this script has one of its own (unshare -m).
 """
 
 import argparse
