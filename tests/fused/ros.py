@@ -45,7 +45,11 @@ def master(scratch, *program):
         yield uri
     finally:
         core.send_signal(signal.SIGINT)
-        core.wait(30)
+        try:
+            core.wait(30)
+        except subprocess.TimeoutExpired:  # it still calls nodes that were killed
+            core.kill()
+            core.wait()
         os.environ.clear()
         os.environ.update(before)
 

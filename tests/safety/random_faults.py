@@ -190,13 +190,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--launches", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--ros", choices=["1", "2"], action="append")
     arguments = parser.parse_args()
     dice = random.Random(arguments.seed)
     launches = []
-    for version in ("1", "2"):
+    versions = arguments.ros or ["1", "2"]
+    for version in versions:
         with tempfile.TemporaryDirectory() as scratch, robots.robot(
                 version, PROGRAMS, pathlib.Path(scratch)) as robot:
-            for number in range(arguments.launches // 2):
+            for number in range(arguments.launches // len(versions)):
                 launch = Launch(random.Random(dice.getrandbits(64)), ("fused", "separate")[number % 2])
                 launch.run(robot)
                 launches.append(launch)
