@@ -376,8 +376,9 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     if (all.count() == before) {
       resolve_links(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
     }
-  } else if (file.joined &&
-             std::ranges::all_of(faults, [](const Fault& fault) { return fault.exit_code == 0; })) {
+  } else if (!faults.empty() && std::ranges::all_of(faults, [](const Fault& fault) {
+               return fault.exit_code == 0;  // code that was not run
+             })) {
     all.add(
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
