@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <regex>
 #include <set>
 #include <string>
 #include <thread>
@@ -27,13 +28,23 @@ class ScreenInMemory {
  public:
   ScreenInMemory()
       : server_({.arguments = {"Xvfb", "-displayfd", "1", "-screen", "0", "1024x768x24", "-fbdir",
-                               directory_.path().string(), "-nolisten", "tcp"},
+                               directory_.path().string(), "-nolisten", "tcp", "-noreset"},
                  .timeout = 120s}) {
-    EXPECT_TRUE(server_.wait_for("\n", 30s)) << server_.output();
-    const std::string number = server_.output().substr(0, server_.output().find('\n'));
-    ::setenv("DISPLAY", (":" + number).c_str(), 1);
+    const auto end = std::chrono::steady_clock::now() + 30s;
+    while (number().empty() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(10ms);
+    }
+    EXPECT_FALSE(number().empty()) << server_.output();
+    ::setenv("DISPLAY", (":" + number()).c_str(), 1);
   }
   ~ScreenInMemory() { ::unsetenv("DISPLAY"); }
+
+  /// Of the display: a line of its own, beside words about numbers that others have.
+  std::string number() {
+    const std::string printed = server_.output();
+    std::smatch line;
+    return std::regex_search(printed, line, std::regex("(?:^|\n)([0-9]+)\n")) ? line[1].str() : "";
+  }
 
   /// The bytes of the screen that differ from each other: few while it is black.
   std::size_t colours() const {
