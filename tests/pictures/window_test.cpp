@@ -23,6 +23,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
+bool within(std::chrono::seconds limit, const std::function<bool()>& done) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(10ms);
+  }
+  return true;
+}
+
 /// While it lives, DISPLAY is this one.
 class ScreenInMemory {
  public:
@@ -30,11 +39,7 @@ class ScreenInMemory {
       : server_({.arguments = {"Xvfb", "-displayfd", "1", "-screen", "0", "1024x768x24", "-fbdir",
                                directory_.path().string(), "-nolisten", "tcp", "-noreset"},
                  .timeout = 120s}) {
-    const auto end = std::chrono::steady_clock::now() + 30s;
-    while (number().empty() && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(10ms);
-    }
-    EXPECT_FALSE(number().empty()) << server_.output();
+    EXPECT_TRUE(within(30s, [this] { return !number().empty(); })) << server_.output();
     ::setenv("DISPLAY", (":" + number()).c_str(), 1);
   }
   ~ScreenInMemory() { ::unsetenv("DISPLAY"); }
@@ -58,15 +63,6 @@ class ScreenInMemory {
   test::TemporaryDirectory directory_;
   test::Child server_;
 };
-
-bool within(std::chrono::seconds limit, const std::function<bool()>& done) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(10ms);
-  }
-  return true;
-}
 
 TEST(Window, ShowsTheWorldWhileTheVehicleDrives) {
   const ScreenInMemory screen;

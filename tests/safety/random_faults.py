@@ -150,9 +150,9 @@ class Launch:
 
     def complaints(self):
         late = self.rest_ms is not None and self.rest_ms > self.bound_ms
-        # Of programs that check a section the launcher names the section.
-        known = {name: name for name in ("mpirun", "scan", "encoder", "brain", "decoder", "wheels")}
-        named = (known | {"experiment": "spikeloop-fused"}).get(self.target, "")
+        # Helpers have no part in a run's reason; of a program that checks a section the launcher names the section.
+        nameless = self.target not in ("mpirun", "experiment", "scan", "encoder", "brain", "decoder", "wheels")
+        named = "" if nameless else self.target.replace("experiment", "spikeloop-fused")
         silent = self.process.returncode > 0 and self.process.returncode != 130 and named not in self.reason
         found = {
             "hung": self.hung,

@@ -30,12 +30,13 @@ Scratch::Scratch() {
 
 Scratch::~Scratch() {
   // Programs whose keeper was killed may still write into it while they end.
-  constexpr int kMostTries = 50;
-  std::error_code error;
-  fs::remove_all(path_, error);
-  for (int i = 0; error && i < kMostTries; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  for (int tries = 50; tries > 0; --tries) {
+    std::error_code error;
     fs::remove_all(path_, error);
+    if (!error) {
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 

@@ -106,21 +106,22 @@ TimeNs CommandSink::beat(TimeNs wall) {
 
 void CommandSink::announce(TimeNs now) {
   const CommandChannel::Standing standing = channel_.standing();
-  const State state{standing.stopped, standing.overridden};
   const auto cut = channel_.first_cut();
   const std::lock_guard lock(announcing_);
   if (cut && !cut_announced_) {
     cut_announced_ = true;
     log::warning("{}", cut_warning(*cut, settings_));
   }
-  if (state == announced_ || (announced_at_ != 0 && now - announced_at_ < kNsPerSecond)) {
+  const bool known =
+      standing.stopped == announced_.stopped && standing.overridden == announced_.overridden;
+  if (known || (announced_at_ != 0 && now - announced_at_ < kNsPerSecond)) {
     return;
   }
-  const State before = std::exchange(announced_, state);
+  const CommandChannel::Standing before = std::exchange(announced_, standing);
   announced_at_ = now;
-  if (!state.overridden && !state.stopped) {
+  if (!standing.overridden && !standing.stopped) {
     log::warning("the robot is driven {}again", before.overridden ? "by the network " : "");
-  } else if (state.overridden || *state.stopped < StopReason::terminated) {
+  } else if (standing.overridden || *standing.stopped < StopReason::terminated) {
     log::warning("{}", condition_of(standing).text);
   }
 }

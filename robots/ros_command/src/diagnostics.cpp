@@ -31,12 +31,12 @@ Diagnostics::Diagnostics(topics::Session& session, const std::string& topic)
       publisher_(session.publisher("/diagnostics", kType)) {}
 
 TimeNs Diagnostics::publish(TimeNs now, const command::Condition& condition,
-                            const std::vector<Counter>& counters) {
+                            const command::CommandSink& sink) {
   const bool changed = condition.text != told_.text && now - sent_ >= kLeastPeriod;
   if (changed || now - sent_ >= kPeriod) {
     sent_ = now;
     told_ = condition;
-    write(counters);
+    write(sink.counters());
     publisher_->publish(message_);
   }
   return now + kLeastPeriod;

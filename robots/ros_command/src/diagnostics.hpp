@@ -21,8 +21,7 @@ class Diagnostics {
   Diagnostics(topics::Session& session, const std::string& topic);
 
   /// For one thread. Returns the wall time at which it wants to look again.
-  TimeNs publish(TimeNs now, const command::Condition& condition,
-                 const std::vector<Counter>& counters);
+  TimeNs publish(TimeNs now, const command::Condition& condition, const command::CommandSink& sink);
 
  private:
   void write(const std::vector<Counter>& counters);

@@ -108,7 +108,7 @@ void RosCommand::send(const Step& step) {
 
 /// In the watch's thread, so also while the loop stands still.
 TimeNs RosCommand::report(TimeNs now) {
-  return diagnostics_ ? diagnostics_->publish(now, condition(), sink_.counters()) : kNever;
+  return diagnostics_ ? diagnostics_->publish(now, condition(), sink_) : kNever;
 }
 
 command::Condition RosCommand::condition() const {

@@ -118,14 +118,9 @@ class CommandSink : public Sink {
   bool ticked_ = false;               ///< the loop's
   std::mutex stopping_;
   bool stopped_ = false;
-  struct State {
-    std::optional<StopReason> stopped;
-    bool overridden = false;
-    bool operator==(const State&) const = default;
-  };
   Condition condition_of(const CommandChannel::Standing& standing) const;
   std::mutex announcing_;
-  State announced_;
+  CommandChannel::Standing announced_;
   TimeNs announced_at_ = 0;
   bool cut_announced_ = false;
   CommandChannel channel_;
