@@ -4,7 +4,7 @@
 
 The vehicle is spikeloop-robot. Pictures come from fastdds_witness, a node on another vendor's DDS that also
 hears every command, scan and odometry reliably, with the number that its publisher has given it. Memory is
-what a process has to itself and cannot give back (Anonymous and Swap of /proc/PID/smaps_rollup), once a second.
+what a process has to itself and cannot give back (Anonymous and Swap of /proc/PID/smaps_rollup).
 """
 
 import argparse
@@ -28,6 +28,7 @@ PICTURES_HZ = 30
 # 80 bytes a scan or three pictures make more. A machine that stands still for a moment makes less: another picture
 # waits then, and the heap keeps its megabyte, which counts one and a half times when it comes halfway.
 MOST_GROWTH_KIB = 2048
+MOST_MORE = 2  # threads, descriptors or files
 SETTLING = 0.2
 # Cyclone DDS writes all that arrives into buffers of a megabyte a thread, from end to end. Where only discovery
 # arrives it does so for half an hour before it begins anew: growth, but none without end. Smaller ones are used up
@@ -83,38 +84,54 @@ def memory_kib(pid):
     return sum(int(sizes[name].split()[0]) for name in ("Anonymous", "Swap"))
 
 
-class Memory:
-    """Of the processes of a job, by name, once a second; one that is gone is a crash."""
+def count(folder):
+    return len(list(pathlib.Path(folder).iterdir()))
 
-    def __init__(self, pids):
+
+class Usage:
+    """Memory, threads and descriptors of the processes of a job, by name, and the files that they have written,
+    once a second. A process that is gone is a crash."""
+
+    def __init__(self, pids, folder):
         self.pids = pids
+        self.folder = folder
         self.begin = time.monotonic()
-        self.samples = {name: [] for name in pids}
+        self.times = []
+        self.samples = {}
 
     def sample(self):
+        self.times.append(time.monotonic() - self.begin)
         for name, pid in self.pids.items():
             try:
-                kib = memory_kib(pid)
+                self._add(f"memory of {name} (KiB)", memory_kib(pid))
+                self._add(f"threads of {name}", count(f"/proc/{pid}/task"))
+                self._add(f"descriptors of {name}", count(f"/proc/{pid}/fd"))
             except (OSError, IndexError) as error:
-                raise AssertionError(f"{name} has ended before its time: {error}") from error
-            self.samples[name].append((time.monotonic() - self.begin, kib))
+                logs = "\n".join(log.read_text() for log in self.folder.glob("*.txt"))
+                raise AssertionError(f"{name} has ended after {self.times[-1]:.0f} s: {error}\n{logs}") from error
+        self._add("files", sum(len(names) for _, _, names in os.walk(self.folder)))
 
-    def growth(self, name):
-        """KiB over the last four fifths of the run."""
-        end = self.samples[name][-1][0]
-        points = [(t, kib) for t, kib in self.samples[name] if t >= SETTLING * end]
-        mean_t, mean_kib = (sum(values) / len(points) for values in zip(*points))
-        slope = (sum((t - mean_t) * (kib - mean_kib) for t, kib in points)
+    def _add(self, what, size):
+        self.samples.setdefault(what, []).append(size)
+
+    def growth(self, sizes):
+        """Over the last four fifths of the run, by least squares."""
+        points = [point for point in zip(self.times, sizes) if point[0] >= SETTLING * self.times[-1]]
+        mean_t, mean_size = (sum(values) / len(points) for values in zip(*points))
+        slope = (sum((t - mean_t) * (size - mean_size) for t, size in points)
                  / sum((t - mean_t) ** 2 for t, _ in points))
         return slope * (points[-1][0] - points[0][0])
 
-    def faults(self, most_growth):
-        for name, samples in self.samples.items():
-            sizes = [kib for _, kib in samples]
-            print(f"memory of {name}: {sizes[0]} KiB at first, {sizes[-1]} at last, {max(sizes)} at most; "
-                  f"growth {self.growth(name):.0f} KiB", flush=True)
-        grown = [name for name in self.samples if self.growth(name) > most_growth]
-        return [f"the memory of {name} grows by more than {most_growth} KiB" for name in grown]
+    def faults(self, most_growth_kib):
+        faults = []
+        for what, sizes in self.samples.items():
+            growth = self.growth(sizes)
+            day = growth * 86400 / ((1 - SETTLING) * self.times[-1])
+            print(f"{what}: {sizes[0]} at first, {sizes[-1]} at last, {max(sizes)} at most; growth {growth:.1f}, "
+                  f"in 24 h {day:.0f}", flush=True)
+            most = most_growth_kib if what.startswith("memory") else MOST_MORE
+            faults += [f"{what}: grows by more than {most}"] if growth > most else []
+        return faults
 
 
 @contextlib.contextmanager
@@ -141,13 +158,13 @@ def drive(programs, witness, folder, seconds):
         ros.until(ready, "the run's begin", 60)
         time.sleep(1)  # it knows the witness, too
         with started(robot, folder / "robot.txt") as vehicle:
-            memory = Memory({"spikeloop": launcher.pid, "spikeloop-robot": vehicle.pid,
-                             "spikeloop-fused": jobs.find(launcher.pid, "spikeloop-fused"),
-                             "spikeloop-guard": jobs.guard_of(launcher.pid)})
+            usage = Usage({"spikeloop": launcher.pid, "spikeloop-robot": vehicle.pid,
+                           "spikeloop-fused": jobs.find(launcher.pid, "spikeloop-fused"),
+                           "spikeloop-guard": jobs.guard_of(launcher.pid)}, folder)
             witness.send(int((seconds - 2) * PICTURES_HZ))
             for second in range(1, seconds - 1):
-                time.sleep(max(0.0, memory.begin + second - time.monotonic()))
-                memory.sample()
+                time.sleep(max(0.0, usage.begin + second - time.monotonic()))
+                usage.sample()
             sent = witness.wait_for_sent()
             code = vehicle.wait(30)
             assert code == 0, f"spikeloop-robot, exit code {code}:\n{(folder / 'robot.txt').read_text()}"
@@ -156,7 +173,7 @@ def drive(programs, witness, folder, seconds):
     said = (folder / "run.txt").read_text()
     assert code == STOPPED, f"spikeloop run, exit code {code}:\n{said}"
     print(said + (folder / "robot.txt").read_text(), end="")
-    return json.loads((folder / "run/summary.json").read_text()), sent, memory
+    return json.loads((folder / "run/summary.json").read_text()), sent, usage
 
 
 def faults_of_commands(counters, heard):
@@ -190,8 +207,8 @@ def main():
         os.environ["CYCLONEDDS_URI"] = BUFFERS
         witness = Witness(build / "tests/bin/fastdds_witness", domain)
         try:
-            summary, pictures, memory = drive(build / "bin", witness, pathlib.Path(folder),
-                                              round(60 * arguments.minutes))
+            summary, pictures, usage = drive(build / "bin", witness, pathlib.Path(folder),
+                                             round(60 * arguments.minutes))
             heard = witness.heard()
             witness.end()
         finally:
@@ -206,7 +223,7 @@ def main():
         whole = came == last - first + 1
         faults += [] if whole else [f"fastdds_witness has heard {came} messages of /{name}, {first} to {last}"]
         faults += faults_of_sensor(counters, name, last)
-    faults += memory.faults(arguments.most_growth)
+    faults += usage.faults(arguments.most_growth)
     assert not faults, "; ".join(faults)
 
 
