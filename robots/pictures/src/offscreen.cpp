@@ -6,19 +6,19 @@
 
 #include <mutex>
 
-#include "open_library.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/open_library.hpp"
 
 namespace spikeloop::pictures {
 namespace {
 
-constexpr const char* kPackages = "libegl1 libgl1 libgl1-mesa-dri";
+constexpr const char* kRemedy =
+    "install Mesa's drivers:  apt-get install libegl1 libgl1 libgl1-mesa-dri";
 
 [[noreturn]] void refuse_egl(const char* step, EGLint error) {
   throw TransportError(
-      fmt::format("cannot draw without a display: {} failed with EGL error {:#x}; install "
-                  "Mesa's drivers:  apt-get install {}",
-                  step, error, kPackages));
+      fmt::format("cannot draw without a display: {} failed with EGL error {:#x}; {}", step, error,
+                  kRemedy));
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ constexpr const char* kPackages = "libegl1 libgl1 libgl1-mesa-dri";
 /// EGL has one display of a kind in a process, and ending it ends everybody's contexts.
 class Offscreen::Display {
  public:
-  Display() : library_("libEGL.so.1", "draw without a display", kPackages) {
+  Display() : library_("libEGL.so.1", "draw without a display", kRemedy) {
     const auto get_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
         library_.function<decltype(&eglGetProcAddress)>("eglGetProcAddress")(
             "eglGetPlatformDisplayEXT"));

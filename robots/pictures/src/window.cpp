@@ -12,9 +12,9 @@
 #include <optional>
 #include <thread>
 
-#include "open_library.hpp"
 #include "scene.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/open_library.hpp"
 
 namespace spikeloop::pictures {
 namespace {
@@ -33,7 +33,7 @@ const char* display_name() {
 
 /// The functions of GLFW that are used here.
 struct Glfw {
-  OpenLibrary library{"libglfw.so.3", "open a window", "libglfw3"};
+  OpenLibrary library{"libglfw.so.3", "open a window", "install it:  apt-get install libglfw3"};
 #define SPIKELOOP_GLFW(name) decltype(&::name) name = library.function<decltype(&::name)>(#name)
   SPIKELOOP_GLFW(glfwInit);
   SPIKELOOP_GLFW(glfwGetError);

@@ -25,7 +25,7 @@ Dispatcher::Ticket Dispatcher::add(dds_entity_t condition, std::function<void()>
   {
     const std::lock_guard lock(mutex_);
     ticket = ++last_;
-    work_[ticket] = std::make_shared<Closable<>>(std::move(work));
+    work_[ticket] = std::make_shared<topics::Closable<>>(std::move(work));
   }
   dds_waitset_attach(waitset_, condition, ticket);
   return ticket;
@@ -40,7 +40,7 @@ void Dispatcher::remove(Ticket ticket, dds_entity_t condition) {
   work_.erase(ticket);
 }
 
-std::shared_ptr<Closable<>> Dispatcher::find(Ticket ticket) {
+std::shared_ptr<topics::Closable<>> Dispatcher::find(Ticket ticket) {
   const std::lock_guard lock(mutex_);
   const auto found = work_.find(ticket);
   return found == work_.end() ? nullptr : found->second;

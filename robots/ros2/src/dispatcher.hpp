@@ -12,7 +12,7 @@
 #include <mutex>
 #include <thread>
 
-#include "closable.hpp"
+#include "spikeloop/topics/closable.hpp"
 
 namespace spikeloop::ros2 {
 
@@ -32,14 +32,14 @@ class Dispatcher {
 
  private:
   void run();
-  std::shared_ptr<Closable<>> find(Ticket ticket);
+  std::shared_ptr<topics::Closable<>> find(Ticket ticket);
 
   dds_entity_t waitset_;
   dds_entity_t end_;  ///< a guard condition
   std::atomic<bool> ending_{false};
   std::mutex mutex_;
   Ticket last_ = 0;
-  std::map<Ticket, std::shared_ptr<Closable<>>> work_;
+  std::map<Ticket, std::shared_ptr<topics::Closable<>>> work_;
   std::thread thread_;
 };
 

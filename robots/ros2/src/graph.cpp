@@ -42,14 +42,15 @@ Graph::~Graph() {
 
 Graph::Listener Graph::listen(const std::string& dds_topic, Seen seen) {
   const std::lock_guard lock(mutex_);
-  listeners_[++last_] = {.topic = dds_topic,
-                         .seen = std::make_shared<Closable<const Writer&>>(std::move(seen))};
+  listeners_[++last_] = {
+      .topic = dds_topic,
+      .seen = std::make_shared<topics::Closable<const Writer&>>(std::move(seen))};
   dds_set_guardcondition(fresh_, true);
   return last_;
 }
 
 void Graph::forget(Listener listener) {
-  std::shared_ptr<Closable<const Writer&>> seen;
+  std::shared_ptr<topics::Closable<const Writer&>> seen;
   {
     const std::lock_guard lock(mutex_);
     seen = listeners_.at(listener).seen;
@@ -101,7 +102,7 @@ void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
 }
 
 void Graph::tell(const Writer& writer) {
-  std::vector<std::shared_ptr<Closable<const Writer&>>> told;
+  std::vector<std::shared_ptr<topics::Closable<const Writer&>>> told;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, listening] : listeners_) {
@@ -117,7 +118,7 @@ void Graph::tell(const Writer& writer) {
 
 void Graph::tell_fresh() {
   dds_set_guardcondition(fresh_, false);
-  std::vector<std::pair<std::shared_ptr<Closable<const Writer&>>, Writer>> told;
+  std::vector<std::pair<std::shared_ptr<topics::Closable<const Writer&>>, Writer>> told;
   {
     const std::lock_guard lock(mutex_);
     for (auto& [id, listening] : listeners_) {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "closable.hpp"
 #include "dispatcher.hpp"
+#include "spikeloop/topics/closable.hpp"
 
 namespace spikeloop::ros2 {
 
@@ -47,7 +47,7 @@ class Graph {
  private:
   struct Listening {
     std::string topic;
-    std::shared_ptr<Closable<const Writer&>> seen;
+    std::shared_ptr<topics::Closable<const Writer&>> seen;
     bool fresh = true;  ///< has not been told of those that were there before
   };
 

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <utility>
 
 #include "publisher.hpp"
@@ -14,15 +12,6 @@
 
 namespace spikeloop::ros2 {
 namespace {
-
-std::string node_name(const topics::SessionSettings& settings) {
-  if (!settings.unique_name) {
-    return settings.node_name;
-  }
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return fmt::format("{}_{}_{}", settings.node_name, ::getpid(),
-                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-}
 
 discovery::Variables place_of(const topics::SessionSettings& settings) {
   return settings.place.empty() ? discovery::environment() : settings.place;
@@ -50,7 +39,7 @@ class BlockedSignals {
 Session::Impl::Impl(const topics::SessionSettings& settings)
     : place(place_of(settings)),
       found(discovery::parse(place)),
-      node(node_identity(ros2::node_name(settings), settings.arguments)),
+      node(node_identity(topics::ros2_node_name(settings), settings.arguments)),
       names(node, settings.arguments),
       domain(found),
       participant(domain, found),

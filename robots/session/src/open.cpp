@@ -1,14 +1,53 @@
 #include "spikeloop/session/open.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <string_view>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/open_library.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/ros1/master.hpp"
 #include "spikeloop/ros1/session.hpp"
 #include "spikeloop/ros2/session.hpp"
+#include "spikeloop/session/rclcpp.hpp"
 
 namespace spikeloop::session {
+namespace {
+
+/// What makes nodes of ROS 2. @throws ConfigurationError for a value that is none.
+bool is_by_rclcpp() {
+  const char* const value = std::getenv(kTransportVariable);
+  const std::string_view transport = value == nullptr ? "" : value;
+  if (transport.empty() || transport == "cyclonedds") {
+    return false;
+  }
+  if (transport != "rclcpp") {
+    throw ConfigurationError(fmt::format("{} is '{}'; write rclcpp, or cyclonedds (the default)",
+                                         kTransportVariable, transport));
+  }
+  return true;
+}
+
+std::string full_type(const std::string& message_type) {
+  return messages::Catalog::for_type(messages::Dialect::ros2, message_type).full_name(message_type);
+}
+
+std::unique_ptr<topics::Session> open_by_rclcpp(const topics::SessionSettings& settings) {
+  static const OpenLibrary library(kRclcppLibrary, "take part in ROS 2 by rclcpp",
+                                   "build the ROS package spikeloop_ros with colcon, and source "
+                                   "its setup.bash (docs/ros2.md), or "
+                                   "unset SPIKELOOP_ROS2");
+  return std::unique_ptr<topics::Session>(
+      library.function<RclcppFactory*>(kRclcppFactory)(settings, full_type));
+}
+
+}  // namespace
 
 std::unique_ptr<topics::Session> open(const Settings& settings) {
   if (settings.ros == messages::Dialect::ros2) {
-    return std::make_unique<ros2::Session>(settings);
+    return is_by_rclcpp() ? open_by_rclcpp(settings) : std::make_unique<ros2::Session>(settings);
   }
   ros1::SessionSettings ros1{settings, settings.master_timeout};
   if (settings.cancelled != nullptr &&

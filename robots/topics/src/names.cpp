@@ -1,11 +1,14 @@
 #include "spikeloop/topics/names.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <string_view>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::topics {
 namespace {
@@ -101,6 +104,15 @@ void check_node_name(Dialect ros, const std::string& name) {
     throw ConfigurationError(fmt::format(
         "'{}' is no name of a ROS node; write a letter followed by letters, digits and '_'", name));
   }
+}
+
+std::string ros2_node_name(const SessionSettings& settings) {
+  if (!settings.unique_name) {
+    return settings.node_name;
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("{}_{}_{}", settings.node_name, ::getpid(),
+                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
 }
 
 }  // namespace spikeloop::topics

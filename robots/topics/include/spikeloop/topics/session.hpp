@@ -84,6 +84,10 @@ struct SessionSettings {
   Place place{};             ///< another session's; empty: what this process's environment says
 };
 
+/// `node_name`, with process number and time behind it where it is to be unique. ROS 1 does that
+/// itself.
+std::string ros2_node_name(const SessionSettings& settings);
+
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
 class Session {
  public:

@@ -1,17 +1,19 @@
-// Libraries that only pictures need, opened when one is asked for.
+// Libraries that few runs need, opened when one is asked for.
 #pragma once
 
 #include <string>
 
-namespace spikeloop::pictures {
+namespace spikeloop {
 
 class OpenLibrary {
  public:
   /// It stays open: drivers have threads.
   /// @param purpose what cannot be done without it, "draw without a display"
-  /// @throws TransportError that names the packages to install.
-  OpenLibrary(const char* file, const char* purpose, const char* packages);
+  /// @param remedy "install it:  apt-get install libegl1"
+  /// @throws TransportError that ends with the remedy.
+  OpenLibrary(const char* file, const char* purpose, const char* remedy);
 
+  /// @throws TransportError when the library has no such function.
   template <typename Function>
   Function function(const char* name) const {
     return reinterpret_cast<Function>(symbol(name));
@@ -19,8 +21,10 @@ class OpenLibrary {
 
  private:
   void* symbol(const char* name) const;
+
   const char* file_;
+  const char* remedy_;
   void* handle_;
 };
 
-}  // namespace spikeloop::pictures
+}  // namespace spikeloop

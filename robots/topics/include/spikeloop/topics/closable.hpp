@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-namespace spikeloop::ros2 {
+namespace spikeloop::topics {
 
 template <typename... Arguments>
 class Closable {
@@ -29,4 +29,4 @@ class Closable {
   std::function<void(Arguments...)> function_;
 };
 
-}  // namespace spikeloop::ros2
+}  // namespace spikeloop::topics

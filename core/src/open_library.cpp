@@ -1,0 +1,26 @@
+#include "spikeloop/core/open_library.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop {
+
+OpenLibrary::OpenLibrary(const char* file, const char* purpose, const char* remedy)
+    : file_(file), remedy_(remedy), handle_(::dlopen(file, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
+  if (handle_ == nullptr) {
+    throw TransportError(fmt::format("cannot {}: {}; {}", purpose, ::dlerror(), remedy));
+  }
+}
+
+void* OpenLibrary::symbol(const char* name) const {
+  void* found = ::dlsym(handle_, name);
+  if (found == nullptr) {
+    throw TransportError(
+        fmt::format("{} has no {}, it is of another version; {}", file_, name, remedy_));
+  }
+  return found;
+}
+
+}  // namespace spikeloop

@@ -1,0 +1,57 @@
+#include "publisher.hpp"
+
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+namespace spikeloop::ros {
+
+namespace {
+
+/// A subscriber that is stopped never acknowledges; what it missed is with the system by then.
+constexpr std::chrono::milliseconds kLongestDrain{100};
+
+}  // namespace
+
+Publisher::Publisher(std::shared_ptr<rclcpp::Node> node, const std::string& topic,
+                     const std::string& type, const rclcpp::QoS& qos)
+    : node_(std::move(node)),
+      qos_(qos),
+      publisher_(node_->create_generic_publisher(topic, type, qos)) {}
+
+void Publisher::publish(std::span<const std::byte> message) {
+  message_.reserve(message.size());
+  rcl_serialized_message_t& raw = message_.get_rcl_serialized_message();
+  std::memcpy(raw.buffer, message.data(), message.size());
+  raw.buffer_length = message.size();
+  publisher_->publish(message_);
+}
+
+bool Publisher::has_subscribers() const {
+  return publisher_->get_subscription_count() > 0;
+}
+
+// rclcpp warns of other policies by itself; rclcpp::qos_check_compatible() takes nodes of plain DDS
+// for misfits that are none.
+std::string Publisher::misfit() const {
+  if (qos_.durability() == rclcpp::DurabilityPolicy::TransientLocal) {
+    return {};
+  }
+  for (const auto& subscriber :
+       node_->get_subscriptions_info_by_topic(publisher_->get_topic_name())) {
+    if (subscriber.qos_profile().durability() == rclcpp::DurabilityPolicy::TransientLocal) {
+      return "durability transient local, and this one is volatile";
+    }
+  }
+  return {};
+}
+
+void Publisher::drain() const {
+  try {
+    publisher_->wait_for_all_acked(kLongestDrain);
+  } catch (const rclcpp::exceptions::RCLError&) {
+    // A middleware that knows no acknowledgements has sent what was published.
+  }
+}
+
+}  // namespace spikeloop::ros

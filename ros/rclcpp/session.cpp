@@ -1,0 +1,155 @@
+// This process as a node of ROS 2 by rclcpp: over every middleware that is installed
+// (RMW_IMPLEMENTATION).
+
+#include "spikeloop/topics/session.hpp"
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <rclcpp/rclcpp.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "conventions.hpp"
+#include "publisher.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/session/rclcpp.hpp"
+#include "spikeloop/topics/names.hpp"
+#include "subscriber.hpp"
+
+namespace spikeloop::ros {
+namespace {
+
+constexpr const char* kDomain = "ROS_DOMAIN_ID";
+
+/// rclcpp does not say when a publisher knows us; it does by then, as it has been here for so long.
+constexpr std::chrono::milliseconds kAcquaintance{500};
+
+/// A context of its own: no signal handlers, no files of logs, not the process's arguments.
+std::shared_ptr<rclcpp::Context> context_of(const topics::Place& place) {
+  rclcpp::InitOptions options;
+  options.auto_initialize_logging(false);
+  options.shutdown_on_signal = false;
+  if (const auto domain = place.find(kDomain); domain != place.end()) {
+    options.set_domain_id(std::stoul(domain->second));
+  }
+  auto context = std::make_shared<rclcpp::Context>();
+  context->init(0, nullptr, options);
+  return context;
+}
+
+std::shared_ptr<rclcpp::Node> node_of(const topics::SessionSettings& settings,
+                                      const std::shared_ptr<rclcpp::Context>& context) {
+  std::vector<std::string> words = {"--ros-args"};
+  for (const auto& [name, value] : settings.arguments) {
+    words.insert(words.end(), {"-r", (name == "__name" ? "__node" : name) + ":=" + value});
+  }
+  rclcpp::NodeOptions options;
+  options.context(context).use_global_arguments(false).arguments(words);
+  return std::make_shared<rclcpp::Node>(topics::ros2_node_name(settings), options);
+}
+
+rclcpp::ExecutorOptions executor_options(const std::shared_ptr<rclcpp::Context>& context) {
+  rclcpp::ExecutorOptions options;
+  options.context = context;
+  return options;
+}
+
+/// What rclcpp throws, as ours.
+template <typename Work>
+auto translated(Work&& work) {
+  try {
+    return work();
+  } catch (const rclcpp::exceptions::NameValidationError& error) {
+    throw ConfigurationError(error.what());
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw TransportError(std::string("rclcpp: ") + error.what());
+  }
+}
+
+class Session final : public topics::Session {
+ public:
+  Session(const topics::SessionSettings& settings, session::FullType full_type)
+      : full_type_(full_type),
+        context_(context_of(settings.place)),
+        node_(node_of(settings, context_)),
+        executor_(executor_options(context_)) {
+    executor_.add_node(node_);
+    thread_ = std::thread([this] { executor_.spin(); });
+  }
+  ~Session() override {
+    context_->shutdown("the session ends");
+    thread_.join();
+  }
+
+  messages::Dialect dialect() const override { return messages::Dialect::ros2; }
+  std::string node_name() const override { return node_->get_fully_qualified_name(); }
+  bool alive() const override { return context_->is_valid(); }
+  void require_alive() const override {
+    if (!alive()) {
+      throw TransportError("ROS 2 has shut down node '" + node_name() + "'");
+    }
+  }
+  topics::Place place() const override {
+    return {{kDomain, std::to_string(context_->get_domain_id())}};
+  }
+  std::string whole_topic(const std::string& topic) const override {
+    return translated(
+        [&] { return node_->get_node_topics_interface()->resolve_topic_name(topic); });
+  }
+
+  std::unique_ptr<topics::RawPublisher> publisher(const std::string& topic,
+                                                  const std::string& message_type,
+                                                  std::uint32_t queue, bool latched) override {
+    const std::string type = ros2_type(full_type_(message_type));
+    return translated([&] {
+      return std::make_unique<Publisher>(node_, topic, type, reliable_qos(queue, latched));
+    });
+  }
+  std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override {
+    const std::string type = full_type_(subscription.message_type);
+    return translated(
+        [&] { return std::make_unique<Subscriber>(node_, std::move(subscription), type); });
+  }
+  bool has_publishers(const std::string& topic) const override {
+    return node_->count_publishers(topic) > 0;
+  }
+  bool publishers_know_us(const std::string& topic) const override {
+    const auto now = std::chrono::steady_clock::now();
+    const std::lock_guard lock(mutex_);
+    Seen& seen = seen_[topic];
+    if (const std::size_t publishers = node_->count_publishers(topic);
+        publishers != seen.publishers) {
+      seen = {publishers, now};
+    }
+    return seen.publishers > 0 && now - seen.since >= kAcquaintance;
+  }
+
+ private:
+  struct Seen {
+    std::size_t publishers = 0;
+    std::chrono::steady_clock::time_point since{};
+  };
+
+  session::FullType full_type_;
+  std::shared_ptr<rclcpp::Context> context_;
+  std::shared_ptr<rclcpp::Node> node_;
+  rclcpp::executors::SingleThreadedExecutor executor_;
+  std::thread thread_;
+  mutable std::mutex mutex_;
+  mutable std::map<std::string, Seen> seen_{};  ///< by topic
+};
+
+}  // namespace
+}  // namespace spikeloop::ros
+
+extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_1(
+    const spikeloop::topics::SessionSettings& settings, spikeloop::session::FullType full_type) {
+  return spikeloop::ros::translated(
+      [&] { return new spikeloop::ros::Session(settings, full_type); });
+}
