@@ -18,8 +18,8 @@ import ros
 import runs
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
-BLOCKS = re.findall("```(?:python|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
-IN_ROSPY, IN_RCLPY, EXPERIMENT = BLOCKS
+BLOCKS = re.findall("```(?:python|cpp|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
+IN_ROSPY, IN_RCLPY, IN_RCLCPP, EXPERIMENT = BLOCKS
 
 
 def cart(scratch, *changes, text=IN_ROSPY):

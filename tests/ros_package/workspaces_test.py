@@ -13,6 +13,7 @@ import workspace
 LAUNCH = {path.name for path in (workspace.PACKAGE / "launch").iterdir()}
 RVIZ = {path.name for path in (workspace.PACKAGE / "rviz").iterdir()}
 SCRIPTS = {path.name for path in (workspace.PACKAGE / "scripts").iterdir()}
+OF_ROS2 = {"step_simulator"}
 
 
 def names(folder):
@@ -25,19 +26,19 @@ class Workspaces(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
 
-    def check_files(self, prefix):
+    def check_files(self, prefix, scripts):
         share = prefix / "share/spikeloop_ros"
         self.assertTrue((share / "package.xml").is_file())
         self.assertEqual(names(share / "launch"), LAUNCH)
         self.assertEqual(names(share / "rviz"), RVIZ)
         programs = prefix / "lib/spikeloop_ros"
-        self.assertEqual(names(programs), SCRIPTS)
-        for name in SCRIPTS:
+        self.assertEqual(names(programs), scripts)
+        for name in scripts:
             self.assertTrue(os.access(programs / name, os.X_OK), name)
 
     def test_catkin(self):
         prefix = workspace.catkin(self.folder)
-        self.check_files(prefix)
+        self.check_files(prefix, SCRIPTS - OF_ROS2)
         for setup, share, program in (
                 (prefix / "setup.bash", prefix / "share/spikeloop_ros", prefix / "lib/spikeloop_ros/robot"),
                 (self.folder / "devel/setup.bash", self.folder / "src/spikeloop_ros",
@@ -58,7 +59,7 @@ class Workspaces(unittest.TestCase):
     def test_colcon(self):
         install = workspace.colcon(self.folder)
         prefix = install / "spikeloop_ros"
-        self.check_files(prefix)
+        self.check_files(prefix, SCRIPTS)
         self.assertTrue((prefix / "share/ament_index/resource_index/packages/spikeloop_ros").is_file())
         shell = workspace.sourced(install / "setup.bash", HOME=str(self.folder))
         self.assertIn(str(prefix), shell["AMENT_PREFIX_PATH"].split(":"))
