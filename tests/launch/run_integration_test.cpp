@@ -132,6 +132,19 @@ TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
               StartsWith("spikeloop: 'b' (foreign) ended without MUSIC's finalize"));
 }
 
+TEST(Run, AForeignProgramThatEndsBeforeItsTimeIsNamed) {
+  const TwoPrograms job("stoptime=100", "stoptime=100\nsilent=yes\nbehaviour=end_early",
+                        "./foreign");
+  const Outcome outcome = run(job.command());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(
+      last_line(outcome.err),
+      MatchesRegex(
+          "spikeloop: 'b' \\(foreign\\) ended before [1-9].* s of simulated time, its stoptime is "
+          "100 s; simulate as long as that"));
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
 TEST(Run, AnErrorOfMusicIsTheReason) {
   const TwoPrograms job("input=yes\nbinary=./foreign",
                         "output=yes\naccept_latency=0\nb.out -> a.in [1]");

@@ -37,8 +37,10 @@ constexpr const char* kSetupAdvice =
     "slowly needs a longer --start-timeout";
 constexpr const char* kContinueAdvice = "kill -CONT PID lets a stopped program go on";
 constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a longer --start-timeout";
-/// mpirun ends a job within two seconds of a death; now and then it does not notice one.
+/// mpirun ends a job within two seconds of a death; now and then it does not notice one. When it
+/// has, a busy machine may hold up what it says.
 constexpr seconds kDeathGrace{4};
+constexpr seconds kNoticedDeathGrace{15};
 constexpr std::chrono::milliseconds kCountInterval{500};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};
@@ -297,7 +299,7 @@ void JobRun::watch_deaths() {
     died_since_ = now;
   } else if (!state_.first_death(end_of)) {
     death_.reset();  // it has reported: all is well
-  } else if (now - died_since_ > kDeathGrace) {
+  } else if (now - died_since_ > (death_->explained ? kDeathGrace : kNoticedDeathGrace)) {
     fail(death_->exit_code, death_->message);
     mpirun_->tree().end();
   }

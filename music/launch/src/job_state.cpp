@@ -66,6 +66,10 @@ JobState::JobState(const MusicFile& file, bool all_here)
 
 bool JobState::take(const json& message, Clock::time_point now) {
   const std::string type = message.at("type");
+  if (type == "leaving") {
+    processes_[label_of_rank(file_, message.at("rank"))].left = now;
+    return false;
+  }
   const std::string label = message.at("process");
   Process& process = processes_[label];
   if (std::find(order_.begin(), order_.end(), label) == order_.end()) {

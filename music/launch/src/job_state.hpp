@@ -17,6 +17,7 @@ namespace spikeloop::launch {
 struct Failure {
   int exit_code = 1;
   std::string message;
+  bool explained = true;  ///< false: mpirun knows more, and may still say it
 };
 
 /// "'brain' (brain.py) was killed by signal 9 (Killed)"
@@ -85,6 +86,7 @@ class JobState {
     bool started = false;
     bool ticked = false;
     bool reported = false;
+    std::optional<Clock::time_point> left{};  ///< when it called MUSIC's finalize
     pid_t pid = 0;
     std::optional<status::Phase> phase{};  ///< none: sends no heartbeats
     Clock::time_point heard{};             ///< of the last message
@@ -96,6 +98,10 @@ class JobState {
   };
 
   void take_time(Process& process, const nlohmann::json& message, Clock::time_point now);
+  /// Of a foreign program that has left, while those of ours that it listens to go on: how far
+  /// these are.
+  std::optional<double> left_before_s(const Process& process, const MusicSection& section,
+                                      double end_s) const;
   std::vector<std::string> standing_still(Clock::duration longest, Clock::time_point now) const;
   /// Foreign programs that have told nothing.
   std::vector<std::string> without_news() const;

@@ -19,6 +19,8 @@ using status::Phase;
 /// Heartbeats come twice a second; a busy machine may hold some up.
 constexpr std::chrono::seconds kSilence{3};
 constexpr std::chrono::seconds kLastWord{1};
+/// A foreign program is ahead of those that send to it by some ticks at most.
+constexpr double kTicksAhead = 10;
 
 std::string list(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
@@ -206,7 +208,7 @@ std::optional<Failure> JobState::first_death(
       continue;
     }
     if (*status == -1) {
-      return Failure{3, shown(label) + " has ended before its time" + last_line(label)};
+      return Failure{3, shown(label) + " has ended before its time" + last_line(label), false};
     }
     const int code = exit_code(*status);
     return Failure{std::max(1, code), WIFSIGNALED(*status)
@@ -217,20 +219,45 @@ std::optional<Failure> JobState::first_death(
   return std::nullopt;
 }
 
+std::optional<double> JobState::left_before_s(const Process& process, const MusicSection& section,
+                                              double end_s) const {
+  for (const MusicConnection& connection : file_.connections) {
+    if (!process.left || process.ours || connection.to_app != section.label) {
+      continue;
+    }
+    // Heard long enough after the end that its time is no older.
+    const Process& sender = processes_.at(connection.from_app);
+    if (sender.ticked && !sender.reported && sender.heard - *process.left > kLastWord &&
+        sender.simulated_s < end_s) {
+      return sender.simulated_s;
+    }
+  }
+  return std::nullopt;
+}
+
 std::string JobState::who_ended_early() const {
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
     const MusicSection* section = file_.find_section(label);
-    if (section == nullptr || !process.reported) {
+    if (section == nullptr || !(process.reported || process.left)) {
       continue;
     }
     const auto end = stop_time(file_, *section);
+    const double end_s = end ? to_seconds(*end) : INFINITY;
     const double tick_s = to_seconds(tick_of(file_, *section));
-    if (process.simulated_s > 0 && (!end || process.simulated_s < to_seconds(*end) - tick_s)) {
+    if (process.reported && process.simulated_s > 0 && process.simulated_s < end_s - tick_s) {
       return fmt::format("{} ended at {:g} s of simulated time, {}", shown(label),
                          process.simulated_s,
-                         end ? fmt::format("before its stoptime of {:g} s", to_seconds(*end))
+                         end ? fmt::format("before its stoptime of {:g} s", end_s)
                              : std::string("though nobody asked it to"));
+    }
+    if (const auto before_s = left_before_s(process, *section, end_s - kTicksAhead * tick_s);
+        before_s && !process.reported) {
+      return fmt::format(
+          "{} ended before {:g} s of simulated time, {}{}", shown(label), *before_s,
+          end ? fmt::format("its stoptime is {:g} s; simulate as long as that", end_s)
+              : std::string("though nobody asked it to"),
+          last_line(label));
     }
   }
   return "";
