@@ -7,8 +7,11 @@
 
 namespace spikeloop {
 
-OpenLibrary::OpenLibrary(const char* file, const char* purpose, const char* remedy)
-    : file_(file), remedy_(remedy), handle_(::dlopen(file, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
+OpenLibrary::OpenLibrary(const char* file, const char* purpose, const char* remedy, Symbols symbols)
+    : file_(file),
+      remedy_(remedy),
+      handle_(::dlopen(file, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE |
+                                 (symbols == Symbols::own_first ? RTLD_DEEPBIND : 0))) {
   if (handle_ == nullptr) {
     throw TransportError(fmt::format("cannot {}: {}; {}", purpose, ::dlerror(), remedy));
   }

@@ -1,6 +1,7 @@
 // What rclcpp calls what the session has by other names.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <rclcpp/qos.hpp>
 #include <string>
@@ -18,10 +19,13 @@ inline std::string plain_type(const std::string& ros2_type) {
   return ros2_type.substr(0, ros2_type.find('/')) + ros2_type.substr(ros2_type.rfind('/'));
 }
 
+/// "Any number" of messages: a publisher that keeps all of them fails, or waits, when a subscriber
+/// is stopped.
+inline constexpr std::size_t kMany = 1000;
+
 /// @param queue 0: any number of messages
 inline rclcpp::QoS reliable_qos(std::uint32_t queue, bool latched) {
-  rclcpp::QoS qos =
-      queue == 0 ? rclcpp::QoS(rclcpp::KeepAll()) : rclcpp::QoS(rclcpp::KeepLast(queue));
+  rclcpp::QoS qos(rclcpp::KeepLast(queue == 0 ? kMany : queue));
   return latched ? qos.transient_local() : qos;
 }
 

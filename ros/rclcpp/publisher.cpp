@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 namespace spikeloop::ros {
@@ -24,7 +25,12 @@ void Publisher::publish(std::span<const std::byte> message) {
   rcl_serialized_message_t& raw = message_.get_rcl_serialized_message();
   std::memcpy(raw.buffer, message.data(), message.size());
   raw.buffer_length = message.size();
-  publisher_->publish(message_);
+  try {
+    publisher_->publish(message_);
+  } catch (const std::exception& error) {
+    RCLCPP_WARN_ONCE(node_->get_logger(), "a message on '%s' was not sent: %s; this is said once",
+                     publisher_->get_topic_name(), error.what());
+  }
 }
 
 bool Publisher::has_subscribers() const {

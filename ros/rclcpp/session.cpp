@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <rclcpp/rclcpp.hpp>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "publisher.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/session/rclcpp.hpp"
+#include "spikeloop/topics/blocked_signals.hpp"
 #include "spikeloop/topics/names.hpp"
 #include "subscriber.hpp"
 
@@ -72,6 +74,22 @@ auto translated(Work&& work) {
   }
 }
 
+/// The same for an endpoint; what is no error of rcl's is a type that it does not find.
+template <typename Work>
+auto translated(const std::string& type, Work&& work) {
+  return translated([&] {
+    try {
+      return work();
+    } catch (const rclcpp::exceptions::RCLErrorBase&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw ConfigurationError("rclcpp does not find the message type " + type + " (" +
+                               error.what() +
+                               "); source the setup.bash of a workspace that has its package");
+    }
+  });
+}
+
 class Session final : public topics::Session {
  public:
   Session(const topics::SessionSettings& settings, session::FullType full_type)
@@ -80,7 +98,7 @@ class Session final : public topics::Session {
         node_(node_of(settings, context_)),
         executor_(executor_options(context_)) {
     executor_.add_node(node_);
-    thread_ = std::thread([this] { executor_.spin(); });
+    thread_ = std::thread([this] { spin(); });
   }
   ~Session() override {
     context_->shutdown("the session ends");
@@ -92,11 +110,13 @@ class Session final : public topics::Session {
   bool alive() const override { return context_->is_valid(); }
   void require_alive() const override {
     if (!alive()) {
-      throw TransportError("ROS 2 has shut down node '" + node_name() + "'");
+      const std::lock_guard lock(mutex_);
+      throw TransportError("ROS 2 has shut down node '" + node_name() + "'" + why_);
     }
   }
   topics::Place place() const override {
-    return {{kDomain, std::to_string(context_->get_domain_id())}};
+    return {{kDomain, std::to_string(context_->get_domain_id())},
+            {session::kTransportVariable, session::kRclcpp}};
   }
   std::string whole_topic(const std::string& topic) const override {
     return translated(
@@ -106,15 +126,16 @@ class Session final : public topics::Session {
   std::unique_ptr<topics::RawPublisher> publisher(const std::string& topic,
                                                   const std::string& message_type,
                                                   std::uint32_t queue, bool latched) override {
-    const std::string type = ros2_type(full_type_(message_type));
-    return translated([&] {
-      return std::make_unique<Publisher>(node_, topic, type, reliable_qos(queue, latched));
+    const std::string type = full_type_(message_type);
+    return translated(type, [&] {
+      return std::make_unique<Publisher>(node_, topic, ros2_type(type),
+                                         reliable_qos(queue, latched));
     });
   }
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override {
     const std::string type = full_type_(subscription.message_type);
     return translated(
-        [&] { return std::make_unique<Subscriber>(node_, std::move(subscription), type); });
+        type, [&] { return std::make_unique<Subscriber>(node_, std::move(subscription), type); });
   }
   bool has_publishers(const std::string& topic) const override {
     return node_->count_publishers(topic) > 0;
@@ -136,6 +157,19 @@ class Session final : public topics::Session {
     std::chrono::steady_clock::time_point since{};
   };
 
+  /// Nothing that a callback throws may end the process.
+  void spin() {
+    try {
+      executor_.spin();
+    } catch (const std::exception& error) {
+      {
+        const std::lock_guard lock(mutex_);
+        why_ = std::string(": ") + error.what();
+      }
+      context_->shutdown(error.what());
+    }
+  }
+
   session::FullType full_type_;
   std::shared_ptr<rclcpp::Context> context_;
   std::shared_ptr<rclcpp::Node> node_;
@@ -143,6 +177,7 @@ class Session final : public topics::Session {
   std::thread thread_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, Seen> seen_{};  ///< by topic
+  std::string why_{};                           ///< the executor has ended before its time
 };
 
 }  // namespace
@@ -150,6 +185,7 @@ class Session final : public topics::Session {
 
 extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_1(
     const spikeloop::topics::SessionSettings& settings, spikeloop::session::FullType full_type) {
+  const spikeloop::topics::BlockedSignals blocked;
   return spikeloop::ros::translated(
       [&] { return new spikeloop::ros::Session(settings, full_type); });
 }

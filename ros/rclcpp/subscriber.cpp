@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <exception>
 #include <span>
 #include <utility>
 
@@ -11,13 +12,8 @@ namespace spikeloop::ros {
 
 namespace {
 
-/// rclcpp says nothing of publishers of another type; the graph is looked at as often as this.
-constexpr std::chrono::milliseconds kLook{500};
-
-rclcpp::QoS qos_of(const topics::Subscription& subscription) {
-  rclcpp::QoS qos = reliable_qos(subscription.queue, subscription.latched);
-  return subscription.queue == 0 || subscription.latched ? qos : qos.best_effort();
-}
+/// rclcpp says nothing of publishers that do not fit; the graph is looked at as often as this.
+constexpr std::chrono::milliseconds kLook{100};
 
 }  // namespace
 
@@ -26,19 +22,15 @@ Subscriber::Subscriber(std::shared_ptr<rclcpp::Node> node, topics::Subscription 
     : node_(std::move(node)),
       subscription_(std::move(subscription)),
       type_(type),
+      reliable_(subscription_.queue == 0 || subscription_.latched),
       take_(std::make_shared<Take>([take = subscription_.take](const auto& message) {
         const rcl_serialized_message_t& raw = message.get_rcl_serialized_message();
         take(std::as_bytes(std::span(raw.buffer, raw.buffer_length)));
       })),
-      look_(std::make_shared<topics::Closable<>>([this] { look_for_other_types(); })) {
-  const auto hand_on = [take = take_](std::shared_ptr<const rclcpp::SerializedMessage> message) {
-    take->call(*message);
-  };
-  subscriber_ = node_->create_generic_subscription(subscription_.topic, ros2_type(type_),
-                                                   qos_of(subscription_), hand_on);
-  if (subscription_.refuse) {
-    looking_ = node_->create_wall_timer(kLook, [look = look_] { look->call(); });
-  }
+      look_(std::make_shared<topics::Closable<>>([this] { look(); })) {
+  const rclcpp::QoS qos = reliable_qos(subscription_.queue, subscription_.latched);
+  subscribe(reliable_ ? qos : rclcpp::QoS(qos).best_effort());
+  looking_ = node_->create_wall_timer(kLook, [look = look_] { look->call(); });
 }
 
 Subscriber::~Subscriber() {
@@ -46,17 +38,40 @@ Subscriber::~Subscriber() {
   look_->close();
 }
 
-bool Subscriber::has_publishers() const {
-  return subscriber_->get_publisher_count() > 0;
+void Subscriber::subscribe(const rclcpp::QoS& qos) {
+  auto subscriber = node_->create_generic_subscription(
+      subscription_.topic, ros2_type(type_), qos,
+      [take = take_](std::shared_ptr<const rclcpp::SerializedMessage> message) {
+        take->call(*message);
+      });
+  const std::lock_guard lock(mutex_);
+  subscriber_ = std::move(subscriber);
 }
 
-void Subscriber::look_for_other_types() {
-  const std::string topic = subscriber_->get_topic_name();
+std::shared_ptr<rclcpp::GenericSubscription> Subscriber::subscriber() const {
+  const std::lock_guard lock(mutex_);
+  return subscriber_;
+}
+
+bool Subscriber::has_publishers() const {
+  return subscriber()->get_publisher_count() > 0;
+}
+
+/// In the session's thread. A reliable subscriber gets nothing from publishers that are best
+/// effort.
+void Subscriber::look() {
+  const std::string topic = subscriber()->get_topic_name();
+  bool best_effort = false;
   for (const auto& publisher : node_->get_publishers_info_by_topic(topic)) {
-    if (const std::string other = plain_type(publisher.topic_type()); other != type_) {
+    best_effort |= publisher.qos_profile().reliability() == rclcpp::ReliabilityPolicy::BestEffort;
+    const std::string other = plain_type(publisher.topic_type());
+    if (subscription_.refuse && other != type_ && refused_.insert(other).second) {
       subscription_.refuse(
           {.type = other, .text = "topic '" + topic + "' carries " + other + ", not " + type_});
     }
+  }
+  if (best_effort && std::exchange(reliable_, reliable_ && !best_effort)) {
+    subscribe(reliable_qos(subscription_.queue, subscription_.latched).best_effort());
   }
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <rclcpp/rclcpp.hpp>
+#include <set>
 #include <string>
 
 #include "spikeloop/topics/closable.hpp"
@@ -22,15 +24,20 @@ class Subscriber final : public topics::RawSubscriber {
  private:
   using Take = topics::Closable<const rclcpp::SerializedMessage&>;
 
-  void look_for_other_types();
+  void subscribe(const rclcpp::QoS& qos);
+  void look();
+  std::shared_ptr<rclcpp::GenericSubscription> subscriber() const;
 
   std::shared_ptr<rclcpp::Node> node_;
   topics::Subscription subscription_;
   std::string type_;
+  bool reliable_;
+  std::set<std::string> refused_{};  ///< types
   std::shared_ptr<Take> take_;  ///< the executor may hold a subscription for longer than we live
-  std::shared_ptr<rclcpp::GenericSubscription> subscriber_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<rclcpp::GenericSubscription> subscriber_{};
   std::shared_ptr<topics::Closable<>> look_;
-  std::shared_ptr<rclcpp::TimerBase> looking_;
+  std::shared_ptr<rclcpp::TimerBase> looking_{};
 };
 
 }  // namespace spikeloop::ros

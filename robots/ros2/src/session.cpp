@@ -1,13 +1,13 @@
 #include "spikeloop/ros2/session.hpp"
 
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <utility>
 
 #include "publisher.hpp"
 #include "session_impl.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/topics/blocked_signals.hpp"
 #include "subscriber.hpp"
 
 namespace spikeloop::ros2 {
@@ -16,23 +16,6 @@ namespace {
 discovery::Variables place_of(const topics::SessionSettings& settings) {
   return settings.place.empty() ? discovery::environment() : settings.place;
 }
-
-/// Threads begin with the signals blocked that are blocked where they are made. None of ours may
-/// take one that a program waits for.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
-  }
-  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-
- private:
-  sigset_t before_{};
-};
 
 }  // namespace
 
@@ -64,7 +47,7 @@ Endpoint endpoint(const Session::Impl& session, const std::string& topic,
 }
 
 Session::Session(const topics::SessionSettings& settings) {
-  const BlockedSignals blocked;
+  const topics::BlockedSignals blocked;
   impl_ = std::make_unique<Impl>(settings);
 }
 

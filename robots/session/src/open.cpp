@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <string_view>
+#include <string>
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/open_library.hpp"
@@ -16,18 +16,35 @@
 namespace spikeloop::session {
 namespace {
 
-/// What makes nodes of ROS 2. @throws ConfigurationError for a value that is none.
-bool is_by_rclcpp() {
-  const char* const value = std::getenv(kTransportVariable);
-  const std::string_view transport = value == nullptr ? "" : value;
+/// What makes nodes of ROS 2: as another session does, or the environment says.
+/// @throws ConfigurationError for a value that is none.
+bool is_by_rclcpp(const topics::Place& place) {
+  const char* const variable = std::getenv(kTransportVariable);
+  std::string transport = variable == nullptr ? "" : variable;
+  if (!place.empty()) {
+    const auto other = place.find(kTransportVariable);
+    transport = other == place.end() ? "" : other->second;
+  }
   if (transport.empty() || transport == "cyclonedds") {
     return false;
   }
-  if (transport != "rclcpp") {
+  if (transport != kRclcpp) {
     throw ConfigurationError(fmt::format("{} is '{}'; write rclcpp, or cyclonedds (the default)",
                                          kTransportVariable, transport));
   }
   return true;
+}
+
+/// ROS 2 ends the process when it does not find it. Its own symbols first: it may have another
+/// Cyclone DDS than we.
+void open_middleware() {
+  const char* const name = std::getenv("RMW_IMPLEMENTATION");
+  if (name != nullptr && *name != '\0') {
+    static const std::string file = fmt::format("lib{}.so", name);
+    static const OpenLibrary middleware(
+        file.c_str(), "use the middleware that RMW_IMPLEMENTATION names",
+        "write one that is installed, as rmw_fastrtps_cpp", OpenLibrary::Symbols::own_first);
+  }
 }
 
 std::string full_type(const std::string& message_type) {
@@ -35,6 +52,7 @@ std::string full_type(const std::string& message_type) {
 }
 
 std::unique_ptr<topics::Session> open_by_rclcpp(const topics::SessionSettings& settings) {
+  open_middleware();
   static const OpenLibrary library(kRclcppLibrary, "take part in ROS 2 by rclcpp",
                                    "build the ROS package spikeloop_ros with colcon, and source "
                                    "its setup.bash (docs/ros2.md), or "
@@ -47,7 +65,8 @@ std::unique_ptr<topics::Session> open_by_rclcpp(const topics::SessionSettings& s
 
 std::unique_ptr<topics::Session> open(const Settings& settings) {
   if (settings.ros == messages::Dialect::ros2) {
-    return is_by_rclcpp() ? open_by_rclcpp(settings) : std::make_unique<ros2::Session>(settings);
+    return is_by_rclcpp(settings.place) ? open_by_rclcpp(settings)
+                                        : std::make_unique<ros2::Session>(settings);
   }
   ros1::SessionSettings ros1{settings, settings.master_timeout};
   if (settings.cancelled != nullptr &&

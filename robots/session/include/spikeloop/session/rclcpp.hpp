@@ -8,9 +8,10 @@
 
 namespace spikeloop::session {
 
-/// Set to "rclcpp", this variable makes nodes of ROS 2 by rclcpp; not set, or empty: by Cyclone
-/// DDS.
+/// Set to kRclcpp, this variable makes nodes of ROS 2 by rclcpp; not set, or empty: by Cyclone DDS.
+/// It is in the `place` of a session by rclcpp.
 inline constexpr const char* kTransportVariable = "SPIKELOOP_ROS2";
+inline constexpr const char* kRclcpp = "rclcpp";
 /// `setup.bash` of the workspace lets the loader find it.
 inline constexpr const char* kRclcppLibrary = "libspikeloop_rclcpp.so";
 /// Its one function, a RclcppFactory. The number changes with whatever both sides see: this file,

@@ -37,6 +37,8 @@ struct Request {
 struct Answer {
   TimeNs time = 0;
   Counts published{};
+  /// More messages may come than were counted; who answers for a simulator knows what has come.
+  bool at_least = false;
   std::string error{};  ///< why it cannot; empty: all is well
 };
 
