@@ -12,6 +12,7 @@ namespace {
 
 constexpr const char* kOdometryTopic = "/odom";
 constexpr const char* kOdometryType = "nav_msgs/Odometry";
+constexpr double kSquare_m = 0.5;          // as free cells of a world of ours
 constexpr TimeNs kRowPeriod = 20'000'000;  // as of a robot of ours
 
 enum Field { kX, kY, kTurnX, kTurnY, kTurnZ, kTurnW, kSpeedX, kSpeedY, kTurningRate };
@@ -88,6 +89,7 @@ void OdometryLog::write(const vehicle::Odometry& now) {
     file_.emplace(folder_);
   }
   last_ = now;
+  visited_.emplace(std::lround(now.pose.x_m / kSquare_m), std::lround(now.pose.y_m / kSquare_m));
   file_->write(now, std::nullopt);
 }
 
@@ -103,7 +105,8 @@ nlohmann::json OdometryLog::summary() const {
     return nlohmann::json::object();
   }
   return {{"distance_m", distance_m_},
-          {"mean_speed_m_s", distance_m_ / to_seconds(last_.stamp - first_->stamp)}};
+          {"mean_speed_m_s", distance_m_ / to_seconds(last_.stamp - first_->stamp)},
+          {"visited_m2", static_cast<double>(visited_.size()) * kSquare_m * kSquare_m}};
 }
 
 }  // namespace spikeloop

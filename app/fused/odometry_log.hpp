@@ -5,7 +5,9 @@
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/messages/field_path.hpp"
@@ -24,7 +26,8 @@ class OdometryLog {
   void tick(TimeNs time);
   /// @throws FileError.
   void close();
-  /// distance_m and mean_speed_m_s of the rows; empty without any.
+  /// distance_m, mean_speed_m_s and visited_m2 (of squares 0.5 m wide) of the rows; empty without
+  /// any.
   nlohmann::json summary() const;
 
  private:
@@ -37,6 +40,7 @@ class OdometryLog {
   std::optional<vehicle::Odometry> first_;
   vehicle::Odometry last_;  ///< that was written
   double distance_m_ = 0;
+  std::set<std::pair<long, long>> visited_{};  ///< squares
   std::mutex mutex_;
   std::optional<vehicle::Odometry> newest_;            ///< and not written yet
   std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< last: its callback uses the others

@@ -18,6 +18,7 @@ ROWS = (
     ("distance_m", "distance driven", "m", "{:.1f}"),
     ("mean_speed_m_s", "mean speed", "m/s", "{:.2f}"),
     ("coverage", "free cells visited", "%", "{:.0f}"),
+    ("visited_m2", "area visited", "m2", "{:.2f}"),
     ("spikes", "spikes of the network", "", "{:,d}"),
     ("scans", "laser scans", "", "{:,d}"),
     ("commands", "commands sent", "", "{:,d}"),

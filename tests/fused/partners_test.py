@@ -108,6 +108,8 @@ def path_of_another_robot(spikeloop, scratch, version):
     points = [(float(x), float(y)) for x, y, _ in poses[folder]]
     way = sum(math.dist(*pair) for pair in itertools.pairwise(points))
     assert way > 0.2 and abs(summary["distance_m"] - way) < 0.001, (way, summary)
+    squares = {(round(x / 0.5), round(y / 0.5)) for x, y in points}  # written with fewer digits than they are counted
+    assert abs(summary["visited_m2"] - 0.25 * len(squares)) <= 0.25, (len(squares), summary)
     assert all(row["collisions"] == "nan" for row in rows(folder)) and "collisions" not in summary, summary
 
 
