@@ -45,6 +45,30 @@ TEST_F(Drive, CommandedYawRateIsTurned) {
   }
 }
 
+/// Readings are of the body's parts where the vehicle has come to, whether or not anything else
+/// looks.
+TEST(Looking, ChangesNothing) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Vehicle looked_at({.world = "arena.xml", .seed = seed});
+    Vehicle left_alone({.world = "arena.xml", .seed = seed});
+    for (int i = 0; i < 300; ++i) {
+      const LaserScan scan = looked_at.scan();
+      looked_at.scan();
+      looked_at.light();
+      looked_at.imu();
+      if (i % 50 == 0) {
+        ASSERT_EQ(scan.ranges_m, left_alone.scan().ranges_m) << "seed " << seed << ", " << i;
+      }
+      for (Vehicle* vehicle : {&looked_at, &left_alone}) {
+        vehicle->command(0.5, i < 100 ? 0.2 : -1.0);
+        vehicle->step(2 * kMs);
+      }
+      ASSERT_EQ(looked_at.pose().x_m, left_alone.pose().x_m) << "seed " << seed << ", " << i;
+      ASSERT_EQ(looked_at.pose().theta_rad, left_alone.pose().theta_rad) << "seed " << seed;
+    }
+  }
+}
+
 TEST_F(Drive, ACircleHasTheRadiusOfSpeedOverYawRate) {
   Vehicle vehicle = plain_.vehicle();
   vehicle.command(0.4, 0.8);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "inertia.hpp"
 #include "journey.hpp"
@@ -103,7 +104,7 @@ class Vehicle::Impl {
   }
 
   LaserScan scan() const {
-    mj_kinematics(model_.get(), data_.get());
+    place_parts();
     return laser_.scan(*model_, *data_, time_);
   }
 
@@ -141,7 +142,7 @@ class Vehicle::Impl {
 
   std::optional<Light> light() const {
     if (!photodiodes_.has_lamps()) return std::nullopt;
-    mj_kinematics(model_.get(), data_.get());
+    place_parts();
     return photodiodes_.read(*model_, *data_, time_);
   }
 
@@ -187,6 +188,15 @@ class Vehicle::Impl {
   static Mount mount_of(const mjtNum* position, const mjtNum* attitude) {
     return {{position[0], position[1], position[2]},
             {attitude[0], attitude[1], attitude[2], attitude[3]}};
+  }
+
+  /// A step leaves positions of bodies, sites and geoms as they were before it. mj_kinematics()
+  /// makes them those of now, but normalises the quaternions of qpos: what is read would change
+  /// what follows.
+  void place_parts() const {
+    const std::vector<mjtNum> places(data_->qpos, data_->qpos + model_->nq);
+    mj_kinematics(model_.get(), data_.get());
+    std::ranges::copy(places, data_->qpos);
   }
 
   void turn_wheels() {
