@@ -155,8 +155,9 @@ std::string SteppingLink::missing_messages(const Answer& answer) const {
 
 void SteppingLink::check(const Answer& answer) const {
   if (!answer.error.empty()) {
-    throw TransportError(
-        fmt::format("the robot cannot step to {}: {}", format_time(asked_for_), answer.error));
+    const std::string what =
+        asked_for_ == 0 ? "begin" : fmt::format("step to {}", format_time(asked_for_));
+    throw TransportError(fmt::format("the robot cannot {}: {}", what, answer.error));
   }
   if (answer.time != asked_for_) {
     throw TransportError(fmt::format(
