@@ -1,8 +1,6 @@
 #include "subscriber.hpp"
 
 #include <chrono>
-#include <cstddef>
-#include <exception>
 #include <span>
 #include <utility>
 
@@ -28,8 +26,7 @@ Subscriber::Subscriber(std::shared_ptr<rclcpp::Node> node, topics::Subscription 
         take(std::as_bytes(std::span(raw.buffer, raw.buffer_length)));
       })),
       look_(std::make_shared<topics::Closable<>>([this] { look(); })) {
-  const rclcpp::QoS qos = reliable_qos(subscription_.queue, subscription_.latched);
-  subscribe(reliable_ ? qos : rclcpp::QoS(qos).best_effort());
+  subscribe();
   looking_ = node_->create_wall_timer(kLook, [look = look_] { look->call(); });
 }
 
@@ -38,7 +35,12 @@ Subscriber::~Subscriber() {
   look_->close();
 }
 
-void Subscriber::subscribe(const rclcpp::QoS& qos) {
+/// Reliably or by best effort, as reliable_ has it; in place of the subscription before.
+void Subscriber::subscribe() {
+  rclcpp::QoS qos = reliable_qos(subscription_.queue, subscription_.latched);
+  if (!reliable_) {
+    qos.best_effort();
+  }
   auto subscriber = node_->create_generic_subscription(
       subscription_.topic, ros2_type(type_), qos,
       [take = take_](std::shared_ptr<const rclcpp::SerializedMessage> message) {
@@ -70,8 +72,9 @@ void Subscriber::look() {
           {.type = other, .text = "topic '" + topic + "' carries " + other + ", not " + type_});
     }
   }
-  if (best_effort && std::exchange(reliable_, reliable_ && !best_effort)) {
-    subscribe(reliable_qos(subscription_.queue, subscription_.latched).best_effort());
+  if (reliable_ && best_effort) {
+    reliable_ = false;
+    subscribe();
   }
 }
 

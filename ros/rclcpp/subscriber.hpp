@@ -24,7 +24,7 @@ class Subscriber final : public topics::RawSubscriber {
  private:
   using Take = topics::Closable<const rclcpp::SerializedMessage&>;
 
-  void subscribe(const rclcpp::QoS& qos);
+  void subscribe();
   void look();
   std::shared_ptr<rclcpp::GenericSubscription> subscriber() const;
 

@@ -100,7 +100,7 @@ class JobState {
   void take_time(Process& process, const nlohmann::json& message, Clock::time_point now);
   /// Of a foreign program that has left, while those of ours that it listens to go on: how far
   /// these are.
-  std::optional<double> left_before_s(const Process& process, const MusicSection& section,
+  std::optional<double> left_before_s(const Process& process, const std::string& label,
                                       double end_s) const;
   std::vector<std::string> standing_still(Clock::duration longest, Clock::time_point now) const;
   /// Foreign programs that have told nothing.

@@ -219,16 +219,16 @@ std::optional<Failure> JobState::first_death(
   return std::nullopt;
 }
 
-std::optional<double> JobState::left_before_s(const Process& process, const MusicSection& section,
+std::optional<double> JobState::left_before_s(const Process& process, const std::string& label,
                                               double end_s) const {
+  if (!process.left || process.ours || process.reported) {
+    return std::nullopt;
+  }
   for (const MusicConnection& connection : file_.connections) {
-    if (!process.left || process.ours || connection.to_app != section.label) {
-      continue;
-    }
     // Heard long enough after the end that its time is no older.
     const Process& sender = processes_.at(connection.from_app);
-    if (sender.ticked && !sender.reported && sender.heard - *process.left > kLastWord &&
-        sender.simulated_s < end_s) {
+    if (connection.to_app == label && sender.ticked && !sender.reported &&
+        sender.heard - *process.left > kLastWord && sender.simulated_s < end_s) {
       return sender.simulated_s;
     }
   }
@@ -251,8 +251,7 @@ std::string JobState::who_ended_early() const {
                          end ? fmt::format("before its stoptime of {:g} s", end_s)
                              : std::string("though nobody asked it to"));
     }
-    if (const auto before_s = left_before_s(process, *section, end_s - kTicksAhead * tick_s);
-        before_s && !process.reported) {
+    if (const auto before_s = left_before_s(process, label, end_s - kTicksAhead * tick_s)) {
       return fmt::format(
           "{} ended before {:g} s of simulated time, {}{}", shown(label), *before_s,
           end ? fmt::format("its stoptime is {:g} s; simulate as long as that", end_s)
