@@ -195,6 +195,25 @@ def texts(folder):
     return [folder / f"{name}.yaml" for name in many]
 
 
+def written(folder):
+    """What reads a file, and the file, of each one that is written here."""
+    def check_in(text):
+        return lambda file: Answer(
+            SPIKELOOP, "check", experiment(file.with_suffix(""), text, file))
+
+    pairs = []
+    for part, make, use in (
+            ("recordings", recordings, check_in(EXPERIMENT)),
+            ("worlds", worlds, check_in(ROBOT)),
+            ("messages", messages, lambda file: Answer(SPIKELOOP, "describe", file)),
+            ("texts", texts, lambda file: Answer(SPIKELOOP, "check", file))):
+        (folder / part).mkdir()
+        for file in make(folder / part):
+            file.with_suffix("").mkdir(exist_ok=True)
+            pairs.append((use, file))
+    return pairs
+
+
 def recorded_run(folder):
     done = Answer(SPIKELOOP, "run", experiment(folder, ROBOT, "arena"), "--out", folder / "run")
     assert done.code == 0, done.text
@@ -214,6 +233,9 @@ def main():
             concurrent.futures.ThreadPoolExecutor(2) as pool:
         folder = pathlib.Path(scratch)
         run = recorded_run(folder)
+        # Before the first program starts: a child holds HDF5's lock on what is open here until
+        # its exec.
+        made = written(folder)
         answers = [pool.submit(longer_run, run, folder)]
         for name, use in users().items():
             answers += [pool.submit(in_place_of, name, use, kind)
@@ -224,17 +246,8 @@ def main():
                         for kind in ("pipe", "device") for verb in ("plot", "replay", "run")]
         answers += [pool.submit(in_run_folder, name, "deep", verb, run)
                     for name in ("resolved.json", "summary.json") for verb in ("plot", "replay")]
-        for part, make, use in (
-                ("recordings", recordings, lambda file: Answer(
-                    SPIKELOOP, "check", experiment(file.with_suffix(""), EXPERIMENT, file))),
-                ("worlds", worlds, lambda file: Answer(
-                    SPIKELOOP, "check", experiment(file.with_suffix(""), ROBOT, file))),
-                ("messages", messages, lambda file: Answer(SPIKELOOP, "describe", file)),
-                ("texts", texts, lambda file: Answer(SPIKELOOP, "check", file))):
-            (folder / part).mkdir()
-            for file in make(folder / part):
-                file.with_suffix("").mkdir(exist_ok=True)
-                answers.append(pool.submit(lambda use=use, file=file: use(file).refused()))
+        answers += [pool.submit(lambda use=use, file=file: use(file).refused())
+                    for use, file in made]
         answers.append(pool.submit(lambda: Answer(
             SPIKELOOP, "fit", "nef_encoder", "--rates", "--points", "100000000").refused()))
         longest = max(answer.result() for answer in answers)
