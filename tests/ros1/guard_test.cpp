@@ -265,9 +265,10 @@ TEST_F(GuardTest, a_job_by_hand) {
   guard.signal(SIGINT);
   const auto outcome = guard.wait();
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.err,
-            "spikeloop-guard: warning: the robot on /cmd_vel is stopped: its command adapter "
-            "'command' has died\n");
+  // On a busy machine it may be silent for long before its end is known.
+  EXPECT_THAT(outcome.err,
+              testing::EndsWith("spikeloop-guard: warning: the robot on /cmd_vel is stopped: its "
+                                "command adapter 'command' has died\n"));
   EXPECT_FALSE(std::filesystem::exists(socket));
 }
 

@@ -140,7 +140,9 @@ def measured(spikeloop, robot, version, layout, fault):
                 process.wait(60)
             else:
                 time.sleep(STANDS_S)
-            return robot.time_to_rest_ms(begin)
+            rest = robot.time_to_rest_ms(begin)
+            assert rest != float("inf"), [(at - begin, value) for at, value in robot.heard if at > begin]
+            return rest
         except AssertionError:
             print(f"{len(robot.heard)} commands came; the run printed\n{(folder / 'printed').read_text()}", flush=True)
             raise

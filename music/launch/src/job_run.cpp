@@ -40,7 +40,7 @@ constexpr const char* kSlowStartAdvice = "Try again; a slow machine needs a long
 /// mpirun ends a job within two seconds of a death; now and then it does not notice one. When it
 /// has, a busy machine may hold up what it says.
 constexpr seconds kDeathGrace{4};
-constexpr seconds kNoticedDeathGrace{15};
+constexpr seconds kNoticedDeathGrace{8};
 constexpr std::chrono::milliseconds kCountInterval{500};
 /// mpirun can hang when all is done.
 constexpr seconds kEndGrace{10};

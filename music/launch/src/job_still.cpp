@@ -245,7 +245,8 @@ std::string JobState::who_ended_early() const {
     const auto end = stop_time(file_, *section);
     const double end_s = end ? to_seconds(*end) : INFINITY;
     const double tick_s = to_seconds(tick_of(file_, *section));
-    if (process.reported && process.simulated_s > 0 && process.simulated_s < end_s - tick_s) {
+    // A program may tell of the begin of its last tick; and the times have been rounded.
+    if (process.reported && process.simulated_s > 0 && process.simulated_s < end_s - 1.5 * tick_s) {
       return fmt::format("{} ended at {:g} s of simulated time, {}", shown(label),
                          process.simulated_s,
                          end ? fmt::format("before its stoptime of {:g} s", end_s)

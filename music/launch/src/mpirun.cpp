@@ -235,6 +235,10 @@ std::map<std::string, std::string> program_environment() {
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {
     environment["PYTHONUNBUFFERED"] = "1";  // what scripts print is shown when they print it
   }
+  if (std::getenv("HWLOC_COMPONENTS") == nullptr) {
+    // hwloc looks for graphics cards on the X displays 0 to 9; one that goes meanwhile ends mpirun.
+    environment["HWLOC_COMPONENTS"] = "-gl";
+  }
   if (geteuid() == 0) {
     environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
     environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
