@@ -8,7 +8,6 @@
 
 #include "odometry_log.hpp"
 #include "spikeloop/fused/transport.hpp"
-#include "spikeloop/ros_command/ros_command.hpp"
 #include "spikeloop/topics/session.hpp"
 #include "stepping_link.hpp"
 #include "waiting.hpp"
@@ -23,29 +22,24 @@ class RosTransport : public fused::Transport {
   RosTransport(const experiment::Experiment& experiment, const std::string& ros_arguments,
                const std::string& folder, const LoopSurroundings& surroundings);
 
-  std::unique_ptr<Source> sensor(const fused::SensorSpec& spec) override;
-  std::unique_ptr<fused::CommandEnd> command(const fused::CommandSpec& spec) override;
-  std::unique_ptr<Pacer> clock() override;
+  topics::Session& session(const experiment::Part& /*part*/) override { return *session_; }
+  command::CommandClock clock() const override;
+  void arrived() override;
+  void add(const std::string& topic, const topics::TopicSource& sensor) override;
+  void add(const std::string& topic, ros_command::CommandEndpoint& command) override;
+  std::unique_ptr<Pacer> pacer() override;
   void begin(TimeNs time) override;
   void end(TimeNs time) override;
   void finish() override;
   nlohmann::json summary() const override;
 
  private:
-  std::unique_ptr<Source> signal_sensor(const fused::SensorSpec& spec);
-  std::unique_ptr<Source> event_sensor(const fused::SensorSpec& spec);
-  template <typename Settings>
-  void add_surroundings(const fused::SensorSpec& spec, Settings& settings);
-  template <typename Sensor>
-  void add_to_robot(const std::string& topic, const Sensor& sensor);
-  command::CommandSettings command_settings(const fused::CommandSpec& spec) const;
-
   const experiment::Experiment& experiment_;
   std::unique_ptr<topics::Session> session_;
   Waiting waiting_;
   std::optional<OdometryLog> odometry_;
-  std::optional<SteppingLink> robot_;               ///< with sync: lockstep
-  std::vector<ros_command::RosCommand*> commands_;  ///< the loop's, and alive as long as it runs
+  std::optional<SteppingLink> robot_;  ///< with sync: lockstep
+  std::vector<ros_command::CommandEndpoint*> commands_;
 };
 
 }  // namespace spikeloop

@@ -13,7 +13,7 @@
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/ros_command/arrivals.hpp"
-#include "spikeloop/ros_command/ros_command.hpp"
+#include "spikeloop/ros_command/command_endpoint.hpp"
 #include "spikeloop/topics/publisher.hpp"
 
 namespace spikeloop {
@@ -107,7 +107,7 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
 }
 
 /// Of the first command of each message, in simulated time and ms.
-void record_latency(music::Process& process, bool with_pace, ros_command::RosCommand& command) {
+void record_latency(music::Process& process, bool with_pace, ros_command::CommandEndpoint& command) {
   if (auto write = with_pace ? process.value_recorder("latency", "ms") : nullptr) {
     command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);
@@ -177,7 +177,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   }
   const auto session = session::open(node);
   const NodeClass fields = command::command_map_class(std::move(map));
-  ros_command::RosCommand sink(
+  ros_command::CommandEndpoint sink(
       *session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
       settings);
 

@@ -61,13 +61,6 @@ std::string element_end(const std::string& simulator_end) {
   return fmt::format("{}.{}", element_of(simulator_end), experiment::port_of(simulator_end));
 }
 
-/// Those that a command's spike_timeout speaks of.
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
-  return experiment::spike_timeout(command) == 0
-             ? std::vector<const Link*>{}
-             : experiment::spikes_behind(experiment, command.name);
-}
-
 /// A command is a node that maps, and what sends behind it.
 std::string sender_of(const Part& part) {
   return part.name + std::string(kSender);
@@ -102,34 +95,6 @@ std::string name_in_file(std::string_view element) {
   return name;
 }
 
-std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
-  // Dijkstra, against the connections' direction.
-  std::map<std::string, std::uint64_t> distance{{node, 0}};
-  std::set<std::string> done;
-  for (;;) {
-    std::string nearest;
-    for (const auto& [name, delay] : distance) {
-      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
-        nearest = name;
-      }
-    }
-    if (nearest.empty()) {
-      return std::nullopt;
-    }
-    if (experiment.part(nearest).kind == experiment::kRosSensor) {
-      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
-    }
-    done.insert(nearest);
-    for (const Link& link : experiment.links) {
-      if (experiment::node_of(link.to) == nearest) {
-        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
-        const auto [known, is_new] = distance.emplace(experiment::node_of(link.from), delay);
-        known->second = std::min(known->second, delay);
-      }
-    }
-  }
-}
-
 Assembly::Assembly(const Experiment& experiment, const Surroundings& surroundings,
                    const std::string& folder)
     : experiment_(experiment),
@@ -157,15 +122,14 @@ void Assembly::add_part(const Part& part) {
     case Role::node:
       description_.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
       return;
-    case Role::source: {
-      const std::uint32_t width = experiment_.width(part.name, "out");
-      sources_.push_back(experiment::takes_messages(part.kind)
-                             ? std::make_unique<NamedSource>(
-                                   transport_.sensor({part, width, keep_messages(part)}), part)
-                             : experiment::playback(part));
+    case Role::source:
+      sources_.push_back(
+          experiment::takes_messages(part.kind)
+              ? std::make_unique<NamedSource>(
+                    make_sensor(experiment_, part, transport_, keep_messages(part)), part)
+              : experiment::playback(part));
       description_.sources.push_back({part.name, sources_.back().get()});
       return;
-    }
     case Role::sink:
       add_command(part);
       return;
@@ -178,22 +142,13 @@ void Assembly::add_command(const Part& part) {
   const std::uint32_t width = experiment_.width(part.name, "in");
   command::ComponentMap map = command::component_map(part.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
-  const auto upstream = nearest_sensor(experiment_, part.name);
-  const auto driver = std::ranges::find(experiment_.links, part.name + ".in", &Link::to);
-  CommandSpec spec{part, map, upstream.has_value(), keep_messages(part),
-                   driver == experiment_.links.end() ? "" : driver->from};
-  spec.sensors = experiment::watched_sensors(experiment_, part);
-  spec.ros = experiment::dialect_of(experiment_.ros);
-  for (const Link* link : watched_spikes(experiment_, part)) {
-    spec.spike_widths.push_back(link->width);
-  }
-  commands_.push_back(transport_.command(spec));
+  commands_.push_back(make_command(experiment_, part, map, transport_, keep_messages(part)));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
   description_.sinks.push_back({sender_of(part), commands_.back().get()});
   description_.connections.push_back(
       {part.name + ".out", sender_of(part) + ".command", fields, 0, part.where});
-  if (upstream) {
+  if (const auto upstream = nearest_sensor(experiment_, part.name)) {
     // The time at which the data behind a command came takes as long as these data.
     description_.connections.push_back({upstream->sensor + ".pace", sender_of(part) + ".pace", 1,
                                         upstream->delay_ticks, part.where});
@@ -229,7 +184,7 @@ void Assembly::open_bag(const std::string& folder) {
   }
 }
 
-Keep Assembly::keep_messages(const Part& part) {
+topics::Keep Assembly::keep_messages(const Part& part) {
   if (!messages_) {
     return {};
   }
@@ -346,7 +301,7 @@ void Assembly::record(const std::string& folder) {
 }
 
 /// How old the data behind the first command of each message are.
-void Assembly::record_latency(const Part& part, CommandEnd& command, const std::string& folder) {
+void Assembly::record_latency(const Part& part, ros_command::CommandEndpoint& command, const std::string& folder) {
   if (nearest_sensor(experiment_, part.name)) {
     command.on_latency([write = recorder_of(part, folder).value_writer("latency", "ms")](
                            TimeNs simulated, TimeNs latency) {

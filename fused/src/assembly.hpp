@@ -56,9 +56,9 @@ class Assembly {
   /// A connection from a simulator, or to one.
   void add_link_outside(const experiment::Link& link);
   void open_bag(const std::string& folder);
-  Keep keep_messages(const experiment::Part& part);
+  topics::Keep keep_messages(const experiment::Part& part);
   void record(const std::string& folder);
-  void record_latency(const experiment::Part& part, CommandEnd& command, const std::string& folder);
+  void record_latency(const experiment::Part& part, ros_command::CommandEndpoint& command, const std::string& folder);
   record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 
@@ -70,7 +70,7 @@ class Assembly {
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<std::unique_ptr<Sink>> sinks_;  ///< that lead to simulators
   std::set<std::string> simulator_outputs_;   ///< elements that have their source
-  std::vector<std::unique_ptr<CommandEnd>> commands_;
+  std::vector<std::unique_ptr<ros_command::CommandEndpoint>> commands_;
   std::vector<std::unique_ptr<NodeClass>> classes_;
   std::map<std::string, std::unique_ptr<record::Recorder>> recorders_;  ///< by node
   std::vector<std::unique_ptr<Sink>> recording_sinks_;
@@ -82,13 +82,5 @@ bool is_recording(std::string_view element);
 /// "wheels.commands" of "wheels sender.commands", "brain.out" of "brain out.out": a node's several
 /// elements have its name in a file.
 std::string name_in_file(std::string_view element);
-
-/// The sensor whose data reach a node by the least delay, and that delay in ticks.
-struct Upstream {
-  std::string sensor;
-  std::uint32_t delay_ticks = 0;
-};
-std::optional<Upstream> nearest_sensor(const experiment::Experiment& experiment,
-                                       const std::string& node);
 
 }  // namespace spikeloop::fused

@@ -2,19 +2,23 @@
 
 namespace spikeloop::fused {
 
-std::unique_ptr<Source> BagTransport::sensor(const SensorSpec& spec) {
-  const std::string& topic = spec.part.parameters.text("topic");
-  auto feed =
-      std::make_unique<Feed>(Feed{topic, reader_.stream(topic, spec.part.name), std::nullopt});
-  feed->next = feed->stream.next();
-  feeds_.push_back(std::move(feed));
-  return make_memory_sensor(feeds_.back()->node, spec);
+BagTransport::Feed::Feed(bag::Reader& reader, const experiment::Part& sensor)
+    : stream(reader.stream(sensor.parameters.text("topic"), sensor.name)),
+      next(stream.next()),
+      publisher(session.publisher(sensor.parameters.text("topic"),
+                                  sensor.parameters.text("message"))) {}
+
+topics::Session& BagTransport::session(const experiment::Part& part) {
+  if (part.role != experiment::Role::source) {
+    return commands_;
+  }
+  return feeds_.emplace_back(std::make_unique<Feed>(reader_, part))->session;
 }
 
 void BagTransport::begin(TimeNs time) {
   for (const auto& feed : feeds_) {
     while (feed->next && feed->next->time <= time) {
-      feed->node.publish(feed->topic, feed->next->bytes, time);
+      feed->publisher->publish(feed->next->bytes);
       feed->next = feed->stream.next();
     }
   }

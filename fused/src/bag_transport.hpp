@@ -1,12 +1,14 @@
 // A bag in the robot's place.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "memory_topics.hpp"
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/fused/transport.hpp"
+#include "spikeloop/topics/memory_session.hpp"
 
 namespace spikeloop::fused {
 
@@ -17,25 +19,24 @@ class BagTransport : public Transport {
   /// @throws FileError as bag::Reader.
   explicit BagTransport(const std::string& bag) : reader_(bag) {}
 
-  std::unique_ptr<Source> sensor(const SensorSpec& spec) override;
-  std::unique_ptr<CommandEnd> command(const CommandSpec& spec) override {
-    return make_memory_command(nobody_, spec);
-  }
+  topics::Session& session(const experiment::Part& part) override;
   /// @throws FileError when the bag is damaged.
   void begin(TimeNs time) override;
 
  private:
   /// Of a node, as two of one topic need not have taken the same messages.
   struct Feed {
-    std::string topic;
+    Feed(bag::Reader& reader, const experiment::Part& sensor);
+
     bag::Stream stream;
     std::optional<bag::Message> next;
-    MemoryTopics node{};
+    topics::MemorySession session;
+    std::unique_ptr<topics::RawPublisher> publisher;
   };
 
   bag::Reader reader_;
   std::vector<std::unique_ptr<Feed>> feeds_;
-  MemoryTopics nobody_;
+  topics::MemorySession commands_;
 };
 
 }  // namespace spikeloop::fused

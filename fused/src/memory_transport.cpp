@@ -16,19 +16,19 @@ MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
                                      .spectators = spectators,
                                      .folder = folder});
   for (const robot::SensorTopic& topic : robot_->topics()) {
-    names_.push_back(topic.name.starts_with('/') ? topic.name : "/" + topic.name);
+    publishers_.push_back(session_.publisher(topic.name, topic.type));
   }
-  topics_.subscribe(
-      "/cmd_vel", [this](std::span<const std::byte> message, TimeNs) { robot_->command(message); });
+  commands_ = session_.subscriber({.topic = "/cmd_vel",
+                                   .message_type = robot::kTwistType,
+                                   .take = [this](auto message) { robot_->command(message); }});
 }
 
 void MemoryTransport::begin(TimeNs time) {
-  if (!robot_) {
-    return;
+  if (robot_) {
+    robot_->publish(
+        time, [this](std::size_t topic) { return publishers_[topic]->has_subscribers(); },
+        [this](std::size_t topic, auto message) { publishers_[topic]->publish(message); });
   }
-  robot_->publish(
-      time, [&](std::size_t topic) { return topics_.has(names_[topic]); },
-      [&](std::size_t topic, auto message) { topics_.publish(names_[topic], message, time); });
 }
 
 void MemoryTransport::end(TimeNs time) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "memory_topics.hpp"
 #include "spikeloop/fused/transport.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/topics/memory_session.hpp"
 
 namespace spikeloop::fused {
 
@@ -20,12 +20,7 @@ class MemoryTransport : public Transport {
   MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder,
                   const robot::SpectatorOptions& spectators = {});
 
-  std::unique_ptr<Source> sensor(const SensorSpec& spec) override {
-    return make_memory_sensor(topics_, spec);
-  }
-  std::unique_ptr<CommandEnd> command(const CommandSpec& spec) override {
-    return make_memory_command(topics_, spec);
-  }
+  topics::Session& session(const experiment::Part& /*part*/) override { return session_; }
   /// Publishes what has become due since the last call.
   void begin(TimeNs time) override;
   /// The robot advances to `time` on the command before; then the newest one holds.
@@ -34,9 +29,10 @@ class MemoryTransport : public Transport {
   nlohmann::json summary() const override;
 
  private:
-  MemoryTopics topics_;
+  topics::MemorySession session_;
   std::optional<robot::SteppedRobot> robot_;
-  std::vector<std::string> names_;  // of its topics
+  std::vector<std::unique_ptr<topics::RawPublisher>> publishers_;  ///< of its topics
+  std::unique_ptr<topics::RawSubscriber> commands_;
 };
 
 }  // namespace spikeloop::fused

@@ -57,7 +57,7 @@ void write_results(Graph& graph, const std::string& folder) {
 
 std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, Transport& transport) {
   if (experiment.sync == Sync::sim_time) {
-    return transport.clock();
+    return transport.pacer();
   }
   return experiment.sync == Sync::realtime
              ? make_realtime_pacer(experiment.real_time_factor, experiment.tick)

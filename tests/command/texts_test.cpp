@@ -28,7 +28,7 @@ class TextsTest : public testing::Test {
 
 TEST_F(TextsTest, every_reason_has_its_cause) {
   EXPECT_EQ(cause(StopReason::no_value), "there is no value to send");
-  EXPECT_EQ(cause(StopReason::not_finite), "a command has a value that is no finite number");
+  EXPECT_EQ(cause(StopReason::not_finite), "a command has a value that is not a finite number");
   EXPECT_EQ(cause(StopReason::stale), "the data are older than max_age, 1 s");
   EXPECT_EQ(cause(StopReason::sensor_silent),
             "no message with a reading has come on topic '/scan' for 500 ms");
@@ -36,6 +36,8 @@ TEST_F(TextsTest, every_reason_has_its_cause) {
   EXPECT_EQ(cause(StopReason::silent), "no tick came for 100 ms");
   EXPECT_EQ(cause(StopReason::continued),
             "a program of the job has died, or this one had been stopped (SIGCONT)");
+  settings_.driver = "decoder.out";
+  EXPECT_EQ(cause(StopReason::not_finite), "a value from 'decoder.out' is not a finite number");
   EXPECT_EQ(cause(StopReason::terminated), "the run is over");
   EXPECT_EQ(cause(StopReason::ended), "the run is over");
 }

@@ -132,9 +132,21 @@ def not_a_number(spikeloop, scratch):
                                     "plugins: [failing.py]\nnodes:\n  odd: {node: losing}\n")
     file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
     summary, printed = runs.run(spikeloop, file, scratch / "nan", "--duration", "2")
-    assert printed.count("warning: node 'wheels': the robot is stopped at ") == 1, printed
-    assert "a value from 'odd.out' is no finite number" in printed, printed
+    assert printed.count(": the robot is stopped: ") == 1, printed
+    assert "s: the robot is stopped: a value from 'odd.out' is not a finite number" in printed, printed
     assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
+
+
+def old_data(spikeloop, scratch):
+    """A scan comes every 50 ms; data that are older than 10 ms stop the robot, which is printed once
+    a second at most. With the next scan it goes on."""
+    file = runs.new_experiment(spikeloop, scratch / "old.yaml", sync="lockstep")
+    file.write_text(file.read_text().replace("  wheels:\n", "  wheels:\n    max_age: 10 ms\n"))
+    summary, printed = runs.run(spikeloop, file, scratch / "old", "--duration", "2")
+    assert summary["counters"]["wheels.stops_data_too_old"] >= 38, summary
+    assert summary["counters"]["wheels.resumed"] >= 38, summary
+    said = "s: the robot is stopped: the data are older than max_age, 10 ms"
+    assert 1 <= printed.count(said) <= 2 and "warning: node 'wheels' at " in printed, printed
 
 
 def wrong_options(spikeloop, scratch):
@@ -174,6 +186,7 @@ def main():
         failing_node(spikeloop, scratch)
         hanging_node(spikeloop, scratch)
         not_a_number(spikeloop, scratch)
+        old_data(spikeloop, scratch)
         wrong_options(spikeloop, scratch)
     print("stopped by Ctrl-C, by a failing node, and not begun with wrong options")
 

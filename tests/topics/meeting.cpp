@@ -7,6 +7,7 @@
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/ros2/session.hpp"
+#include "spikeloop/topics/memory_session.hpp"
 #include "tests/ros1/ros_peer.hpp"
 #include "tests/ros1/settings.hpp"
 #include "tests/ros2/domain.hpp"
@@ -14,8 +15,6 @@
 
 namespace spikeloop::test {
 namespace {
-
-using messages::Dialect;
 
 class Ros1Meeting : public Meeting {
  public:
@@ -52,8 +51,11 @@ class Ros1Meeting : public Meeting {
   ros_peer::Peer robot_{core_.uri()};
 };
 
-class Ros2Meeting : public Meeting {
+/// A robot with a session of ours.
+class OwnMeeting : public Meeting {
  public:
+  OwnMeeting(topics::Session& session, topics::Session& robot)
+      : session_(session), robot_(robot) {}
   topics::Session& session() override { return session_; }
 
   void publish_scan(const std::string& topic, const std::vector<float>& ranges, float range_min,
@@ -97,9 +99,8 @@ class Ros2Meeting : public Meeting {
  private:
   using Fields = std::vector<std::pair<std::string, std::vector<double>>>;
 
-  static const messages::Catalog& catalog() { return messages::Catalog::builtin(Dialect::ros2); }
-  topics::SessionSettings node(const char* name) const {
-    return {.node_name = name, .place = domain_.place()};
+  const messages::Catalog& catalog() const {
+    return messages::Catalog::builtin(session_.dialect());
   }
 
   void publish(const std::string& topic, const std::string& type, const Fields& fields) {
@@ -135,20 +136,47 @@ class Ros2Meeting : public Meeting {
          }}));
   }
 
-  FreeDomain domain_;
-  ros2::Session session_{node("adapter")};
-  ros2::Session robot_{node("robot")};
+  topics::Session& session_;
+  topics::Session& robot_;
   mutable std::mutex mutex_;
   std::vector<std::vector<double>> heard_;
   std::map<std::string, std::unique_ptr<topics::RawPublisher>> publishers_;
   std::vector<std::unique_ptr<topics::RawSubscriber>> listeners_;
 };
 
+/// The sessions of an OwnMeeting, which ends before them.
+struct MemorySessions {
+  topics::MemorySession node;
+};
+class MemoryMeeting : MemorySessions, public OwnMeeting {
+ public:
+  MemoryMeeting() : OwnMeeting(node, node) {}
+};
+
+class Ros2Sessions {
+ protected:
+  topics::SessionSettings settings(const char* name) const {
+    return {.node_name = name, .place = domain_.place()};
+  }
+  FreeDomain domain_;
+  ros2::Session node_{settings("adapter")};
+  ros2::Session robot_node_{settings("robot")};
+};
+class Ros2Meeting : Ros2Sessions, public OwnMeeting {
+ public:
+  Ros2Meeting() : OwnMeeting(node_, robot_node_) {}
+};
+
 }  // namespace
 
-std::unique_ptr<Meeting> meet(Dialect ros) {
-  if (ros == Dialect::ros1) {
-    return std::make_unique<Ros1Meeting>();
+std::unique_ptr<Meeting> meet(Kind kind) {
+  switch (kind) {
+    case Kind::memory:
+      return std::make_unique<MemoryMeeting>();
+    case Kind::ros1:
+      return std::make_unique<Ros1Meeting>();
+    case Kind::ros2:
+      break;
   }
   return std::make_unique<Ros2Meeting>();
 }

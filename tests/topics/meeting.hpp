@@ -1,8 +1,11 @@
-// A session of either version of ROS, and a robot at the other end of its topics: in ROS 1 with
-// roscpp's own messages, in ROS 2 another node of ours (tests/ros2 has other vendors).
+// A session of any kind, and a robot at the other end of its topics: in ROS 1 with roscpp's own
+// messages, in ROS 2 another node of ours (tests/ros2 has other vendors).
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -34,12 +37,13 @@ class Meeting {
   virtual std::vector<std::vector<double>> arrays() const = 0;
 };
 
-std::unique_ptr<Meeting> meet(messages::Dialect ros);
+enum class Kind : std::uint8_t { memory, ros1, ros2 };
+std::unique_ptr<Meeting> meet(Kind kind);
+inline void PrintTo(Kind kind, std::ostream* out) {
+  *out << (kind == Kind::memory ? "in memory" : kind == Kind::ros1 ? "ROS 1" : "ROS 2");
+}
+inline auto kinds() {
+  return testing::Values(Kind::memory, Kind::ros1, Kind::ros2);
+}
 
 }  // namespace spikeloop::test
-
-namespace spikeloop::messages {
-inline void PrintTo(Dialect ros, std::ostream* out) {
-  *out << (ros == Dialect::ros1 ? "ROS 1" : "ROS 2");
-}
-}  // namespace spikeloop::messages

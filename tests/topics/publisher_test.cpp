@@ -1,4 +1,4 @@
-// Commands as subscribers get them, in both versions of ROS.
+// Commands as subscribers get them, over every kind of session.
 #include "spikeloop/topics/publisher.hpp"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using namespace spikeloop::topics;
 using test::eventually;
 using testing::ElementsAre;
 
-class PublisherTest : public testing::TestWithParam<messages::Dialect> {
+class PublisherTest : public testing::TestWithParam<test::Kind> {
  protected:
   std::unique_ptr<test::Meeting> meeting_ = test::meet(GetParam());
   topics::Session& session_ = meeting_->session();
@@ -61,7 +61,6 @@ TEST_P(PublisherTest, errors) {
             "did you mean 'x'?");
 }
 
-INSTANTIATE_TEST_SUITE_P(BothRos, PublisherTest,
-                         testing::Values(messages::Dialect::ros1, messages::Dialect::ros2));
+INSTANTIATE_TEST_SUITE_P(AllSessions, PublisherTest, test::kinds());
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Topics as sources, in both versions of ROS.
+// Topics as sources, over every kind of session.
 #include "spikeloop/topics/sensor.hpp"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ using testing::HasSubstr;
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-class SensorTest : public testing::TestWithParam<messages::Dialect> {
+class SensorTest : public testing::TestWithParam<test::Kind> {
  protected:
   ~SensorTest() override { log::set_sink({}); }
 
@@ -161,7 +161,6 @@ TEST_P(SensorTest, impossible_topic) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(BothRos, SensorTest,
-                         testing::Values(messages::Dialect::ros1, messages::Dialect::ros2));
+INSTANTIATE_TEST_SUITE_P(AllSessions, SensorTest, test::kinds());
 
 }  // namespace

@@ -52,7 +52,7 @@ void CommandSink::send(const Step& step) {
     channel_.poll(now());
     watch_.heartbeat();
   }
-  announce(wall_now());
+  announce();
 }
 
 void CommandSink::alive() {
@@ -70,7 +70,7 @@ void CommandSink::stop_from_watch(StopReason reason) {
     return;
   }
   channel_.stop(reason, now());
-  announce(wall_now());
+  announce();
 }
 
 void CommandSink::emergency(bool stop) {
@@ -87,7 +87,7 @@ void CommandSink::override_with(std::span<const double> values) {
 void CommandSink::intervene(TimeNs wall) {
   if (settings_.clock != CommandClock::lockstep) {
     interventions_.apply(wall, now());
-    announce(wall);
+    announce();
   }
 }
 
@@ -104,13 +104,25 @@ TimeNs CommandSink::beat(TimeNs wall) {
   return std::min(next, wall + kLook);
 }
 
-void CommandSink::announce(TimeNs now) {
+/// "node 'wheels' at 1.2 s: "
+std::string CommandSink::prefix() const {
+  if (settings_.node.empty()) {
+    return {};
+  }
+  return settings_.clock == CommandClock::wall
+             ? fmt::format("node '{}': ", settings_.node)
+             : fmt::format("node '{}' at {}: ", settings_.node, format_time(simulated_));
+}
+
+void CommandSink::announce() {
+  // In lockstep the same run prints the same.
+  const TimeNs now = settings_.clock == CommandClock::lockstep ? simulated_.load() : wall_now();
   const CommandChannel::Standing standing = channel_.standing();
   const auto cut = channel_.first_cut();
   const std::lock_guard lock(announcing_);
   if (cut && !cut_announced_) {
     cut_announced_ = true;
-    log::warning("{}", cut_warning(*cut, settings_));
+    log::warning("{}{}", prefix(), cut_warning(*cut, settings_));
   }
   const bool known =
       standing.stopped == announced_.stopped && standing.overridden == announced_.overridden;
@@ -120,9 +132,10 @@ void CommandSink::announce(TimeNs now) {
   const CommandChannel::Standing before = std::exchange(announced_, standing);
   announced_at_ = now;
   if (!standing.overridden && !standing.stopped) {
-    log::warning("the robot is driven {}again", before.overridden ? "by the network " : "");
+    log::warning("{}the robot is driven {}again", prefix(),
+                 before.overridden ? "by the network " : "");
   } else if (standing.overridden || *standing.stopped < StopReason::terminated) {
-    log::warning("{}", condition_of(standing).text);
+    log::warning("{}{}", prefix(), condition_of(standing).text);
   }
 }
 

@@ -12,7 +12,9 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
     case StopReason::no_value:
       return "there is no value to send";
     case StopReason::not_finite:
-      return "a command has a value that is no finite number";
+      return settings.driver.empty()
+                 ? "a command has a value that is not a finite number"
+                 : fmt::format("a value from '{}' is not a finite number", settings.driver);
     case StopReason::stale:
       return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
     case StopReason::sensor_silent:

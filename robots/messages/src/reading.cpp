@@ -187,8 +187,8 @@ std::vector<SensorField> usual_fields(const std::string& type, std::uint32_t wid
     return fields;
   }
   throw ConfigurationError(
-      fmt::format("message type {} has no rule of its own that makes channels of it; write "
-                  "fields=PATH,PATH,... with the fields to take",
+      fmt::format("message type {} has no usual fields; write in 'fields' the paths of those to "
+                  "take",
                   type));
 }
 

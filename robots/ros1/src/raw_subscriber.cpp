@@ -56,8 +56,7 @@ class RawSubscriber::Receiver {
                                       "is {}); its publisher must use the version of ROS Noetic",
                                       wanted_.topic, type_, entry(event, "md5sum"), md5_)});
     } else {
-      wanted_.refuse(
-          {type, fmt::format("topic '{}' carries {}, not {}", wanted_.topic, type, type_)});
+      wanted_.refuse(topics::other_type(wanted_.topic, type, type_));
     }
   }
 

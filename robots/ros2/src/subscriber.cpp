@@ -85,10 +85,7 @@ void Subscriber::take(std::span<const std::byte> message) {
 
 void Subscriber::look_at(const Writer& writer) {
   if (writer.type != endpoint_.dds_type_name()) {
-    const std::string type = ros_type(writer.type);
-    refuse({.type = type,
-            .text = fmt::format("topic '{}' carries {}, not {}", endpoint_.topic, type,
-                                endpoint_.message_type)});
+    refuse(topics::other_type(endpoint_.topic, ros_type(writer.type), endpoint_.message_type));
     return;
   }
   const std::string theirs = type_hash_in(writer.user_data);

@@ -14,13 +14,18 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
-/// Where this node looks for others: the first thing that is wrong when nothing comes.
-std::string meeting_place(const Session& session) {
+/// With where this node looks for others: the first thing that is wrong when nothing comes.
+std::string how_to_look(const Session& session) {
+  if (session.local()) {
+    return {};
+  }
   const Place place = session.place();
   const char* const variable =
       session.dialect() == messages::Dialect::ros1 ? "ROS_MASTER_URI" : "ROS_DOMAIN_ID";
   const auto found = place.find(variable);
-  return found == place.end() ? std::string() : fmt::format("{}={}", variable, found->second);
+  return fmt::format(
+      "; '{} list' shows what there is with {}", topic_command(session.dialect()),
+      found == place.end() ? std::string() : fmt::format("{}={}", variable, found->second));
 }
 
 }  // namespace
@@ -77,9 +82,8 @@ void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
     return;
   }
   told = true;
-  log::warning("no message has come on topic '{}' for {}; '{} list' shows what there is with {}",
-               settings_.topic, format_time(kPatience), topic_command(session_.dialect()),
-               meeting_place(session_));
+  log::warning("no message has come on topic '{}' for {}{}", settings_.topic,
+               format_time(kPatience), how_to_look(session_));
 }
 
 void Intake::require_sound() const {

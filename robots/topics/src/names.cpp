@@ -106,6 +106,10 @@ void check_node_name(Dialect ros, const std::string& name) {
   }
 }
 
+OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted) {
+  return {type, fmt::format("topic '{}' carries {}, not {}", topic, type, wanted)};
+}
+
 std::string ros2_node_name(const SessionSettings& settings) {
   if (!settings.unique_name) {
     return settings.node_name;

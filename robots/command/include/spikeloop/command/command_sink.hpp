@@ -29,6 +29,8 @@ enum class CommandClock : std::uint8_t {
 };
 
 struct CommandSettings {
+  std::string node{};       ///< named in warnings; empty: its process is
+  std::string driver{};     ///< the output that drives it, "decoder.out"; empty: not known
   std::uint32_t width = 0;  ///< fields of the command
   bool with_pace = false;
   GateSettings gate;
@@ -66,7 +68,7 @@ class CommandSink : public Sink {
   struct Carrier {
     CommandChannel::Publish publish;
     std::function<void()> finish;       ///< nothing more comes: waits until all is on its way
-    std::function<void()> interrupted;  ///< SIGINT: ends the process as SIGTERM would
+    std::function<void()> interrupted{};  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
     std::function<void()> require{};           ///< throws in the loop when nothing leaves any more
   };
@@ -109,8 +111,9 @@ class CommandSink : public Sink {
   void stop_from_watch(StopReason reason);
   TimeNs beat(TimeNs wall);
   void intervene(TimeNs wall);
-  /// Tells the user who drives the robot or why it stands, at most once a second.
-  void announce(TimeNs now);
+  /// Warns when the robot is stopped or driven again, at most once a second.
+  void announce();
+  std::string prefix() const;
 
   CommandSettings settings_;
   Carrier carrier_;

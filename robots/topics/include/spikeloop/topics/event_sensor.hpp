@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
 #include "spikeloop/topics/session.hpp"
+#include "spikeloop/topics/topic_source.hpp"
 
 namespace spikeloop::topics {
 
@@ -27,9 +27,7 @@ struct EventSensorSettings {
   bool simulated_pace = false;
   std::uint32_t queue = 1000;       ///< messages that may wait; 0: any number
   std::function<void()> arrived{};  ///< in the session's thread, after every message
-  /// Told in receive() of every message that this tick uses, in order; `time` is its begin. May be
-  /// empty.
-  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
+  Keep keep{};
 };
 
 /// Ports: `out` [events.width], spikes; `pace` [1], the monotonic time in seconds at which the
@@ -39,7 +37,7 @@ struct EventSensorSettings {
 /// Counters: messages, events; of these left_out, refractory, outside_camera, before_begin, which
 /// are not sent, and waiting, which are not sent yet; late_events, worst_lateness_ns, clock_jumps,
 /// malformed, wrong_type.
-class EventSensor : public Source {
+class EventSensor : public TopicSource {
  public:
   /// Subscribes. @throws ConfigurationError as check().
   EventSensor(Session& session, const EventSensorSettings& settings);
@@ -55,11 +53,9 @@ class EventSensor : public Source {
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
 
-  bool has_publishers() const;
-  /// Messages that have come and are known to the next receive().
-  std::uint64_t received() const;
-  /// Throws what receive() would.
-  void require_sound() const;
+  bool has_publishers() const override;
+  std::uint64_t received() const override;
+  void require_sound() const override;
 
  private:
   struct Impl;

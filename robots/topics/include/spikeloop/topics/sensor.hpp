@@ -9,9 +9,9 @@
 #include <span>
 #include <string>
 
-#include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/messages/sensor_rule.hpp"
 #include "spikeloop/topics/session.hpp"
+#include "spikeloop/topics/topic_source.hpp"
 
 namespace spikeloop::topics {
 
@@ -26,9 +26,7 @@ struct SensorSettings {
   bool simulated_pace = false;
   std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
   std::function<void()> arrived{};  ///< in the session's thread, after every message
-  /// Told in receive() of every message that has arrived since the call before, in order: those
-  /// that made the values of this tick, whose begin is `time`. May be empty.
-  std::function<void(TimeNs time, std::span<const std::byte> message)> keep{};
+  Keep keep{};                      ///< of every message that has arrived since the tick before
 };
 
 /// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
@@ -36,7 +34,7 @@ struct SensorSettings {
 ///
 /// Counters: messages, cropped, short_messages, invalid_readings, without_reading, malformed,
 /// wrong_type, and over ROS 2 lost (RawSubscriber::lost()).
-class Sensor : public Source {
+class Sensor : public TopicSource {
  public:
   /// Subscribes. @throws ConfigurationError as messages::SensorConversion, and
   /// for an impossible topic.
@@ -53,11 +51,9 @@ class Sensor : public Source {
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
 
-  bool has_publishers() const;
-  /// Messages that have come and are known to the next receive().
-  std::uint64_t received() const;
-  /// Throws what receive() would.
-  void require_sound() const;
+  bool has_publishers() const override;
+  std::uint64_t received() const override;
+  void require_sound() const override;
 
  private:
   struct Impl;

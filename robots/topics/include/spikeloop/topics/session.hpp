@@ -55,6 +55,8 @@ struct OtherType {
   std::string text;  ///< "topic '/scan' carries geometry_msgs/Twist, not sensor_msgs/LaserScan"
 };
 
+OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted);
+
 struct Subscription {
   std::string topic;
   std::string message_type;  ///< "sensor_msgs/LaserScan"
@@ -102,6 +104,8 @@ class Session {
   virtual bool alive() const = 0;
   /// @throws TransportError that says why when it is not alive.
   virtual void require_alive() const = 0;
+  /// Whether its topics stay inside this process: no other program hears or stops a robot on them.
+  virtual bool local() const { return false; }
   /// With it another process meets the nodes that this one meets.
   virtual Place place() const = 0;
   /// "/scan" of "scan": with the namespace and what has been remapped.

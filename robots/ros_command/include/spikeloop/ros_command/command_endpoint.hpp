@@ -1,4 +1,4 @@
-// Commands over ROS, and everything that stops the robot: the sink's own watch, the guard, the
+// A topic of commands, and everything that stops the robot: the sink's own watch, the guard, the
 // end of the process.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/topics/publisher.hpp"
 #include "spikeloop/topics/session.hpp"
+#include "spikeloop/topics/topic_source.hpp"
 
 namespace spikeloop::ros_command {
 
@@ -30,24 +32,23 @@ struct Address {
   std::vector<std::string> fields;  ///< as topics::Publisher has them
 };
 
-/// Ports as command::CommandSink.
-class RosCommand : public Sink {
+/// Ports as command::CommandSink. On a local session the robot is stepped by the loop itself: there
+/// is no guard, and the end of the process ends the robot, too.
+class CommandEndpoint : public Sink {
  public:
-  using Sent = std::function<void(std::span<const std::byte> message)>;
-
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
   /// both before the robot is driven: until the guard has met somebody who hears us, steps are let
   /// pass, for 3 s at most. @throws ConfigurationError as topics::Publisher.
-  /// @param sent told of every message that has left, in whatever thread it did; may be empty
-  RosCommand(topics::Session& session, const Address& address,
-             const command::CommandSettings& settings, Sent sent = {});
-  ~RosCommand() override;
+  CommandEndpoint(topics::Session& session, const Address& address,
+                  const command::CommandSettings& settings, topics::Keep keep = {});
+  ~CommandEndpoint() override;
 
   std::vector<EndpointPort> ports() const override { return sink_.ports(); }
   void send(const Step& step) override;
   std::vector<Counter> counters() const override { return sink_.counters(); }
   /// As CommandSink.
   void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
+  /// Zero, the last thing that leaves.
   void stop(command::StopReason reason);
   /// As CommandSink's; `stood_at_end` says why the robot stood before the run's end stopped it,
   /// when it did for want of data.
@@ -60,6 +61,11 @@ class RosCommand : public Sink {
   std::uint64_t sent() const { return count_; }
 
  private:
+  void publish(std::span<const double> values);
+  void finish();
+  void keep_sent();
+  command::CommandSink::Carrier carrier();
+  TimeNs beat(TimeNs now);
   void leave_to_guard_if_dead();
   bool may_begin();
   bool drives_unguarded(std::span<const double> values) const;
@@ -72,16 +78,19 @@ class RosCommand : public Sink {
   TimeNs driven_since_ = 0;  ///< wall time of the first command; 0: none yet
   bool minded_subscribers_ = false;
   TimeNs met_at_ = 0;  ///< wall time at which somebody was seen to hear us; 0: not yet
-  std::atomic<bool> waits_for_guard_{true};
+  std::atomic<bool> waits_for_guard_;
   topics::Publisher publisher_;
-  Sent sent_;
+  topics::Keep keep_;
+  TimeNs ended_ = 0;  ///< of the newest tick
+  std::mutex sending_;
+  std::vector<std::vector<std::byte>> sent_;  ///< since the tick before, for `keep_`
   std::atomic<std::uint64_t> count_{0};
   std::string stood_at_end_;
-  guard::Link guard_;
+  std::unique_ptr<guard::Link> guard_;        ///< none on a local session
   std::unique_ptr<Diagnostics> diagnostics_;  ///< none for a robot that is stepped
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
-  status::TerminationHook on_termination_;
+  std::unique_ptr<status::TerminationHook> on_termination_;
 };
 
 }  // namespace spikeloop::ros_command

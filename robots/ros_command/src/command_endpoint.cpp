@@ -1,4 +1,4 @@
-#include "spikeloop/ros_command/ros_command.hpp"
+#include "spikeloop/ros_command/command_endpoint.hpp"
 
 #include <signal.h>
 #include <unistd.h>
@@ -40,54 +40,87 @@ guard::Hello guard_hello(const topics::Session& session, const Address& address,
 
 }  // namespace
 
-RosCommand::RosCommand(topics::Session& session, const Address& address,
-                       const command::CommandSettings& settings, Sent sent)
+CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& address,
+                                 const command::CommandSettings& settings, topics::Keep keep)
     : session_(session),
       address_(address),
+      waits_for_guard_(!session.local()),
       publisher_(session, address.topic, address.message_type, address.fields),
-      sent_(std::move(sent)),
-      guard_(guard_hello(session, address, settings, publisher_)),
+      keep_(std::move(keep)),
+      guard_(session.local() ? nullptr
+                             : std::make_unique<guard::Link>(
+                                   guard_hello(session, address, settings, publisher_))),
       diagnostics_(settings.clock == command::CommandClock::lockstep
                        ? nullptr
                        : std::make_unique<Diagnostics>(session, address.topic)),
-      sink_(settings, {.publish =
-                           [this](auto values) {
-                             if (drives_unguarded(values)) {
-                               return;
-                             }
-                             const auto message = publisher_.publish(values);
-                             if (sent_) {
-                               sent_(message);
-                             }
-                             ++count_;
-                           },
-                       .finish =
-                           [this] {
-                             leave_to_guard_if_dead();
-                             publisher_.drain();
-                             guard_.done();
-                           },
-                       .interrupted = [] { ::kill(::getpid(), SIGTERM); },
-                       .beat =
-                           [this](TimeNs now) {
-                             leave_to_guard_if_dead();
-                             return std::min(guard_.beat(now), report(now));
-                           },
-                       .require = [this] { session_.require_alive(); }}),
+      sink_(settings, carrier()),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
                                               settings, sink_)),
-      on_termination_([this] { sink_.stop(command::StopReason::terminated); }) {}
+      on_termination_(session.local()
+                          ? nullptr
+                          : std::make_unique<status::TerminationHook>(
+                                [this] { sink_.stop(command::StopReason::terminated); })) {}
 
-RosCommand::~RosCommand() = default;
+CommandEndpoint::~CommandEndpoint() = default;
 
-void RosCommand::stop(command::StopReason reason) {
+command::CommandSink::Carrier CommandEndpoint::carrier() {
+  command::CommandSink::Carrier carrier{.publish = [this](auto values) { publish(values); },
+                                        .finish = [this] { finish(); }};
+  if (!session_.local()) {
+    carrier.interrupted = [] { ::kill(::getpid(), SIGTERM); };
+    carrier.beat = [this](TimeNs now) { return beat(now); };
+    carrier.require = [this] { session_.require_alive(); };
+  }
+  return carrier;
+}
+
+/// In whatever thread stops the robot, too, which must never wait for a disk.
+void CommandEndpoint::publish(std::span<const double> values) {
+  if (drives_unguarded(values)) {
+    return;
+  }
+  const auto message = publisher_.publish(values);
+  ++count_;
+  if (keep_) {
+    const std::lock_guard lock(sending_);
+    sent_.emplace_back(message.begin(), message.end());
+  }
+}
+
+void CommandEndpoint::finish() {
+  leave_to_guard_if_dead();
+  publisher_.drain();
+  if (guard_) {
+    guard_->done();
+  }
+}
+
+TimeNs CommandEndpoint::beat(TimeNs now) {
+  leave_to_guard_if_dead();
+  return std::min(guard_->beat(now), report(now));
+}
+
+/// In the loop.
+void CommandEndpoint::keep_sent() {
+  std::vector<std::vector<std::byte>> messages;
+  {
+    const std::lock_guard lock(sending_);
+    messages.swap(sent_);
+  }
+  for (const auto& message : messages) {
+    keep_(ended_, message);
+  }
+}
+
+void CommandEndpoint::stop(command::StopReason reason) {
   if (reason == command::StopReason::ended && !status::stop_requested()) {
     stood_at_end_ = sink_.missing_data();
   }
   sink_.stop(reason);
+  keep_sent();
 }
 
-nlohmann::json RosCommand::summary() const {
+nlohmann::json CommandEndpoint::summary() const {
   nlohmann::json summary = sink_.summary();
   if (!stood_at_end_.empty()) {
     summary[status::kStoodAtEnd] = stood_at_end_;
@@ -95,23 +128,25 @@ nlohmann::json RosCommand::summary() const {
   return summary;
 }
 
-void RosCommand::send(const Step& step) {
+void CommandEndpoint::send(const Step& step) {
   if (!may_begin()) {
     sink_.alive();
     return;
   }
+  ended_ = step.interval().end;
   sink_.send(step);
-  if (!minded_subscribers_ && count_ != 0) {
+  keep_sent();
+  if (!minded_subscribers_ && count_ != 0 && !session_.local()) {
     mind_subscribers();
   }
 }
 
 /// In the watch's thread, so also while the loop stands still.
-TimeNs RosCommand::report(TimeNs now) {
+TimeNs CommandEndpoint::report(TimeNs now) {
   return diagnostics_ ? diagnostics_->publish(now, condition(), sink_) : kNever;
 }
 
-command::Condition RosCommand::condition() const {
+command::Condition CommandEndpoint::condition() const {
   command::Condition condition = sink_.condition();
   using enum command::Condition::Level;
   if (condition.level == ok && !publisher_.has_subscribers()) {
@@ -125,7 +160,7 @@ command::Condition RosCommand::condition() const {
 
 /// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no
 /// guard: one that comes later is waited for, too.
-bool RosCommand::may_begin() {
+bool CommandEndpoint::may_begin() {
   if (!waits_for_guard_) {
     return true;
   }
@@ -135,7 +170,7 @@ bool RosCommand::may_begin() {
   }
   const TimeNs now = wall_now();
   met_at_ = met_at_ == 0 ? now : met_at_;
-  const bool reaches = guard_.reaches_robot();
+  const bool reaches = guard_->reaches_robot();
   if (!reaches && now - met_at_ < kGuardPatience) {
     return false;
   }
@@ -151,13 +186,13 @@ bool RosCommand::may_begin() {
 }
 
 /// The robot may have come since the loop handed over these values.
-bool RosCommand::drives_unguarded(std::span<const double> values) const {
+bool CommandEndpoint::drives_unguarded(std::span<const double> values) const {
   return waits_for_guard_ && publisher_.has_subscribers() &&
          std::ranges::any_of(values, [](double value) { return value != 0; });
 }
 
 /// A robot that takes another type, or another topic, stands still without a word.
-void RosCommand::mind_subscribers() {
+void CommandEndpoint::mind_subscribers() {
   const TimeNs now = wall_now();
   driven_since_ = driven_since_ == 0 ? now : driven_since_;
   if (now - driven_since_ < kPatience) {
@@ -180,9 +215,9 @@ void RosCommand::mind_subscribers() {
   }
 }
 
-void RosCommand::leave_to_guard_if_dead() {
-  if (!session_.alive()) {
-    guard_.abandon();
+void CommandEndpoint::leave_to_guard_if_dead() {
+  if (guard_ && !session_.alive()) {
+    guard_->abandon();
   }
 }
 

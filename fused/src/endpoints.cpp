@@ -1,0 +1,155 @@
+#include "endpoints.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "spikeloop/command/command_settings.hpp"
+#include "spikeloop/command/mapping.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
+#include "spikeloop/topics/event_sensor.hpp"
+#include "spikeloop/topics/sensor.hpp"
+
+namespace spikeloop::fused {
+namespace {
+
+using command::CommandClock;
+using experiment::Experiment;
+using experiment::Link;
+using experiment::Part;
+
+/// What both kinds of sensors have in common.
+template <typename Settings>
+Settings with_transport(Settings settings, const Part& part, Transport& transport,
+                        topics::Keep keep) {
+  settings.topic = part.parameters.text("topic");
+  settings.simulated_pace = transport.clock() != CommandClock::wall;
+  if (transport.clock() == CommandClock::lockstep) {
+    settings.queue = 0;  // the robot waits until all of its messages are here
+  }
+  settings.arrived = [&transport] { transport.arrived(); };
+  settings.keep = std::move(keep);
+  return settings;
+}
+
+std::unique_ptr<topics::TopicSource> make_event_sensor(const Part& part, std::uint32_t width,
+                                                       Transport& transport, topics::Keep keep) {
+  topics::EventSensorSettings settings{
+      .events = experiment::event_settings(part.parameters),
+      .latency = from_seconds(part.parameters.number("latency")),
+      .from_begin = transport.clock() == CommandClock::lockstep};
+  settings.events.width = width;
+  return std::make_unique<topics::EventSensor>(
+      transport.session(part), with_transport(std::move(settings), part, transport, std::move(keep)));
+}
+
+std::unique_ptr<topics::TopicSource> make_signal_sensor(const Part& part, std::uint32_t width,
+                                                        Transport& transport, topics::Keep keep) {
+  topics::SensorSettings settings{.message_type = part.parameters.text("message"),
+                                  .rule = experiment::sensor_rule(part.parameters),
+                                  .width = width,
+                                  .strict = true,
+                                  .initial = experiment::sensor_initial(part.parameters)};
+  return std::make_unique<topics::Sensor>(
+      transport.session(part), with_transport(std::move(settings), part, transport, std::move(keep)));
+}
+
+command::CommandSettings clock_settings(const Experiment& experiment, const Part& part,
+                                        const command::ComponentMap& map, CommandClock clock) {
+  const Parameters& keys = part.parameters;
+  const bool with_pace = nearest_sensor(experiment, part.name).has_value();
+  return clock == CommandClock::wall
+             ? command::command_settings(keys, map, keys.number("command_rate"),
+                                         {experiment.tick, experiment.real_time_factor}, with_pace)
+             : command::simulated_settings(keys, map, clock, with_pace);
+}
+
+/// With the bounds, and all that stops the robot.
+command::CommandSettings command_settings(const Experiment& experiment, const Part& part,
+                                          const command::ComponentMap& map, CommandClock clock) {
+  command::CommandSettings settings = clock_settings(experiment, part, map, clock);
+  settings.node = part.name;
+  const auto driver = std::ranges::find(experiment.links, part.name + ".in", &Link::to);
+  settings.driver = driver == experiment.links.end() ? "" : driver->from;
+  settings.fields = command::field_paths(part.mapping);
+  if (part.parameters.text("limits") != experiment::kNoLimits) {
+    settings.bounds = command::default_bounds(part.mapping, std::move(settings.bounds));
+  }
+  settings.sensors = experiment::watched_sensors(experiment, part);
+  for (const Link* link : watched_spikes(experiment, part)) {
+    settings.spike_widths.push_back(link->width);
+  }
+  settings.spike_timeout = experiment::spike_timeout(part);
+  if (experiment.ros != experiment::Ros::none) {  // else there is nobody to stop it or drive it
+    settings.emergency_stop =
+        experiment::emergency_stop(part, experiment::dialect_of(experiment.ros));
+    settings.manual = experiment::manual_override(part);
+  }
+  return settings;
+}
+
+}  // namespace
+
+/// Those that a command's spike_timeout speaks of.
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
+  return experiment::spike_timeout(command) == 0
+             ? std::vector<const Link*>{}
+             : experiment::spikes_behind(experiment, command.name);
+}
+
+std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
+  // Dijkstra, against the connections' direction.
+  std::map<std::string, std::uint64_t> distance{{node, 0}};
+  std::set<std::string> done;
+  for (;;) {
+    std::string nearest;
+    for (const auto& [name, delay] : distance) {
+      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
+        nearest = name;
+      }
+    }
+    if (nearest.empty()) {
+      return std::nullopt;
+    }
+    if (experiment.part(nearest).kind == experiment::kRosSensor) {
+      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
+    }
+    done.insert(nearest);
+    for (const Link& link : experiment.links) {
+      if (experiment::node_of(link.to) == nearest) {
+        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
+        const auto [known, is_new] = distance.emplace(experiment::node_of(link.from), delay);
+        known->second = std::min(known->second, delay);
+      }
+    }
+  }
+}
+
+std::unique_ptr<topics::TopicSource> make_sensor(const Experiment& experiment, const Part& part,
+                                                 Transport& transport, topics::Keep keep) {
+  const std::uint32_t width = experiment.width(part.name, "out");
+  auto sensor = part.kind == experiment::kRosEventSensor
+                    ? make_event_sensor(part, width, transport, std::move(keep))
+                    : make_signal_sensor(part, width, transport, std::move(keep));
+  transport.add(part.parameters.text("topic"), *sensor);
+  return sensor;
+}
+
+std::unique_ptr<ros_command::CommandEndpoint> make_command(const Experiment& experiment,
+                                                           const Part& part,
+                                                           const command::ComponentMap& map,
+                                                           Transport& transport,
+                                                           topics::Keep keep) {
+  const ros_command::Address address{part.name, part.parameters.text("topic"),
+                                     part.mapping.message_type,
+                                     command::field_paths(part.mapping)};
+  auto command = std::make_unique<ros_command::CommandEndpoint>(
+      transport.session(part), address, command_settings(experiment, part, map, transport.clock()),
+      std::move(keep));
+  transport.add(address.topic, *command);
+  return command;
+}
+
+}  // namespace spikeloop::fused
