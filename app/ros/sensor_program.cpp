@@ -85,11 +85,7 @@ messages::SensorRule sensor_rule(const music::Process& process, const Parameters
   }
   const WrittenValues keys =
       located_at(where, [&] { return read_sensor_mapping(file, process.file_directory()); });
-  const auto written = [&](const char* key) {
-    const auto found = keys.find(key);
-    return found == keys.end() ? WrittenValue{} : found->second;
-  };
-  return sensing::sensor_rule(written("fields"), written("image"));
+  return sensing::sensor_rule(resolve(sensing::sensor_parameters(), keys, {}));
 }
 
 /// Where what is taken was written.

@@ -9,7 +9,6 @@
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/experiment/simulators.hpp"
-#include "spikeloop/images/image_settings.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -76,12 +75,8 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
                   "The robot that is simulated in this process, or a bag in its place: write  "
                   "simulator  or  bag.",
                   parameter_text(robot_parameters()), markdown);
-  text += section("camera", "The map behind  camera  in  robot  (docs/robot.md).",
-                  parameter_text(camera_parameters()), markdown);
   text += section("connections", "The keys of a connection that is written as a map.",
                   parameter_text(connection_parameters()), markdown);
-  text += section("image", "The keys of a ros_sensor's map  image  (docs/images.md).",
-                  parameter_text(images::image_parameters()), markdown);
   for (const std::string& name : experiment_classes(kinds)) {
     const NodeDescription& description = kinds.find(name).description;
     text += section(name, fmt::format("{}. {}", description.text, how_to_write(description)),

@@ -36,11 +36,10 @@ std::string one_value(const Section& section, const std::string& key) {
   return node.Scalar();
 }
 
-/// The value of a key; a list or map becomes JSON.
 WrittenValue value_of(const Section& section, const std::string& key) {
   const YAML::Node& node = section.at(key, "");
   if (node.IsSequence() || node.IsMap()) {
-    return {yaml_text::to_json(section.file(), node), section.where(key)};
+    return yaml_text::written_value(section.file(), node);
   }
   return {one_value(section, key), section.where(key)};
 }

@@ -67,11 +67,13 @@ std::vector<ParameterDescription> robot_parameters() {
        .minimum = 0,
        .text = "Places the obstacles; the experiment's when it is left out"},
       {.name = "camera",
-       .type = ParameterType::text,
+       .type = ParameterType::map,
        .default_value = "",
        .text =
            "Its pictures on /camera/image_raw: {width: 64, height: 48, rate: 20 Hz, fov: 80 deg}; "
-           "off when it is left out"},
+           "off when it is left out",
+       .inner = camera_parameters(),
+       .example = "{width: 64, height: 48}"},
       {.name = "bag",
        .type = ParameterType::text,
        .default_value = "",

@@ -121,6 +121,20 @@ Location locate_key(std::string_view text, const std::vector<std::string>& keys,
   return found ? locate(text, *found, file) : Location{file};
 }
 
+WrittenValue written_value(const nlohmann::ordered_json& value, const Location& where) {
+  if (!value.is_structured()) {
+    return {value.is_string() ? value.get<std::string>() : value.dump(), where};
+  }
+  return {value.dump(), where, [value, where] {
+            std::vector<WrittenEntry> entries;
+            for (const auto& item : value.items()) {
+              entries.push_back(
+                  {value.is_object() ? item.key() : "", written_value(item.value(), where)});
+            }
+            return entries;
+          }};
+}
+
 std::string shown_json(const nlohmann::ordered_json& value) {
   if (value.is_structured()) {  // may be nested deeper than the stack allows to print
     return value.is_array() ? "an array" : "an object";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop::json_text {
 
@@ -23,6 +24,9 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file);
 /// Where the last of these keys stands, each inside of the one before it; as far as it is found.
 Location locate_key(std::string_view text, const std::vector<std::string>& keys,
                     const std::string& file);
+
+/// A value as it was written, and what it holds, all with one place.
+WrittenValue written_value(const nlohmann::ordered_json& value, const Location& where);
 
 /// A value for messages: at most 60 characters of its JSON, "an array" or "an object".
 std::string shown_json(const nlohmann::ordered_json& value);

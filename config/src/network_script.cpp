@@ -11,7 +11,7 @@
 
 #include "python_process.hpp"
 #include "spikeloop/config/files_read.hpp"
-#include "spikeloop/config/reason.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/file.hpp"
 #include "text_file.hpp"

@@ -27,6 +27,10 @@ std::string type_text(const ParameterDescription& parameter) {
       return "choice";
     case ParameterType::weights:
       return "weights";
+    case ParameterType::list:
+      return "list";
+    case ParameterType::map:
+      return "map";
   }
   return {};
 }
@@ -49,12 +53,23 @@ std::string default_text(const ParameterDescription& parameter) {
   if (!parameter.default_value) {
     return "required";
   }
-  return parameter.default_value->empty() ? "\"\"" : *parameter.default_value;
+  if (parameter.default_value->empty()) {
+    return parameter.type == ParameterType::text ? "\"\"" : "none";
+  }
+  return *parameter.default_value;
 }
 
-}  // namespace
+/// The keys of a map, or of those that a list or a map holds.
+std::vector<ParameterDescription> inner_keys(const ParameterDescription& parameter) {
+  if (parameter.inner.empty()) {
+    return {};
+  }
+  const ParameterDescription& first = parameter.inner.front();
+  const bool own_keys = parameter.type == ParameterType::map && first.name != kAnyKey;
+  return own_keys ? parameter.inner : inner_keys(first);
+}
 
-std::string parameter_text(const std::vector<ParameterDescription>& parameters) {
+std::string table(const std::vector<ParameterDescription>& parameters) {
   std::vector<Row> rows;
   std::array<std::size_t, 5> widths{};
   for (const auto& parameter : parameters) {
@@ -72,6 +87,19 @@ std::string parameter_text(const std::vector<ParameterDescription>& parameters) 
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string parameter_text(const std::vector<ParameterDescription>& parameters) {
+  std::string text = table(parameters);
+  for (const ParameterDescription& parameter : parameters) {
+    if (const auto& keys = inner_keys(parameter); !keys.empty()) {
+      text += fmt::format("\n  {}: {}\n{}", parameter.name, parameter.example,
+                          table(keys));
+    }
   }
   return text;
 }

@@ -40,8 +40,7 @@ WrittenValues read_sensor_mapping(const std::string& name, const std::filesystem
                                fmt::format("unknown key '{}'{}", music_text::shown(item.key()),
                                            did_you_mean(item.key(), known)));
     }
-    const auto& value = item.value();
-    keys[item.key()] = {value.is_string() ? value.get<std::string>() : value.dump(), where};
+    keys[item.key()] = json_text::written_value(item.value(), where);
   }
   return keys;
 }

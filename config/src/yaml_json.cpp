@@ -87,4 +87,20 @@ std::string to_json(const std::string& file, const YAML::Node& node) {
   return Converter(file).convert(node, 0).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+WrittenValue written_value(const std::string& file, const YAML::Node& node) {
+  const Location where = place(file, node);
+  if (!node.IsSequence() && !node.IsMap()) {
+    return {node.IsScalar() ? node.Scalar() : "", where};
+  }
+  return {to_json(file, node), where, [file, node] {
+            std::vector<WrittenEntry> entries;
+            for (const auto& entry : node) {
+              entries.push_back(node.IsMap() ? WrittenEntry{scalar(file, "key", entry.first),
+                                                            written_value(file, entry.second)}
+                                             : WrittenEntry{"", written_value(file, entry)});
+            }
+            return entries;
+          }};
+}
+
 }  // namespace spikeloop::yaml_text

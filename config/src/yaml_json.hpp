@@ -1,9 +1,12 @@
-// Lists and maps of a YAML file as JSON, for what reads JSON already: weights, mappings.
+// Values of a YAML file as they were written; lists and maps also as JSON, for what reads JSON
+// already: weights, networks.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
 
 #include <string>
+
+#include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop::yaml_text {
 
@@ -12,5 +15,8 @@ namespace spikeloop::yaml_text {
 /// @throws ConfigurationError at the place of what is nested too deeply, of a key that is no plain
 /// value, or when it becomes too large (aliases).
 std::string to_json(const std::string& file, const YAML::Node& node);
+
+/// A value with its place, and what it holds. @throws ConfigurationError as to_json().
+WrittenValue written_value(const std::string& file, const YAML::Node& node);
 
 }  // namespace spikeloop::yaml_text

@@ -106,7 +106,7 @@ class PlainSetup {
       plain.type = SPIKELOOP_TEXT;
       plain.text = text->c_str();
     } else {
-      plain.type = SPIKELOOP_WEIGHTS;
+      plain.type = SPIKELOOP_WEIGHTS;  // plug-ins declare no lists and maps
       const WeightTable& table = tables_.emplace_back(
           std::get<WeightTable>(value).resized(weight_rows_, weight_columns_).compressed());
       weights_.push_back({table.rows, table.columns, table.row_start.data(), table.column.data(),

@@ -14,10 +14,7 @@
 namespace spikeloop::experiment {
 
 messages::SensorRule sensor_rule(const Parameters& parameters) {
-  const auto written = [&](const char* key) {
-    return WrittenValue{parameters.text(key), parameters.where(key)};
-  };
-  return sensing::sensor_rule(written("fields"), written("image"));
+  return sensing::sensor_rule(parameters);
 }
 
 std::optional<double> sensor_initial(const Parameters& parameters) {
@@ -38,15 +35,7 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
 messages::EventSettings event_settings(const Parameters& parameters) {
   const std::string& type = parameters.text("message");
   located_at(parameters.where("message"), [&] { messages::check_event_type(type); });
-  try {
-    return sensing::event_settings(parameters, type);
-  } catch (const ConfigurationError&) {
-    throw ConfigurationError(
-        parameters.where("roi"),
-        fmt::format("key 'roi': '{}' is no region of pixels; write its left upper corner and its "
-                    "size, as  roi: [100, 60, 128, 128]",
-                    parameters.text("roi")));
-  }
+  return sensing::event_settings(parameters, type);
 }
 
 std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message) {

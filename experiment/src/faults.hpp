@@ -10,7 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "spikeloop/config/reason.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/experiment.hpp"

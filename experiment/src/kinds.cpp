@@ -6,7 +6,9 @@
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/record/playback.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/sensing/event_keys.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -38,18 +40,14 @@ NodeDescription ros_sensor() {
       text("message", std::nullopt,
            "Its type: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
            "std_msgs/Float64MultiArray, sensor_msgs/Image; with fields any other, or the path of a "
-           ".msg file"),
-      text("fields", "",
-           "Other fields than the type's usual ones: [PATH, {path: PATH, scale: 1, offset: 0, min: "
-           "-1, max: 1, nan: hold}]; range: [0, 4] in place of these four makes -1 to 1 of 0 to 4"),
-      text("image", "",
-           "What is taken of a sensor_msgs/Image or CompressedImage: {crop: [0, 120, 640, 240], "
-           "resize: [40, 30], channel: grey, filter: none} (docs/images.md)"),
-      text("initial", "none", "Value of every channel before the first message; none: silence"),
-      number(
-          "timeout", "s", "1 s", 0,
-          "So long without a message that has a reading, and the robot is stopped; 0: never; not "
-          "given: as sensor_timeout of the command says")};
+           ".msg file")};
+  std::ranges::move(sensing::sensor_parameters(), std::back_inserter(sensor.parameters));
+  sensor.parameters.push_back(
+      text("initial", "none", "Value of every channel before the first message; none: silence"));
+  sensor.parameters.push_back(number(
+      "timeout", "s", "1 s", 0,
+      "So long without a message that has a reading, and the robot is stopped; 0: never; not "
+      "given: as sensor_timeout of the command says"));
   return sensor;
 }
 
@@ -71,6 +69,56 @@ NodeDescription ros_event_sensor() {
   return sensor;
 }
 
+/// A map with the user's own keys, the paths of fields.
+Parameter of_fields(const char* name, const char* line, Parameter each, const char* example) {
+  each.name = kAnyKey;
+  return {.name = name,
+          .type = ParameterType::map,
+          .default_value = "",
+          .text = line,
+          .inner = {std::move(each)},
+          .example = example};
+}
+
+Parameter command_fields() {
+  const auto channel = [](const char* name, const char* value, const char* line) {
+    return Parameter{.name = name, .default_value = value, .text = line};
+  };
+  return of_fields("fields",
+                   "Channel of each field, or a map of more; a Float64MultiArray without it has "
+                   "all channels",
+                   {.type = ParameterType::map,
+                    .inner = {{.name = "channel",
+                               .type = ParameterType::integer,
+                               .minimum = 0,
+                               .maximum = kMaximumChannels - 1,
+                               .text = "Its number, from 0"},
+                              channel("scale", "1", "Factor of the channel"),
+                              channel("offset", "0", "What is added to it then"),
+                              channel("min", "", "Least value of the field"),
+                              channel("max", "", "Greatest value"),
+                              channel("slew", "", "Fastest change, a second")},
+                    .plain_key = "channel",
+                    .example = "{channel: 1, scale: 0.5}"},
+                   "{linear.x: 0, angular.z: 1}");
+}
+
+Parameter limits() {
+  Parameter limits = of_fields(
+      "limits",
+      "Least and greatest values of fields; velocities of a Twist without them have [-1, 1] m/s "
+      "and [-3, 3] rad/s; none: no field has any",
+      {.type = ParameterType::list, .inner = {{.name = "end"}}, .count = 2, .example = "[-0.5, 0.5]"},
+      "{linear.x: [-0.5, 0.5]}");
+  limits.choices = {kNoLimits};
+  return limits;
+}
+
+Parameter slew() {
+  return of_fields("slew", "Fastest change of fields, a second; of others any", {.minimum = 0},
+                   "{linear.x: 1.0}");
+}
+
 NodeDescription ros_command() {
   NodeDescription command;
   command.name = kRosCommand;
@@ -82,13 +130,9 @@ NodeDescription ros_command() {
       text("message", std::nullopt,
            "Its type: geometry_msgs/Twist, std_msgs/Float64MultiArray, any other with fields, or "
            "the path of a .msg file"),
-      text("fields", "",
-           "Channel of each field: {linear.x: 0, angular.z: {channel: 1, scale: 1, offset: 0, min: "
-           "-1, max: 1}}; a Float64MultiArray without it has all channels"),
-      text("limits", "",
-           "Bounds of fields: {linear.x: [-0.5, 0.5]}; velocities of a Twist without them have "
-           "[-1, 1] m/s and [-3, 3] rad/s; none: no field has any"),
-      text("slew", "", "Fastest change of fields, a second: {linear.x: 1.0}; of others any"),
+      command_fields(),
+      limits(),
+      slew(),
       number("command_rate", "Hz", "20 Hz", 0, "Commands are sent again that often; 0: never"),
       number("deadband", "1", "0.01", 0,
              "Part of its range by which a field must move to be sent at once"),
@@ -102,13 +146,8 @@ NodeDescription ros_command() {
              "given: max_age"),
       number("spike_timeout", "s", "0", 0,
              "No spike on the way here for that long stops the robot; 0: a network may be silent"),
-      text("emergency_stop", "/emergency_stop",
-           "Topic of std_msgs/Bool over ROS: true stops the robot, false releases it; none; or "
-           "{topic: /stop, message: std_msgs/Bool, field: data, latched: false, required: false, "
-           "timeout: 1 s}"),
-      text("override", "",
-           "Topic of commands by hand over ROS, in place of the network's, as {topic: "
-           "/cmd_vel_manual, timeout: 500 ms}; none; not given: the commands' topic with _manual")};
+      emergency_stop_parameter(),
+      override_parameter()};
   return command;
 }
 

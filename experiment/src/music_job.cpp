@@ -35,13 +35,13 @@ std::string mapping_text(const CommandMapping& mapping) {
 }
 
 /// What a ros_sensor takes, as the file that its program reads.
-std::string sensor_text(const Parameters& parameters) {
+std::string sensor_text(const Part& sensor) {
   nlohmann::ordered_json json;
   for (const char* key : {"fields", "image"}) {
-    const std::string& text = parameters.text(key);
-    if (!text.empty()) {
-      const auto value = nlohmann::ordered_json::parse(text, nullptr, false);
-      json[key] = value.is_structured() ? value : nlohmann::ordered_json(text);
+    if (const auto written = sensor.written.find(key); written != sensor.written.end()) {
+      const WrittenValue& value = written->second;
+      json[key] = value.entries ? nlohmann::ordered_json::parse(value.text)
+                                : nlohmann::ordered_json(value.text);
     }
   }
   return json.dump(2) + "\n";
@@ -131,7 +131,9 @@ class Writer : JobWriter {
     add(part, "ros_topic", part.parameters.text("topic"), "topic");
     add(part, "message_type", part.parameters.text("message"), "message");
     const messages::SensorRule rule = sensor_rule(part.parameters);
-    const bool options = part.parameters.text("fields").find_first_of("{=") != std::string::npos;
+    const auto written = part.written.find("fields");
+    const bool options = written != part.written.end() &&
+                         written->second.text.find_first_of("{=") != std::string::npos;
     if (!rule.fields.empty() && !options) {
       std::vector<std::string> paths;
       for (const messages::SensorField& field : rule.fields) {
@@ -140,7 +142,7 @@ class Writer : JobWriter {
       add(part, "fields", fmt::format("{}", fmt::join(paths, ",")));
     } else if (!rule.fields.empty() || rule.image) {
       add(part, "sensor_mapping_filename",
-          as_file(part, "mapping", sensor_text(part.parameters), "json"),
+          as_file(part, "mapping", sensor_text(part), "json"),
           part.parameters.given("fields") ? "fields" : "image");
     }
     add(part, "initial", part.parameters.text("initial"));
@@ -172,7 +174,7 @@ class Writer : JobWriter {
         add(part, key, part.written.at(key).text);
       }
     }
-    add(part, "default_limits", part.parameters.text("limits") == kNoLimits ? "false" : "true",
+    add(part, "default_limits", part.parameters.word("limits") == kNoLimits ? "false" : "true",
         "limits");
     write_people(part);
     write_sensors_behind(part);

@@ -4,7 +4,6 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -71,22 +70,12 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
   experiment.ros = ros_named(keys.text("ros"));
 }
 
-/// Keys that may be left out and then have no value.
-std::vector<ParameterDescription> without(std::vector<ParameterDescription> declared,
-                                          const char* name, const WrittenValues& written) {
-  if (!written.contains(name)) {
-    std::erase_if(declared, [&](const auto& parameter) { return parameter.name == name; });
-  }
-  return declared;
-}
-
 /// A fault in one key leaves the others' checks alone: its default stands in.
 void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
                Faults& faults) {
   const std::size_t before = faults.count();
-  const auto declared = without(experiment_parameters(), "duration", file.keys);
-  Parameters keys =
-      resolve_keys(declared, {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
+  const Parameters keys = resolve_keys(
+      experiment_parameters(), {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
   take_keys(file, keys, experiment, faults);
   if (overrides.duration_s) {
     experiment.duration = from_seconds(*overrides.duration_s);
@@ -101,26 +90,11 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
 }
 
-/// Of  camera: {width: 64, height: 48},  which stands here as JSON.
-std::optional<Camera> read_camera(const Parameters& robot, Faults& faults) {
-  const std::string& text = robot.text("camera");
-  if (text.empty()) {
+std::optional<Camera> camera_of(const Parameters& robot) {
+  if (robot.entries("camera").empty()) {
     return std::nullopt;
   }
-  const Location where = robot.where("camera");
-  const auto map = nlohmann::json::parse(text, nullptr, false);
-  if (!map.is_object()) {
-    faults.add(where, fmt::format("key 'camera': '{}' is no map; write  camera: {{width: 64, "
-                                  "height: 48}}",
-                                  text));
-    return std::nullopt;
-  }
-  WrittenValues written;
-  for (const auto& [name, value] : map.items()) {
-    written[name] = {value.is_string() ? value.get<std::string>() : value.dump(), where};
-  }
-  const Parameters keys =
-      resolve_keys(camera_parameters(), {written, "camera", where, {}, {}}, {}, faults);
+  const Parameters& keys = robot.map("camera");
   return Camera{static_cast<std::uint32_t>(keys.integer("width")),
                 static_cast<std::uint32_t>(keys.integer("height")), keys.number("rate"),
                 keys.number("fov")};
@@ -145,7 +119,7 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
     read_bag_keys(robot, directory_of(file.path), experiment, faults);
     return {};
   }
-  auto declared = without(robot_parameters(), "seed", robot.keys);
+  auto declared = robot_parameters();
   declared.front().default_value.reset();  // one of simulator and bag must be there
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
@@ -156,7 +130,7 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
                       robot.where,
                       {},
-                      read_camera(keys, faults)};
+                      camera_of(keys)};
   SensorWidth width;
   if (look_at_robot && faults.count() == before) {
     faults.attempt(keys.given("world") ? keys.where("world") : robot.where,

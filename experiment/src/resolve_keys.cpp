@@ -70,8 +70,10 @@ class KeyReader {
   }
 
   void keep(const ParameterDescription& parameter, const Parameters& read) {
-    result_.set(parameter.name, read.all().at(parameter.name), read.given(parameter.name),
-                read.where(parameter.name));
+    if (const auto value = read.all().find(parameter.name); value != read.all().end()) {
+      result_.set(parameter.name, value->second, read.given(parameter.name),
+                  read.where(parameter.name));
+    }
   }
 
   /// Something to go on with after a fault.
@@ -79,11 +81,15 @@ class KeyReader {
     if (parameter.default_value && !parameter.default_value->empty()) {
       keep(parameter, spikeloop::resolve({parameter}, {}, load_weights_));
     } else {
-      result_.set(parameter.name, empty_value(parameter.type), false);
+      result_.set(parameter.name, empty_value(parameter), false);
     }
   }
-  static Parameters::Value empty_value(ParameterType type) {
-    switch (type) {
+  static Parameters::Value empty_holder(ParameterDescription parameter) {
+    parameter.default_value = "";
+    return spikeloop::resolve({parameter}, {}, {}).all().at(parameter.name);
+  }
+  static Parameters::Value empty_value(const ParameterDescription& parameter) {
+    switch (parameter.type) {
       case ParameterType::number:
         return 0.0;
       case ParameterType::integer:
@@ -92,6 +98,9 @@ class KeyReader {
         return false;
       case ParameterType::weights:
         return WeightTable{};
+      case ParameterType::list:
+      case ParameterType::map:
+        return empty_holder(parameter);
       case ParameterType::text:
       case ParameterType::choice:
         break;

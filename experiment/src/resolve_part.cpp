@@ -36,85 +36,69 @@ WeightLoader table_loader(const std::string& directory, const NodeClass& node_cl
   };
 }
 
-Json parsed(const Parameters& parameters, const char* key, const char* example) {
-  const std::string& text = parameters.text(key);
-  if (text.empty()) {
-    return nullptr;
-  }
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) {
-    throw ConfigurationError(
-        parameters.where(key),
-        fmt::format("key '{}': '{}' is no map; write  {}: {}", key, text, key, example));
-  }
-  return json;
-}
-
 /// What a field of `fields` has besides its channel.
-Json& field_of(Json& fields, const std::string& field, const Parameters& parameters,
-               const char* key) {
-  if (!fields.is_object() || !fields.contains(field)) {
+Json& field_of(Json& fields, const Parameters::Entry& entry, const char* key) {
+  if (!fields.contains(entry.key)) {
     throw ConfigurationError(
-        parameters.where(key),
-        fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, too", key,
-                    field));
+        entry.where, fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, "
+                                 "too",
+                                 key, entry.key));
   }
-  if (!fields[field].is_object()) {
-    fields[field] = Json{{"channel", fields[field]}};
-  }
-  return fields[field];
+  return fields[entry.key];
 }
 
 /// `limits` as "min" and "max" of its fields.
 void add_limits(const Parameters& parameters, Json& fields) {
-  if (parameters.text("limits") == kNoLimits) {
-    return;
-  }
-  const Json limits = parsed(parameters, "limits", "{linear.x: [-0.5, 0.5]}");
-  if (limits.is_null()) {
-    return;
-  }
-  for (const auto& [field, range] : limits.items()) {
-    Json& entry = field_of(fields, field, parameters, "limits");
-    const bool pair = range.is_array() && range.size() == 2 && range[0].is_number() &&
-                      range[1].is_number() && range[0] <= range[1];
-    if (!pair) {
+  for (const Parameters::Entry& entry : parameters.entries("limits")) {
+    const auto& range = entry.values.numbers(kAnyKey);
+    if (range[0] > range[1]) {
       throw ConfigurationError(
-          parameters.where("limits"),
-          fmt::format(
-              "key 'limits': {} of '{}' is no least and greatest value; write  {}: [-0.5, 0.5]",
-              range.dump(), field, field));
+          entry.where, fmt::format("key 'limits': [{}, {}] of '{}' is no least and greatest value; "
+                                   "write  {}: [-0.5, 0.5]",
+                                   range[0], range[1], entry.key, entry.key));
     }
-    entry["min"] = range[0];
-    entry["max"] = range[1];
+    Json& field = field_of(fields, entry, "limits");
+    field["min"] = range[0];
+    field["max"] = range[1];
   }
 }
 
 /// `slew` as that of its fields.
 void add_slew(const Parameters& parameters, Json& fields) {
-  const Json slew = parsed(parameters, "slew", "{linear.x: 1.0}");
-  if (slew.is_null()) {
-    return;
-  }
-  for (const auto& [field, rate] : slew.items()) {
-    Json& entry = field_of(fields, field, parameters, "slew");
-    if (!rate.is_number() || rate <= 0) {
+  for (const Parameters::Entry& entry : parameters.entries("slew")) {
+    const double rate = entry.values.number(kAnyKey);
+    if (rate <= 0) {
       throw ConfigurationError(
-          parameters.where("slew"),
+          entry.where,
           fmt::format("key 'slew': {} of '{}' is no rate of change; write a number above 0, as  "
                       "{}: 1.0, in units a second",
-                      rate.dump(), field, field));
+                      rate, entry.key, entry.key));
     }
-    entry["slew"] = rate;
+    field_of(fields, entry, "slew")["slew"] = rate;
   }
+}
+
+/// `fields` as a mapping file has them.
+Json mapped_fields(const Parameters& parameters) {
+  Json fields = Json::object();
+  for (const auto& [name, where, values] : parameters.entries("fields")) {
+    Json& field = fields[name];
+    field["channel"] = values.integer("channel");
+    for (const char* key : {"scale", "offset", "min", "max", "slew"}) {
+      if (values.given(key)) {
+        field[key] = values.number(key);
+      }
+    }
+  }
+  return fields;
 }
 
 CommandMapping command_mapping(const Parameters& parameters) {
   Json mapping{{"message_type", parameters.text("message")}};
-  Json fields = parsed(parameters, "fields", "{linear.x: 0, angular.z: 1}");
+  Json fields = mapped_fields(parameters);
   add_limits(parameters, fields);
   add_slew(parameters, fields);
-  if (!fields.is_null()) {
+  if (!fields.empty()) {
     mapping["mapping"] = fields;
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
     throw ConfigurationError(
@@ -127,8 +111,10 @@ CommandMapping command_mapping(const Parameters& parameters) {
   const Location& where = parameters.where(about_fields ? "fields" : "message");
   try {
     CommandMapping result = parse_mapping(mapping.dump(), "");
+    const auto& entries = parameters.entries("fields");
     for (CommandField& field : result.fields) {
-      field.where = where;
+      const auto entry = std::ranges::find(entries, field.field, &Parameters::Entry::key);
+      field.where = entry == entries.end() ? where : entry->where;  // elements of a slice have none
     }
     return result;
   } catch (const ConfigurationError& error) {

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "faults.hpp"
 #include "spikeloop/config/message_type.hpp"
-#include "spikeloop/core/unit_demand.hpp"
 #include "spikeloop/messages/field_path.hpp"
 
 namespace spikeloop::experiment {
@@ -23,38 +21,6 @@ Parameter text(const char* name, const char* value, const char* line) {
 }
 Parameter boolean(const char* name, const char* line) {
   return {.name = name, .type = ParameterType::boolean, .default_value = "false", .text = line};
-}
-
-/// The keys of the map behind a key, or of a topic alone: none of them.
-Parameters inner_keys(const Part& part, const char* key, const std::vector<Parameter>& declared) {
-  const std::string& written = part.parameters.text(key);
-  const Location where = part.parameters.where(key);
-  WrittenValues values;
-  if (written.starts_with('{')) {
-    const auto map = nlohmann::json::parse(written);
-    for (const auto& [name, value] : map.items()) {
-      values[name] = {value.is_string() ? value.get<std::string>() : value.dump(), where};
-    }
-  } else if (written.starts_with('[')) {
-    throw ConfigurationError(
-        where, fmt::format("key '{}': {} is a list; write none, a topic, or  {}: {{topic: /...}}",
-                           key, written, key));
-  } else if (!written.empty()) {
-    values["topic"] = {written, where};
-  }
-  try {
-    for (const Parameter& parameter : declared) {
-      if (const auto value = values.find(parameter.name); value != values.end()) {
-        demand_unit(fmt::format("key '{}'", key), parameter, value->second);
-      }
-    }
-    return spikeloop::resolve(declared, values, {});
-  } catch (const ConfigurationError& error) {
-    const std::string reason = reason_of(error);
-    throw ConfigurationError(where, reason.starts_with(fmt::format("key '{}'", key))
-                                        ? reason
-                                        : fmt::format("key '{}': {}", key, reason));
-  }
 }
 
 std::string topic_of(const Part& part, const char* key, const Parameters& keys,
@@ -98,14 +64,19 @@ std::set<std::string> behind(const Experiment& experiment, const std::string& no
 }
 
 std::string emergency_topic(const Part& part) {
-  return topic_of(part, "emergency_stop",
-                  inner_keys(part, "emergency_stop", emergency_stop_parameters()), "");
+  return topic_of(part, "emergency_stop", part.parameters.map("emergency_stop"), "");
 }
 
 }  // namespace
 
-std::vector<Parameter> emergency_stop_parameters() {
-  return {text("topic", "/emergency_stop", "Its name; none: there is none"),
+Parameter emergency_stop_parameter() {
+  return {
+      .name = "emergency_stop",
+      .type = ParameterType::map,
+      .default_value = "/emergency_stop",
+      .text = "Topic over ROS on which true stops the robot and false releases it, or a map of more; "
+              "none",
+      .inner = {text("topic", "/emergency_stop", "Its name; none: there is none"),
           text("message", "std_msgs/Bool", "Its type"),
           text("field", "data", "Path of the number that stops the robot when it is not 0"),
           boolean("latched", "Once stopped, the robot stands until the run is over"),
@@ -114,20 +85,29 @@ std::vector<Parameter> emergency_stop_parameters() {
            .unit = "s",
            .default_value = "0",
            .minimum = 0,
-           .text = "Wall time without a message that stops the robot; 0: any"}};
+           .text = "Wall time without a message that stops the robot; 0: any"}},
+      .plain_key = "topic",
+      .example = "{topic: /stop, required: true}"};
 }
 
-std::vector<Parameter> override_parameters() {
-  return {text("topic", "", "Its name; not given: that of the commands with _manual behind it"),
+Parameter override_parameter() {
+  return {
+      .name = "override",
+      .type = ParameterType::map,
+      .default_value = "",
+      .text = "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
+      .inner = {text("topic", "", "Its name; not given: that of the commands with _manual behind it"),
           {.name = "timeout",
            .unit = "s",
            .default_value = "500 ms",
            .minimum = 1e-3,
-           .text = "So long a manual command holds"}};
+           .text = "So long a manual command holds"}},
+      .plain_key = "topic",
+      .example = "{topic: /by_hand, timeout: 1 s}"};
 }
 
 command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros) {
-  const Parameters keys = inner_keys(command, "emergency_stop", emergency_stop_parameters());
+  const Parameters& keys = command.parameters.map("emergency_stop");
   command::EmergencyStop result{.topic = topic_of(command, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
                                 .field = keys.text("field"),
@@ -148,7 +128,7 @@ command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros
 }
 
 command::Override manual_override(const Part& command) {
-  const Parameters keys = inner_keys(command, "override", override_parameters());
+  const Parameters& keys = command.parameters.map("override");
   const std::string topic =
       topic_of(command, "override", keys, command.parameters.text("topic") + "_manual");
   if (!topic.empty() && topic == emergency_topic(command)) {

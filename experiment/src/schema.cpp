@@ -9,9 +9,7 @@
 
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/core/units.hpp"
-#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
-#include "spikeloop/images/image_settings.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -71,6 +69,39 @@ Json choice(const ParameterDescription& parameter) {
   return {{"enum", values}};
 }
 
+Json of_type(const ParameterDescription& parameter);
+Json object_of(const std::vector<ParameterDescription>& parameters);
+
+Json list(const ParameterDescription& parameter) {
+  Json schema = list_of(of_type(parameter.inner.front()));
+  if (parameter.count != 0) {
+    schema["minItems"] = schema["maxItems"] = parameter.count;
+  }
+  return schema;
+}
+
+/// A map, or what may stand in its place.
+Json map(const ParameterDescription& parameter) {
+  const bool any_key = parameter.inner.front().name == kAnyKey;
+  Json schema = any_key ? Json{{"type", "object"},
+                               {"additionalProperties", of_type(parameter.inner.front())}}
+                        : object_of(parameter.inner);
+  Json others = Json::array();
+  if (!parameter.choices.empty()) {
+    others.push_back(choice(parameter));
+  }
+  const auto plain =
+      std::ranges::find(parameter.inner, parameter.plain_key, &ParameterDescription::name);
+  if (plain != parameter.inner.end()) {
+    others.push_back(of_type(*plain));
+  }
+  if (others.empty()) {
+    return schema;
+  }
+  others.push_back(std::move(schema));
+  return {{"anyOf", others}};
+}
+
 Json of_type(const ParameterDescription& parameter) {
   switch (parameter.type) {
     case ParameterType::number:
@@ -83,6 +114,10 @@ Json of_type(const ParameterDescription& parameter) {
       return choice(parameter);
     case ParameterType::weights:
       return reference("weights");
+    case ParameterType::list:
+      return list(parameter);
+    case ParameterType::map:
+      return map(parameter);
     case ParameterType::text:
       break;
   }
@@ -136,82 +171,6 @@ Json weights() {
              {"additionalProperties", false}}}}};
 }
 
-Json rate() {
-  return {{"type", "number"}, {"exclusiveMinimum", 0}};
-}
-
-/// {linear.x: 0, angular.z: {channel: 1, scale: 2}}
-Json command_fields() {
-  const Json number{{"type", "number"}};
-  const Json channel{{"type", "integer"}, {"minimum", 0}};
-  const Json field{{"type", "object"},
-                   {"properties",
-                    {{"channel", channel},
-                     {"scale", number},
-                     {"offset", number},
-                     {"min", number},
-                     {"max", number},
-                     {"slew", rate()}}},
-                   {"required", {"channel"}},
-                   {"additionalProperties", false}};
-  return {{"type", "object"}, {"additionalProperties", {{"anyOf", {channel, field}}}}};
-}
-
-/// [ranges, {path: ranges, scale: 2}]
-Json sensor_fields() {
-  const Json number{{"type", "number"}};
-  Json range = list_of(number);
-  range["minItems"] = range["maxItems"] = 2;
-  const Json field{{"type", "object"},
-                   {"properties",
-                    {{"path", {{"type", "string"}}},
-                     {"scale", number},
-                     {"offset", number},
-                     {"min", number},
-                     {"max", number},
-                     {"range", range},
-                     {"nan", {{"anyOf", {number, {{"enum", {"pass", "hold", "skip", "zero"}}}}}}}}},
-                   {"required", {"path"}},
-                   {"additionalProperties", false}};
-  const Json path{{"type", "string"}};
-  return {{"anyOf", {path, list_of({{"anyOf", {path, field}}})}}};
-}
-
-/// {resize: [40, 30], filter: on_off}
-Json image() {
-  Json schema = object_of(images::image_parameters());
-  for (const auto& [key, count] : {std::pair("crop", 4), {"resize", 2}, {"range", 2}}) {
-    Json list = list_of({{"type", "number"}});
-    list["minItems"] = list["maxItems"] = count;
-    list["description"] = schema["properties"][key]["description"];
-    schema["properties"][key] = list;
-  }
-  return schema;
-}
-
-/// [x, y, width, height]
-Json region() {
-  Json list = list_of({{"type", "integer"}, {"minimum", 0}});
-  list["minItems"] = list["maxItems"] = 4;
-  return list;
-}
-
-Json limits() {
-  Json pair = list_of({{"type", "number"}});
-  pair["minItems"] = pair["maxItems"] = 2;
-  return {
-      {"anyOf", {{{"const", kNoLimits}}, {{"type", "object"}, {"additionalProperties", pair}}}}};
-}
-
-Json slew() {
-  return {{"type", "object"}, {"additionalProperties", rate()}};
-}
-
-/// A topic, none, or a map that has more to say of it.
-Json topic_or(const std::vector<ParameterDescription>& parameters) {
-  return {{"anyOf", {{{"type", "string"}}, object_of(parameters)}}};
-}
-
 Json network() {
   const Json map{{"type", "object"}};
   return {{"type", "object"},
@@ -226,38 +185,18 @@ Json network() {
           {"additionalProperties", false}};
 }
 
-/// Texts in the declarations that may be lists or maps in a file.
-void put_structures(const std::string& kind, Json& properties) {
-  const auto put = [&](const char* key, Json schema) {
-    schema["description"] = properties[key]["description"];
-    properties[key] = std::move(schema);
-  };
-  if (kind == kRosSensor) {
-    put("fields", sensor_fields());
-    put("image", image());
-  } else if (kind == kRosEventSensor) {
-    put("roi", region());
-  } else if (kind == kRosCommand) {
-    put("fields", command_fields());
-    put("limits", limits());
-    put("slew", slew());
-    put("emergency_stop", topic_or(emergency_stop_parameters()));
-    put("override", topic_or(override_parameters()));
-  } else if (kind == kNetwork) {
-    put("network", {{"anyOf", {{{"type", "string"}}, network()}}});
-  }
-}
-
 Json class_key(const NodeDescription& description) {
   return {{"const", description.name}, {"description", description.text}};
 }
 
 Json kind(const NodeDescription& description) {
   Json schema = object_of(description.parameters);
-  put_structures(description.name, schema["properties"]);
-  schema["properties"]["node"] = class_key(description);
+  Json& properties = schema["properties"];
+  properties["node"] = class_key(description);
   if (description.name == kNetwork) {
-    schema["properties"]["simulator"] = {{"const", "builtin"}};
+    properties["simulator"] = {{"const", "builtin"}};
+    properties["network"]["anyOf"] = {{{"type", "string"}}, network()};
+    properties["network"].erase("type");
   }
   return schema;
 }
@@ -324,7 +263,6 @@ std::string json_schema(const Kinds& kinds) {
   schema.update(object_of(experiment_parameters()));
   Json& properties = schema["properties"];
   properties["robot"] = object_of(robot_parameters());
-  properties["robot"]["properties"]["camera"].update(object_of(camera_parameters()));
   properties["robot"]["description"] =
       "The robot that is simulated in this process, or a bag in its place";
   properties["robot"]["oneOf"] = {{{"required", {"simulator"}}},

@@ -9,7 +9,7 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
-#include "spikeloop/config/reason.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"

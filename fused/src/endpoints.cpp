@@ -74,7 +74,7 @@ command::CommandSettings command_settings(const Experiment& experiment, const Pa
   const auto driver = std::ranges::find(experiment.links, part.name + ".in", &Link::to);
   settings.driver = driver == experiment.links.end() ? "" : driver->from;
   settings.fields = command::field_paths(part.mapping);
-  if (part.parameters.text("limits") != experiment::kNoLimits) {
+  if (part.parameters.word("limits") != experiment::kNoLimits) {
     settings.bounds = command::default_bounds(part.mapping, std::move(settings.bounds));
   }
   settings.sensors = experiment::watched_sensors(experiment, part);

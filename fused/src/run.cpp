@@ -259,6 +259,19 @@ void warn_of_overruns(const Experiment& experiment, const Progress& progress, Ti
                progress.overruns, ticks, 1 / speed, remedy);
 }
 
+/// Of a table, a list or a map.
+std::string written_text(const experiment::Part& part, const std::string& name) {
+  if (const auto written = part.written.find(name); written != part.written.end()) {
+    return written->second.text;
+  }
+  if (part.node_class == nullptr) {
+    return "";
+  }
+  const auto& declared = part.node_class->description.parameters;
+  const auto parameter = std::ranges::find(declared, name, &ParameterDescription::name);
+  return parameter == declared.end() ? "" : parameter->default_value.value_or("");
+}
+
 }  // namespace
 
 json resolved_json(const Experiment& experiment) {
@@ -275,8 +288,7 @@ json resolved_json(const Experiment& experiment) {
       } else if (const auto* text = std::get_if<std::string>(&value)) {
         keys[name] = *text;
       } else {
-        const auto written = part.written.find(name);
-        keys[name] = written == part.written.end() ? "" : written->second.text;
+        keys[name] = written_text(part, name);
       }
     }
     nodes[part.name] = keys;

@@ -37,10 +37,15 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{
             "a camera's keys",
             {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
-            {"x.yaml:4:36: camera: unknown key 'wdth'; did you mean 'width'?",
-             "x.yaml:4:36: camera: key 'rate': 20 has no unit; write for example  rate: 20 Hz",
-             "x.yaml:4:36: key 'fov': 200 is out of bounds; write a value from 1 to 170 "
-             "deg"}},
+            {"x.yaml:4:43: key 'camera': unknown key 'wdth'; did you mean 'width'?"}},
+        WrongFile{"a camera without a unit",
+                  {{"mujoco}", "mujoco, camera: {rate: 20}}"}},
+                  {"x.yaml:4:43: key 'camera': key 'rate': 20 has no unit; write for example  rate: "
+                   "20 Hz"}},
+        WrongFile{"a camera that sees too much",
+                  {{"mujoco}", "mujoco, camera: {fov: 200 deg}}"}},
+                  {"x.yaml:4:42: key 'camera': key 'fov': 200 is out of bounds; write a value from "
+                   "1 to 170 deg"}},
         WrongFile{"command topic unknown to the robot",
                   {{"/cmd_vel", "/motor"}},
                   {"x.yaml:10:38: key 'topic': the robot has no topic /motor there; known: "
@@ -55,16 +60,16 @@ INSTANTIATE_TEST_SUITE_P(
              "not nav_msgs/Odometry; write  message: sensor_msgs/LaserScan"}},
         WrongFile{"unknown field of a message",
                   {{"linear.x: 0", "liner.x: 0"}},
-                  {"x.yaml:10:72: field path 'liner.x' of geometry_msgs/Twist: geometry_msgs/Twist "
+                  {"x.yaml:10:82: field path 'liner.x' of geometry_msgs/Twist: geometry_msgs/Twist "
                    "has no field 'liner'; did you mean 'linear'?"}},
         WrongFile{"unknown field of a sensor",
                   {{"message: LaserScan", "message: LaserScan, fields: [rangs]"}},
                   {"x.yaml:6:70: field path 'rangs' of sensor_msgs/LaserScan: "
                    "sensor_msgs/LaserScan has no field 'rangs'; did you mean 'ranges'?"}},
         WrongFile{"fields that are no paths",
-                  {{"message: LaserScan", "message: LaserScan, fields: [3]"}},
-                  {"x.yaml:6:70: key 'fields': 3 is no path of a field; write  fields: "
-                   "[pose.pose.position.x]"}},
+                  {{"message: LaserScan", "message: LaserScan, fields: [[3]]"}},
+                  {"x.yaml:6:71: key 'fields': entry 1: '[3]' is no map; write  fields: [{path: "
+                   "ranges, scale: 2}]"}},
         WrongFile{"fields of a sensor that are a map",
                   {{"message: LaserScan", "message: LaserScan, fields: {ranges: 0}"}},
                   {"x.yaml:6:70: key 'fields': '{\"ranges\":0}' is no list; write  fields: "
@@ -75,38 +80,40 @@ INSTANTIATE_TEST_SUITE_P(
                    "{linear.x: 0, angular.z: 1}"}},
         WrongFile{"field with an unknown key",
                   {{"linear.x: 0", "linear.x: {chanel: 0}"}},
-                  {"x.yaml:10:72: unknown key 'fields.linear.x.chanel'; did you mean 'channel'?"}},
+                  {"x.yaml:10:92: key 'fields': 'linear.x': unknown key 'chanel'; did you mean "
+                   "'channel'?"}},
         WrongFile{"no fields",
                   {{", fields: {linear.x: 0, angular.z: 1}", ""}},
                   {"x.yaml:10:57: key 'fields' is missing: a geometry_msgs/Twist has to know which "
                    "channel is which; write for example  fields: {linear.x: 0, angular.z: 1}"}},
         WrongFile{"channel out of range",
                   {{"angular.z: 1", "angular.z: 2"}},
-                  {"x.yaml:10:72: 'fields.angular.z' reads channel 2, but the port has 2 (0 to 1); "
+                  {"x.yaml:10:97: 'fields.angular.z' reads channel 2, but the port has 2 (0 to 1); "
                    "write one of these or widen the connection"}},
         WrongFile{"negative channel",
                   {{"angular.z: 1", "angular.z: -1"}},
-                  {"x.yaml:10:72: 'fields.angular.z' is -1, no channel; remove the field"}},
+                  {"x.yaml:10:97: key 'fields': 'angular.z': key 'channel': -1 is out of bounds; "
+                   "write a whole number from 0 to 1048575"}},
         WrongFile{"limits of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.y: [0, 1]}"}},
-                  {"x.yaml:10:109: key 'limits': 'linear.y' is not one of the fields; write it "
+                  {"x.yaml:10:120: key 'limits': 'linear.y' is not one of the fields; write it "
                    "into  fields, too"}},
         WrongFile{"limits that are no pair",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: 1}"}},
-                  {"x.yaml:10:109: key 'limits': 1 of 'linear.x' is no least and greatest value; "
-                   "write  linear.x: [-0.5, 0.5]"}},
+                  {"x.yaml:10:120: key 'limits': 'linear.x': '1' is no list of 2; write  [-0.5, "
+                   "0.5]"}},
         WrongFile{"limits the wrong way round",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
-                  {"x.yaml:10:109: key 'limits': [1,0] of 'linear.x' is no least and greatest "
+                  {"x.yaml:10:120: key 'limits': [1, 0] of 'linear.x' is no least and greatest "
                    "value; write  linear.x: [-0.5, 0.5]"}},
         WrongFile{"slew of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, slew: {linear.y: 1}"}},
-                  {"x.yaml:10:107: key 'slew': 'linear.y' is not one of the fields; write it into  "
+                  {"x.yaml:10:118: key 'slew': 'linear.y' is not one of the fields; write it into  "
                    "fields, too"}},
         WrongFile{
             "slew that is no rate",
             {{"angular.z: 1}", "angular.z: 1}, slew: {linear.x: 0}"}},
-            {"x.yaml:10:107: key 'slew': 0 of 'linear.x' is no rate of change; write a number "
+            {"x.yaml:10:118: key 'slew': 0 of 'linear.x' is no rate of change; write a number "
              "above 0, as  linear.x: 1.0, in units a second"}},
         WrongFile{"slew that is no map",
                   {{"angular.z: 1}", "angular.z: 1}, slew: 1"}},
@@ -117,15 +124,15 @@ INSTANTIATE_TEST_SUITE_P(
                    "above 0, or leave it out"}},
         WrongFile{"emergency stop with an unknown key",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {latchd: true}"}},
-                  {"x.yaml:10:117: key 'emergency_stop': unknown key 'latchd'; did you mean "
+                  {"x.yaml:10:126: key 'emergency_stop': unknown key 'latchd'; did you mean "
                    "'latched'?"}},
         WrongFile{"emergency stop without a unit",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {timeout: 1}"}},
-                  {"x.yaml:10:117: key 'emergency_stop': key 'timeout': 1 has no unit; write for "
+                  {"x.yaml:10:127: key 'emergency_stop': key 'timeout': 1 has no unit; write for "
                    "example  timeout: 1 s"}},
         WrongFile{"emergency stop that is no truth value",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {required: often}"}},
-                  {"x.yaml:10:117: key 'emergency_stop': key 'required': 'often' is not a truth "
+                  {"x.yaml:10:128: key 'emergency_stop': key 'required': 'often' is not a truth "
                    "value; write true or false"}},
         WrongFile{"emergency stop of an unknown message",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {message: std_msgs/Bol}"}},
@@ -137,8 +144,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "std_msgs/Bool has no field 'dat'; did you mean 'data'?"}},
         WrongFile{"emergency stop that is a list",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: [/stop]"}},
-                  {"x.yaml:10:117: key 'emergency_stop': [\"/stop\"] is a list; write none, a "
-                   "topic, or  emergency_stop: {topic: /...}"}},
+                  {"x.yaml:10:117: key 'emergency_stop': '[\"/stop\"]' is no map; write  "
+                   "emergency_stop: {topic: /stop, required: true}"}},
         WrongFile{"emergency stop on the commands' topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
@@ -165,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "stop; write another one"}},
         WrongFile{"override without time",
                   {{"angular.z: 1}", "angular.z: 1}, override: {timeout: 0 s}"}},
-                  {"x.yaml:10:111: key 'override': key 'timeout': 0 is out of bounds; write a "
+                  {"x.yaml:10:121: key 'override': key 'timeout': 0 is out of bounds; write a "
                    "value of at least 0.001 s"}},
         WrongFile{"spike timeout that is none",
                   {{"angular.z: 1}", "angular.z: 1}, spike_timeout: -1 s"}},

@@ -49,19 +49,22 @@ TEST(ImageSettings, number_of_values) {
 }
 
 TEST(ImageSettings, what_is_wrong_is_said) {
-  const std::string crop =
-      "is no part of a picture; write [x, y, width, height] in pixels, as in [0, 120, 640, 240]";
-  EXPECT_EQ(error_of({{"crop", "[1, 2, 3]"}}), "C: key 'crop': '[1, 2, 3]' " + crop);
-  EXPECT_EQ(error_of({{"crop", "[1, 2, 0, 4]"}}), "C: key 'crop': '[1, 2, 0, 4]' " + crop);
-  EXPECT_EQ(error_of({{"crop", "[1, 2.5, 3, 4]"}}), "C: key 'crop': '[1, 2.5, 3, 4]' " + crop);
-  EXPECT_EQ(error_of({{"crop", "middle"}}), "C: key 'crop': 'middle' " + crop);
-  const std::string size = "is no size; write [width, height] from 1 to 4096, as in [40, 30]";
-  EXPECT_EQ(error_of({{"resize", "40"}}), "C: key 'resize': '40' " + size);
-  EXPECT_EQ(error_of({{"resize", "[40, 0]"}}), "C: key 'resize': '[40, 0]' " + size);
-  EXPECT_EQ(error_of({{"resize", "[5000, 30]"}}), "C: key 'resize': '[5000, 30]' " + size);
-  EXPECT_EQ(
-      error_of({{"range", "[255, 0]"}}),
-      "C: key 'range': '[255, 0]' is no least and greatest value; write for example [0, 255]");
+  const std::string crop = " is no list of 4; write  crop: [0, 120, 640, 240]";
+  EXPECT_EQ(error_of({{"crop", "[1, 2, 3]"}}), "C: key 'crop': '[1, 2, 3]'" + crop);
+  EXPECT_EQ(error_of({{"crop", "middle"}}), "C: key 'crop': 'middle'" + crop);
+  EXPECT_EQ(error_of({{"crop", "[1, 2, 0, 4]"}}),
+            "C: key 'crop': a part without pixels; write [x, y, width, height], as in [0, 120, "
+            "640, 240]");
+  EXPECT_EQ(error_of({{"crop", "[1, 2.5, 3, 4]"}}),
+            "C: key 'crop': entry 2: '2.5' is not a whole number; write a whole number from 0 to "
+            "1000000");
+  const std::string size = " is out of bounds; write a whole number from 1 to 4096";
+  EXPECT_EQ(error_of({{"resize", "40"}}),
+            "C: key 'resize': '40' is no list of 2; write  resize: [40, 30]");
+  EXPECT_EQ(error_of({{"resize", "[40, 0]"}}), "C: key 'resize': entry 2: 0" + size);
+  EXPECT_EQ(error_of({{"resize", "[5000, 30]"}}), "C: key 'resize': entry 1: 5000" + size);
+  EXPECT_EQ(error_of({{"range", "[255, 0]"}}),
+            "C: key 'range': [255, 0] has no least and greatest value; write for example [0, 255]");
   EXPECT_EQ(error_of({{"filter", "on_off"}, {"surround", "0.5"}}),
             "C: key 'surround': 0.5 is not above centre, 1; write for example 3 times as much");
   EXPECT_EQ(error_of({{"filter", "on_off"}, {"centre", "4"}}),

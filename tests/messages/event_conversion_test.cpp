@@ -210,20 +210,6 @@ TEST(EventConversion, pixels_that_the_camera_does_not_have) {
   EXPECT_EQ(conversion.take_warning(), "");
 }
 
-TEST(EventConversion, regions_are_written_as_four_numbers) {
-  const Region region = parse_region("100, 60,128,64");
-  EXPECT_EQ(region.x, 100u);
-  EXPECT_EQ(region.y, 60u);
-  EXPECT_EQ(region.width, 128u);
-  EXPECT_EQ(region.height, 64u);
-  for (const std::string text : {"", "1", "1,2,3", "1,2,3,4,5", "1,2,3,", "1,2,3,x", "-1,2,3,4",
-                                 "1,2,0,4", "1,2,3,0", "1 2 3 4", "1,2,3,99999999999"}) {
-    EXPECT_EQ(
-        error_of([&] { parse_region(text); }),
-        "'" + text + "' is no region of pixels; write x,y,width,height, as in roi=100,60,128,128");
-  }
-}
-
 TEST(EventConversion, names_of_polarities) {
   for (const char* name : {"both", "on", "off", "split"}) {
     EXPECT_STREQ(name_of(polarity_named(name)), name);

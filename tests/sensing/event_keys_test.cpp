@@ -40,7 +40,7 @@ TEST(EventKeys, what_is_no_region_is_told_with_its_place) {
       settings_of({{"roi", {text, {"x.music", 3, 5}}}});
       FAIL() << text;
     } catch (const ConfigurationError& error) {
-      EXPECT_NE(std::string(error.what()).find("x.music:3:5: '"), std::string::npos)
+      EXPECT_NE(std::string(error.what()).find("x.music:3:5: key 'roi': "), std::string::npos)
           << error.what();
     }
   }

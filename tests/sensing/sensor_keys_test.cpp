@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 
+#include "config/src/json_text.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -19,8 +21,19 @@ using messages::SensorRule;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
+WrittenValue written(const std::string& text, int line) {
+  const Location where{"x.yaml", line, 5};
+  return text.find_first_of("[{") == 0
+             ? json_text::written_value(nlohmann::ordered_json::parse(text), where)
+             : WrittenValue{text, where};
+}
+
 SensorRule rule_of(const std::string& fields, const std::string& image = "") {
-  return sensing::sensor_rule({fields, {"x.yaml", 3, 5}}, {image, {"x.yaml", 4, 5}});
+  WrittenValues keys{{"fields", written(fields, 3)}};
+  if (!image.empty()) {
+    keys["image"] = written(image, 4);
+  }
+  return sensing::sensor_rule(resolve(sensing::sensor_parameters(), keys, {}));
 }
 
 std::string error_of(const std::string& fields, const std::string& image = "") {
@@ -87,28 +100,30 @@ TEST(SensorKeys, image) {
 TEST(SensorKeys, wrong_fields_are_explained) {
   const std::string at = "x.yaml:3:5: key 'fields': ";
   EXPECT_EQ(error_of(R"({"path": "a"})"),
-            at + R"('{"path": "a"}' is no list; write  fields: [pose.pose.position.x])");
-  EXPECT_EQ(error_of("[a"), at + "'[a' is no list; write  fields: [pose.pose.position.x]");
-  EXPECT_EQ(error_of("[7]"), at + "7 is no path of a field; write  fields: [pose.pose.position.x]");
-  EXPECT_EQ(
-      error_of(R"([{"scale": 2}])"),
-      at + R"({"scale":2} has no path of a field; write  fields: [{path: ranges, scale: 2}])");
-  EXPECT_EQ(error_of(R"([{"path": "a", "scal": 2}])"),
-            at + "'a': unknown key 'scal'; did you mean 'scale'?");
+            at + R"('{"path":"a"}' is no list; write  fields: [pose.pose.position.x])");
+  EXPECT_EQ(error_of("[]"), at + "'[]' is an empty list; write  fields: [pose.pose.position.x]");
+  EXPECT_EQ(error_of("[[7]]"),
+            at + "entry 1: '[7]' is no map; write  fields: [{path: ranges, scale: 2}]");
+  EXPECT_EQ(error_of(R"([{"scale": 2}])"),
+            at + "entry 1: key 'path' is missing (Path of the field); write  fields: [{path: "
+                 "ranges, scale: 2}]");
+  EXPECT_EQ(error_of(R"(["b", {"path": "a", "scal": 2}])"),
+            at + "entry 2: unknown key 'scal'; did you mean 'scale'?");
   EXPECT_EQ(error_of(R"([{"path": "a", "scale": "two"}])"),
-            at + R"('a': 'scale' is "two", no finite number; write a number)");
+            at + "entry 1: key 'scale': 'two' is not a number; write for example 0.5");
   EXPECT_EQ(error_of(R"([{"path": "a", "min": 2, "max": 1}])"),
-            at + "'a': 'min' is 2 and 'max' is 1; write a minimum that is not above the maximum");
+            at + "'min' is 2 and 'max' is 1; write a minimum that is not above the maximum");
+  EXPECT_EQ(error_of(R"([{"path": "a", "range": [4]}])"),
+            at + "entry 1: key 'range': '[4]' is no list of 2; write  range: [0, 4]");
   EXPECT_EQ(error_of(R"([{"path": "a", "range": [4, 0]}])"),
-            at + "'a': 'range' is [4,0], no least and greatest value; write  range: [0, 4]");
+            at + "the range [4, 0] has no least and greatest value; write  range: [0, 4]");
   EXPECT_EQ(error_of(R"([{"path": "a", "range": [0, 4], "max": 1}])"),
-            at + "'a': 'range' says what 'max' says; leave one of them out");
+            at + "'range' says what 'max' says; leave one of them out");
   EXPECT_EQ(error_of(R"([{"path": "a", "nan": "holt"}])"),
-            at +
-                "'a': 'nan' is 'holt'; did you mean 'hold'?; write one of: pass, hold, skip, zero, "
-                "or a number");
+            at + "'nan' is 'holt'; did you mean 'hold'?; write one of: pass, hold, skip, zero, or "
+                 "a number");
   EXPECT_EQ(error_of(R"([{"path": "a", "nan": true}])"),
-            at + "'a': 'nan' is 'true'; write one of: pass, hold, skip, zero, or a number");
+            at + "'nan' is 'true'; write one of: pass, hold, skip, zero, or a number");
 }
 
 TEST(SensorKeys, wrong_images_are_explained) {
@@ -120,11 +135,7 @@ TEST(SensorKeys, wrong_images_are_explained) {
             at + "key 'channel': 'gray' is not a choice; did you mean 'grey'?; write one of: grey, "
                  "red, green, blue, rgb");
   EXPECT_EQ(error_of("", R"({"resize": 40})"),
-            at + "key 'resize': '40' is no size; write [width, height] from 1 to 4096, as in [40, "
-                 "30]");
-  EXPECT_EQ(error_of("[a]", "{}"),
-            "x.yaml:3:5: key 'fields': '[a]' is no list; write  fields: "
-            "[pose.pose.position.x]");
+            at + "key 'resize': '40' is no list of 2; write  resize: [40, 30]");
   EXPECT_EQ(error_of("height", "{}"),
             at + "a picture and fields are not taken at once; leave 'image' or 'fields' out, and "
                  "write a second sensor");
@@ -163,7 +174,7 @@ TEST_F(MappingFile, is_read) {
   ASSERT_TRUE(keys.contains("fields"));
   EXPECT_FALSE(keys.contains("image"));
   EXPECT_EQ(keys.at("fields").where.line, 1);
-  const SensorRule rule = sensing::sensor_rule(keys.at("fields"), {});
+  const SensorRule rule = sensing::sensor_rule(resolve(sensing::sensor_parameters(), keys, {}));
   EXPECT_EQ(rule.fields.at(1).scale, 2);
 }
 

@@ -264,9 +264,7 @@ void NodeImporter::import_event_sensor(const MusicSection& section) {
     }
   }
   if (const MusicKey* roi = find(section, "roi"); roi != nullptr && !roi->value.empty()) {
-    const messages::Region region =
-        located_at(roi->where, [&] { return messages::parse_region(roi->value); });
-    add("roi", fmt::format("[{}, {}, {}, {}]", region.x, region.y, region.width, region.height));
+    add("roi", fmt::format("[{}]", roi->value));
   }
 }
 

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
-#include "number_list.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::images {
@@ -31,43 +29,23 @@ ParameterDescription choice(const char* name, const char* const (&names)[Count],
           .text = text};
 }
 
-ParameterDescription list(const char* name, const char* text) {
-  return {.name = name, .type = ParameterType::text, .default_value = "", .text = text};
+/// [0, 120, 640, 240]
+ParameterDescription pixels(const char* name, std::size_t count, double least, double most,
+                            const char* text, const char* example) {
+  return {.name = name,
+          .type = ParameterType::list,
+          .default_value = "",
+          .text = text,
+          .inner = {{.name = "pixels",
+                     .type = ParameterType::integer,
+                     .minimum = least,
+                     .maximum = most}},
+          .count = count,
+          .example = example};
 }
 
-[[noreturn]] void refuse(const Parameters& parameters, const char* key, const std::string& what) {
-  throw ConfigurationError(parameters.where(key),
-                           fmt::format("key '{}': '{}' is {}", key, parameters.text(key), what));
-}
-
-/// `count` numbers; nothing when the key was not written.
-std::optional<std::vector<double>> list_of(const Parameters& parameters, const char* key,
-                                           std::size_t count, const std::string& what) {
-  const std::string& text = parameters.text(key);
-  if (text.empty()) {
-    return std::nullopt;
-  }
-  auto numbers = numbers_of(text);
-  if (!numbers || numbers->size() != count) {
-    refuse(parameters, key, what);
-  }
-  return numbers;
-}
-
-std::optional<std::vector<std::uint32_t>> pixels_of(const Parameters& parameters, const char* key,
-                                                    std::size_t count, const std::string& what) {
-  const auto numbers = list_of(parameters, key, count, what);
-  if (!numbers) {
-    return std::nullopt;
-  }
-  std::vector<std::uint32_t> pixels;
-  for (const double number : *numbers) {
-    if (number < 0 || number > 1e6 || number != std::floor(number)) {
-      refuse(parameters, key, what);
-    }
-    pixels.push_back(static_cast<std::uint32_t>(number));
-  }
-  return pixels;
+std::uint32_t whole(double number) {
+  return static_cast<std::uint32_t>(number);
 }
 
 }  // namespace
@@ -84,12 +62,19 @@ std::optional<std::uint32_t> ImageSettings::values() const {
 
 std::vector<ParameterDescription> image_parameters() {
   return {
-      list("crop", "Only this part: [x, y, width, height] in pixels"),
-      list("resize", "Averages of areas, so many: [width, height]; without it every pixel"),
+      pixels("crop", 4, 0, 1e6, "Only this part: [x, y, width, height] in pixels",
+             "[0, 120, 640, 240]"),
+      pixels("resize", 2, 1, kLongestSide,
+             "Averages of areas, so many: [width, height]; without it every pixel", "[40, 30]"),
       choice("channel", kChannels, "Which light: a plane of values, three for rgb"),
-      list("range",
-           "What becomes -1 and 1: [0, 255]; must be given for 32FC1 (metres) and 16UC1 "
-           "(millimetres)"),
+      {.name = "range",
+       .type = ParameterType::list,
+       .default_value = "",
+       .text = "What becomes -1 and 1: [0, 255]; must be given for 32FC1 (metres) and 16UC1 "
+               "(millimetres)",
+       .inner = {{.name = "end"}},
+       .count = 2,
+       .example = "[0, 255]"},
       choice("intensity", kIntensities, "log: equal ratios of light are equal steps"),
       choice("filter", kFilters,
              "centre_surround: contrast to the surround; on_off: its brighter part, then its "
@@ -117,28 +102,25 @@ std::vector<ParameterDescription> image_parameters() {
 
 ImageSettings image_settings(const Parameters& parameters) {
   ImageSettings settings;
-  const std::string crop_help =
-      "no part of a picture; write [x, y, width, height] in pixels, as in [0, 120, 640, 240]";
-  if (const auto crop = pixels_of(parameters, "crop", 4, crop_help)) {
-    settings.crop = Crop{(*crop)[0], (*crop)[1], (*crop)[2], (*crop)[3]};
+  if (const auto& crop = parameters.numbers("crop"); !crop.empty()) {
+    settings.crop = Crop{whole(crop[0]), whole(crop[1]), whole(crop[2]), whole(crop[3])};
     if (settings.crop->width == 0 || settings.crop->height == 0) {
-      refuse(parameters, "crop", crop_help);
+      throw ConfigurationError(parameters.where("crop"),
+                               "key 'crop': a part without pixels; write [x, y, width, height], as "
+                               "in [0, 120, 640, 240]");
     }
   }
-  const std::string resize_help =
-      fmt::format("no size; write [width, height] from 1 to {}, as in [40, 30]", kLongestSide);
-  if (const auto size = pixels_of(parameters, "resize", 2, resize_help)) {
-    settings.resize = Size{(*size)[0], (*size)[1]};
-    const auto [least, most] = std::minmax((*size)[0], (*size)[1]);
-    if (least == 0 || most > kLongestSide) {
-      refuse(parameters, "resize", resize_help);
-    }
+  if (const auto& size = parameters.numbers("resize"); !size.empty()) {
+    settings.resize = Size{whole(size[0]), whole(size[1])};
   }
-  const std::string range_help = "no least and greatest value; write for example [0, 255]";
-  if (const auto range = list_of(parameters, "range", 2, range_help)) {
-    settings.range = std::pair((*range)[0], (*range)[1]);
-    if ((*range)[0] >= (*range)[1]) {
-      refuse(parameters, "range", range_help);
+  if (const auto& range = parameters.numbers("range"); !range.empty()) {
+    settings.range = std::pair(range[0], range[1]);
+    if (range[0] >= range[1]) {
+      throw ConfigurationError(
+          parameters.where("range"),
+          fmt::format("key 'range': [{}, {}] has no least and greatest value; write for example "
+                      "[0, 255]",
+                      range[0], range[1]));
     }
   }
   settings.channel = choice_of<Channel>(parameters, "channel", kChannels);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
@@ -46,27 +45,6 @@ Polarity polarity_named(std::string_view name) {
 
 const char* name_of(Polarity polarity) {
   return kPolarityNames[static_cast<std::size_t>(polarity)];
-}
-
-Region parse_region(std::string_view text) {
-  std::uint32_t numbers[4]{};
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  bool good = true;
-  for (std::size_t i = 0; i < 4 && good; ++i) {
-    while (at != end && *at == ' ') {
-      ++at;
-    }
-    const auto [stop, error] = std::from_chars(at, end, numbers[i]);
-    good = error == std::errc{} && (i == 3 ? stop == end : stop != end && *stop == ',');
-    at = good && i < 3 ? stop + 1 : stop;
-  }
-  const Region region{numbers[0], numbers[1], numbers[2], numbers[3]};
-  if (!good || region.width == 0 || region.height == 0) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no region of pixels; write x,y,width,height, as in roi=100,60,128,128", text));
-  }
-  return region;
 }
 
 void check_event_type(const std::string& message_type) {

@@ -1,6 +1,6 @@
 #include "spikeloop/sensing/event_keys.hpp"
 
-#include <string_view>
+#include "spikeloop/core/error.hpp"
 
 namespace spikeloop::sensing {
 namespace {
@@ -24,10 +24,15 @@ std::vector<ParameterDescription> event_parameters() {
            .maximum = kMostPixels,
            .text = "Blocks of so many by so many pixels share a channel"},
           {.name = "roi",
-           .type = ParameterType::text,
+           .type = ParameterType::list,
            .default_value = "",
-           .text = "Only this part of the camera, in pixels: x, y, width, height, as [100, 60, "
-                   "128, 128] or 100,60,128,128"},
+           .text = "Only this part of the camera, in pixels: x, y, width, height",
+           .inner = {{.name = "pixel",
+                      .type = ParameterType::integer,
+                      .minimum = 0,
+                      .maximum = kMostPixels}},
+           .count = 4,
+           .example = "[100, 60, 128, 128]"},
           {.name = "latency",
            .unit = "s",
            .default_value = "40 ms",
@@ -49,13 +54,16 @@ messages::EventSettings event_settings(const Parameters& parameters,
   settings.message_type = message_type;
   settings.polarity = messages::polarity_named(parameters.text("polarity"));
   settings.downsample = static_cast<std::uint32_t>(parameters.integer("downsample"));
-  std::string_view roi = parameters.text("roi");
-  if (roi.starts_with('[') && roi.ends_with(']')) {
-    roi = roi.substr(1, roi.size() - 2);
-  }
-  if (!roi.empty() || parameters.given("roi")) {
-    settings.region =
-        located_at(parameters.where("roi"), [&] { return messages::parse_region(roi); });
+  if (const auto& roi = parameters.numbers("roi"); !roi.empty()) {
+    settings.region = messages::Region{
+        static_cast<std::uint32_t>(roi[0]), static_cast<std::uint32_t>(roi[1]),
+        static_cast<std::uint32_t>(roi[2]), static_cast<std::uint32_t>(roi[3])};
+    if (settings.region->width == 0 || settings.region->height == 0) {
+      throw ConfigurationError(
+          parameters.where("roi"),
+          "key 'roi': a region without pixels; write its left upper corner and its size, as in "
+          "[100, 60, 128, 128]");
+    }
   }
   settings.refractory = from_seconds(parameters.number("refractory"));
   return settings;

@@ -30,7 +30,7 @@
 
 namespace spikeloop {
 
-/// An entry of `nodes`, or `robot`. A value that is a list or a map stands here as JSON.
+/// An entry of `nodes`, or `robot`.
 struct ExperimentNode {
   std::string name;
   WrittenValues keys;

@@ -16,9 +16,9 @@
 
 namespace spikeloop {
 
-enum class ParameterType { number, integer, boolean, text, choice, weights };
+enum class ParameterType { number, integer, boolean, text, choice, weights, list, map };
 
-/// One parameter of a node class or endpoint.
+/// One parameter of a node class or endpoint. Inside of a list or a map numbers carry their units.
 struct ParameterDescription {
   std::string name;
   ParameterType type = ParameterType::number;
@@ -28,14 +28,34 @@ struct ParameterDescription {
   double maximum = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices{};
   std::string text{};  ///< one line, no full stop
+  /// list: what an entry is. map: its keys; a single one that is kAnyKey is of every key.
+  std::vector<ParameterDescription> inner{};
+  std::size_t count = 0;    ///< list: its entries; 0: any number
+  std::string plain_key{};  ///< map: the key that is meant by a plain value in its place
+  std::string example{};    ///< list, map: as one would write it
 };
+
+/// The name of a map's only key when users choose its keys.
+inline constexpr const char* kAnyKey = "*";
 
 std::vector<std::string> names_of(const std::vector<ParameterDescription>& parameters);
 
+struct WrittenEntry;
+
 /// A value as the user wrote it, and where.
 struct WrittenValue {
-  std::string text;
+  std::string text;  ///< of a list or a map its JSON
   Location where;
+  /// What a list or a map holds, in the user's order; a plain value has no such function.
+  std::function<std::vector<WrittenEntry>()> entries{};
+
+  bool is_list() const { return entries && text.starts_with('['); }
+  bool is_map() const { return entries && text.starts_with('{'); }
+};
+
+struct WrittenEntry {
+  std::string key;  ///< of a map
+  WrittenValue value;
 };
 using WrittenValues = std::map<std::string, WrittenValue, std::less<>>;
 
@@ -46,13 +66,24 @@ using WeightLoader = std::function<WeightTable(const WrittenValue&)>;
 /// std::logic_error.
 class Parameters {
  public:
-  using Value = std::variant<double, std::int64_t, bool, std::string, WeightTable>;
+  struct Entry;
+  /// Of a map with the user's own keys, or of a list of maps; one of a map with declared keys.
+  using Entries = std::vector<Entry>;
+  using Value = std::variant<double, std::int64_t, bool, std::string, WeightTable,
+                             std::vector<double>, Entries>;
 
   double number(std::string_view name) const;  ///< integers too
   std::int64_t integer(std::string_view name) const;
   bool boolean(std::string_view name) const;
   const std::string& text(std::string_view name) const;  ///< text and choice
   const WeightTable& weights(std::string_view name) const;
+  const std::vector<double>& numbers(std::string_view name) const;  ///< list of numbers; may be empty
+  /// Of a map: its keys' values. An entry that is neither a map nor a list of maps has its value by
+  /// the name of its description.
+  const Parameters& map(std::string_view name) const;
+  const Entries& entries(std::string_view name) const;  ///< may be empty
+  /// The choice that stands in the place of a map; empty when there is none.
+  std::string word(std::string_view name) const;
   /// True when the user wrote it, false when the default holds.
   bool given(std::string_view name) const;
   /// Where the user wrote it; empty for a default.
@@ -65,6 +96,12 @@ class Parameters {
   const Value& find(std::string_view name) const;
   std::map<std::string, Value, std::less<>> values_;
   std::map<std::string, Location, std::less<>> given_;
+};
+
+struct Parameters::Entry {
+  std::string key;  ///< of a map with the user's own keys
+  Location where;
+  Parameters values;
 };
 
 /// Checks every written value against its declaration and fills in defaults.

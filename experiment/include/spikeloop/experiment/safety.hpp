@@ -13,9 +13,9 @@ namespace spikeloop::experiment {
 /// `limits: none`: fields have those in `fields` alone, not even the default ones.
 inline constexpr const char* kNoLimits = "none";
 
-/// The keys of a map behind `emergency_stop` and behind `override`.
-std::vector<ParameterDescription> emergency_stop_parameters();
-std::vector<ParameterDescription> override_parameters();
+/// The keys `emergency_stop` and `override` of a ros_command.
+ParameterDescription emergency_stop_parameter();
+ParameterDescription override_parameter();
 
 /// `emergency_stop` of a ros_command: none, a topic, or a map, whose message is one of this ROS.
 /// @throws ConfigurationError.

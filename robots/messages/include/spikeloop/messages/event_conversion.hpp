@@ -31,9 +31,6 @@ struct Region {
   std::uint32_t height = 0;
 };
 
-/// Parses "x,y,width,height". @throws ConfigurationError that says what to write.
-Region parse_region(std::string_view text);
-
 /// @throws ConfigurationError when no events of a camera come in such messages.
 void check_event_type(const std::string& message_type);
 

@@ -14,8 +14,8 @@ namespace spikeloop::sensing {
 /// polarity, downsample, roi, latency, refractory.
 std::vector<ParameterDescription> event_parameters();
 
-/// All of them but `latency`, with a message's type. `roi` is x,y,width,height, or these as a list.
-/// @throws ConfigurationError at `roi` when it is none.
+/// All of them but `latency`, with a message's type. @throws ConfigurationError at `roi` when it is
+/// empty.
 messages::EventSettings event_settings(const Parameters& parameters,
                                        const std::string& message_type);
 

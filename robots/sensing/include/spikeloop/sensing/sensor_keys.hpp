@@ -4,15 +4,17 @@
 //   image: {crop: [0, 120, 640, 240], resize: [40, 30], filter: on_off}
 #pragma once
 
+#include <vector>
+
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/messages/sensor_rule.hpp"
 
 namespace spikeloop::sensing {
 
-/// @param fields JSON: a list of paths and of objects with path, scale, offset, min, max, range and
-/// nan; or a path alone. Empty: not written.
-/// @param image JSON: an object with the keys of images::image_parameters(). Empty: not written.
-/// @throws ConfigurationError at the key's place with the value and what to write instead.
-messages::SensorRule sensor_rule(const WrittenValue& fields, const WrittenValue& image);
+/// `fields` and `image`.
+std::vector<ParameterDescription> sensor_parameters();
+
+/// @throws ConfigurationError at the value's place with what to write instead.
+messages::SensorRule sensor_rule(const Parameters& keys);
 
 }  // namespace spikeloop::sensing
