@@ -1,4 +1,4 @@
-#include "md5.hpp"
+#include "digest.hpp"
 
 #include <gtest/gtest.h>
 

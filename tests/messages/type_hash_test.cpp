@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sha256.hpp"
+#include "digest.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
 namespace {

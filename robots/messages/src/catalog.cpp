@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "digest.hpp"
 #include "embedded.hpp"
-#include "md5.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {

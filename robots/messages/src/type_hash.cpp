@@ -5,7 +5,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "sha256.hpp"
+#include "digest.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::messages {
