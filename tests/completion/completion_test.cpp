@@ -13,7 +13,6 @@ namespace {
 
 using testing::Contains;
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 using Words = std::vector<std::string>;
@@ -166,27 +165,11 @@ TEST(ZshCompletion, CompletesInAZsh) {
   EXPECT_EQ(sees("run ", "network.yaml"), "found network.yaml\n");
 }
 
-TEST(FishCompletion, CompletesInAFish) {
-  ASSERT_TRUE(has_shell("fish")) << "scripts/install-dependencies test  installs it";
-  const Folder folder;
-  const auto suggested = [&](const std::string& typed) {
-    return run(folder.shell({"fish", "--no-config", "-c",
-                             "spikeloop completion fish | source; complete -C '" + typed + "'"}))
-        .out;
-  };
-  EXPECT_EQ(suggested("spikeloop ru"), "run\tRun an experiment file or a .music file\n");
-  EXPECT_EQ(suggested("spikeloop describe rate_"), "rate_encoder\nrate_window\n");
-  EXPECT_THAT(suggested("spikeloop run --du"), HasSubstr("--duration\t"));
-  EXPECT_EQ(suggested("spikeloop run "), "loop.music\nmy loop.music\nnetwork.yaml\nruns/\n");
-  EXPECT_EQ(suggested("spikeloop run --seed "), "");
-  EXPECT_THAT(suggested("spikeloop run --out "), HasSubstr("notes.txt"));
-}
-
 TEST(Completion, SaysWhichShellsItKnows) {
   const Outcome outcome = run(launcher({"completion", "tcsh"}));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
-            "spikeloop: SHELL: tcsh not in {bash,zsh,fish}; see spikeloop completion --help\n");
+            "spikeloop: SHELL: tcsh not in {bash,zsh}; see spikeloop completion --help\n");
   EXPECT_EQ(run(launcher({"completion"})).err,
             "spikeloop: SHELL is required; see spikeloop completion --help\n");
 }

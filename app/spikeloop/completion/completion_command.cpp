@@ -1,7 +1,6 @@
 #include "../commands.hpp"
 
 #include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -12,33 +11,24 @@ namespace spikeloop::app::completion_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  source <(spikeloop completion bash)             in ~/.bashrc; in ~/.zshrc with zsh
-  spikeloop completion fish | source              in ~/.config/fish/config.fish
+  source <(spikeloop completion bash)    in ~/.bashrc
+  source <(spikeloop completion zsh)     in ~/.zshrc, after compinit
 
-cmake --install puts the scripts where the shells find them by themselves.)";
-
-using Script = std::string (*)(const std::vector<completion::Command>&);
-
-Script script_for(const std::string& shell) {
-  const std::map<std::string, Script> scripts{{"bash", completion::bash_script},
-                                              {"zsh", completion::zsh_script},
-                                              {"fish", completion::fish_script}};
-  return scripts.at(shell);
-}
+cmake --install puts the script where bash finds it by itself.)";
 
 }  // namespace
 
 void add(CLI::App& app, Action& action) {
-  const auto shell = std::make_shared<std::string>();
+  const auto shell = std::make_shared<std::string>();  // both have the same script
   CLI::App* command =
       app.add_subcommand("completion", "Print a script for your shell's completion (Tab)");
   command->add_option("SHELL", *shell, "Your shell")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+      ->check(CLI::IsMember({"bash", "zsh"}));
   command->footer(kFooter);
   command->callback([shell, &app, &action] {
-    action = [shell, &app] {
-      put_result(script_for(*shell)(completion::read_commands(app)));
+    action = [&app] {
+      put_result(completion::script(completion::read_commands(app)));
       return 0;
     };
   });

@@ -16,7 +16,7 @@ constexpr std::array kArguments{Named{"FILE", Kind::input}, Named{"RUN", Kind::p
                                 Named{"NODE", Kind::node_class}, Named{"ENCODER", Kind::node_class},
                                 Named{"KEY=VALUE", Kind::none}};
 
-/// CLI11 writes a list of choices as "TEXT:{bash,zsh,fish}".
+/// CLI11 writes a list of choices as "TEXT:{bash,zsh}".
 std::vector<std::string> choices_in(const std::string& type) {
   const auto begin = type.find('{');
   const auto end = type.find('}');
@@ -34,15 +34,14 @@ std::vector<std::string> choices_in(const std::string& type) {
 /// Text that is neither an argument of the list above nor a choice is a file's name in most cases.
 Value value_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  const std::string name = option.get_positional() ? option.get_name(true) : type;
   if (auto choices = choices_in(type); !choices.empty()) {
-    return {Kind::choice, option.get_positional() ? name : "CHOICE", std::move(choices)};
+    return {Kind::choice, std::move(choices)};
   }
-  const auto* const known = std::ranges::find(kArguments, name, &Named::name);
+  const auto* const known = std::ranges::find(kArguments, option.get_name(true), &Named::name);
   if (option.get_positional() && known != kArguments.end()) {
-    return {known->kind, name};
+    return {known->kind};
   }
-  return {type.starts_with("TEXT") ? Kind::path : Kind::none, name.substr(0, name.find(':'))};
+  return {type.starts_with("TEXT") ? Kind::path : Kind::none};
 }
 
 Option option_of(const CLI::Option& option) {
@@ -53,7 +52,6 @@ Option option_of(const CLI::Option& option) {
   for (const std::string& name : option.get_lnames()) {
     result.names.push_back("--" + name);
   }
-  result.text = option.get_description();
   result.takes_value = option.get_items_expected_max() > 0;
   if (result.takes_value) {
     result.value = value_of(option);
@@ -62,7 +60,7 @@ Option option_of(const CLI::Option& option) {
 }
 
 Command command_of(const CLI::App& app, const std::string& name) {
-  Command command{name, app.get_description()};
+  Command command{name};
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group().empty()) {
       continue;
@@ -86,14 +84,6 @@ std::vector<Command> read_commands(const CLI::App& app) {
     }
   }
   return commands;
-}
-
-std::string in_quotes(std::string_view text) {
-  std::string result = "'";
-  for (const char letter : text) {
-    result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
-  }
-  return result + "'";
 }
 
 }  // namespace spikeloop::app::completion

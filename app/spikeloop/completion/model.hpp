@@ -20,20 +20,17 @@ inline constexpr const char* kInputEndings[] = {"music", "yaml", "yml"};
 
 struct Value {
   Kind kind = Kind::none;
-  std::string name;                    ///< "FILE", "TIME"
   std::vector<std::string> choices{};  ///< of Kind::choice
 };
 
 struct Option {
   std::vector<std::string> names;  ///< "-q", "--quiet"
-  std::string text;
   bool takes_value = false;
   Value value{};
 };
 
 struct Command {
   std::string name;  ///< empty: the program itself
-  std::string text;
   std::vector<Option> options{};
   std::vector<Value> places{};  ///< its arguments in order
 };
@@ -41,12 +38,7 @@ struct Command {
 /// The program itself, then its commands. What help does not show is left out.
 std::vector<Command> read_commands(const CLI::App& app);
 
-// The scripts.
-std::string bash_script(const std::vector<Command>& commands);
-std::string zsh_script(const std::vector<Command>& commands);
-std::string fish_script(const std::vector<Command>& commands);
-
-/// In single quotes, for bash and zsh.
-std::string in_quotes(std::string_view text);
+/// A script for bash, and for zsh, which has a module for those of bash.
+std::string script(const std::vector<Command>& commands);
 
 }  // namespace spikeloop::app::completion

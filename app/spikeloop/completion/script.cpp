@@ -6,6 +6,14 @@
 namespace spikeloop::app::completion {
 namespace {
 
+std::string in_quotes(std::string_view text) {
+  std::string result = "'";
+  for (const char letter : text) {
+    result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  }
+  return result + "'";
+}
+
 /// What a value is, in a word that the script's last function knows.
 std::string word_of(const Value& value) {
   switch (value.kind) {
@@ -80,8 +88,9 @@ std::string input_lines() {
 }
 
 constexpr const char* kHead =
-    R"bash(# bash completion for spikeloop, printed by: spikeloop completion bash
+    R"bash(# Completion for spikeloop in bash and zsh, printed by: spikeloop completion bash
 # Try it with: source <(spikeloop completion bash)
+[[ -z ${ZSH_VERSION:-} ]] || { autoload -U +X bashcompinit && bashcompinit; }
 )bash";
 
 /// Walks over the words before the cursor. bash cuts --out=x into "--out", "=" and "x".
@@ -113,7 +122,10 @@ _spikeloop() {
   else
     kind=$(_spikeloop_place "$command $place")
   fi
-  mapfile -t COMPREPLY < <(_spikeloop_suggest "$kind" "$cur" | sort -u)
+  COMPREPLY=()
+  while IFS= read -r word; do
+    COMPREPLY+=("$word")
+  done < <(_spikeloop_suggest "$kind" "$cur" | sort -u)
   [[ $kind != path && $kind != input ]] || compopt -o filenames 2>/dev/null || true
 }
 complete -F _spikeloop spikeloop
@@ -143,7 +155,7 @@ std::string suggest_function() {
 
 }  // namespace
 
-std::string bash_script(const std::vector<Command>& commands) {
+std::string script(const std::vector<Command>& commands) {
   return kHead +
          fmt::format("\n_spikeloop_commands() {{\n  echo {}\n}}\n",
                      in_quotes(command_names(commands))) +
