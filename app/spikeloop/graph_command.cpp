@@ -1,8 +1,10 @@
 #include "commands.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -12,7 +14,6 @@
 
 #include "diagram.hpp"
 #include "experiment_command.hpp"
-#include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
@@ -31,14 +32,15 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop graph explorer.yaml --out explorer.svg
   spikeloop graph explorer.yaml --out explorer.png
   spikeloop graph loop.music > loop.svg
+  spikeloop graph explorer.yaml --out explorer.dot    for Graphviz's other programs
 
 Nodes with their classes, connections with their kinds, widths and delays, the robot. A .music file is
-drawn with a box a section. The ending says what is drawn, SVG or PNG; Debian's librsvg2-bin makes
-the PNG.)";
+drawn with a box a section. The ending says what is drawn. Graphviz draws it (Debian: graphviz).)";
 
-constexpr const char* kConverter = "rsvg-convert";
+constexpr const char* kDrawer = "dot";
+const std::vector<std::string> kFormats = {"svg", "png", "pdf", "dot"};
 
-/// Boxes by their names; ports appear when they are first named.
+/// Boxes by their names.
 class Builder {
  public:
   explicit Builder(Diagram& diagram) : diagram_(diagram) {}
@@ -49,29 +51,12 @@ class Builder {
   }
   void connect(const std::string& from, const std::string& to, ArrowStyle style,
                const std::string& label, bool delayed) {
-    Arrow arrow;
-    arrow.from = boxes_.at(experiment::node_of(from));
-    arrow.to = boxes_.at(experiment::node_of(to));
-    arrow.from_port = port(diagram_.boxes[arrow.from].outputs, from, style);
-    arrow.to_port = port(diagram_.boxes[arrow.to].inputs, to, style);
-    arrow.label = label;
-    arrow.delayed = delayed;
-    diagram_.arrows.push_back(arrow);
+    diagram_.arrows.push_back({boxes_.at(experiment::node_of(from)),
+                               boxes_.at(experiment::node_of(to)), experiment::port_of(from),
+                               experiment::port_of(to), style, label, delayed});
   }
 
  private:
-  static std::size_t port(std::vector<DiagramPort>& ports, const std::string& end,
-                          ArrowStyle style) {
-    const std::string name = end.substr(end.find('.') + 1);
-    for (std::size_t i = 0; i < ports.size(); ++i) {
-      if (ports[i].name == name) {
-        return i;
-      }
-    }
-    ports.push_back({name, style});
-    return ports.size() - 1;
-  }
-
   Diagram& diagram_;
   std::map<std::string, std::size_t> boxes_;
 };
@@ -84,8 +69,7 @@ Box box_of(const Part& part) {
   Box box;
   box.name = part.name;
   box.kind = part.kind;
-  const bool network = part.kind == experiment::kNetwork || experiment::is_simulator(part);
-  box.style = network ? BoxStyle::network : BoxStyle::plain;
+  box.network = part.kind == experiment::kNetwork || experiment::is_simulator(part);
   if (experiment::has_topic(part.kind)) {
     box.topic = part.parameters.text("topic");
     box.sends = part.kind == experiment::kRosCommand;
@@ -132,7 +116,7 @@ Box box_of(const MusicFile& file, const MusicSection& section) {
   const MusicKey* binary = file.find_key(section, "binary");
   const std::string path = binary == nullptr ? "" : binary->value;
   box.kind = path.substr(path.rfind('/') + 1);
-  box.style = box.kind == "spikeloop-network" ? BoxStyle::network : BoxStyle::plain;
+  box.network = box.kind == "spikeloop-network";
   const launch::Program* program = launch::find_program(file, section);
   if (program != nullptr && program->ros) {
     const MusicKey* topic = file.find_key(section, program->outside.key);
@@ -171,69 +155,73 @@ void refuse_structure(const MusicFile& file) {
   }
 }
 
-bool is_png(const std::string& path) {
-  return path.ends_with(".png");
-}
-
-std::string with_ending(const std::string& path, const char* ending) {
+std::string with_ending(const std::string& path, const std::string& ending) {
   const auto name = path.rfind('/') + 1;
   const auto dot = path.rfind('.');
-  return (dot == std::string::npos || dot <= name ? path : path.substr(0, dot)) + ending;
+  return (dot == std::string::npos || dot <= name ? path : path.substr(0, dot)) + "." + ending;
 }
 
-void need_converter(const std::string& path) {
-  if (launch::find_executable(kConverter, "", launch::program_environment().at("PATH")).empty()) {
-    throw TransportError(
-        fmt::format("--out: a PNG is drawn by {0}, which is not in PATH; install it (Debian: apt "
-                    "install librsvg2-bin), or write  --out {1}",
-                    kConverter, with_ending(path, ".svg")));
-  }
-}
-
-/// Twice as large as the SVG, for screens and slides.
-void write_png(const std::string& svg, const std::string& path) {
-  const std::string line =
-      launch::shell_text({kConverter, "--format=png", "--zoom=2", "--output", path});
-  std::FILE* converter = ::popen(line.c_str(), "w");
-  const bool written =
-      converter != nullptr && std::fwrite(svg.data(), 1, svg.size(), converter) == svg.size();
-  const int status = converter == nullptr ? -1 : ::pclose(converter);
-  if (!written || status != 0) {
-    throw FileError(fmt::format("cannot write '{}': {} has failed; write  --out {}", path,
-                                kConverter, with_ending(path, ".svg")));
-  }
-}
-
-void write_picture(const std::string& svg, const std::string& path) {
+/// "svg" of "explorer.svg", and of no file.
+std::string format_of(const std::string& path) {
   if (path.empty()) {
-    put_result(svg);
-    return;
+    return kFormats.front();
   }
+  const auto format = std::ranges::find_if(
+      kFormats, [&](const std::string& ending) { return path.ends_with("." + ending); });
+  if (format == kFormats.end()) {
+    throw ConfigurationError(
+        fmt::format("--out: '{}' does not end in .{}; write  --out {}", path,
+                    fmt::join(kFormats, ", ."), with_ending(path, kFormats.front())));
+  }
+  return *format;
+}
+
+void need_drawer() {
+  if (launch::find_executable(kDrawer, "", launch::program_environment().at("PATH")).empty()) {
+    throw TransportError(
+        "Graphviz draws the picture, and its program 'dot' is not in PATH; install it (Debian: apt "
+        "install graphviz), or write  --out FILE.dot");
+  }
+}
+
+void write_file(const std::string& text, const std::string& path) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);
-  file << (is_png(path) ? "" : svg);
+  file << text;
   file.close();
   if (!file) {
     throw FileError("write", path, errno == 0 ? EIO : errno);
   }
-  if (is_png(path)) {
-    write_png(svg, path);
+}
+
+/// Twice as large as the SVG where it is made of pixels, for screens and slides.
+void write_picture(const std::string& dot, const std::string& path, const std::string& format) {
+  std::vector<std::string> words{kDrawer, "-T" + format, "-Gdpi=144"};
+  if (format != "png") {
+    words.pop_back();
+  }
+  if (!path.empty()) {
+    write_file("", path);  // with an error of ours
+    words.insert(words.end(), {"-o", path});
+  }
+  std::FILE* drawer = ::popen(launch::shell_text(words).c_str(), "w");
+  const bool written =
+      drawer != nullptr && std::fwrite(dot.data(), 1, dot.size(), drawer) == dot.size();
+  const int status = drawer == nullptr ? -1 : ::pclose(drawer);
+  if (!written || status != 0) {
+    throw FileError(fmt::format("Graphviz's program 'dot' has failed for '{}'; write  --out {}",
+                                path, with_ending(path.empty() ? "FILE" : path, "dot")));
   }
 }
 
 int draw(const std::string& path, const std::string& out) {
-  if (!out.empty() && !out.ends_with(".svg") && !is_png(out)) {
-    throw ConfigurationError(
-        fmt::format("--out: '{}' ends neither in .svg nor in .png; write {} "
-                    "or {}",
-                    out, with_ending(out, ".svg"), with_ending(out, ".png")));
+  const std::string format = format_of(out);
+  if (format != "dot") {
+    need_drawer();
   }
-  if (is_png(out)) {
-    need_converter(out);
-  }
-  const auto show = [&](Diagram diagram) {
-    lay_out(diagram);
-    write_picture(to_svg(diagram), out);
+  const auto show = [&](const Diagram& diagram) {
+    const std::string dot = to_dot(diagram);
+    format == "dot" ? write_file(dot, out) : write_picture(dot, out, format);
     return 0;
   };
   if (is_experiment(path)) {
@@ -257,7 +245,7 @@ void add(CLI::App& app, Action& action) {
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
   command->add_option("--out", arguments->out,
-                      "The picture, FILE.svg or FILE.png; else SVG to standard output");
+                      "The picture, FILE.svg, .png, .pdf or .dot; else SVG to standard output");
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] { return draw(arguments->file, arguments->out); };

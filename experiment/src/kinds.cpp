@@ -6,6 +6,7 @@
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/record/playback.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"

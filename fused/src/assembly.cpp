@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "endpoints.hpp"
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"

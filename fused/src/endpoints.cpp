@@ -22,9 +22,7 @@ using experiment::Part;
 
 /// What both kinds of sensors have in common.
 template <typename Settings>
-Settings with_transport(Settings settings, const Part& part, Transport& transport,
-                        topics::Keep keep) {
-  settings.topic = part.parameters.text("topic");
+Settings with_transport(Settings settings, Transport& transport, topics::Keep keep) {
   settings.simulated_pace = transport.clock() != CommandClock::wall;
   if (transport.clock() == CommandClock::lockstep) {
     settings.queue = 0;  // the robot waits until all of its messages are here
@@ -37,23 +35,25 @@ Settings with_transport(Settings settings, const Part& part, Transport& transpor
 std::unique_ptr<topics::TopicSource> make_event_sensor(const Part& part, std::uint32_t width,
                                                        Transport& transport, topics::Keep keep) {
   topics::EventSensorSettings settings{
+      .topic = part.parameters.text("topic"),
       .events = experiment::event_settings(part.parameters),
       .latency = from_seconds(part.parameters.number("latency")),
       .from_begin = transport.clock() == CommandClock::lockstep};
   settings.events.width = width;
   return std::make_unique<topics::EventSensor>(
-      transport.session(part), with_transport(std::move(settings), part, transport, std::move(keep)));
+      transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
 }
 
 std::unique_ptr<topics::TopicSource> make_signal_sensor(const Part& part, std::uint32_t width,
                                                         Transport& transport, topics::Keep keep) {
-  topics::SensorSettings settings{.message_type = part.parameters.text("message"),
+  topics::SensorSettings settings{.topic = part.parameters.text("topic"),
+                                  .message_type = part.parameters.text("message"),
                                   .rule = experiment::sensor_rule(part.parameters),
                                   .width = width,
                                   .strict = true,
                                   .initial = experiment::sensor_initial(part.parameters)};
   return std::make_unique<topics::Sensor>(
-      transport.session(part), with_transport(std::move(settings), part, transport, std::move(keep)));
+      transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
 }
 
 command::CommandSettings clock_settings(const Experiment& experiment, const Part& part,

@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"negative channel",
                   {{"angular.z: 1", "angular.z: -1"}},
                   {"x.yaml:10:97: key 'fields': 'angular.z': key 'channel': -1 is out of bounds; "
-                   "write a whole number from 0 to 1048575"}},
+                   "write a whole number from 0 to 16777215"}},
         WrongFile{"limits of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.y: [0, 1]}"}},
                   {"x.yaml:10:120: key 'limits': 'linear.y' is not one of the fields; write it "

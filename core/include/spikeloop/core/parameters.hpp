@@ -20,7 +20,7 @@ enum class ParameterType { number, integer, boolean, text, choice, weights, list
 
 /// One parameter of a node class or endpoint. Inside of a list or a map numbers carry their units.
 struct ParameterDescription {
-  std::string name;
+  std::string name{};
   ParameterType type = ParameterType::number;
   std::string unit{};                          ///< "s", "Hz", "1" ...; values are kept in it
   std::optional<std::string> default_value{};  ///< as one would write it; none: must be given
