@@ -107,7 +107,8 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
 }
 
 /// Of the first command of each message, in simulated time and ms.
-void record_latency(music::Process& process, bool with_pace, ros_command::CommandEndpoint& command) {
+void record_latency(music::Process& process, bool with_pace,
+                    ros_command::CommandEndpoint& command) {
   if (auto write = with_pace ? process.value_recorder("latency", "ms") : nullptr) {
     command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);

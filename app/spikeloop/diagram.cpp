@@ -49,13 +49,13 @@ std::string heading(const Diagram& diagram) {
   const auto is_message = [](const Box& box) { return !box.topic.empty(); };
   const bool delayed =
       std::ranges::any_of(diagram.arrows, [](const Arrow& arrow) { return arrow.delayed; });
-  return fmt::format(
-      "<font point-size=\"17\"><b>{}</b></font>&#160;&#160; {}, {}{}{}", escaped(diagram.title),
-      in_colour(kSignalColour, "continuous [channels]"),
-      in_colour(kSpikesColour, "spikes [channels]"),
-      std::ranges::any_of(diagram.boxes, is_message) ? ", " + in_colour(kMessageColour, "messages")
-                                                     : "",
-      delayed ? ", dashed: with delay" : "");
+  return fmt::format("<font point-size=\"17\"><b>{}</b></font>&#160;&#160; {}, {}{}{}",
+                     escaped(diagram.title), in_colour(kSignalColour, "continuous [channels]"),
+                     in_colour(kSpikesColour, "spikes [channels]"),
+                     std::ranges::any_of(diagram.boxes, is_message)
+                         ? ", " + in_colour(kMessageColour, "messages")
+                         : "",
+                     delayed ? ", dashed: with delay" : "");
 }
 
 std::string node(const std::string& id, const std::string& label, const char* fill,
@@ -69,7 +69,8 @@ std::string node_of(std::size_t index, const Box& box) {
       fmt::format("<b>{}</b><br/><font point-size=\"11\" color=\"#555555\">{}</font>",
                   escaped(box.name), box.kind.empty() ? " " : escaped(box.kind));
   const std::string id = fmt::format("n{}", index);
-  return box.network ? node(id, label, "#fbeceb", "#a4433c") : node(id, label, "#e8eef7", "#44618c");
+  return box.network ? node(id, label, "#fbeceb", "#a4433c")
+                     : node(id, label, "#e8eef7", "#44618c");
 }
 
 std::string edge(const std::string& from, const std::string& to, const char* colour,
@@ -79,8 +80,8 @@ std::string edge(const std::string& from, const std::string& to, const char* col
 }
 
 /// Boxes with several ports on one side.
-std::set<std::size_t> with_several(const Diagram& diagram, std::size_t Arrow::* box,
-                                   std::string Arrow::* port) {
+std::set<std::size_t> with_several(const Diagram& diagram, std::size_t Arrow::*box,
+                                   std::string Arrow::*port) {
   std::set<std::pair<std::size_t, std::string>> ports;
   std::set<std::size_t> seen;
   std::set<std::size_t> result;
@@ -128,9 +129,9 @@ std::string messages(const Diagram& diagram) {
 
 std::string to_dot(const Diagram& diagram) {
   const std::string robot =
-      diagram.robot.empty() ? ""
-                            : node("robot", fmt::format("<b>{}</b>", escaped(diagram.robot)),
-                                   "#f5f1e6", "#8c7a44");
+      diagram.robot.empty()
+          ? ""
+          : node("robot", fmt::format("<b>{}</b>", escaped(diagram.robot)), "#f5f1e6", "#8c7a44");
   std::string boxes;
   for (std::size_t i = 0; i < diagram.boxes.size(); ++i) {
     boxes += node_of(i, diagram.boxes[i]);

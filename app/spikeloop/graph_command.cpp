@@ -169,9 +169,9 @@ std::string format_of(const std::string& path) {
   const auto format = std::ranges::find_if(
       kFormats, [&](const std::string& ending) { return path.ends_with("." + ending); });
   if (format == kFormats.end()) {
-    throw ConfigurationError(
-        fmt::format("--out: '{}' does not end in .{}; write  --out {}", path,
-                    fmt::join(kFormats, ", ."), with_ending(path, kFormats.front())));
+    throw ConfigurationError(fmt::format("--out: '{}' does not end in .{}; write  --out {}", path,
+                                         fmt::join(kFormats, ", ."),
+                                         with_ending(path, kFormats.front())));
   }
   return *format;
 }

@@ -11,9 +11,9 @@
 
 #include "python_process.hpp"
 #include "spikeloop/config/files_read.hpp"
-#include "spikeloop/core/reason.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/file.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop {

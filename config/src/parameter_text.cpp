@@ -97,8 +97,7 @@ std::string parameter_text(const std::vector<ParameterDescription>& parameters) 
   std::string text = table(parameters);
   for (const ParameterDescription& parameter : parameters) {
     if (const auto& keys = inner_keys(parameter); !keys.empty()) {
-      text += fmt::format("\n  {}: {}\n{}", parameter.name, parameter.example,
-                          table(keys));
+      text += fmt::format("\n  {}: {}\n{}", parameter.name, parameter.example, table(keys));
     }
   }
   return text;

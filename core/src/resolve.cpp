@@ -227,9 +227,8 @@ Parameters::Value parse_map(const ParameterDescription& map, const WrittenValue&
   }
   Parameters::Entries result;
   for (const WrittenEntry& entry : entries) {
-    result.push_back(within(entry.value.where, fmt::format("'{}'", entry.key), [&] {
-      return parse_entry(map.inner.front(), entry, load_weights);
-    }));
+    result.push_back(within(entry.value.where, fmt::format("'{}'", entry.key),
+                            [&] { return parse_entry(map.inner.front(), entry, load_weights); }));
   }
   return result;
 }
@@ -258,7 +257,11 @@ Parameters::Value parse(const ParameterDescription& parameter, const WrittenValu
       if (!load_weights) {
         throw std::logic_error("weights were declared, but no loader was given");
       }
-      return load_weights(written);
+      try {
+        return load_weights(written);
+      } catch (const ConfigurationError& error) {
+        throw ConfigurationError(error.what());  // a place in the file is part of what is wrong
+      }
   }
   throw std::logic_error("unknown type of parameter");
 }

@@ -10,9 +10,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/graph_plan.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::bag {

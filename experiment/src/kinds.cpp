@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/record/playback.hpp"
-#include "spikeloop/config/weight_file.hpp"
-#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
@@ -109,7 +109,10 @@ Parameter limits() {
       "limits",
       "Least and greatest values of fields; velocities of a Twist without them have [-1, 1] m/s "
       "and [-3, 3] rad/s; none: no field has any",
-      {.type = ParameterType::list, .inner = {{.name = "end"}}, .count = 2, .example = "[-0.5, 0.5]"},
+      {.type = ParameterType::list,
+       .inner = {{.name = "end"}},
+       .count = 2,
+       .example = "[-0.5, 0.5]"},
       "{linear.x: [-0.5, 0.5]}");
   limits.choices = {kNoLimits};
   return limits;

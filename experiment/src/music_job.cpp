@@ -141,8 +141,7 @@ class Writer : JobWriter {
       }
       add(part, "fields", fmt::format("{}", fmt::join(paths, ",")));
     } else if (!rule.fields.empty() || rule.image) {
-      add(part, "sensor_mapping_filename",
-          as_file(part, "mapping", sensor_text(part), "json"),
+      add(part, "sensor_mapping_filename", as_file(part, "mapping", sensor_text(part), "json"),
           part.parameters.given("fields") ? "fields" : "image");
     }
     add(part, "initial", part.parameters.text("initial"));

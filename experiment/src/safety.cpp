@@ -74,18 +74,19 @@ Parameter emergency_stop_parameter() {
       .name = "emergency_stop",
       .type = ParameterType::map,
       .default_value = "/emergency_stop",
-      .text = "Topic over ROS on which true stops the robot and false releases it, or a map of more; "
-              "none",
+      .text =
+          "Topic over ROS on which true stops the robot and false releases it, or a map of more; "
+          "none",
       .inner = {text("topic", "/emergency_stop", "Its name; none: there is none"),
-          text("message", "std_msgs/Bool", "Its type"),
-          text("field", "data", "Path of the number that stops the robot when it is not 0"),
-          boolean("latched", "Once stopped, the robot stands until the run is over"),
-          boolean("required", "The robot stands while the topic has no publisher"),
-          {.name = "timeout",
-           .unit = "s",
-           .default_value = "0",
-           .minimum = 0,
-           .text = "Wall time without a message that stops the robot; 0: any"}},
+                text("message", "std_msgs/Bool", "Its type"),
+                text("field", "data", "Path of the number that stops the robot when it is not 0"),
+                boolean("latched", "Once stopped, the robot stands until the run is over"),
+                boolean("required", "The robot stands while the topic has no publisher"),
+                {.name = "timeout",
+                 .unit = "s",
+                 .default_value = "0",
+                 .minimum = 0,
+                 .text = "Wall time without a message that stops the robot; 0: any"}},
       .plain_key = "topic",
       .example = "{topic: /stop, required: true}"};
 }
@@ -95,13 +96,15 @@ Parameter override_parameter() {
       .name = "override",
       .type = ParameterType::map,
       .default_value = "",
-      .text = "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
-      .inner = {text("topic", "", "Its name; not given: that of the commands with _manual behind it"),
-          {.name = "timeout",
-           .unit = "s",
-           .default_value = "500 ms",
-           .minimum = 1e-3,
-           .text = "So long a manual command holds"}},
+      .text =
+          "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
+      .inner = {text("topic", "",
+                     "Its name; not given: that of the commands with _manual behind it"),
+                {.name = "timeout",
+                 .unit = "s",
+                 .default_value = "500 ms",
+                 .minimum = 1e-3,
+                 .text = "So long a manual command holds"}},
       .plain_key = "topic",
       .example = "{topic: /by_hand, timeout: 1 s}"};
 }

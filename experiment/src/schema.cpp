@@ -83,9 +83,9 @@ Json list(const ParameterDescription& parameter) {
 /// A map, or what may stand in its place.
 Json map(const ParameterDescription& parameter) {
   const bool any_key = parameter.inner.front().name == kAnyKey;
-  Json schema = any_key ? Json{{"type", "object"},
-                               {"additionalProperties", of_type(parameter.inner.front())}}
-                        : object_of(parameter.inner);
+  Json schema =
+      any_key ? Json{{"type", "object"}, {"additionalProperties", of_type(parameter.inner.front())}}
+              : object_of(parameter.inner);
   Json others = Json::array();
   if (!parameter.choices.empty()) {
     others.push_back(choice(parameter));

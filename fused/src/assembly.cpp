@@ -10,9 +10,9 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
-#include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -302,7 +302,8 @@ void Assembly::record(const std::string& folder) {
 }
 
 /// How old the data behind the first command of each message are.
-void Assembly::record_latency(const Part& part, ros_command::CommandEndpoint& command, const std::string& folder) {
+void Assembly::record_latency(const Part& part, ros_command::CommandEndpoint& command,
+                              const std::string& folder) {
   if (nearest_sensor(experiment_, part.name)) {
     command.on_latency([write = recorder_of(part, folder).value_writer("latency", "ms")](
                            TimeNs simulated, TimeNs latency) {

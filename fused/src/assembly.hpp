@@ -58,7 +58,8 @@ class Assembly {
   void open_bag(const std::string& folder);
   topics::Keep keep_messages(const experiment::Part& part);
   void record(const std::string& folder);
-  void record_latency(const experiment::Part& part, ros_command::CommandEndpoint& command, const std::string& folder);
+  void record_latency(const experiment::Part& part, ros_command::CommandEndpoint& command,
+                      const std::string& folder);
   record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 

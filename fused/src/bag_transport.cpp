@@ -5,8 +5,8 @@ namespace spikeloop::fused {
 BagTransport::Feed::Feed(bag::Reader& reader, const experiment::Part& sensor)
     : stream(reader.stream(sensor.parameters.text("topic"), sensor.name)),
       next(stream.next()),
-      publisher(session.publisher(sensor.parameters.text("topic"),
-                                  sensor.parameters.text("message"))) {}
+      publisher(
+          session.publisher(sensor.parameters.text("topic"), sensor.parameters.text("message"))) {}
 
 topics::Session& BagTransport::session(const experiment::Part& part) {
   if (part.role != experiment::Role::source) {

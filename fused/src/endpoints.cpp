@@ -34,11 +34,10 @@ Settings with_transport(Settings settings, Transport& transport, topics::Keep ke
 
 std::unique_ptr<topics::TopicSource> make_event_sensor(const Part& part, std::uint32_t width,
                                                        Transport& transport, topics::Keep keep) {
-  topics::EventSensorSettings settings{
-      .topic = part.parameters.text("topic"),
-      .events = experiment::event_settings(part.parameters),
-      .latency = from_seconds(part.parameters.number("latency")),
-      .from_begin = transport.clock() == CommandClock::lockstep};
+  topics::EventSensorSettings settings{.topic = part.parameters.text("topic"),
+                                       .events = experiment::event_settings(part.parameters),
+                                       .latency = from_seconds(part.parameters.number("latency")),
+                                       .from_begin = transport.clock() == CommandClock::lockstep};
   settings.events.width = width;
   return std::make_unique<topics::EventSensor>(
       transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
@@ -143,8 +142,7 @@ std::unique_ptr<ros_command::CommandEndpoint> make_command(const Experiment& exp
                                                            Transport& transport,
                                                            topics::Keep keep) {
   const ros_command::Address address{part.name, part.parameters.text("topic"),
-                                     part.mapping.message_type,
-                                     command::field_paths(part.mapping)};
+                                     part.mapping.message_type, command::field_paths(part.mapping)};
   auto command = std::make_unique<ros_command::CommandEndpoint>(
       transport.session(part), address, command_settings(experiment, part, map, transport.clock()),
       std::move(keep));

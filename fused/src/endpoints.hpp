@@ -21,9 +21,10 @@ std::unique_ptr<topics::TopicSource> make_sensor(const experiment::Experiment& e
 
 /// @param map channels to fields
 /// @throws Error as ros_command::CommandEndpoint.
-std::unique_ptr<ros_command::CommandEndpoint> make_command(
-    const experiment::Experiment& experiment, const experiment::Part& part,
-    const command::ComponentMap& map, Transport& transport, topics::Keep keep);
+std::unique_ptr<ros_command::CommandEndpoint> make_command(const experiment::Experiment& experiment,
+                                                           const experiment::Part& part,
+                                                           const command::ComponentMap& map,
+                                                           Transport& transport, topics::Keep keep);
 
 /// The connections that a command's spike_timeout speaks of.
 std::vector<const experiment::Link*> watched_spikes(const experiment::Experiment& experiment,

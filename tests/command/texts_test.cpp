@@ -38,6 +38,7 @@ TEST_F(TextsTest, every_reason_has_its_cause) {
             "a program of the job has died, or this one had been stopped (SIGCONT)");
   settings_.driver = "decoder.out";
   EXPECT_EQ(cause(StopReason::not_finite), "a value from 'decoder.out' is not a finite number");
+  EXPECT_EQ(cause(StopReason::no_value), "there is no value from 'decoder.out' to send (NaN)");
   EXPECT_EQ(cause(StopReason::terminated), "the run is over");
   EXPECT_EQ(cause(StopReason::ended), "the run is over");
 }

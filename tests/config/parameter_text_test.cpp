@@ -26,7 +26,7 @@ TEST(ParameterText, AlignsTheColumns) {
             "  dialect   choice      rma       rma|ma\n"
             "  gain      number      -0.5      -1 .. 1\n"
             "  n         integer     1         <= 7\n"
-            "  verbose   true|false  \"\"\n");
+            "  verbose   true|false  none\n");
 }
 
 TEST(ParameterText, LeavesOutEmptyColumns) {

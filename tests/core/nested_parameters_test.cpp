@@ -25,8 +25,8 @@ WrittenValue map(Entries entries) {
   return list(std::move(entries), "{...}");
 }
 
-/// pair: [1, 2]; stop: a topic, or {topic, timeout}; bounds: none, or {FIELD: [1, 2]}; fields: a list
-/// of paths, or of {path, scale}.
+/// pair: [1, 2]; stop: a topic, or {topic, timeout}; bounds: none, or {FIELD: [1, 2]}; fields: a
+/// list of paths, or of {path, scale}.
 std::vector<ParameterDescription> declared() {
   const ParameterDescription pair{.name = "pair",
                                   .type = kList,
@@ -102,9 +102,8 @@ TEST(NestedParameters, KeysOfTheUsersOwnKeepTheirOrder) {
 }
 
 TEST(NestedParameters, ListsOfMaps) {
-  const Parameters keys =
-      read("fields", list({{"", plain("x")},
-                           {"", map({{"path", plain("y")}, {"scale", plain("2")}})}}));
+  const Parameters keys = read(
+      "fields", list({{"", plain("x")}, {"", map({{"path", plain("y")}, {"scale", plain("2")}})}}));
   ASSERT_EQ(keys.entries("fields").size(), 2U);
   EXPECT_EQ(keys.entries("fields")[0].values.text("path"), "x");
   EXPECT_EQ(keys.entries("fields")[0].values.number("scale"), 1);

@@ -34,14 +34,14 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"mujoco}", "mujoco, camera: on}"}},
                   {"x.yaml:4:36: key 'camera': 'on' is no map; write  camera: {width: 64, height: "
                    "48}"}},
+        WrongFile{"a camera's keys",
+                  {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
+                  {"x.yaml:4:43: key 'camera': unknown key 'wdth'; did you mean 'width'?"}},
         WrongFile{
-            "a camera's keys",
-            {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
-            {"x.yaml:4:43: key 'camera': unknown key 'wdth'; did you mean 'width'?"}},
-        WrongFile{"a camera without a unit",
-                  {{"mujoco}", "mujoco, camera: {rate: 20}}"}},
-                  {"x.yaml:4:43: key 'camera': key 'rate': 20 has no unit; write for example  rate: "
-                   "20 Hz"}},
+            "a camera without a unit",
+            {{"mujoco}", "mujoco, camera: {rate: 20}}"}},
+            {"x.yaml:4:43: key 'camera': key 'rate': 20 has no unit; write for example  rate: "
+             "20 Hz"}},
         WrongFile{"a camera that sees too much",
                   {{"mujoco}", "mujoco, camera: {fov: 200 deg}}"}},
                   {"x.yaml:4:42: key 'camera': key 'fov': 200 is out of bounds; write a value from "

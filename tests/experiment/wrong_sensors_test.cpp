@@ -54,10 +54,9 @@ INSTANTIATE_TEST_SUITE_P(
              "for sensor_msgs/LaserScan; write 'fields' with the fields to take"}),
         sensor("picture that is no map", "message: sensor_msgs/Image, image: small",
                {"x.yaml:6:77: key 'image': 'small' is no map; write  image: {resize: [40, 30]}"}),
-        sensor(
-            "type without a rule", "message: sensor_msgs/JointState",
-            {"x.yaml:6:51: message type sensor_msgs/JointState has no usual fields; write in "
-             "'fields' the paths of those to take"}),
+        sensor("type without a rule", "message: sensor_msgs/JointState",
+               {"x.yaml:6:51: message type sensor_msgs/JointState has no usual fields; write in "
+                "'fields' the paths of those to take"}),
         command("unknown type of a command", "message: sensor_msgs/JointStat, fields: {a: 0}",
                 {"x.yaml:10:57: unknown message type 'sensor_msgs/JointStat'; did you mean "
                  "'sensor_msgs/JointState'?"}),

@@ -133,7 +133,7 @@ def not_a_number(spikeloop, scratch):
     file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
     summary, printed = runs.run(spikeloop, file, scratch / "nan", "--duration", "2")
     assert printed.count(": the robot is stopped: ") == 1, printed
-    assert "s: the robot is stopped: a value from 'odd.out' is not a finite number" in printed, printed
+    assert "s: the robot is stopped: there is no value from 'odd.out' to send (NaN)" in printed, printed
     assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
 
 

@@ -164,9 +164,10 @@ TEST(SensorConversion, arrays_and_positions_are_raw) {
 }
 
 TEST(SensorConversion, types_without_a_rule_need_fields) {
-  EXPECT_EQ(error_of([] { conversion("std_msgs/Float64", 1); }),
-            "message type std_msgs/Float64 has no usual fields; write in 'fields' the paths of those to "
-            "take");
+  EXPECT_EQ(
+      error_of([] { conversion("std_msgs/Float64", 1); }),
+      "message type std_msgs/Float64 has no usual fields; write in 'fields' the paths of those to "
+      "take");
   auto c = conversion("std_msgs/Float64", 1, true, {"data"});
   c.convert(message("std_msgs/Float64", {"data"}, {{42}}));
   EXPECT_THAT(c.channels(), ElementsAre(42));

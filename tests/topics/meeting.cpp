@@ -54,8 +54,7 @@ class Ros1Meeting : public Meeting {
 /// A robot with a session of ours.
 class OwnMeeting : public Meeting {
  public:
-  OwnMeeting(topics::Session& session, topics::Session& robot)
-      : session_(session), robot_(robot) {}
+  OwnMeeting(topics::Session& session, topics::Session& robot) : session_(session), robot_(robot) {}
   topics::Session& session() override { return session_; }
 
   void publish_scan(const std::string& topic, const std::vector<float>& ranges, float range_min,

@@ -22,11 +22,15 @@ CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
       carrier_(std::move(carrier)),
       channel_(channel_settings(settings), carrier_.publish),
       feed_(feed_settings(settings), channel_),
-      interventions_(settings.emergency_stop, channel_),
-      watch_(settings.watchdog,
-             {[this](StopReason reason) { stop_from_watch(reason); },
-              [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted,
-              [this](TimeNs wall) { return beat(wall); }}) {}
+      interventions_(settings.emergency_stop, channel_) {
+  if (carrier_.watched) {
+    watch_.emplace(
+        settings.watchdog,
+        Watch::Actions{[this](StopReason reason) { stop_from_watch(reason); },
+                       [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted,
+                       [this](TimeNs wall) { return beat(wall); }});
+  }
+}
 
 CommandSink::~CommandSink() {
   stop(StopReason::terminated);
@@ -46,18 +50,18 @@ void CommandSink::send(const Step& step) {
     interventions_.apply(wall_now(), now());
   }
   const TimeNs due = feed_.take(step, now());
-  if (settings_.clock == CommandClock::wall) {
-    watch_.heartbeat(due);
-  } else {
+  if (settings_.clock != CommandClock::wall) {
     channel_.poll(now());
-    watch_.heartbeat();
+  }
+  if (watch_) {
+    watch_->heartbeat(settings_.clock == CommandClock::wall ? due : kNever);
   }
   announce();
 }
 
 void CommandSink::alive() {
-  if (ticked_) {
-    watch_.heartbeat();
+  if (ticked_ && watch_) {
+    watch_->heartbeat();
   }
 }
 
@@ -166,7 +170,9 @@ void CommandSink::stop(StopReason reason) {
     return;
   }
   stopped_ = true;
-  watch_.rest();
+  if (watch_) {
+    watch_->rest();
+  }
   channel_.stop(reason, now());
   carrier_.finish();
 }

@@ -10,7 +10,9 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
   const EmergencyStop& emergency = settings.emergency_stop;
   switch (reason) {
     case StopReason::no_value:
-      return "there is no value to send";
+      return settings.driver.empty()
+                 ? "there is no value to send"
+                 : fmt::format("there is no value from '{}' to send (NaN)", settings.driver);
     case StopReason::not_finite:
       return settings.driver.empty()
                  ? "a command has a value that is not a finite number"

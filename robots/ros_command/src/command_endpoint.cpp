@@ -65,7 +65,8 @@ CommandEndpoint::~CommandEndpoint() = default;
 
 command::CommandSink::Carrier CommandEndpoint::carrier() {
   command::CommandSink::Carrier carrier{.publish = [this](auto values) { publish(values); },
-                                        .finish = [this] { finish(); }};
+                                        .finish = [this] { finish(); },
+                                        .watched = !session_.local()};
   if (!session_.local()) {
     carrier.interrupted = [] { ::kill(::getpid(), SIGTERM); };
     carrier.beat = [this](TimeNs now) { return beat(now); };

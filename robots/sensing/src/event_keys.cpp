@@ -55,9 +55,9 @@ messages::EventSettings event_settings(const Parameters& parameters,
   settings.polarity = messages::polarity_named(parameters.text("polarity"));
   settings.downsample = static_cast<std::uint32_t>(parameters.integer("downsample"));
   if (const auto& roi = parameters.numbers("roi"); !roi.empty()) {
-    settings.region = messages::Region{
-        static_cast<std::uint32_t>(roi[0]), static_cast<std::uint32_t>(roi[1]),
-        static_cast<std::uint32_t>(roi[2]), static_cast<std::uint32_t>(roi[3])};
+    settings.region =
+        messages::Region{static_cast<std::uint32_t>(roi[0]), static_cast<std::uint32_t>(roi[1]),
+                         static_cast<std::uint32_t>(roi[2]), static_cast<std::uint32_t>(roi[3])};
     if (settings.region->width == 0 || settings.region->height == 0) {
       throw ConfigurationError(
           parameters.where("roi"),

@@ -22,27 +22,28 @@ Parameter number(const char* name, const char* value, const char* text) {
 }
 
 Parameter field() {
-  return {.name = "fields",
-          .type = ParameterType::map,
-          .inner = {{.name = "path", .type = ParameterType::text, .text = "Path of the field"},
-                    number("scale", "1", "Factor of its numbers"),
-                    number("offset", "0", "What is added to them then"),
-                    number("min", "", "Least value of the channel"),
-                    number("max", "", "Greatest value"),
-                    {.name = "range",
-                     .type = ParameterType::list,
-                     .default_value = "",
-                     .text = "What becomes -1 and 1, in place of these four",
-                     .inner = {{.name = "end"}},
-                     .count = 2,
-                     .example = "[0, 4]"},
-                    {.name = "nan",
-                     .type = ParameterType::text,
-                     .default_value = "pass",
-                     .text = "What becomes of a value that is not a number: pass, hold, skip, zero, "
-                             "or a number in its place"}},
-          .plain_key = "path",
-          .example = "[{path: ranges, scale: 2}]"};
+  return {
+      .name = "fields",
+      .type = ParameterType::map,
+      .inner = {{.name = "path", .type = ParameterType::text, .text = "Path of the field"},
+                number("scale", "1", "Factor of its numbers"),
+                number("offset", "0", "What is added to them then"),
+                number("min", "", "Least value of the channel"),
+                number("max", "", "Greatest value"),
+                {.name = "range",
+                 .type = ParameterType::list,
+                 .default_value = "",
+                 .text = "What becomes -1 and 1, in place of these four",
+                 .inner = {{.name = "end"}},
+                 .count = 2,
+                 .example = "[0, 4]"},
+                {.name = "nan",
+                 .type = ParameterType::text,
+                 .default_value = "pass",
+                 .text = "What becomes of a value that is not a number: pass, hold, skip, zero, "
+                         "or a number in its place"}},
+      .plain_key = "path",
+      .example = "[{path: ranges, scale: 2}]"};
 }
 
 /// [a, b] becomes [-1, 1].

@@ -77,7 +77,8 @@ class Parameters {
   bool boolean(std::string_view name) const;
   const std::string& text(std::string_view name) const;  ///< text and choice
   const WeightTable& weights(std::string_view name) const;
-  const std::vector<double>& numbers(std::string_view name) const;  ///< list of numbers; may be empty
+  const std::vector<double>& numbers(
+      std::string_view name) const;  ///< list of numbers; may be empty
   /// Of a map: its keys' values. An entry that is neither a map nor a list of maps has its value by
   /// the name of its description.
   const Parameters& map(std::string_view name) const;

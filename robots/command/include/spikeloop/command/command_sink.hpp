@@ -67,10 +67,13 @@ class CommandSink : public Sink {
   /// What carries the commands.
   struct Carrier {
     CommandChannel::Publish publish;
-    std::function<void()> finish;       ///< nothing more comes: waits until all is on its way
+    std::function<void()> finish;         ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted{};  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
     std::function<void()> require{};           ///< throws in the loop when nothing leaves any more
+    /// A thread stops the robot when the loop hangs or the process is told to end. Without it the
+    /// process's signals stay its own.
+    bool watched = true;
   };
 
   CommandSink(const CommandSettings& settings, Carrier carrier);
@@ -129,7 +132,7 @@ class CommandSink : public Sink {
   CommandChannel channel_;
   CommandFeed feed_;
   Interventions interventions_;
-  Watch watch_;
+  std::optional<Watch> watch_;  ///< the last: it uses all the rest
 };
 
 }  // namespace spikeloop::command
