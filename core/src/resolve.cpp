@@ -186,8 +186,7 @@ Parameters::Value parse_list(const ParameterDescription& list, const WrittenValu
     refuse_shape(list, written, "no list");
   }
   const auto entries = written.is_list() ? written.entries() : split(written);
-  const bool given = !written.text.empty();
-  if (given && (entries.empty() || (list.count != 0 && entries.size() != list.count))) {
+  if (entries.empty() || (list.count != 0 && entries.size() != list.count)) {
     refuse_shape(list, written,
                  list.count == 0 ? "an empty list" : fmt::format("no list of {}", list.count));
   }
@@ -266,9 +265,13 @@ Parameters::Value parse(const ParameterDescription& parameter, const WrittenValu
   throw std::logic_error("unknown type of parameter");
 }
 
-/// A number that is not written and has no default has no value.
-bool may_be_absent(const ParameterDescription& parameter) {
-  return is_numeric(parameter) && parameter.default_value && parameter.default_value->empty();
+bool has_empty_default(const ParameterDescription& parameter) {
+  return parameter.default_value && parameter.default_value->empty();
+}
+
+Parameters::Value empty_list(const ParameterDescription& list) {
+  return is_numeric(list.inner.front()) ? Parameters::Value(std::vector<double>{})
+                                        : Parameters::Value(Parameters::Entries{});
 }
 
 }  // namespace
@@ -284,7 +287,11 @@ Parameters resolve(const std::vector<ParameterDescription>& declared, const Writ
       throw ConfigurationError(fmt::format("key '{}' is missing ({}); write  {} = ...",
                                            parameter.name, parameter.text, parameter.name));
     }
-    if (!given && may_be_absent(parameter)) {
+    if (!given && has_empty_default(parameter) && is_numeric(parameter)) {
+      continue;  // it has no value
+    }
+    if (!given && has_empty_default(parameter) && parameter.type == ParameterType::list) {
+      parameters.set(parameter.name, empty_list(parameter), false);
       continue;
     }
     const WrittenValue value = given ? found->second : WrittenValue{*parameter.default_value, {}};

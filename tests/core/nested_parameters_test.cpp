@@ -115,6 +115,8 @@ TEST(NestedParameters, ListsOfMaps) {
 TEST(NestedParameters, WhatIsWrongHasItsPlace) {
   EXPECT_EQ(error_of("pair", plain("1")),
             "f:1:1: key 'pair': '1' is no list of 2; write  pair: [1, 2]");
+  EXPECT_EQ(error_of("pair", plain("")),
+            "f:1:1: key 'pair': '' is no list of 2; write  pair: [1, 2]");
   EXPECT_EQ(error_of("pair", map({})),
             "f:1:1: key 'pair': '{...}' is no list; write  pair: [1, 2]");
   EXPECT_EQ(error_of("pair", list({{"", plain("1")}, {"", plain("-1", 4)}})),

@@ -29,7 +29,10 @@ WrittenValue written(const std::string& text, int line) {
 }
 
 SensorRule rule_of(const std::string& fields, const std::string& image = "") {
-  WrittenValues keys{{"fields", written(fields, 3)}};
+  WrittenValues keys;
+  if (!fields.empty()) {
+    keys["fields"] = written(fields, 3);
+  }
   if (!image.empty()) {
     keys["image"] = written(image, 4);
   }
