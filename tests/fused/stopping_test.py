@@ -141,7 +141,7 @@ def old_data(spikeloop, scratch):
     """A scan comes every 50 ms; data that are older than 10 ms stop the robot, which is printed once
     a second at most. With the next scan it goes on."""
     file = runs.new_experiment(spikeloop, scratch / "old.yaml", sync="lockstep")
-    file.write_text(file.read_text().replace("  wheels:\n", "  wheels:\n    max_age: 10 ms\n"))
+    file.write_text(file.read_text().replace("  wheels:\n", "  wheels:\n    max_age: 10 ms\n    sensor_timeout: 1 s\n"))
     summary, printed = runs.run(spikeloop, file, scratch / "old", "--duration", "2")
     assert summary["counters"]["wheels.stops_data_too_old"] >= 38, summary
     assert summary["counters"]["wheels.resumed"] >= 38, summary

@@ -125,7 +125,7 @@ def messages(spikeloop, folder):
             (pair("ros_event_sensor_adapter", "linear_decoder"), 1,
              "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/dvs/events"),
             (pair("ros_event_sensor_adapter", "linear_decoder", "ros_topic=/e\nroi=1,2\n"), 1,
-             "x.music:5:1: '1,2' is no region of pixels; write x,y,width,height"),
+             "x.music:5:1: key 'roi': '1,2' is no list of 4"),
             (pair("ros_sensor_adapter"), 1,
              "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/scan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/scan\n"), 1,

@@ -264,7 +264,10 @@ void NodeImporter::import_event_sensor(const MusicSection& section) {
     }
   }
   if (const MusicKey* roi = find(section, "roi"); roi != nullptr && !roi->value.empty()) {
-    add("roi", fmt::format("[{}]", roi->value));
+    const auto declared =
+        std::ranges::find(node_.description->parameters, "roi", &ParameterDescription::name);
+    resolve({*declared}, {{"roi", {roi->value, roi->where}}}, {});  // says what is wrong
+    add("roi", roi->value.starts_with('[') ? roi->value : fmt::format("[{}]", roi->value));
   }
 }
 
