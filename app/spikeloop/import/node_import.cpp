@@ -266,8 +266,8 @@ void NodeImporter::import_event_sensor(const MusicSection& section) {
   if (const MusicKey* roi = find(section, "roi"); roi != nullptr && !roi->value.empty()) {
     const auto declared =
         std::ranges::find(node_.description->parameters, "roi", &ParameterDescription::name);
-    resolve({*declared}, {{"roi", {roi->value, roi->where}}}, {});  // says what is wrong
-    add("roi", roi->value.starts_with('[') ? roi->value : fmt::format("[{}]", roi->value));
+    const Parameters keys = resolve({*declared}, {{"roi", {roi->value, roi->where}}}, {});
+    add("roi", fmt::format("[{}]", fmt::join(keys.numbers("roi"), ", ")));
   }
 }
 
