@@ -127,12 +127,6 @@ std::vector<WrittenEntry> split(const WrittenValue& list) {
   return entries;
 }
 
-void require_unit(const ParameterDescription& parameter, const WrittenValue& written) {
-  if (const std::string missing = missing_unit(parameter, written); !missing.empty()) {
-    throw ConfigurationError(written.where, fmt::format("key '{}': {}", parameter.name, missing));
-  }
-}
-
 void check_names(const std::vector<ParameterDescription>& declared, const WrittenValues& written,
                  const std::vector<std::string>& ignored) {
   const std::vector<std::string> names = names_of(declared);
@@ -157,7 +151,7 @@ Parameters parse_keys(const ParameterDescription& map, const std::vector<Written
   for (const ParameterDescription& declared : map.inner) {
     const auto value = written.find(declared.name);
     if (value != written.end()) {
-      require_unit(declared, value->second);
+      demand_unit("", declared, value->second);
     } else if (!declared.default_value) {
       throw ConfigurationError(fmt::format("key '{}' is missing ({}); write  {}", declared.name,
                                            declared.text, example_of(map)));
@@ -179,6 +173,11 @@ Parameters::Entry parse_entry(const ParameterDescription& each, const WrittenEnt
   return result;
 }
 
+Parameters::Value empty_list(const ParameterDescription& list) {
+  return is_numeric(list.inner.front()) ? Parameters::Value(std::vector<double>{})
+                                        : Parameters::Value(Parameters::Entries{});
+}
+
 Parameters::Value parse_list(const ParameterDescription& list, const WrittenValue& written,
                              const WeightLoader& load_weights) {
   const ParameterDescription& each = list.inner.front();
@@ -190,21 +189,20 @@ Parameters::Value parse_list(const ParameterDescription& list, const WrittenValu
     refuse_shape(list, written,
                  list.count == 0 ? "an empty list" : fmt::format("no list of {}", list.count));
   }
-  std::vector<double> numbers;
-  Parameters::Entries maps;
+  Parameters::Value result = empty_list(list);
+  auto* const numbers = std::get_if<std::vector<double>>(&result);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     within(entries[i].value.where, fmt::format("entry {}", i + 1), [&] {
       Parameters::Entry entry = parse_entry(each, entries[i], load_weights);
-      if (is_numeric(each)) {
-        numbers.push_back(entry.values.number(each.name));
+      if (numbers != nullptr) {
+        numbers->push_back(entry.values.number(each.name));
       } else {
-        maps.push_back(std::move(entry));
+        std::get<Parameters::Entries>(result).push_back(std::move(entry));
       }
       return 0;
     });
   }
-  return is_numeric(each) ? Parameters::Value(std::move(numbers))
-                          : Parameters::Value(std::move(maps));
+  return result;
 }
 
 Parameters::Value parse_map(const ParameterDescription& map, const WrittenValue& written,
@@ -265,15 +263,6 @@ Parameters::Value parse(const ParameterDescription& parameter, const WrittenValu
   throw std::logic_error("unknown type of parameter");
 }
 
-bool has_empty_default(const ParameterDescription& parameter) {
-  return parameter.default_value && parameter.default_value->empty();
-}
-
-Parameters::Value empty_list(const ParameterDescription& list) {
-  return is_numeric(list.inner.front()) ? Parameters::Value(std::vector<double>{})
-                                        : Parameters::Value(Parameters::Entries{});
-}
-
 }  // namespace
 
 Parameters resolve(const std::vector<ParameterDescription>& declared, const WrittenValues& written,
@@ -287,10 +276,11 @@ Parameters resolve(const std::vector<ParameterDescription>& declared, const Writ
       throw ConfigurationError(fmt::format("key '{}' is missing ({}); write  {} = ...",
                                            parameter.name, parameter.text, parameter.name));
     }
-    if (!given && has_empty_default(parameter) && is_numeric(parameter)) {
+    const bool empty = !given && parameter.default_value->empty();
+    if (empty && is_numeric(parameter)) {
       continue;  // it has no value
     }
-    if (!given && has_empty_default(parameter) && parameter.type == ParameterType::list) {
+    if (empty && parameter.type == ParameterType::list) {
       parameters.set(parameter.name, empty_list(parameter), false);
       continue;
     }

@@ -14,22 +14,17 @@ bool has_unit(const ParameterDescription& parameter) {
 
 }  // namespace
 
-std::string missing_unit(const ParameterDescription& parameter, const WrittenValue& written) {
+void demand_unit(const std::string& what, const ParameterDescription& parameter,
+                 const WrittenValue& written) {
   const std::string& text = written.text;
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   const bool bare = !text.empty() && *end == '\0';
-  return bare && number != 0 && has_unit(parameter)
-             ? fmt::format("{1} has no unit; write for example  {0}: {1} {2}", parameter.name, text,
-                           parameter.unit)
-             : "";
-}
-
-void demand_unit(const std::string& what, const ParameterDescription& parameter,
-                 const WrittenValue& written) {
-  if (const std::string missing = missing_unit(parameter, written); !missing.empty()) {
-    throw ConfigurationError(written.where,
-                             fmt::format("{}: key '{}': {}", what, parameter.name, missing));
+  if (bare && number != 0 && has_unit(parameter)) {
+    throw ConfigurationError(
+        written.where,
+        fmt::format("{0}key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
+                    what.empty() ? "" : what + ": ", parameter.name, text, parameter.unit));
   }
 }
 

@@ -103,6 +103,9 @@ TimeNs CommandEndpoint::beat(TimeNs now) {
 
 /// In the loop.
 void CommandEndpoint::keep_sent() {
+  if (!keep_) {
+    return;
+  }
   std::vector<std::vector<std::byte>> messages;
   {
     const std::lock_guard lock(sending_);
