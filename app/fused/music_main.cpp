@@ -1,11 +1,13 @@
-// spikeloop-fused-music: the nodes of an experiment that has simulators beside them, in one
-// process, a section of the job that `spikeloop run` makes of the experiment.
+// spikeloop-fused-music: the nodes of an experiment that share a process, beside simulators and
+// other such processes. It is a section of the job that `spikeloop run` makes of the experiment,
+// and has the name of its process.
+#include <algorithm>
 #include <cstdlib>
 
-#include "music_simulators.hpp"
+#include "music_processes.hpp"
 #include "ros_transport.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/process/music_main.hpp"
@@ -34,6 +36,7 @@ std::vector<ParameterDescription> own_parameters() {
            .default_value = "60",
            .minimum = 0,
            .text = "longest wall time that a stepped robot may take to answer; 0: any"},
+          text("layout", "", "fused, in place of the experiment's layout"),
           text("about", "", "what resolved.json says beside the experiment, JSON"),
           text("replay_origin", "", "of a replay: the file that was run"),
           text("replay_bag", "", "of a replay: the messages in the robot's place")};
@@ -42,8 +45,8 @@ std::vector<ParameterDescription> own_parameters() {
 music::ProgramText program_text() {
   music::ProgramText text;
   text.name = "spikeloop-fused-music";
-  text.summary = "The nodes of an experiment in one process, beside simulators";
-  text.ports = "  as the experiment's connections with its simulators\n";
+  text.summary = "The nodes of an experiment that share a process, beside others";
+  text.ports = "  as the experiment's connections with its other processes\n";
   text.parameters = own_parameters();
   text.example = "  spikeloop run FILE.yaml  writes its section\n";
   return text;
@@ -59,6 +62,9 @@ experiment::Overrides overrides_of(const Parameters& keys, const music::CommonKe
   overrides.sync = experiment::sync_named(keys.text("wait_for"));
   overrides.ros = experiment::ros_named(keys.text("ros"));
   overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
+  if (!keys.text("layout").empty()) {
+    overrides.layout = keys.text("layout");
+  }
   if (!keys.text("replay_origin").empty()) {
     overrides.replay = {keys.text("replay_origin"), keys.text("replay_bag")};
   }
@@ -69,32 +75,49 @@ bool over_ros(const Parameters& keys) {
   return keys.text("ros") != "none";
 }
 
-fused::RunOptions options_of(const Parameters& keys, const music::CommonKeys& common) {
+fused::RunOptions options_of(const Parameters& keys, const music::Process& process) {
   const char* const folder = std::getenv("SPIKELOOP_OUT");
   return {.folder = folder == nullptr ? "" : folder,
-          .record = common.record,
+          .record = process.common().record,
+          .process = process.label(),
           .about = nlohmann::json::parse(keys.text("about"), nullptr, false)};
 }
 
+/// The one that writes down the robot's path.
+std::string first_at_robot(const experiment::Experiment& experiment) {
+  const auto processes = node_processes(experiment);
+  return *std::ranges::find_if(
+      processes, [&](const std::string& process) { return meets_robot(experiment, process); });
+}
+
+/// The watch of a command over ROS takes the signals of its process.
+bool watches(const experiment::Experiment& experiment, const std::string& process) {
+  return experiment.ros != experiment::Ros::none &&
+         std::ranges::any_of(experiment.parts, [&](const experiment::Part& part) {
+           return part.kind == experiment::kRosCommand &&
+                  process_of(experiment, part.name) == process;
+         });
+}
+
 fused::RunResult run_experiment(const experiment::Experiment& experiment, music::Process& process,
-                                const Parameters& keys, MusicSimulators& simulators) {
+                                const Parameters& keys, MusicProcesses& others) {
   const auto stop = [] { return status::stop_requested(); };
   const fused::RunEvents events{
-      .progress = [&](const fused::Progress& progress) { simulators.take(progress); },
-      .stop = stop};
-  const fused::RunOptions options = options_of(keys, process.common());
-  if (!over_ros(keys)) {
-    return fused::run(experiment, options, events, &simulators);
+      .progress = [&](const fused::Progress& progress) { others.take(progress); }, .stop = stop};
+  const fused::RunOptions options = options_of(keys, process);
+  if (!over_ros(keys) || !meets_robot(experiment, process.label())) {
+    return fused::run(experiment, options, events, &others);
   }
   const auto enter = [&](bool waits) {
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
-  RosTransport transport(experiment, keys.text("ros_arguments"), options.folder,
+  const bool first = first_at_robot(experiment) == process.label();
+  RosTransport transport(experiment, keys.text("ros_arguments"), first ? options.folder : "",
                          {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }
-  return fused::run(experiment, transport, options, events, &simulators);
+  return fused::run(experiment, transport, options, events, &others);
 }
 
 int run(music::Process& process) {
@@ -103,21 +126,21 @@ int run(music::Process& process) {
   if (process.checking()) {
     return 0;  // whoever wrote the section has checked the experiment
   }
-  if (!over_ros(keys)) {
-    command::Watch::release_signals();
-  }
   const auto loaded =
       experiment::load(keys.text("experiment"), overrides_of(keys, common), fused::look_at_robot);
   if (!loaded->faults.empty()) {
     throw ConfigurationError(loaded->faults.front().text);
   }
-  const auto experiment = experiment::with_fused_delays(*loaded->experiment);
-  MusicSimulators simulators(process);
-  const fused::RunResult result = run_experiment(experiment, process, keys, simulators);
+  const auto experiment = experiment::with_layout_delays(*loaded->experiment);
+  if (!watches(experiment, process.label())) {
+    command::Watch::release_signals();
+  }
+  MusicProcesses others(process, experiment);
+  const fused::RunResult result = run_experiment(experiment, process, keys, others);
   if (result.exit_code != 0) {
     return music::end_job(process.label(), result.exit_code, result.reason);
   }
-  simulators.finish(result.summary);
+  others.finish(result.summary);
   return 0;
 }
 

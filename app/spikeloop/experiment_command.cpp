@@ -18,6 +18,7 @@
 #include "ros_arguments.hpp"
 #include "simulator_check.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
@@ -119,10 +120,10 @@ void refuse_spectators(const ExperimentArguments& arguments, const Experiment& e
     throw ConfigurationError(fmt::format(
         "{} shows a simulated robot, and this experiment has none; leave it out", name));
   }
-  if (experiment.ros == experiment::Ros::none && experiment::has_simulator(experiment)) {
+  if (experiment.ros == experiment::Ros::none && experiment::needs_music(experiment)) {
     throw ConfigurationError(fmt::format(
-        "{} cannot show the robot beside simulators without ROS; write  ros: 1  in the experiment, "
-        "or leave it out",
+        "{} cannot show the robot beside simulators, or in a layout of several processes, without "
+        "ROS; write  ros: 1  in the experiment, or leave it out",
         name));
   }
   arguments.spectators.options();  // what is wrong with them is said before there is a folder
@@ -149,10 +150,10 @@ int logged(RunLog& log, Run&& run) {
   }
 }
 
-void begin_log(RunLog& log, const Experiment& experiment, const char* layout) {
+void begin_log(RunLog& log, const Experiment& experiment) {
   log.write(fmt::format("spikeloop {}: {}, layout {}, sync {}, seed {}", SPIKELOOP_VERSION,
-                        experiment.path, layout, experiment::name_of(experiment.sync),
-                        experiment.seed));
+                        experiment.path, name_of(experiment.layout),
+                        experiment::name_of(experiment.sync), experiment.seed));
 }
 
 void say_which_signal(fused::RunResult& result) {
@@ -227,7 +228,7 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
 int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
   ExperimentFolder folder = folder_for(arguments, experiment);
   RunLog log(folder.path());
-  begin_log(log, experiment, "fused");
+  begin_log(log, experiment);
   folder.release();
   MusicFile file;
   file.path = experiment.path;
@@ -271,9 +272,9 @@ int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& e
 
 /// A job that lies in its run folder.
 int run_music_job(const ExperimentArguments& arguments, const Experiment& experiment,
-                  ExperimentFolder& folder, const WrittenJob& music, const char* layout) {
+                  ExperimentFolder& folder, const WrittenJob& music) {
   RunLog log(folder.path());
-  begin_log(log, experiment, layout);
+  begin_log(log, experiment);
   folder.release();
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
@@ -292,7 +293,7 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
   nlohmann::json resolved = fused::resolved_json(experiment);
   resolved.update(about_run(partners_of(experiment, true)));
   launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
-  return run_music_job(arguments, experiment, folder, music, "separate");
+  return run_music_job(arguments, experiment, folder, music);
 }
 
 /// What is wrong with the file comes first.
@@ -305,13 +306,22 @@ std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file
   return loaded;
 }
 
-/// What MUSIC asks of simulators beside the one process of the fused layout.
-void check_fused(experiment::Loaded& loaded) {
-  if (!loaded.faults.empty() || !experiment::has_simulator(*loaded.experiment)) {
+bool is_separate(const Experiment& experiment) {
+  return experiment.layout.kind == experiment::Layout::Kind::separate;
+}
+
+/// What MUSIC asks of an experiment in several processes.
+void check_layout(experiment::Loaded& loaded) {
+  if (!loaded.faults.empty()) {
     return;
   }
+  const Experiment& experiment = *loaded.experiment;
   try {
-    experiment::fused_job(experiment::with_fused_delays(*loaded.experiment), "", {});
+    if (is_separate(experiment)) {
+      experiment::music_job(experiment, "");
+    } else if (experiment::needs_music(experiment)) {
+      experiment::process_job(experiment::with_layout_delays(experiment), "", {});
+    }
   } catch (const Error& error) {
     loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
   }
@@ -327,7 +337,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
                    Console::Volume volume, const robot::SpectatorOptions& spectators) {
   RunLog log(folder.path());
   log_file.store(log.descriptor());
-  begin_log(log, experiment, "fused");
+  begin_log(log, experiment);
   const fused::RunOptions options{.folder = folder.path(),
                                   .record = record,
                                   .spectators = spectators,
@@ -360,36 +370,35 @@ int run_experiment(const ExperimentArguments& arguments) {
   const Experiment& experiment = *loaded.experiment;
   refuse_own_recordings(experiment, arguments.folder);
   refuse_spectators(arguments, experiment);
-  check_ros_arguments(arguments.line, versions_of(experiment), arguments.layout == Layout::fused);
-  if (arguments.layout == Layout::separate) {
-    experiment::music_job(experiment, arguments.folder);  // what cannot be is refused before
+  check_ros_arguments(arguments.line, versions_of(experiment), !is_separate(experiment));
+  check_layout(loaded);  // what cannot be is refused before there is a folder
+  if (!loaded.faults.empty()) {
+    put(stderr, text_of("spikeloop", loaded.faults.front()));
+    return loaded.faults.front().exit_code;
+  }
+  if (is_separate(experiment)) {
     return run_separate(arguments, experiment);
   }
-  if (experiment::has_simulator(experiment)) {
-    check_fused(loaded);  // what cannot be is refused before there is a folder
-    if (!loaded.faults.empty()) {
-      put(stderr, text_of("spikeloop", loaded.faults.front()));
-      return loaded.faults.front().exit_code;
-    }
+  if (experiment::needs_music(experiment)) {
     ExperimentFolder folder = folder_for(arguments, experiment);
-    return run_with_simulators(arguments, experiment, folder);
+    return run_processes(arguments, experiment, folder);
   }
   if (experiment.ros != experiment::Ros::none) {
     return run_fused_over_ros(arguments, experiment);
   }
   if (!arguments.timeout_given.empty()) {
-    throw ConfigurationError(
-        fmt::format("{} is for runs in several processes (--layout separate,  ros,  a "
-                    "simulator), and this one has a single process; leave it out",
-                    arguments.timeout_given));
+    throw ConfigurationError(fmt::format(
+        "{} is for runs in several processes (layout,  ros,  a simulator), and this one "
+        "has a single process; leave it out",
+        arguments.timeout_given));
   }
   return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
                         arguments.volume, arguments.spectators.options());
 }
 
-int run_with_simulators(const ExperimentArguments& arguments, const Experiment& written,
-                        ExperimentFolder& folder) {
-  const Experiment experiment = experiment::with_fused_delays(written);
+int run_processes(const ExperimentArguments& arguments, const Experiment& written,
+                  ExperimentFolder& folder) {
+  const Experiment experiment = experiment::with_layout_delays(written);
   std::map<std::string, std::string> keys{
       {"about", about_run(partners_of(experiment, true)).dump()},
       {"stall_timeout",
@@ -399,8 +408,8 @@ int run_with_simulators(const ExperimentArguments& arguments, const Experiment& 
     keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
   }
   const WrittenJob music =
-      write_job(experiment::fused_job(experiment, folder.path(), keys), folder.path());
-  return run_music_job(arguments, experiment, folder, music, "fused");
+      write_job(experiment::process_job(experiment, folder.path(), keys), folder.path());
+  return run_music_job(arguments, experiment, folder, music);
 }
 
 WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
@@ -423,7 +432,7 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
 
 int check_experiment(const std::string& file, bool strict) {
   const auto loaded = load_with_simulators(file, {});
-  check_fused(*loaded);
+  check_layout(*loaded);
   if (!loaded->faults.empty()) {
     const int exit_code = tell_faults(file, loaded->faults);
     return exit_code == 0 && strict ? kWarningsOnly : exit_code;

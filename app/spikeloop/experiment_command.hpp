@@ -19,13 +19,10 @@ namespace spikeloop::app {
 /// By its name: .yaml or .yml.
 bool is_experiment(const std::string& file);
 
-enum class Layout { fused, separate };
-
 struct ExperimentArguments {
   std::string file;
   std::string folder;  ///< empty: runs/NAME-N
   bool record = true;
-  Layout layout = Layout::fused;
   experiment::Overrides overrides;
   /// Of a run in several processes.
   std::chrono::milliseconds start_timeout{60'000};
@@ -48,9 +45,9 @@ int run_in_process(const experiment::Experiment& experiment, const ExperimentFol
                    bool record, Console::Volume volume,
                    const robot::SpectatorOptions& spectators = {});
 
-/// Runs an experiment with simulators, the fused layout, as a MUSIC job. Returns the exit code.
-int run_with_simulators(const ExperimentArguments& arguments,
-                        const experiment::Experiment& experiment, ExperimentFolder& folder);
+/// Runs an experiment whose layout has several processes as a MUSIC job. Returns the exit code.
+int run_processes(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
+                  ExperimentFolder& folder);
 
 /// A job in a folder.
 struct WrittenJob {

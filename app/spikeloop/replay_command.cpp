@@ -13,7 +13,7 @@
 #include "recorded_run.hpp"
 #include "spike_comparison.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/fused/run.hpp"
 
 namespace spikeloop::app::replay_command {
@@ -105,16 +105,19 @@ int replay(const Arguments& arguments) {
                          .real_time_factor = {},
                          .sync = experiment::Sync::unpaced,
                          .replay = run.replay};
+  if (run.resolved.value("layout", "fused") == "fused") {
+    once_more.overrides.layout = "fused";  // in place of what its file may say
+  }
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);
   if (!loaded->faults.empty()) {
     return loaded->faults.front().exit_code;
   }
-  const experiment::Experiment experiment = experiment::with_fused_delays(*loaded->experiment);
+  const experiment::Experiment experiment = experiment::with_layout_delays(*loaded->experiment);
   warn(doubts(run, fused::resolved_json(experiment)));
   ExperimentFolder made(arguments.folder, folder + "-replay");
-  const int exit_code = experiment::has_simulator(experiment)
-                            ? run_with_simulators(once_more, experiment, made)
+  const int exit_code = experiment::needs_music(experiment)
+                            ? run_processes(once_more, experiment, made)
                             : run_in_process(experiment, made, true, once_more.volume);
   return exit_code == 0 ? compare(run, made) : exit_code;
 }

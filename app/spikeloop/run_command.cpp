@@ -32,7 +32,7 @@ struct RunArguments {
   double stall_timeout_s = 60;
   std::string sync;
   std::string ros;
-  std::string layout = "fused";
+  std::string layout;
   robot::SpectatorWords spectators;
   bool no_record = false;
   bool no_pace = false;
@@ -162,10 +162,11 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
       .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
       ->check(CLI::IsMember({"realtime", "unpaced", "lockstep", "sim_time"}));
   command
-      .add_option("--layout", arguments.layout,
-                  "fused: all nodes in one process; separate: a process a node, joined by MUSIC")
-      ->check(CLI::IsMember({"fused", "separate"}))
-      ->capture_default_str();
+      .add_option(
+          "--layout", arguments.layout,
+          "fused: all nodes in one process; separate: a process a node, joined by MUSIC; in "
+          "place of the experiment's key")
+      ->check(CLI::IsMember({"fused", "separate"}));
   command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
   add_picture_options(command, arguments.spectators);
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
@@ -215,6 +216,9 @@ int run_file(const RunArguments& arguments) {
   if (!arguments.ros.empty()) {
     experiment.overrides.ros = experiment::ros_named(arguments.ros);
   }
+  if (!arguments.layout.empty()) {
+    experiment.overrides.layout = arguments.layout;
+  }
   experiment.volume = volume_of(arguments);
   experiment.spectators = arguments.spectators;
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);
@@ -224,7 +228,6 @@ int run_file(const RunArguments& arguments) {
       experiment.timeout_given = option->get_name();
     }
   }
-  experiment.layout = arguments.layout == "separate" ? Layout::separate : Layout::fused;
   experiment.line = arguments.line;
   return run_experiment(experiment);
 }

@@ -44,6 +44,12 @@ WrittenValue value_of(const Section& section, const std::string& key) {
   return {one_value(section, key), section.where(key)};
 }
 
+WrittenValue read_key(const Section& root, const ParameterDescription& key) {
+  return key.type == ParameterType::map
+             ? value_of(root, key.name)
+             : WrittenValue{one_value(root, key.name), root.where(key.name)};
+}
+
 bool is_name(const std::string& text) {
   return std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
@@ -55,13 +61,13 @@ class Reader {
   }
 
   ExperimentFile read(const YAML::Node& document) {
-    std::vector<std::string> known = names_of(experiment_parameters());
-    const std::vector<std::string> plain = known;
+    const auto declared = experiment_parameters();
+    std::vector<std::string> known = names_of(declared);
     known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
     const Section root(file_.path, "experiment", document, known, complain_);
-    for (const std::string& key : plain) {
-      if (root.has(key)) {
-        attempt([&] { file_.keys[key] = {one_value(root, key), root.where(key)}; });
+    for (const ParameterDescription& key : declared) {
+      if (root.has(key.name)) {
+        attempt([&] { file_.keys[key.name] = read_key(root, key); });
       }
     }
     attempt([&] { read_plugins(root); });

@@ -47,6 +47,18 @@ std::vector<ParameterDescription> experiment_parameters() {
        .default_value = "none",
        .choices = {"none", "1", "2"},
        .text = "What carries messages; none: memory, between this process and its own robot"},
+      {.name = "layout",
+       .type = ParameterType::map,
+       .default_value = "fused",
+       .choices = {"fused", "separate"},
+       .text =
+           "Which nodes share a process: fused (all of them), separate (none), or a map from names "
+           "of processes to lists of nodes; simulators have processes of their own",
+       .inner = {{.name = kAnyKey,
+                  .type = ParameterType::list,
+                  .inner = {{.name = "node", .type = ParameterType::text}},
+                  .example = "[encoder, decoder]"}},
+       .example = "{vision: [camera], control: [encoder, decoder, wheels]}"},
   };
 }
 

@@ -86,6 +86,9 @@ struct Trial {
 void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
                    Faults& faults);
 
+/// The key `layout`. @param whole all nodes could be read
+void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults);
+
 /// Gives the ports whose width is open in `plan` the one that the node itself knows: by the rows
 /// and columns of its table, by the robot's message. Returns whether there was one; then `graph`
 /// has to be planned again.

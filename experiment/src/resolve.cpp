@@ -71,11 +71,11 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
 }
 
 /// A fault in one key leaves the others' checks alone: its default stands in.
-void read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
-               Faults& faults) {
+Parameters read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
+                     Faults& faults) {
   const std::size_t before = faults.count();
-  const Parameters keys = resolve_keys(
-      experiment_parameters(), {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
+  Parameters keys = resolve_keys(experiment_parameters(),
+                                 {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
   take_keys(file, keys, experiment, faults);
   if (overrides.duration_s) {
     experiment.duration = from_seconds(*overrides.duration_s);
@@ -88,6 +88,10 @@ void read_keys(const ExperimentFile& file, const Overrides& overrides, Experimen
   experiment.sync = overrides.sync.value_or(experiment.sync);
   experiment.ros = overrides.ros.value_or(experiment.ros);
   experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
+  if (overrides.layout) {
+    keys.set("layout", *overrides.layout);
+  }
+  return keys;
 }
 
 std::optional<Camera> camera_of(const Parameters& robot) {
@@ -323,7 +327,7 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   Experiment experiment;
   experiment.path = file.path;
   experiment.origin = origin_of(file, overrides);
-  read_keys(file, overrides, experiment, all);
+  const Parameters keys = read_keys(file, overrides, experiment, all);
   SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
   const auto bag = open_bag(experiment, all);
   if (bag) {
@@ -341,6 +345,7 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     }
   }
   check_topics(experiment, whole, all);
+  resolve_layout(keys, file.joined, experiment, all);
   if (bag && !overrides.replay) {
     check_bag(*bag, whole, experiment, all);
   }

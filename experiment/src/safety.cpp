@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "faults.hpp"
@@ -181,6 +182,39 @@ std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::
     }
   }
   return links;
+}
+
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
+  return spike_timeout(command) == 0 ? std::vector<const Link*>{}
+                                     : spikes_behind(experiment, command.name);
+}
+
+std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
+  // Dijkstra, against the connections' direction.
+  std::map<std::string, std::uint64_t> distance{{node, 0}};
+  std::set<std::string> done;
+  for (;;) {
+    std::string nearest;
+    for (const auto& [name, delay] : distance) {
+      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
+        nearest = name;
+      }
+    }
+    if (nearest.empty()) {
+      return std::nullopt;
+    }
+    if (experiment.part(nearest).kind == kRosSensor) {
+      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
+    }
+    done.insert(nearest);
+    for (const Link& link : experiment.links) {
+      if (node_of(link.to) == nearest) {
+        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
+        const auto [known, is_new] = distance.emplace(node_of(link.from), delay);
+        known->second = std::min(known->second, delay);
+      }
+    }
+  }
 }
 
 }  // namespace spikeloop::experiment

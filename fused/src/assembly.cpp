@@ -14,7 +14,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/reason.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
-#include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
@@ -31,6 +31,7 @@ using experiment::Role;
 
 constexpr std::string_view kSender = " sender";
 constexpr std::string_view kRecord = "record ";
+constexpr std::string_view kSent = " sent";
 
 /// A sensor whose errors name its node and its place in the file.
 class NamedSource : public Source {
@@ -53,18 +54,13 @@ class NamedSource : public Source {
   const Part& part_;
 };
 
-/// A simulator's port is an element of its own, "brain out", and its end "brain out.out".
-std::string element_of(const std::string& simulator_end) {
-  return fmt::format("{} {}", experiment::node_of(simulator_end),
-                     experiment::port_of(simulator_end));
-}
-std::string element_end(const std::string& simulator_end) {
-  return fmt::format("{}.{}", element_of(simulator_end), experiment::port_of(simulator_end));
+/// A port of another process's is an element of its own: "brain out", with the end "brain out.out".
+std::string element_of(const std::string& end) {
+  return fmt::format("{} {}", experiment::node_of(end), experiment::port_of(end));
 }
 
-/// A command is a node that maps, and what sends behind it.
-std::string sender_of(const Part& part) {
-  return part.name + std::string(kSender);
+std::string sender_of(const std::string& command) {
+  return command + std::string(kSender);
 }
 
 /// Bags are those of ROS 1, whatever the robot speaks. None, and a warning: ROS 1 does not know
@@ -88,6 +84,10 @@ bool is_recording(std::string_view element) {
   return element.starts_with(kRecord);
 }
 
+bool is_sent(std::string_view end) {
+  return end.substr(0, end.find('.')).ends_with(kSent);
+}
+
 std::string name_in_file(std::string_view element) {
   std::string name(element);
   if (const auto blank = name.find(' '); blank != std::string::npos) {
@@ -100,16 +100,21 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
                    const std::string& folder)
     : experiment_(experiment),
       transport_(surroundings.transport),
-      simulators_(surroundings.simulators) {
+      others_(surroundings.others),
+      process_(surroundings.process) {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
   if (!folder.empty()) {
     open_bag(folder);
   }
   for (const Part& part : experiment.parts) {
-    add_part(part);
+    if (is_here(part.name)) {
+      add_part(part);
+    }
   }
-  add_links();
+  for (const Link& edge : edges(experiment)) {
+    add_edge(edge);
+  }
   if (!folder.empty()) {
     record(folder);
   }
@@ -135,7 +140,7 @@ void Assembly::add_part(const Part& part) {
       add_command(part);
       return;
     case Role::simulator:
-      return;  // its connections are what there is of it here
+      return;  // is never here
   }
 }
 
@@ -146,39 +151,70 @@ void Assembly::add_command(const Part& part) {
   commands_.push_back(make_command(experiment_, part, map, transport_, keep_messages(part)));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
-  description_.sinks.push_back({sender_of(part), commands_.back().get()});
+  description_.sinks.push_back({sender_of(part.name), commands_.back().get()});
   description_.connections.push_back(
-      {part.name + ".out", sender_of(part) + ".command", fields, 0, part.where});
-  if (const auto upstream = nearest_sensor(experiment_, part.name)) {
-    // The time at which the data behind a command came takes as long as these data.
-    description_.connections.push_back({upstream->sensor + ".pace", sender_of(part) + ".pace", 1,
-                                        upstream->delay_ticks, part.where});
-  }
-  add_watched(part);
+      {part.name + ".out", sender_of(part.name) + ".command", fields, 0, part.where});
 }
 
-void Assembly::add_watched(const Part& part) {
-  std::size_t i = 0;
-  for (const Part* sensor : experiment::sensors_behind(experiment_, part.name)) {
-    // Without the delay of the data: that a sensor is silent is no matter of how far they are.
-    description_.connections.push_back({sensor->name + ".pace",
-                                        fmt::format("{}.sensor_{}", sender_of(part), i++), 1, 0,
-                                        part.where});
-  }
-  i = 0;
-  for (const Link* link : watched_spikes(experiment_, part)) {
-    const bool outside = is_simulator_end(experiment_, link->from);
-    description_.connections.push_back(
-        {end_of(*link), fmt::format("{}.spikes_{}", sender_of(part), i++), link->width,
-         outside ? fused_edge_delay(experiment_, *link) : link->delay_ticks.value_or(0),
-         part.where});
+bool Assembly::is_here(const std::string& end) const {
+  return process_of(experiment_, experiment::node_of(end)) == process_;
+}
+
+void Assembly::add_edge(const Link& edge) {
+  const bool from_here = is_here(edge.from);
+  if (is_here(edge.to)) {
+    connect(from_here ? edge.from : source_of(edge), end_here(edge.to), edge, waiting(edge));
+  } else if (from_here) {
+    send(edge);
   }
 }
 
-/// In the run folder of an experiment that has topics.
+void Assembly::connect(const std::string& from, const std::string& to, const Link& edge,
+                       std::uint32_t delay) {
+  description_.connections.push_back({from, to, edge.width, delay, edge.where});
+}
+
+/// What MUSIC does not have of its delay.
+std::uint32_t Assembly::waiting(const Link& edge) const {
+  return edge.delay_ticks.value_or(0) - music_delay(experiment_, edge);
+}
+
+/// A command is a node, with the port `in`, and what sends behind it, with all others.
+std::string Assembly::end_here(const std::string& end) const {
+  const std::string node = experiment::node_of(end);
+  const bool to_sender =
+      experiment_.part(node).role == Role::sink && experiment::port_of(end) != "in";
+  return to_sender ? fmt::format("{}.{}", sender_of(node), experiment::port_of(end)) : end;
+}
+
+/// One for all edges that begin there.
+std::string Assembly::source_of(const Link& edge) {
+  const std::string element = element_of(edge.from);
+  if (outside_.insert(element).second) {
+    sources_.push_back(others_->source(edge));
+    description_.sources.push_back({element, sources_.back().get()});
+  }
+  return fmt::format("{}.{}", element, experiment::port_of(edge.from));
+}
+
+void Assembly::send(const Link& edge) {
+  const bool to_simulator = is_simulator_end(experiment_, edge.to);
+  const std::string& end = to_simulator ? edge.to : edge.from;
+  const std::string element = element_of(end) + std::string(to_simulator ? "" : kSent);
+  if (outside_.insert(element).second) {
+    sinks_.push_back(others_->sink(edge));
+    description_.sinks.push_back({element, sinks_.back().get()});
+    // Into another graph it waits there.
+    connect(edge.from, fmt::format("{}.{}", element, experiment::port_of(end)), edge,
+            to_simulator ? waiting(edge) : 0);
+  }
+}
+
+/// In the run folder of an experiment whose topics are all here.
 void Assembly::open_bag(const std::string& folder) {
   const auto has_topic = [](const Part& part) { return experiment::has_topic(part.kind); };
-  if (std::ranges::any_of(experiment_.parts, has_topic)) {
+  if (std::ranges::any_of(experiment_.parts, has_topic) && one_meets_robot(experiment_) &&
+      meets_robot(experiment_, process_)) {
     messages_ = std::make_unique<bag::Recorder>(
         folder + "/" + kMessagesFile,
         bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
@@ -215,42 +251,6 @@ topics::Keep Assembly::keep_messages(const Part& part) {
       };
 }
 
-void Assembly::add_links() {
-  for (const Link& link : experiment_.links) {
-    if (is_simulator_end(experiment_, link.from) || is_simulator_end(experiment_, link.to)) {
-      add_link_outside(link);
-    } else {
-      description_.connections.push_back(
-          {link.from, link.to, link.width, link.delay_ticks.value_or(0), link.where});
-    }
-  }
-}
-
-void Assembly::add_link_outside(const Link& link) {
-  const bool from_outside = is_simulator_end(experiment_, link.from);
-  const bool to_outside = is_simulator_end(experiment_, link.to);
-  if (from_outside && to_outside) {
-    return;  // they have it between them
-  }
-  // An element a port, so that each is an end of MUSIC's of its own: "brain out.out".
-  const std::string& outside = from_outside ? link.from : link.to;
-  const std::string element = element_of(outside);
-  const std::string end = element_end(outside);
-  if (to_outside) {
-    sinks_.push_back(simulators_->input(link));
-    description_.sinks.push_back({element, sinks_.back().get()});
-  } else if (simulator_outputs_.insert(element).second) {
-    sources_.push_back(simulators_->output(link));
-    description_.sources.push_back({element, sources_.back().get()});
-  }
-  description_.connections.push_back({from_outside ? end : link.from, to_outside ? end : link.to,
-                                      link.width, fused_edge_delay(experiment_, link), link.where});
-}
-
-std::string Assembly::end_of(const Link& link) const {
-  return is_simulator_end(experiment_, link.from) ? element_end(link.from) : link.from;
-}
-
 record::Recorder& Assembly::recorder_of(const Part& part, const std::string& folder) {
   auto& recorder = recorders_[part.name];
   if (!recorder) {
@@ -275,8 +275,8 @@ void Assembly::record(const std::string& folder) {
     return fmt::format("{}{} {}", kRecord, part, stream);
   };
   for (const experiment::Output& output : experiment_.outputs) {
-    if (output.width == 0 || is_simulator(experiment_.part(output.part))) {
-      continue;  // a simulator's process records what it puts out
+    if (output.width == 0 || !is_here(output.part)) {
+      continue;  // its own process records what it puts out
     }
     record::Recorder& recorder = recorder_of(experiment_.part(output.part), folder);
     add_recording(fmt::format("{}.{}", output.part, output.port), name_of(output.part, output.port),
@@ -286,7 +286,7 @@ void Assembly::record(const std::string& folder) {
   }
   auto command = commands_.begin();
   for (const Part& part : experiment_.parts) {
-    if (part.role != Role::sink) {
+    if (part.role != Role::sink || !is_here(part.name)) {
       continue;
     }
     record_latency(part, **command++, folder);
@@ -304,7 +304,7 @@ void Assembly::record(const std::string& folder) {
 /// How old the data behind the first command of each message are.
 void Assembly::record_latency(const Part& part, ros_command::CommandEndpoint& command,
                               const std::string& folder) {
-  if (nearest_sensor(experiment_, part.name)) {
+  if (experiment::nearest_sensor(experiment_, part.name)) {
     command.on_latency([write = recorder_of(part, folder).value_writer("latency", "ms")](
                            TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);

@@ -11,7 +11,7 @@
 
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/experiment/experiment.hpp"
-#include "spikeloop/fused/simulators.hpp"
+#include "spikeloop/fused/other_processes.hpp"
 #include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::bag {
@@ -26,7 +26,9 @@ namespace spikeloop::fused {
 /// What the graph meets at its rim.
 struct Surroundings {
   Transport& transport;
-  Simulators* simulators = nullptr;  ///< none: the experiment has none
+  OtherProcesses* others = nullptr;  ///< none: there are no other processes
+  /// Whose nodes are in the graph.
+  std::string process{};
 };
 
 class Assembly {
@@ -48,13 +50,14 @@ class Assembly {
  private:
   void add_part(const experiment::Part& part);
   void add_command(const experiment::Part& part);
-  /// The ports of a command that watch what it depends on.
-  void add_watched(const experiment::Part& part);
-  /// An output in the graph: a simulator's is an element of its own.
-  std::string end_of(const experiment::Link& link) const;
-  void add_links();
-  /// A connection from a simulator, or to one.
-  void add_link_outside(const experiment::Link& link);
+  bool is_here(const std::string& end) const;
+  void add_edge(const experiment::Link& edge);
+  void connect(const std::string& from, const std::string& to, const experiment::Link& edge,
+               std::uint32_t delay);
+  std::uint32_t waiting(const experiment::Link& edge) const;
+  std::string end_here(const std::string& end) const;
+  std::string source_of(const experiment::Link& edge);
+  void send(const experiment::Link& edge);
   void open_bag(const std::string& folder);
   topics::Keep keep_messages(const experiment::Part& part);
   void record(const std::string& folder);
@@ -65,12 +68,13 @@ class Assembly {
 
   const experiment::Experiment& experiment_;
   Transport& transport_;
-  Simulators* simulators_;
+  OtherProcesses* others_;
+  std::string process_;
   GraphDescription description_;
   std::unique_ptr<bag::Recorder> messages_;  ///< before those who keep messages in it
   std::vector<std::unique_ptr<Source>> sources_;
-  std::vector<std::unique_ptr<Sink>> sinks_;  ///< that lead to simulators
-  std::set<std::string> simulator_outputs_;   ///< elements that have their source
+  std::vector<std::unique_ptr<Sink>> sinks_;  ///< that lead to other processes
+  std::set<std::string> outside_;             ///< elements that are ends of other processes
   std::vector<std::unique_ptr<ros_command::CommandEndpoint>> commands_;
   std::vector<std::unique_ptr<NodeClass>> classes_;
   std::map<std::string, std::unique_ptr<record::Recorder>> recorders_;  ///< by node
@@ -80,6 +84,9 @@ class Assembly {
 
 /// Whether an element of the graph is one of those that record.
 bool is_recording(std::string_view element);
+/// Whether an end is one of those that send to other processes, which count what reaches their
+/// nodes.
+bool is_sent(std::string_view end);
 /// "wheels.commands" of "wheels sender.commands", "brain.out" of "brain out.out": a node's several
 /// elements have its name in a file.
 std::string name_in_file(std::string_view element);

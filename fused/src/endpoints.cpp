@@ -1,8 +1,6 @@
 #include "endpoints.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "spikeloop/command/command_settings.hpp"
@@ -58,7 +56,7 @@ std::unique_ptr<topics::TopicSource> make_signal_sensor(const Part& part, std::u
 command::CommandSettings clock_settings(const Experiment& experiment, const Part& part,
                                         const command::ComponentMap& map, CommandClock clock) {
   const Parameters& keys = part.parameters;
-  const bool with_pace = nearest_sensor(experiment, part.name).has_value();
+  const bool with_pace = experiment::nearest_sensor(experiment, part.name).has_value();
   return clock == CommandClock::wall
              ? command::command_settings(keys, map, keys.number("command_rate"),
                                          {experiment.tick, experiment.real_time_factor}, with_pace)
@@ -90,41 +88,6 @@ command::CommandSettings command_settings(const Experiment& experiment, const Pa
 }
 
 }  // namespace
-
-/// Those that a command's spike_timeout speaks of.
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
-  return experiment::spike_timeout(command) == 0
-             ? std::vector<const Link*>{}
-             : experiment::spikes_behind(experiment, command.name);
-}
-
-std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
-  // Dijkstra, against the connections' direction.
-  std::map<std::string, std::uint64_t> distance{{node, 0}};
-  std::set<std::string> done;
-  for (;;) {
-    std::string nearest;
-    for (const auto& [name, delay] : distance) {
-      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
-        nearest = name;
-      }
-    }
-    if (nearest.empty()) {
-      return std::nullopt;
-    }
-    if (experiment.part(nearest).kind == experiment::kRosSensor) {
-      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
-    }
-    done.insert(nearest);
-    for (const Link& link : experiment.links) {
-      if (experiment::node_of(link.to) == nearest) {
-        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
-        const auto [known, is_new] = distance.emplace(experiment::node_of(link.from), delay);
-        known->second = std::min(known->second, delay);
-      }
-    }
-  }
-}
 
 std::unique_ptr<topics::TopicSource> make_sensor(const Experiment& experiment, const Part& part,
                                                  Transport& transport, topics::Keep keep) {

@@ -16,6 +16,7 @@
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::fused {
@@ -56,31 +57,33 @@ void write_results(Graph& graph, const std::string& folder) {
   }
 }
 
-std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, Transport& transport) {
-  if (experiment.sync == Sync::sim_time) {
+std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, const std::string& process,
+                                  Transport& transport) {
+  const bool waits = waits_for_clock(experiment, process);
+  if (waits && experiment.sync == Sync::sim_time) {
     return transport.pacer();
   }
-  return experiment.sync == Sync::realtime
+  return waits && experiment.sync == Sync::realtime
              ? make_realtime_pacer(experiment.real_time_factor, experiment.tick)
              : make_unpaced_pacer();
 }
 
 class Loop {
  public:
-  Loop(const Experiment& experiment, Transport& transport, Assembly& assembly,
-       Simulators* simulators, const RunEvents& events)
+  Loop(const Experiment& experiment, const Surroundings& surroundings, Assembly& assembly,
+       const RunEvents& events)
       : experiment_(experiment),
-        transport_(transport),
+        transport_(surroundings.transport),
         assembly_(assembly),
-        simulators_(simulators),
+        others_(surroundings.others),
         events_(events),
-        pacer_(make_pacer(experiment, transport)) {}
+        pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
   void run() {
     const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
     Graph& graph = assembly_.graph();
-    if (simulators_ != nullptr) {
-      simulators_->meet();
+    if (others_ != nullptr) {
+      others_->meet();
     }
     pacer_->start();
     while (graph.time() < duration) {
@@ -91,8 +94,8 @@ class Loop {
         return;  // perhaps while it waited
       }
       graph.step();
-      if (simulators_ != nullptr) {
-        simulators_->exchange();
+      if (others_ != nullptr) {
+        others_->exchange();
       }
       transport_.end(graph.time());
       if (events_.ticked) {
@@ -123,7 +126,7 @@ class Loop {
   const Experiment& experiment_;
   Transport& transport_;
   Assembly& assembly_;
-  Simulators* simulators_;
+  OtherProcesses* others_;
   const RunEvents& events_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs next_ = 0;
@@ -143,7 +146,7 @@ json counters_of(const Graph& graph) {
     }
   }
   for (const ConnectionReport& connection : graph.connections()) {
-    if (connection.spikes > 0 && !is_recording(connection.to)) {
+    if (connection.spikes > 0 && !is_recording(connection.to) && !is_sent(connection.to)) {
       const std::string name = name_in_file(connection.from) + "->" + name_in_file(connection.to);
       counters[name + ".spikes"] = connection.spikes;
       counters[name + ".late"] = connection.late;
@@ -165,12 +168,22 @@ void add_sum(const Experiment& experiment, const char* counter, const char* key,
   }
 }
 
+/// The first process that takes from a simulator counts its spikes.
+bool counts(const Experiment& experiment, const std::string& process, const std::string& from) {
+  const auto first = std::ranges::find_if(experiment.links, [&](const auto& link) {
+    return link.from == from && !experiment::is_simulator_end(experiment, link.to);
+  });
+  return experiment::is_simulator_end(experiment, from) && first != experiment.links.end() &&
+         process_of(experiment, experiment::node_of(first->to)) == process;
+}
+
 /// What reached nodes here, however many of them.
-void add_spikes_of_simulators(const Experiment& experiment, const Graph& graph, json& summary) {
+void add_spikes_of_simulators(const Experiment& experiment, const std::string& process,
+                              const Graph& graph, json& summary) {
   std::map<std::string, std::uint64_t> spikes;
   for (const ConnectionReport& connection : graph.connections()) {
     const std::string from = name_in_file(connection.from);
-    if (experiment::is_simulator_end(experiment, from)) {
+    if (counts(experiment, process, from)) {
       spikes[from] = std::max(spikes[from], connection.spikes);
     }
   }
@@ -179,10 +192,11 @@ void add_spikes_of_simulators(const Experiment& experiment, const Graph& graph, 
   }
 }
 
-json summary_of(const Experiment& experiment, const Assembly& assembly, const Graph& graph,
-                const Transport& transport, const Progress& progress) {
+json summary_of(const Experiment& experiment, const Surroundings& surroundings, Assembly& assembly,
+                const Progress& progress) {
+  const Graph& graph = assembly.graph();
   json summary{{"experiment", experiment.name},
-               {"layout", "fused"},
+               {"layout", name_of(experiment.layout)},
                {"sync", experiment::name_of(experiment.sync)},
                {"seed", experiment.seed},
                {"tick_ns", experiment.tick},
@@ -194,7 +208,7 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
   summary["real_time_factor"] =
       progress.wall > 0 ? to_seconds(progress.simulated) / to_seconds(progress.wall) : 0.0;
   summary.update(assembly.summary());
-  summary.update(transport.summary());
+  summary.update(surroundings.transport.summary());
   const auto is_network = [](const auto& part) { return part.kind == experiment::kNetwork; };
   const auto is_laser = [](const auto& part) {
     return part.kind == experiment::kRosSensor &&
@@ -202,7 +216,7 @@ json summary_of(const Experiment& experiment, const Assembly& assembly, const Gr
   };
   add_sum(experiment, "spikes", "spikes", is_network, summary);
   add_sum(experiment, "messages", "scans", is_laser, summary);
-  add_spikes_of_simulators(experiment, graph, summary);
+  add_spikes_of_simulators(experiment, surroundings.process, graph, summary);
   return summary;
 }
 
@@ -309,6 +323,7 @@ json resolved_json(const Experiment& experiment) {
               {"nodes", nodes},
               {"real_time_factor", experiment.real_time_factor},
               {"ros", experiment::name_of(experiment.ros)},
+              {"layout", name_of(experiment.layout)},
               {"connections", links}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {
@@ -331,18 +346,25 @@ json resolved_json(const Experiment& experiment) {
 }
 
 RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events,
-              Simulators* simulators) {
-  if (experiment.robot && !experiment.robot->bag.empty()) {
-    BagTransport transport(experiment.robot->bag);
-    return run(experiment, transport, options, events, simulators);
+              OtherProcesses* others) {
+  const bool elsewhere =
+      !options.process.empty() && !experiment::meets_robot(experiment, options.process);
+  const auto robot = elsewhere ? std::nullopt : experiment.robot;
+  if (robot && !robot->bag.empty()) {
+    BagTransport transport(robot->bag);
+    return run(experiment, transport, options, events, others);
   }
-  MemoryTransport transport(experiment.robot, options.folder, options.spectators);
-  return run(experiment, transport, options, events, simulators);
+  MemoryTransport transport(robot, options.folder, options.spectators);
+  return run(experiment, transport, options, events, others);
 }
 
 RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
-              const RunEvents& events, Simulators* simulators) {
-  if (!options.folder.empty()) {
+              const RunEvents& events, OtherProcesses* others) {
+  const std::string first = experiment::node_processes(experiment).front();
+  const Surroundings surroundings{transport, others,
+                                  options.process.empty() ? first : options.process};
+  const bool writes_files = !options.folder.empty() && surroundings.process == first;
+  if (writes_files) {
     json resolved = resolved_json(experiment);
     resolved["recorded"] = options.record;
     if (options.about.is_object()) {
@@ -351,8 +373,8 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     write_json(options.folder + "/resolved.json", resolved);
     copy_experiment(experiment, options.folder);
   }
-  Assembly assembly(experiment, {transport, simulators}, options.record ? options.folder : "");
-  Loop loop(experiment, transport, assembly, simulators, events);
+  Assembly assembly(experiment, surroundings, options.record ? options.folder : "");
+  Loop loop(experiment, surroundings, assembly, events);
   RunResult result;
   result.summary = json::object();
   attempt(result, [&] { loop.run(); });
@@ -363,9 +385,8 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     events.progress(progress);
   }
   attempt(result, [&] { transport.finish(); });
-  attempt(result, [&] {
-    result.summary = summary_of(experiment, assembly, assembly.graph(), transport, progress);
-  });
+  attempt(result,
+          [&] { result.summary = summary_of(experiment, surroundings, assembly, progress); });
   warn_of_silence(experiment, result.summary);
   warn_of_overruns(experiment, progress, loop.computing());
   std::string lost;
@@ -381,6 +402,8 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
   result.summary["exit_reason"] = result.exit_code == 0 ? "finished" : result.reason;
   if (!options.folder.empty()) {
     attempt(result, [&] { write_results(assembly.graph(), options.folder); });
+  }
+  if (writes_files) {
     write_json(options.folder + "/summary.json", result.summary);
   }
   return result;

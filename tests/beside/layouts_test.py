@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The same delays and recorded input give the same spikes in both layouts with a simulator in
+"""The same delays and recorded input give the same spikes in every layout with a simulator in
 between, and those that its rules say: of a script (spikes and continuous values), and of NEURON."""
 
 import itertools
@@ -27,6 +27,7 @@ SCRIPT = HEAD + """\
   came: {{node: pass_on}}
   other: {{node: pass_on}}
   encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+layout: {{one: [beams, level, came], two: [other, encoder]}}
 connections:
   - beams -> brain [10, delay 2 ticks] -> came [10, delay 3 ticks]
   - brain.out -> other [10, delay 1 tick]
@@ -43,6 +44,7 @@ CELLS = HEAD + """\
   brain: {{simulator: neuron, script: repeat_neuron.py, delay: 2.5 ms}}
   came: {{node: pass_on}}
   encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+layout: {{one: [beams], two: [level, encoder, came]}}
 connections:
   - beams -> brain [10, delay 1 tick] -> came [10, delay 2 ticks]
   - level -> encoder
@@ -53,6 +55,7 @@ CHAIN = HEAD + """\
   second: {{simulator: python, script: echo.py}}
   came: {{node: pass_on}}
   encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+layout: {{one: [beams], two: [level, encoder, came]}}
 connections:
   - beams -> first [10, delay 1 tick] -> second [10, delay 2 ticks] -> came [10, delay 1 tick]
   - level -> encoder
@@ -65,13 +68,13 @@ def written(scratch, name, text, tick_us):
     return file
 
 
-def both(scratch, name, text, tick_us):
-    """The folders of a run in each layout."""
+def every_layout(scratch, name, text, tick_us):
+    """The folders of a run in each."""
     file = written(scratch, name, text, tick_us)
-    folders = [scratch / f"{name}-{tick_us}-{layout}" for layout in ("fused", "separate")]
-    for folder, layout in zip(folders, ("fused", "separate")):
-        experiments.run(file, folder, "--layout", layout)
-    return folders
+    for layout in ("fused", "separate", "processes"):
+        folder = scratch / f"{name}-{tick_us}-{layout}"
+        experiments.run(file, folder, *(() if layout == "processes" else ("--layout", layout)))
+        yield folder
 
 
 def check(folder, node, expected):
@@ -82,7 +85,7 @@ def script(scratch, beams, tick_us):
     tick = tick_us * 1000
     alone = scratch / f"alone-{tick_us}"
     experiments.run(written(scratch, "alone", ALONE, tick_us), alone)
-    for folder in both(scratch, "script", SCRIPT, tick_us):
+    for folder in every_layout(scratch, "script", SCRIPT, tick_us):
         answers = experiments.delayed(beams, 2 * tick, DURATION)
         check(folder, "brain", answers)
         check(folder, "came", experiments.delayed(answers, 3 * tick, DURATION))
@@ -92,7 +95,7 @@ def script(scratch, beams, tick_us):
 
 def cells(scratch, beams, tick_us):
     tick = tick_us * 1000
-    for folder in both(scratch, "cells", CELLS, tick_us):
+    for folder in every_layout(scratch, "cells", CELLS, tick_us):
         answers = experiments.delayed(beams, tick + 2_500_000, DURATION)
         check(folder, "brain", answers)
         check(folder, "came", experiments.delayed(answers, 2 * tick, DURATION))
@@ -100,7 +103,7 @@ def cells(scratch, beams, tick_us):
 
 def chain(scratch, beams, tick_us):
     tick = tick_us * 1000
-    for folder in both(scratch, "chain", CHAIN, tick_us):
+    for folder in every_layout(scratch, "chain", CHAIN, tick_us):
         check(folder, "first", experiments.delayed(beams, tick, DURATION))
         check(folder, "second", experiments.delayed(beams, 3 * tick, DURATION))
         check(folder, "came", experiments.delayed(beams, 4 * tick, DURATION))
@@ -117,7 +120,7 @@ def main():
         assert beams.shape[1] > 300, beams.shape
         for test, tick_us in itertools.product((script, cells, chain), (1000, 5000)):
             test(scratch, beams, tick_us)
-    print("both layouts give the spikes that the delays say")
+    print("all layouts give the spikes that the delays say")
 
 
 if __name__ == "__main__":

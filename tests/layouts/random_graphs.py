@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Runs random experiments in both layouts and compares their spikes.
+"""Runs random experiments fused, separate and in random processes, and compares their spikes.
 
     random_graphs.py --spikeloop build/release/bin/spikeloop --graphs 100 --seed 1
 
 A graph is acyclic, 3 to 9 nodes long, driven by recordings of a robot's drive, with delays on all
-connections. Every spike of every node must be there in both layouts, at the same time to 1 ns.
+connections. Every spike of every node must be there in every layout, at the same time to 1 ns.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import numpy as np
 
 DURATION_S = 1.0
 TICKS = ("0.5 ms", "1 ms", "2 ms", "5 ms")
+LAYOUTS = {"fused": ("--layout", "fused"), "separate": ("--layout", "separate"), "processes": ()}
 
 
 def dense(rng, rows, columns):
@@ -55,8 +56,23 @@ def spike_consumer(rng, width):
     ))
 
 
+def random_processes(rng, nodes, arrows, cyclic):
+    """A list of lists of nodes, all of them joined; in a cycle of processes only when asked for."""
+    for _ in range(100):
+        count = rng.randint(2, min(4, len(nodes)))
+        order = sorted(nodes, key=lambda _: rng.random()) if cyclic else nodes
+        cuts = [0, *sorted(rng.sample(range(1, len(nodes)), count - 1)), len(nodes)]
+        processes = [order[a:b] for a, b in zip(cuts, cuts[1:])]
+        of = {node: i for i, process in enumerate(processes) for node in process}
+        joined = {of[end] for source, sink in arrows if of[source] != of[sink] for end in (source, sink)}
+        if len(joined) == count:
+            return processes
+    return [nodes]
+
+
 def random_experiment(rng, recording):
-    """The text of an experiment, and its nodes whose output is spikes."""
+    """The text of an experiment, whose layout has several processes."""
+    cyclic = rng.random() < 0.5
     nodes = {"scan": f"node: signal_playback, file: {recording}/scan.h5",
              "speed": f"node: signal_playback, file: {recording}/decoder.h5",
              "beams": f"node: spike_playback, file: {recording}/encoder.h5"}
@@ -69,7 +85,8 @@ def random_experiment(rng, recording):
         name = f"n{i}"
         nodes[name] = keys
         ends[name] = (out_kind, out_width)
-        delay = rng.randint(1 if kind == "signal" else 0, 5)
+        least = (3, 1) if cyclic else (1, 0)  # that processes in a cycle take
+        delay = rng.randint(least[0 if kind == "signal" else 1], 5)
         arrows.append((source, name, width, delay))
     used = {end for arrow in arrows for end in arrow[:2]}
     lines = [f"experiment: random\nduration: {DURATION_S} s\ntick: {rng.choice(TICKS)}",
@@ -80,13 +97,20 @@ def random_experiment(rng, recording):
         lines.append(f"  - {source} -> {name} [{width}, delay {delay} ticks]")
     # A node nobody reads has outputs as wide as its parameters say: give every leaf a reader.
     read = {arrow[0] for arrow in arrows}
+    chain = [name for name in nodes if name in used]
+    joins = [arrow[:2] for arrow in arrows]
     for name in sorted(used - read):
         kind, width = ends[name]
         sink = f"end_{name}"
         keys = ("node: rate_encoder, rate_max: 50 Hz" if kind == "signal"
                 else "node: rate_window, window: 20 ms")
         lines.insert(2, f"  {sink}: {{{keys}}}")
-        lines.append(f"  - {name} -> {sink} [{width}, delay 1 tick]")
+        lines.append(f"  - {name} -> {sink} [{width}, delay 3 ticks]")
+        chain.append(sink)
+        joins.append((name, sink))
+    processes = ", ".join(f"p{i}: [{', '.join(process)}]"
+                          for i, process in enumerate(random_processes(rng, chain, joins, cyclic)))
+    lines.insert(0, f"layout: {{{processes}}}")
     return "\n".join(lines) + "\n"
 
 
@@ -119,15 +143,15 @@ def record_drive(spikeloop, folder):
     return folder / "drive"
 
 
-def compare(fused, separate, text):
+def compare(fused, other, layout, text):
     """The number of spikes; exits when a train differs."""
-    if fused.keys() != separate.keys():
-        sys.exit(f"{text}\nfused recorded {sorted(fused)}, separate {sorted(separate)}")
+    if fused.keys() != other.keys():
+        sys.exit(f"{text}\nfused recorded {sorted(fused)}, {layout} {sorted(other)}")
     for name, (times, channels) in fused.items():
-        others, other_channels = separate[name]
+        others, other_channels = other[name]
         same = len(times) == len(others) and np.array_equal(channels, other_channels)
         if not same or np.abs(times - others).max(initial=0) > 1:
-            sys.exit(f"{text}\n{name}: {len(times)} spikes fused, {len(others)} separate; they differ")
+            sys.exit(f"{text}\n{name}: {len(times)} spikes fused, {len(others)} {layout}; they differ")
     return sum(len(times) for times, _ in fused.values())
 
 
@@ -147,12 +171,14 @@ def main():
             text = random_experiment(rng, drive)
             path = scratch / "random.yaml"
             path.write_text(text)
-            for layout in ("fused", "separate"):
-                run(program, str(path), "--layout", layout, "--out", str(scratch / layout), text=text)
-            spikes += compare(spikes_of(scratch / "fused"), spikes_of(scratch / "separate"), text)
+            for layout, option in LAYOUTS.items():
+                run(program, str(path), *option, "--out", str(scratch / layout), text=text)
+            fused = spikes_of(scratch / "fused")
+            for layout in ("separate", "processes"):
+                spikes += compare(fused, spikes_of(scratch / layout), layout, text)
     if spikes < 100 * options.graphs:
         sys.exit(f"only {spikes} spikes in {options.graphs} graphs: nothing was compared")
-    print(f"{options.graphs} graphs, {spikes} spikes: the same in both layouts")
+    print(f"{options.graphs} graphs, {spikes} spikes: the same in every layout")
 
 
 if __name__ == "__main__":

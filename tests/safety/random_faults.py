@@ -44,7 +44,7 @@ class Launch:
 
     def __init__(self, dice, layout):
         self.layout = layout
-        self.text = WITHOUT_SCRIPT if layout == "fused" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
+        self.text = WITHOUT_SCRIPT if layout != "separate" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
         self.phase = dice.choice(PHASES)
         self.signal = dice.choice(SIGNALS)
         self.moment_s = dice.uniform(0, {"start": 1.5, "driven": 0.5, "end": 0.3}[self.phase])
@@ -63,7 +63,7 @@ class Launch:
             started = time.monotonic()
             with open(self.folder / "printed", "w", encoding="utf-8") as log:
                 self.process = subprocess.Popen(
-                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version, "--layout", self.layout,
+                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version, *time_to_zero.LAYOUTS[self.layout],
                      "--out", "run", "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)],
                     cwd=self.folder, env=dict(os.environ, SPIKELOOP_FAULTS=name, TMPDIR=f"{name}/tmp"),
                     stdout=log, stderr=log, start_new_session=True)
@@ -106,7 +106,7 @@ class Launch:
 
     def deadline_ms(self):
         """docs/safety.md."""
-        if self.target in ("experiment", "wheels"):
+        if self.target in ("experiment", "wheels", "control"):
             return WATCHDOG_MS + 100 if self.signal == "STOP" else 0
         return WATCHDOG_MS
 
@@ -199,7 +199,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch, robots.robot(
                 version, PROGRAMS, pathlib.Path(scratch)) as robot:
             for number in range(arguments.launches // len(versions)):
-                launch = Launch(random.Random(dice.getrandbits(64)), ("fused", "separate")[number % 2])
+                launch = Launch(random.Random(dice.getrandbits(64)), list(time_to_zero.LAYOUTS)[number % 3])
                 launch.run(robot)
                 launches.append(launch)
                 complaints = launch.complaints()

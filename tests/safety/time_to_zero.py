@@ -31,7 +31,9 @@ SENSOR_TIMEOUT_MS = 500
 WATCHDOG_MS = 100
 STANDS_S = 0.5  # that a robot stands is seen by then
 
+LAYOUTS = {"fused": ["--layout", "fused"], "separate": ["--layout", "separate"], "processes": []}
 EXPERIMENT = f"""experiment: faults
+layout: {{vision: [scan, encoder], control: [decoder, wheels]}}
 nodes:
   scan: {{node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}}
   encoder: {{node: rate_encoder, rate_max: 200 Hz}}
@@ -101,12 +103,14 @@ class Fault(typing.NamedTuple):
 
 
 def faults(layout):
-    adapter = ("spikeloop-ros", "wheels") if layout == "separate" else ("spikeloop-fused-music",)
-    encoder = [Fault("encoder killed", kill("spikeloop-node", "encoder"), WATCHDOG_MS, "`watchdog`", True)]
+    adapter = {"fused": ("spikeloop-fused-music",), "separate": ("spikeloop-ros", "wheels"),
+               "processes": ("spikeloop-fused-music", "control")}[layout]
+    encoder = {"fused": [], "separate": [("spikeloop-node", "encoder")],
+               "processes": [("spikeloop-fused-music", "vision")]}[layout]
     return [
         Fault("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False),
         Fault("simulator killed", kill("brain.py"), WATCHDOG_MS, "`watchdog`", True),
-        *(encoder if layout == "separate" else []),
+        *(Fault("encoder killed", kill(*place), WATCHDOG_MS, "`watchdog`", True) for place in encoder),
         Fault("adapter killed", kill(*adapter), 0, "guard", True),
         Fault("adapter killed at its first command", kill(*adapter), 0, "guard", True, robots.Robot.has_moved),
         Fault("adapter stopped (SIGSTOP)", kill(*adapter, number=signal.SIGSTOP), WATCHDOG_MS + 100,
@@ -126,7 +130,7 @@ def measured(spikeloop, robot, version, layout, fault):
         robot.scans(True)
         log = open(folder / "printed", "w", encoding="utf-8")
         process = subprocess.Popen(
-            [spikeloop, "run", str(folder / "faults.yaml"), "--ros", version, "--layout", layout, "--out",
+            [spikeloop, "run", str(folder / "faults.yaml"), "--ros", version, *LAYOUTS[layout], "--out",
              str(folder / "run"), "--no-record"], stdout=log, stderr=log, start_new_session=True)
         family = {}
         try:
@@ -164,7 +168,7 @@ def measured(spikeloop, robot, version, layout, fault):
 def table(arguments, version, robot):
     """Prints a row a fault. @return those that took too long"""
     late = []
-    for layout in arguments.layout or ["fused", "separate"]:
+    for layout in arguments.layout or LAYOUTS:
         for fault in faults(layout):
             if arguments.fault and arguments.fault not in fault.name:
                 continue
@@ -180,7 +184,7 @@ def table(arguments, version, robot):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int, default=10)
-    parser.add_argument("--layout", choices=["fused", "separate"], action="append")
+    parser.add_argument("--layout", choices=list(LAYOUTS), action="append")
     parser.add_argument("--ros", choices=["1", "2"], action="append")
     parser.add_argument("--fault", help="only those whose name has these words")
     parser.add_argument("--check", action="store_true", help="an error when one takes too long")

@@ -87,6 +87,19 @@ struct Robot {
   std::optional<Camera> camera{};
 };
 
+/// The nodes that share a process.
+struct Process {
+  std::string name;
+  std::set<std::string> nodes{};
+};
+
+/// How the nodes are spread over processes; a simulator has a process of its own in all of them.
+struct Layout {
+  enum class Kind { fused, separate, written } kind = Kind::fused;
+  std::vector<Process> processes{};  ///< with Kind::written, in the file's order
+  Location where{};
+};
+
 struct Experiment {
   std::string path;
   std::string origin;  ///< relative paths start where this file lies; `path`, unless it is a copy
@@ -98,6 +111,7 @@ struct Experiment {
   Location sync_where{};
   double real_time_factor = 1;
   Ros ros = Ros::none;
+  Layout layout{};
   std::optional<Robot> robot;
   std::vector<Part> parts;  ///< in the file's order
   std::vector<Link> links;  ///< in the file's order
@@ -130,6 +144,7 @@ struct Overrides {
   std::optional<double> real_time_factor;
   std::optional<Sync> sync;
   std::optional<Ros> ros{};
+  std::optional<std::string> layout{};  ///< fused or separate
   std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;

@@ -1,5 +1,5 @@
-// An experiment as a .music file: the separate layout, a process a node; and the fused one of an
-// experiment with simulators, a process for each of these and one for all other nodes.
+// An experiment as a .music file: the separate layout, a process a node; and any other one, a
+// process for each simulator and one for the nodes that share it.
 #pragma once
 
 #include <map>
@@ -24,19 +24,16 @@ struct MusicJob {
 /// connection with delay 0, different delays into one node.
 MusicJob music_job(const Experiment& experiment, const std::string& folder);
 
-/// A port of the process that has all nodes but the simulators: "brain__in" leads to the port `in`
-/// of the simulator `brain`.
-std::string fused_port(const std::string& end);
+/// A port of a process that has nodes: "brain__in" leads to the port `in` of the simulator `brain`.
+std::string process_port(const std::string& end);
 
-/// @param experiment as with_fused_delays() gives it; has a simulator
-/// @param keys of the section that has all other nodes, beside those that the experiment gives it
-/// @throws ConfigurationError when MUSIC cannot do it: nothing joins the simulators with the other
-/// nodes, different delays into one simulator.
-MusicJob fused_job(const Experiment& experiment, const std::string& folder,
-                   const std::map<std::string, std::string>& keys);
-
-/// By how many ticks a connection between a simulator and the other nodes is delayed in their
-/// process; MUSIC has the rest.
-std::uint32_t fused_edge_delay(const Experiment& experiment, const Link& link);
+/// A section for every process of a layout but the separate one: for each simulator, and for the
+/// nodes that share a process.
+/// @param experiment as with_layout_delays() gives it
+/// @param keys of the first section that has nodes, beside those that the experiment gives it
+/// @throws ConfigurationError when MUSIC cannot do it: nothing joins a process with the others,
+/// different delays into one simulator.
+MusicJob process_job(const Experiment& experiment, const std::string& folder,
+                     const std::map<std::string, std::string>& keys);
 
 }  // namespace spikeloop::experiment

@@ -1,6 +1,8 @@
 // What of an experiment stops its robot: the keys, and what lies behind a command.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +36,14 @@ std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment
 std::vector<const Part*> sensors_behind(const Experiment& experiment, const std::string& node);
 /// The connections on which the last spikes on the way to a node travel, in the file's order.
 std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node);
+/// Those that a command's `spike_timeout` speaks of.
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command);
+
+/// The sensor whose data reach a node by the least delay, and that delay in ticks.
+struct Upstream {
+  std::string sensor;
+  std::uint32_t delay_ticks = 0;
+};
+std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node);
 
 }  // namespace spikeloop::experiment

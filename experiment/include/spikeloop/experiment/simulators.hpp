@@ -31,18 +31,4 @@ bool is_simulator(const Part& part);
 bool is_simulator_end(const Experiment& experiment, const std::string& end);
 bool has_simulator(const Experiment& experiment);
 
-/// The section of the process that has all other nodes; no simulator is named so.
-std::string own_label(const Experiment& experiment);
-
-/// "1 tick", "2 ticks".
-std::string format_ticks(std::uint32_t ticks);
-/// Whole ticks that a connection into a simulator takes at least in the fused layout.
-std::uint32_t least_input_delay(PortKind kind);
-/// Whole ticks that a connection takes at least in the fused layout, and takes when none are
-/// written.
-std::uint32_t least_delay(const Experiment& experiment, const Link& link);
-/// Every connection with the delay that it has in the fused layout.
-/// @throws ConfigurationError for a delay that a simulator cannot meet.
-Experiment with_fused_delays(const Experiment& experiment);
-
 }  // namespace spikeloop::experiment

@@ -1,12 +1,12 @@
-// An experiment in one process, without MPI: the fused layout. All nodes but simulators are one
-// graph, and the loop is
+// The nodes of an experiment that share this process; in the fused layout all but simulators. They
+// are one graph, and the loop is
 //
 //     for t = 0, h, 2h, ... < duration:
 //       wait until the clock shows t        sync: realtime, sim_time; the others do not wait
 //       messages of t arrive                from the robot in this process, or from ROS
 //       step the graph over (t, t+h]
 //       commands of t+h leave
-//       simulators in processes of their own take the spikes of (t, t+h], and give theirs
+//       other processes take what was sent in (t, t+h], and give theirs
 //       the robot advances to t+h, on the commands of t      in this process, or sync: lockstep
 //
 // With sync: lockstep nothing else happens, so that a run can be repeated to the bit, as fast as
@@ -19,7 +19,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/experiment.hpp"
-#include "spikeloop/fused/simulators.hpp"
+#include "spikeloop/fused/other_processes.hpp"
 #include "spikeloop/fused/transport.hpp"
 #include "spikeloop/robot/spectators.hpp"
 
@@ -40,6 +40,9 @@ struct RunOptions {
   /// experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
+  /// Whose nodes run here; empty: those of the layout's first process, which writes resolved.json,
+  /// experiment.yaml and summary.json.
+  std::string process{};
   /// Who watches the robot in this process.
   robot::SpectatorOptions spectators{};
   /// An object that resolved.json has beside the experiment: versions, machine.
@@ -64,14 +67,14 @@ struct RunEvents {
 /// Runs to the end of the duration, or until `stop`. What goes wrong meanwhile is in the result;
 /// the robot is stopped in every case.
 /// @throws Error when it cannot begin: a file, a world, a ROS master.
-/// @param simulators none: the experiment has none
+/// @param others none: the experiment runs in this process alone
 RunResult run(const experiment::Experiment& experiment, const RunOptions& options,
-              const RunEvents& events = {}, Simulators* simulators = nullptr);
+              const RunEvents& events = {}, OtherProcesses* others = nullptr);
 
 /// The same with messages that come and go elsewhere.
 RunResult run(const experiment::Experiment& experiment, Transport& transport,
               const RunOptions& options, const RunEvents& events = {},
-              Simulators* simulators = nullptr);
+              OtherProcesses* others = nullptr);
 
 /// Every key with its value, every connection with its width and delay, what files it was made of.
 nlohmann::json resolved_json(const experiment::Experiment& experiment);

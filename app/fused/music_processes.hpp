@@ -1,4 +1,4 @@
-// Simulators as programs of a MUSIC job, and this process as one of them.
+// The other processes of a MUSIC job, and this one as one of them.
 #pragma once
 
 #include <memory>
@@ -6,18 +6,19 @@
 #include <optional>
 #include <vector>
 
+#include "spikeloop/fused/other_processes.hpp"
 #include "spikeloop/fused/run.hpp"
-#include "spikeloop/fused/simulators.hpp"
 #include "spikeloop/process/process.hpp"
 
 namespace spikeloop {
 
-class MusicSimulators : public fused::Simulators {
+class MusicProcesses : public fused::OtherProcesses {
  public:
-  explicit MusicSimulators(music::Process& process) : process_(process) {}
+  MusicProcesses(music::Process& process, const experiment::Experiment& experiment)
+      : process_(process), experiment_(experiment) {}
 
-  std::unique_ptr<Source> output(const experiment::Link& link) override;
-  std::unique_ptr<Sink> input(const experiment::Link& link) override;
+  std::unique_ptr<Source> source(const experiment::Link& edge) override;
+  std::unique_ptr<Sink> sink(const experiment::Link& edge) override;
   void meet() override;
   void exchange() override { loop_->exchange(); }
 
@@ -28,6 +29,7 @@ class MusicSimulators : public fused::Simulators {
 
  private:
   music::Process& process_;
+  const experiment::Experiment& experiment_;
   // MUSIC's finalize still gives spikes to their handlers, when the graph has gone.
   std::vector<std::shared_ptr<Source>> sources_;
   std::vector<std::shared_ptr<Sink>> sinks_;

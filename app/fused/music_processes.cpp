@@ -1,8 +1,9 @@
-#include "music_simulators.hpp"
+#include "music_processes.hpp"
 
 #include <utility>
 
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop {
 namespace {
@@ -12,7 +13,7 @@ std::vector<EndpointPort> named(std::vector<EndpointPort> ports, const std::stri
   return ports;
 }
 
-/// A port of MUSIC's under the name that the simulator has for it.
+/// A port of MUSIC's under the name that the node at its other end has for it.
 class NamedSource : public Source {
  public:
   NamedSource(std::shared_ptr<Source> source, std::string name)
@@ -41,21 +42,22 @@ class NamedSink : public Sink {
 
 }  // namespace
 
-std::unique_ptr<Source> MusicSimulators::output(const experiment::Link& link) {
-  const std::string port = experiment::fused_port(link.from);
-  sources_.push_back(link.kind == PortKind::spikes ? process_.spike_input(port)
+std::unique_ptr<Source> MusicProcesses::source(const experiment::Link& edge) {
+  const std::string port = experiment::process_port(edge.from);
+  sources_.push_back(edge.kind == PortKind::spikes ? process_.spike_input(port)
                                                    : process_.signal_input(port));
-  return std::make_unique<NamedSource>(sources_.back(), experiment::port_of(link.from));
+  return std::make_unique<NamedSource>(sources_.back(), experiment::port_of(edge.from));
 }
 
-std::unique_ptr<Sink> MusicSimulators::input(const experiment::Link& link) {
-  const std::string port = experiment::fused_port(link.to);
-  sinks_.push_back(link.kind == PortKind::spikes ? process_.spike_output(port)
+std::unique_ptr<Sink> MusicProcesses::sink(const experiment::Link& edge) {
+  const std::string& end = is_simulator_end(experiment_, edge.to) ? edge.to : edge.from;
+  const std::string port = experiment::process_port(end);
+  sinks_.push_back(edge.kind == PortKind::spikes ? process_.spike_output(port)
                                                  : process_.signal_output(port));
-  return std::make_unique<NamedSink>(sinks_.back(), experiment::port_of(link.to));
+  return std::make_unique<NamedSink>(sinks_.back(), experiment::port_of(end));
 }
 
-void MusicSimulators::meet() {
+void MusicProcesses::meet() {
   music::Process::LoopHooks hooks;
   hooks.pace = [this] {
     Pacer::Report report;
@@ -73,7 +75,7 @@ void MusicSimulators::meet() {
   process_.enter(status::Phase::computing);
 }
 
-void MusicSimulators::finish(const nlohmann::json& summary) {
+void MusicProcesses::finish(const nlohmann::json& summary) {
   summary_ = summary;
   loop_->finish();
 }

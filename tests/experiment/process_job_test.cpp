@@ -1,8 +1,8 @@
-// The job that the fused layout makes of an experiment with simulators.
+// The job that a layout makes of an experiment: a section a process.
 #include <gmock/gmock.h>
 
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/music_job.hpp"
-#include "spikeloop/experiment/simulators.hpp"
 #include "tests/experiment/experiment_text.hpp"
 
 namespace spikeloop::test {
@@ -25,7 +25,7 @@ connections:
   - b -> c [2, delay 1 tick]
 )";
 
-class FusedJob : public testing::Test {
+class ProcessJob : public testing::Test {
  protected:
   experiment::Experiment experiment(const std::string& connections) {
     files_ = std::make_unique<Files>(kHead + connections, std::map<std::string, std::string>{
@@ -35,8 +35,8 @@ class FusedJob : public testing::Test {
     return result.experiment;
   }
   MusicFile job(const std::string& connections) {
-    return experiment::fused_job(experiment::with_fused_delays(experiment(connections)), "out",
-                                 {{"about", "{}"}})
+    return experiment::process_job(experiment::with_layout_delays(experiment(connections)), "out",
+                                   {{"about", "{}"}})
         .file;
   }
   /// What is said of connections that cannot be.
@@ -57,7 +57,7 @@ class FusedJob : public testing::Test {
   std::unique_ptr<Files> files_;
 };
 
-TEST_F(FusedJob, HasASectionASimulatorAndOneForTheOthers) {
+TEST_F(ProcessJob, HasASectionASimulatorAndOneForTheOthers) {
   const MusicFile file = job("  - a -> one [2] -> two [2] -> b [2]\n");
   EXPECT_THAT(file.labels(), testing::ElementsAre("experiment", "one", "two"));
   EXPECT_NO_THROW(check_structure(file));
@@ -71,7 +71,7 @@ TEST_F(FusedJob, HasASectionASimulatorAndOneForTheOthers) {
 }
 
 // Between two simulators nobody knows what a connection carries.
-TEST_F(FusedJob, SaysWhatAScriptsPortsCarryAsFarAsItIsKnown) {
+TEST_F(ProcessJob, SaysWhatAScriptsPortsCarryAsFarAsItIsKnown) {
   const MusicFile file =
       job("  - a -> one [2] -> two [2] -> b [2]\n"
           "  - a -> one.more [2]\n"
@@ -87,7 +87,7 @@ TEST_F(FusedJob, SaysWhatAScriptsPortsCarryAsFarAsItIsKnown) {
 
 // MUSIC wants acceptable latencies that add up to a tick a process around every cycle, and delays
 // by whole ticks of them alone.
-TEST_F(FusedJob, LatenciesAddUpToATickAProcess) {
+TEST_F(ProcessJob, LatenciesAddUpToATickAProcess) {
   const MusicFile file = job("  - a -> one [2] -> two [2] -> b [2]\n");
   const auto latency = [&](const char* section) {
     return from_seconds(std::stod(key(file, section, "accept_latency")));
@@ -101,25 +101,25 @@ TEST_F(FusedJob, LatenciesAddUpToATickAProcess) {
   EXPECT_EQ(key(file, "one", "signal_delay"), "none");
 }
 
-TEST_F(FusedJob, DelaysBetweenSimulatorsAreMusics) {
+TEST_F(ProcessJob, DelaysBetweenSimulatorsAreMusics) {
   const auto cells = experiment(
       "  - a -> one [2, delay 2 ticks]\n  - one -> two [2, delay 3 "
       "ticks] -> b [2, delay 4 ticks]\n  - a -> two.more [2, delay 5 "
       "ticks]\n");
-  const auto delayed = experiment::with_fused_delays(cells);
-  const MusicFile file = experiment::fused_job(delayed, "out", {}).file;
+  const auto delayed = experiment::with_layout_delays(cells);
+  const MusicFile file = experiment::process_job(delayed, "out", {}).file;
   EXPECT_EQ(key(file, "two", "spike_delay"), "3");
   std::vector<std::uint32_t> edges;
   for (const experiment::Link& link : delayed.links) {
     if (link.from != "one.out" && link.to != "c.in" && link.to != "a.in") {
-      edges.push_back(experiment::fused_edge_delay(delayed, link));
+      edges.push_back(link.delay_ticks.value() - experiment::music_delay(delayed, link));
     }
   }
   EXPECT_THAT(edges, testing::ElementsAre(2, 3, 2));
 }
 
-TEST_F(FusedJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {
-  const auto delayed = experiment::with_fused_delays(
+TEST_F(ProcessJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {
+  const auto delayed = experiment::with_layout_delays(
       experiment("  - a -> one [2] -> two [2] -> b [2]\n  - two -> one.back [2, delay 3 ticks]\n"
                  "  - c -> one.level [2]\n"));
   std::map<std::string, std::uint32_t> delays;
@@ -130,15 +130,15 @@ TEST_F(FusedJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {
   EXPECT_EQ(delays["one.back"], 3U);
   EXPECT_EQ(delays["two.in"], 0U);
   EXPECT_EQ(delays["one.level"], 2U) << "continuous values wait for their own kind";
-  EXPECT_NO_THROW(experiment::fused_job(delayed, "out", {}));
+  EXPECT_NO_THROW(experiment::process_job(delayed, "out", {}));
 }
 
-TEST_F(FusedJob, NestNeedsTheStampGuard) {
+TEST_F(ProcessJob, NestNeedsTheStampGuard) {
   EXPECT_EQ(key(job("  - a -> two [2] -> b [2]\n  - a -> one [2]\n"), "experiment", "stamp_guard"),
             "true");
 }
 
-TEST_F(FusedJob, TheOthersSectionHasANameOfItsOwn) {
+TEST_F(ProcessJob, TheOthersSectionHasANameOfItsOwn) {
   files_ = std::make_unique<Files>(
       "nodes:\n  a: {node: rate_encoder}\n  c: {node: sigmoid}\n  experiment: {simulator: python, "
       "script: brain.py}\n  b: {node: linear_readout}\nconnections:\n  - c -> a [1] -> experiment "
@@ -146,12 +146,12 @@ TEST_F(FusedJob, TheOthersSectionHasANameOfItsOwn) {
       std::map<std::string, std::string>{{"brain.py", "import spikeloop\n"}});
   const Read result = read(*files_, kinds_);
   ASSERT_THAT(result.faults, testing::IsEmpty());
-  EXPECT_THAT(
-      experiment::fused_job(experiment::with_fused_delays(result.experiment), "", {}).file.labels(),
-      testing::ElementsAre("experiment_", "experiment"));
+  EXPECT_THAT(experiment::process_job(experiment::with_layout_delays(result.experiment), "", {})
+                  .file.labels(),
+              testing::ElementsAre("experiment_", "experiment"));
 }
 
-TEST_F(FusedJob, RefusesWhatCannotBe) {
+TEST_F(ProcessJob, RefusesWhatCannotBe) {
   EXPECT_EQ(
       refusal("  - a -> one [2] -> b [2, delay 0]\n  - a -> two [2]\n"),
       "x.yaml:14:21: spikes from 'one.out' to 'b.in' take at least 1 tick in the fused layout, "
@@ -180,7 +180,7 @@ TEST_F(FusedJob, RefusesWhatCannotBe) {
       "separate");
 }
 
-TEST_F(FusedJob, TheSeparateLayoutHasASectionMore) {
+TEST_F(ProcessJob, TheSeparateLayoutHasASectionMore) {
   const auto cells = experiment("  - a -> one [2, delay 2 ticks] -> two [2] -> b [2]\n");
   const MusicFile file = experiment::music_job(cells, "out").file;
   EXPECT_THAT(file.labels(), testing::ElementsAre("a", "b", "c", "one", "two"));

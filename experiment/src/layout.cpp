@@ -1,0 +1,238 @@
+#include "spikeloop/experiment/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "faults.hpp"
+#include "spikeloop/experiment/safety.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+/// What MUSIC takes between two processes. Around a cycle its latencies have to add up to a tick a
+/// process (docs/architecture.md, "Delays between processes").
+struct Least {
+  std::uint32_t spikes;
+  std::uint32_t signals;
+};
+constexpr Least kForward{0, 1};
+constexpr Least kIntoCycle{1, 3};
+constexpr Least kIntoSimulator{0, 2};
+
+std::uint32_t of_kind(const Least& least, PortKind kind) {
+  return kind == PortKind::spikes ? least.spikes : least.signals;
+}
+
+bool crosses(const Experiment& experiment, const Link& link) {
+  return process_of(experiment, node_of(link.from)) != process_of(experiment, node_of(link.to));
+}
+
+std::uint32_t least_delay(const Experiment& experiment, const Link& link) {
+  if (!crosses(experiment, link)) {
+    return 0;
+  }
+  const bool to_simulator = is_simulator_end(experiment, link.to);
+  const bool cyclic = is_in_cycle(experiment, process_of(experiment, node_of(link.to)));
+  return of_kind(to_simulator ? kIntoSimulator : cyclic ? kIntoCycle : kForward, link.kind);
+}
+
+/// Between two simulators there is no graph in which a connection could wait: the receiver waits,
+/// and with it all of its inputs of this kind.
+const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
+                           PortKind kind) {
+  const auto found = std::ranges::find_if(experiment.links, [&](const Link& link) {
+    return link.kind == kind && node_of(link.to) == simulator &&
+           is_simulator_end(experiment, link.from);
+  });
+  return found == experiment.links.end() ? nullptr : &*found;
+}
+
+/// The delay that a connection takes when none is written.
+std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
+  std::uint32_t delay = least_delay(experiment, link);
+  for (const Link& other : experiment.links) {
+    if (is_simulator_end(experiment, link.to) && node_of(other.to) == node_of(link.to) &&
+        other.kind == link.kind && is_simulator_end(experiment, other.from)) {
+      delay = std::max(delay, other.delay_ticks.value_or(0));
+    }
+  }
+  return delay;
+}
+
+/// No simulator is named so.
+std::string fused_label(const Experiment& experiment) {
+  std::string label = "experiment";
+  while (std::ranges::any_of(experiment.parts, [&](const Part& part) {
+    return is_simulator(part) && part.name == label;
+  })) {
+    label += '_';
+  }
+  return label;
+}
+
+/// The processes that data of this one reach, itself when they come back.
+std::set<std::string> reached_from(const Experiment& experiment, const std::string& process) {
+  std::set<std::string> reached;
+  std::vector<std::string> open{process};
+  while (!open.empty()) {
+    const std::string current = open.back();
+    open.pop_back();
+    for (const Link& link : experiment.links) {
+      const std::string next = process_of(experiment, node_of(link.to));
+      if (process_of(experiment, node_of(link.from)) == current && next != current &&
+          reached.insert(next).second) {
+        open.push_back(next);
+      }
+    }
+  }
+  return reached;
+}
+
+void add_edge(const Experiment& experiment, Link edge, std::vector<Link>& edges) {
+  edge.delay_ticks = std::max(edge.delay_ticks.value_or(0), least_delay(experiment, edge));
+  edges.push_back(std::move(edge));
+}
+
+/// What a command hears of the sensors and spikes behind it.
+void add_edges_into(const Experiment& experiment, const Part& command, std::vector<Link>& edges) {
+  const auto add = [&](const std::string& from, const std::string& port, PortKind kind,
+                       std::uint32_t width, std::uint32_t delay) {
+    add_edge(experiment,
+             {from, fmt::format("{}.{}", command.name, port), kind, width, delay, command.where},
+             edges);
+  };
+  if (const auto upstream = nearest_sensor(experiment, command.name)) {
+    // The time at which the data behind a command came takes as long as these data.
+    add(upstream->sensor + ".pace", "pace", PortKind::signal, 1, upstream->delay_ticks);
+  }
+  std::size_t i = 0;
+  for (const Part* sensor : sensors_behind(experiment, command.name)) {
+    // Without the delay of the data: that a sensor is silent is no matter of how far they are.
+    add(sensor->name + ".pace", fmt::format("sensor_{}", i++), PortKind::signal, 1, 0);
+  }
+  i = 0;
+  for (const Link* link : watched_spikes(experiment, command)) {
+    add(link->from, fmt::format("spikes_{}", i++), PortKind::spikes, link->width,
+        link->delay_ticks.value_or(0));
+  }
+}
+
+}  // namespace
+
+std::string name_of(const Layout& layout) {
+  if (layout.kind != Layout::Kind::written) {
+    return layout.kind == Layout::Kind::separate ? "separate" : "fused";
+  }
+  std::string names;
+  for (const Process& process : layout.processes) {
+    names += (names.empty() ? "" : ", ") + process.name;
+  }
+  return names;
+}
+
+std::string process_of(const Experiment& experiment, const std::string& node) {
+  if (is_simulator_end(experiment, node)) {
+    return node;
+  }
+  for (const Process& process : experiment.layout.processes) {
+    if (process.nodes.contains(node)) {
+      return process.name;
+    }
+  }
+  return fused_label(experiment);
+}
+
+std::vector<std::string> node_processes(const Experiment& experiment) {
+  if (experiment.layout.kind != Layout::Kind::written) {
+    return {fused_label(experiment)};
+  }
+  std::vector<std::string> names;
+  for (const Process& process : experiment.layout.processes) {
+    names.push_back(process.name);
+  }
+  return names;
+}
+
+bool needs_music(const Experiment& experiment) {
+  return has_simulator(experiment) || node_processes(experiment).size() > 1;
+}
+
+bool meets_robot(const Experiment& experiment, const std::string& process) {
+  bool any = false;
+  for (const Part& part : experiment.parts) {
+    any = any || has_topic(part.kind);
+    if (has_topic(part.kind) && process_of(experiment, part.name) == process) {
+      return true;
+    }
+  }
+  return !any && node_processes(experiment).front() == process;
+}
+
+bool one_meets_robot(const Experiment& experiment) {
+  return std::ranges::count_if(node_processes(experiment), [&](const std::string& process) {
+           return meets_robot(experiment, process);
+         }) == 1;
+}
+
+bool waits_for_clock(const Experiment& experiment, const std::string& process) {
+  if (experiment.sync == Sync::sim_time) {
+    return meets_robot(experiment, process);
+  }
+  // Spikes alone do not hold up their sender.
+  const bool has_inputs = std::ranges::any_of(experiment.links, [&](const Link& link) {
+    return crosses(experiment, link) && process_of(experiment, node_of(link.to)) == process;
+  });
+  return !has_inputs || node_processes(experiment).front() == process;
+}
+
+bool is_in_cycle(const Experiment& experiment, const std::string& process) {
+  // Beside simulators always: the delays of a layout do not hang on whether one of them answers.
+  return has_simulator(experiment) || reached_from(experiment, process).contains(process);
+}
+
+std::vector<Link> edges(const Experiment& experiment) {
+  std::vector<Link> result = experiment.links;
+  for (const Part& part : experiment.parts) {
+    if (part.kind == kRosCommand) {
+      add_edges_into(experiment, part, result);
+    }
+  }
+  return result;
+}
+
+std::uint32_t music_delay(const Experiment& experiment, const Link& edge) {
+  const Link* between = is_simulator_end(experiment, edge.to)
+                            ? from_simulator(experiment, node_of(edge.to), edge.kind)
+                            : nullptr;
+  return between == nullptr ? least_delay(experiment, edge) : between->delay_ticks.value_or(0);
+}
+
+std::string format_ticks(std::uint32_t ticks) {
+  return fmt::format("{} tick{}", ticks, ticks == 1 ? "" : "s");
+}
+
+Experiment with_layout_delays(const Experiment& experiment) {
+  Experiment result = experiment;
+  for (Link& link : result.links) {
+    const std::uint32_t least = least_delay(experiment, link);
+    if (link.delay_ticks.value_or(least) < least) {
+      const bool fused = experiment.layout.kind == Layout::Kind::fused;
+      throw ConfigurationError(
+          link.where,
+          fmt::format("{} from '{}' to '{}' take at least {} {}, and here it is {}; write  delay "
+                      "{}, leave it out, or use {}",
+                      link.kind == PortKind::spikes ? "spikes" : "continuous values", link.from,
+                      link.to, format_ticks(least),
+                      fused ? "in the fused layout" : "between processes",
+                      format_ticks(*link.delay_ticks), format_ticks(least),
+                      fused ? "--layout separate" : "the fused layout"));
+    }
+    link.delay_ticks = link.delay_ticks.value_or(usual_delay(experiment, link));
+  }
+  return result;
+}
+
+}  // namespace spikeloop::experiment

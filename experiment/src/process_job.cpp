@@ -1,0 +1,189 @@
+// The processes of a layout as sections. docs/architecture.md has the latencies.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "job_writer.hpp"
+#include "spikeloop/experiment/layout.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+constexpr const char* kProgram = "spikeloop-fused-music";
+
+class ProcessWriter : JobWriter {
+ public:
+  ProcessWriter(const Experiment& experiment, const std::string& folder)
+      : JobWriter(experiment, folder) {}
+
+  MusicJob write(const std::map<std::string, std::string>& keys) {
+    write_globals();
+    for (const std::string& process : node_processes(experiment_)) {
+      begin_section(process, {experiment_.path, 0, 0});
+      write_process(process);
+      for (const auto& [name, value] : job_.file.sections.size() == 1 ? keys : NoKeys()) {
+        add(name.c_str(), value);
+      }
+    }
+    for (const Part& part : experiment_.parts) {
+      if (is_simulator(part)) {
+        begin_section(part.name, part.where);
+        write_simulator(part);
+      }
+    }
+    for (const Link& link : experiment_.links) {
+      check_simulator_input(link);
+    }
+    for (const Link& edge : edges(experiment_)) {
+      write_edge(edge);
+    }
+    check_joined();
+    return std::move(job_);
+  }
+
+ private:
+  using NoKeys = std::map<std::string, std::string>;
+
+  /// A part of a tick: what the acceptable latencies of a cycle have to spare, so that they add up
+  /// to a tick a process, though spikes are late by one alone. It serves for cycles of 99 programs.
+  TimeNs spare() const { return std::max<TimeNs>(1, experiment_.tick / 100); }
+
+  void write_process(const std::string& process) {
+    add("np", "1");
+    add("binary", kProgram);
+    add_directory({});
+    add("experiment", std::filesystem::absolute(experiment_.path).string());
+    if (experiment_.layout.kind == Layout::Kind::fused) {
+      add("layout", "fused");
+    }
+    add("pace", waits_for_clock(experiment_, process) ? "true" : "false");
+    add("ros", name_of(experiment_.ros));
+    add("wait_for", std::string(name_of(experiment_.sync)));
+    if (is_in_cycle(experiment_, process)) {
+      add("accept_latency", seconds(2 * experiment_.tick - spare()));
+      add("spike_delay", "1");
+      add("signal_delay", "2");
+    }
+    add("stamp_guard", rounds_times() ? "true" : "false");
+  }
+
+  /// As NEST does: a spike right behind the begin of its tick would be the tick's before.
+  bool rounds_times() const {
+    return std::ranges::any_of(experiment_.parts, [](const Part& part) {
+      return is_simulator(part) && part.kind == "nest";
+    });
+  }
+
+  bool takes_signals(const Part& part) const {
+    return std::ranges::any_of(experiment_.links, [&](const Link& link) {
+      return link.kind == PortKind::signal && node_of(link.to) == part.name;
+    });
+  }
+
+  void write_simulator(const Part& part) {
+    add(part, "np", "1");
+    add_directory(part.where);
+    add_script(part);
+    const std::uint32_t spikes = input_delay(part, PortKind::spikes);
+    add(part, "accept_latency", seconds((spikes + 1) * experiment_.tick - spare()));
+    if (spikes > 0) {
+      add(part, "spike_delay", std::to_string(spikes));
+    }
+    if (takes_signals(part)) {
+      add(part, "signal_delay", std::to_string(input_delay(part, PortKind::signal) - 1));
+    }
+    add(part, "stamp_guard", "false");
+  }
+
+  /// Ticks by which all of a simulator's inputs of one kind are late when MUSIC hands them over.
+  std::uint32_t input_delay(const Part& simulator, PortKind kind) const {
+    const auto link = std::ranges::find_if(experiment_.links, [&](const Link& input) {
+      return input.kind == kind && node_of(input.to) == simulator.name;
+    });
+    return link == experiment_.links.end() ? 0 : music_delay(experiment_, *link);
+  }
+
+  void write_edge(const Link& edge) {
+    const std::string from = process_of(experiment_, node_of(edge.from));
+    const std::string to = process_of(experiment_, node_of(edge.to));
+    const bool to_simulator = is_simulator_end(experiment_, edge.to);
+    // One output that several nodes of a process take from is one connection of MUSIC's.
+    if (from == to || (!to_simulator && !taken_.insert({edge.from, to}).second)) {
+      return;
+    }
+    const std::string name = process_port(to_simulator ? edge.to : edge.from);
+    job_.file.connections.push_back(
+        {from,
+         is_simulator_end(experiment_, edge.from) ? port_of(edge.from) : name,
+         to,
+         to_simulator ? port_of(edge.to) : name,
+         edge.width,
+         {},
+         {},
+         edge.where});
+    joined_.insert({from, to});
+  }
+
+  void check_simulator_input(const Link& link) const {
+    if (!is_simulator_end(experiment_, link.to)) {
+      return;
+    }
+    const std::uint32_t delay = link.delay_ticks.value_or(0);
+    const std::uint32_t least = music_delay(experiment_, link);
+    const bool waits = !is_simulator_end(experiment_, link.from);
+    if (waits ? delay >= least : delay == least) {
+      return;
+    }
+    const auto first = std::ranges::find_if(experiment_.links, [&](const Link& other) {
+      return other.kind == link.kind && node_of(other.to) == node_of(link.to) &&
+             is_simulator_end(experiment_, other.from);
+    });
+    throw ConfigurationError(
+        link.where,
+        fmt::format("the inputs '{}' and '{}' have different delays, and a simulator waits for all "
+                    "of its inputs as long as for those from another one; write {}[delay {}]",
+                    first->to, link.to, waits ? "at least " : "", format_ticks(least)));
+  }
+
+  void check_joined() const {
+    for (const std::string& process : node_processes(experiment_)) {
+      if (!joined_.contains(process)) {
+        refuse_alone(process);
+      }
+    }
+  }
+
+  [[noreturn]] void refuse_alone(const std::string& process) const {
+    if (experiment_.layout.kind == Layout::Kind::written) {
+      throw ConfigurationError(
+          experiment_.layout.where,
+          fmt::format("no connection joins process '{}' with another one, and MUSIC would wait for "
+                      "ever; connect its nodes, or put them into another process",
+                      process));
+    }
+    throw ConfigurationError(
+        experiment_.parts.front().where,
+        "no connection joins the simulators with the other nodes, which one process has in the "
+        "fused layout, and MUSIC would wait for ever; connect them, or use --layout separate");
+  }
+
+  std::set<std::pair<std::string, std::string>> taken_;  ///< an output, and the process it goes to
+  std::set<std::string> joined_;
+};
+
+}  // namespace
+
+std::string process_port(const std::string& end) {
+  return fmt::format("{}__{}", node_of(end), port_of(end));
+}
+
+MusicJob process_job(const Experiment& experiment, const std::string& folder,
+                     const std::map<std::string, std::string>& keys) {
+  return ProcessWriter(experiment, folder).write(keys);
+}
+
+}  // namespace spikeloop::experiment

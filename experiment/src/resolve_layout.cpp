@@ -1,0 +1,118 @@
+// The key `layout`: which nodes share a process.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "faults.hpp"
+#include "spikeloop/experiment/layout.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+constexpr const char* kKey = "layout";
+
+void check_process(const std::string& name, const Location& where, const Experiment& experiment) {
+  const bool plain =
+      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+  if (!plain || name.empty()) {
+    throw ConfigurationError(
+        where, fmt::format("key 'layout': '{}' is not the name of a process; write letters, digits "
+                           "and '_'",
+                           name));
+  }
+  if (is_simulator_end(experiment, name)) {
+    throw ConfigurationError(
+        where, fmt::format("key 'layout': '{}' is a simulator, which has a process of its own; "
+                           "give this process another name",
+                           name));
+  }
+}
+
+void check_node(const std::string& node, const Location& where, const Experiment& experiment) {
+  std::vector<std::string> names;
+  for (const Part& part : experiment.parts) {
+    names.push_back(part.name);
+  }
+  if (std::ranges::find(names, node) == names.end()) {
+    throw ConfigurationError(where, fmt::format("key 'layout': there is no node '{}'{}", node,
+                                                did_you_mean(node, names)));
+  }
+  if (is_simulator_end(experiment, node)) {
+    throw ConfigurationError(
+        where,
+        fmt::format("key 'layout': the simulator '{}' has a process of its own; leave it out",
+                    node));
+  }
+  if (const auto in = std::ranges::find_if(
+          experiment.layout.processes,
+          [&](const Process& process) { return process.nodes.contains(node); });
+      in != experiment.layout.processes.end()) {
+    throw ConfigurationError(
+        where, fmt::format("key 'layout': node '{}' is in process '{}' already; write it once",
+                           node, in->name));
+  }
+}
+
+/// Every node is somewhere.
+void check_whole(const Experiment& experiment) {
+  for (const Part& part : experiment.parts) {
+    const bool listed = std::ranges::any_of(
+        experiment.layout.processes,
+        [&](const Process& process) { return process.nodes.contains(part.name); });
+    if (!listed && !is_simulator(part)) {
+      throw ConfigurationError(
+          experiment.layout.where,
+          fmt::format("key 'layout': node '{}' is in no process; add it to one of them",
+                      part.name));
+    }
+  }
+}
+
+/// One process talks with the robot, but over ROS in wall time any may.
+void check_robot(const Experiment& experiment) {
+  const bool in_steps = experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time;
+  if ((experiment.ros == Ros::none || in_steps) && !one_meets_robot(experiment)) {
+    throw ConfigurationError(
+        experiment.layout.where,
+        fmt::format("key 'layout': {} needs all sensors and commands in one process; put them "
+                    "together, or write  {}",
+                    experiment.ros == Ros::none ? std::string("a robot without ROS")
+                                                : fmt::format("sync: {}", name_of(experiment.sync)),
+                    experiment.ros == Ros::none ? "ros: 2" : "sync: realtime"));
+  }
+}
+
+}  // namespace
+
+void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults) {
+  const std::string kind = keys.word(kKey);
+  Layout& layout = experiment.layout;
+  layout.where = keys.where(kKey);
+  if (!kind.empty()) {
+    layout.kind = kind == "separate" ? Layout::Kind::separate : Layout::Kind::fused;
+    return;
+  }
+  layout.kind = Layout::Kind::written;
+  const std::size_t before = faults.count();
+  for (const Parameters::Entry& process : keys.entries(kKey)) {
+    faults.attempt(process.where, [&] { check_process(process.key, process.where, experiment); });
+    layout.processes.push_back({process.key});
+    for (const Parameters::Entry& node : process.values.entries(kAnyKey)) {
+      const std::string& name = node.values.text("node");
+      if (faults.attempt(node.where, [&] { check_node(name, node.where, experiment); })) {
+        layout.processes.back().nodes.insert(name);
+      }
+    }
+  }
+  if (whole && faults.count() == before) {
+    faults.attempt(layout.where, [&] {
+      check_whole(experiment);
+      check_robot(experiment);
+    });
+  }
+}
+
+}  // namespace spikeloop::experiment

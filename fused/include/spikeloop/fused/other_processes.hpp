@@ -1,0 +1,32 @@
+// The processes beside this one that other nodes of the experiment run in: what joins them with the
+// graph. This room knows of no MPI; whoever has it makes one of these.
+#pragma once
+
+#include <memory>
+
+#include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::fused {
+
+class OtherProcesses {
+ public:
+  OtherProcesses() = default;
+  OtherProcesses(const OtherProcesses&) = delete;
+  OtherProcesses& operator=(const OtherProcesses&) = delete;
+  virtual ~OtherProcesses() = default;
+
+  /// The begin of an edge that comes from another process, with the port that it comes from. What
+  /// it brings has the delay that MUSIC takes (experiment::music_delay) behind it.
+  virtual std::unique_ptr<Source> source(const experiment::Link& edge) = 0;
+  /// The end of an edge that leads to another process: for a simulator with the port that it leads
+  /// to; else with the port that it comes from, for all processes that take from this one.
+  virtual std::unique_ptr<Sink> sink(const experiment::Link& edge) = 0;
+
+  /// All ends have been made: waits until all programs are ready.
+  virtual void meet() = 0;
+  /// The graph has advanced by a tick, and now they do: waits for what they send.
+  virtual void exchange() = 0;
+};
+
+}  // namespace spikeloop::fused

@@ -1,0 +1,184 @@
+// The key `layout`: which nodes share a process, and what that does to delays.
+#include "spikeloop/experiment/layout.hpp"
+
+#include <gmock/gmock.h>
+
+#include "spikeloop/experiment/music_job.hpp"
+#include "tests/experiment/experiment_text.hpp"
+
+namespace spikeloop::test {
+namespace {
+
+using experiment::Experiment;
+using testing::ElementsAre;
+
+constexpr const char* kLoop = R"(experiment: loop
+duration: 1 s
+ros: 2
+layout: {vision: [scan, encoder], control: [decoder, wheels]}
+nodes:
+  scan: {node: ros_sensor, topic: /scan, message: LaserScan}
+  encoder: {node: rate_encoder}
+  decoder: {node: linear_readout, weights: uniform}
+  wheels: {node: ros_command, topic: /cmd_vel, message: Twist, fields: {linear.x: 0}}
+connections:
+  - scan -> encoder [3] -> decoder [3] -> wheels [1]
+)";
+
+class LayoutTest : public testing::Test {
+ protected:
+  /// The text with a part replaced.
+  Read read_with(const std::string& part, const std::string& other,
+                 const experiment::Overrides& overrides = {}) {
+    std::string text = kLoop;
+    text.replace(text.find(part), part.size(), other);
+    files_ = std::make_unique<Files>(
+        text, std::map<std::string, std::string>{{"brain.py", "import spikeloop\n"}});
+    return read(*files_, kinds_, overrides);
+  }
+  std::vector<std::string> faults_of(const std::string& layout) {
+    return read_with("{vision: [scan, encoder], control: [decoder, wheels]}", layout).faults;
+  }
+  Experiment loop(const std::string& part = "duration", const std::string& other = "duration") {
+    const Read result = read_with(part, other);
+    EXPECT_THAT(result.faults, testing::IsEmpty());
+    return experiment::with_layout_delays(result.experiment);
+  }
+  /// "scan.pace -> wheels.pace 3": every edge with its delay.
+  static std::vector<std::string> texts(const Experiment& experiment) {
+    std::vector<std::string> result;
+    for (const experiment::Link& edge : edges(experiment)) {
+      result.push_back(edge.from + " -> " + edge.to + " " +
+                       std::to_string(edge.delay_ticks.value()));
+    }
+    return result;
+  }
+  static std::string key(const MusicFile& file, const char* section, const char* name) {
+    const MusicKey* found = file.find_key(file.section(section), name);
+    return found == nullptr ? "none" : found->value;
+  }
+
+  experiment::Kinds kinds_;
+  std::unique_ptr<Files> files_;
+};
+
+TEST_F(LayoutTest, NodesRunInTheProcessesThatAreWritten) {
+  const Experiment experiment = loop();
+  EXPECT_THAT(node_processes(experiment), ElementsAre("vision", "control"));
+  EXPECT_EQ(process_of(experiment, "encoder"), "vision");
+  EXPECT_EQ(process_of(experiment, "wheels"), "control");
+  EXPECT_TRUE(needs_music(experiment));
+  EXPECT_EQ(name_of(experiment.layout), "vision, control");
+}
+
+// No way leads back: as in the separate layout spikes take no time, and values a tick.
+TEST_F(LayoutTest, ForwardSpikesTakeNoTimeAndValuesATick) {
+  EXPECT_THAT(texts(loop()), ElementsAre("scan.out -> encoder.in 0", "encoder.out -> decoder.in 0",
+                                         "decoder.out -> wheels.in 0", "scan.pace -> wheels.pace 1",
+                                         "scan.pace -> wheels.sensor_0 1"));
+  EXPECT_THAT(texts(loop("[scan, encoder], control: [", "[scan], control: [encoder, ")),
+              ElementsAre("scan.out -> encoder.in 1", "encoder.out -> decoder.in 0",
+                          "decoder.out -> wheels.in 0", "scan.pace -> wheels.pace 1",
+                          "scan.pace -> wheels.sensor_0 1"));
+}
+
+constexpr const char* kCycle = R"(duration: 1 s
+sync: unpaced
+layout: {one: [squash, encoder], two: [decoder], three: [trace]}
+nodes:
+  squash: {node: sigmoid}
+  encoder: {node: rate_encoder}
+  decoder: {node: linear_readout, weights: uniform}
+  trace: {node: rate_window, window: 20 ms}
+connections:
+  - squash -> encoder [1] -> decoder [1] -> squash [1]
+  - encoder -> trace [1]
+)";
+
+// MUSIC's latencies around a cycle add up to a tick a process; a process beside it has no need.
+TEST_F(LayoutTest, AroundACycleBothTakeMore) {
+  const std::string text = kCycle;
+  const auto experiment_of = [&](const std::string& delay) {
+    std::string with_delay = text;
+    with_delay.replace(text.find("-> squash [1]"), 13, "-> squash [1" + delay + "]");
+    files_ = std::make_unique<Files>(with_delay);
+    const Read result = read(*files_, kinds_);
+    EXPECT_THAT(result.faults, testing::IsEmpty());
+    return result.experiment;
+  };
+  const Experiment experiment = experiment::with_layout_delays(experiment_of(", delay 5 ticks"));
+  EXPECT_TRUE(is_in_cycle(experiment, "one"));
+  EXPECT_TRUE(is_in_cycle(experiment, "two"));
+  EXPECT_FALSE(is_in_cycle(experiment, "three"));
+  EXPECT_THAT(texts(experiment),
+              ElementsAre("squash.out -> encoder.in 0", "encoder.out -> decoder.in 1",
+                          "decoder.out -> squash.in 5", "encoder.out -> trace.in 0"));
+  EXPECT_EQ(music_delay(experiment, experiment.links[2]), 3U) << "two ticks wait in the graph";
+  const MusicFile file = experiment::process_job(experiment, "", {}).file;
+  EXPECT_EQ(key(file, "two", "spike_delay"), "1");
+  EXPECT_EQ(key(file, "two", "signal_delay"), "2");
+  EXPECT_EQ(key(file, "three", "spike_delay"), "none");
+  try {
+    experiment::with_layout_delays(experiment_of(", delay 2 ticks"));
+    FAIL();
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(
+        files_->plain(error.what()),
+        "x.yaml:10:45: continuous values from 'decoder.out' to 'squash.in' take at least 3 "
+        "ticks between processes, and here it is 2 ticks; write  delay 3 ticks, leave it out, "
+        "or use the fused layout");
+  }
+}
+
+TEST_F(LayoutTest, AJobHasASectionAProcess) {
+  const Experiment experiment = loop();
+  const MusicFile file = experiment::process_job(experiment, "", {{"about", "{}"}}).file;
+  EXPECT_THAT(file.labels(), ElementsAre("vision", "control"));
+  EXPECT_NO_THROW(check_structure(file));
+  EXPECT_THAT(to_text(file), testing::HasSubstr("vision.encoder__out -> control.encoder__out [3]\n"
+                                                "vision.scan__pace -> control.scan__pace [1]\n"));
+  EXPECT_EQ(key(file, "vision", "pace"), "true");
+  EXPECT_EQ(key(file, "control", "pace"), "false") << "it waits for the other one's data";
+  EXPECT_EQ(key(file, "vision", "about"), "{}");
+  EXPECT_EQ(key(file, "control", "about"), "none");
+  EXPECT_EQ(key(file, "control", "spike_delay"), "none");
+}
+
+TEST_F(LayoutTest, TheCommandLineGoesBeforeTheFile) {
+  const Read result = read_with("duration", "duration", {.layout = "fused"});
+  EXPECT_THAT(node_processes(result.experiment), ElementsAre("experiment"));
+  EXPECT_FALSE(needs_music(result.experiment));
+  EXPECT_EQ(name_of(result.experiment.layout), "fused");
+  EXPECT_EQ(name_of(read_with("duration", "duration", {.layout = "separate"}).experiment.layout),
+            "separate");
+}
+
+TEST_F(LayoutTest, SaysWhatIsWrong) {
+  EXPECT_THAT(faults_of("{vision: [scan, encodre], control: [decoder, wheels]}"),
+              ElementsAre("x.yaml:4:25: key 'layout': there is no node 'encodre'; did you mean "
+                          "'encoder'?"));
+  EXPECT_THAT(faults_of("{vision: [scan], control: [decoder, wheels]}"),
+              ElementsAre("x.yaml:4:9: key 'layout': node 'encoder' is in no process; add it to "
+                          "one of them"));
+  EXPECT_THAT(faults_of("{vision: [scan, encoder], control: [decoder, scan, wheels]}"),
+              ElementsAre("x.yaml:4:54: key 'layout': node 'scan' is in process 'vision' already; "
+                          "write it once"));
+  EXPECT_THAT(faults_of("{\"the eye\": [scan, encoder], control: [decoder, wheels]}"),
+              ElementsAre("x.yaml:4:21: key 'layout': 'the eye' is not the name of a process; "
+                          "write letters, digits and '_'"));
+  EXPECT_THAT(faults_of("parallel"),
+              ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is no map; write  layout: "
+                          "{vision: [camera], control: [encoder, decoder, wheels]}"));
+}
+
+TEST_F(LayoutTest, OneProcessMeetsARobotThatIsStepped) {
+  EXPECT_THAT(read_with("ros: 2", "ros: 2\nsync: lockstep").faults,
+              ElementsAre("x.yaml:5:9: key 'layout': sync: lockstep needs all sensors and commands "
+                          "in one process; put them together, or write  sync: realtime"));
+  EXPECT_THAT(read_with("ros: 2", "robot: {simulator: mujoco}").faults,
+              ElementsAre("x.yaml:4:9: key 'layout': a robot without ROS needs all sensors and "
+                          "commands in one process; put them together, or write  ros: 2"));
+}
+
+}  // namespace
+}  // namespace spikeloop::test
