@@ -46,11 +46,12 @@ rlim_t memory() {
   return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
 }
 
-void set_limit(__rlimit_resource kind, rlim_t value) {
+/// @param process 0: this one
+void set_limit(__rlimit_resource kind, rlim_t value, pid_t process = 0) {
   rlimit limit{};
-  getrlimit(kind, &limit);
+  prlimit(process, kind, nullptr, &limit);
   limit.rlim_cur = std::min(value, limit.rlim_max);
-  setrlimit(kind, &limit);
+  prlimit(process, kind, &limit, nullptr);
 }
 
 struct Limits {
@@ -74,7 +75,6 @@ struct Limits {
   }
   log::set_level(log::Level::error);  // the caller says it all when it does the work itself
   set_limit(RLIMIT_CORE, 0);
-  set_limit(RLIMIT_CPU, limits.seconds);
   set_limit(RLIMIT_AS, memory() + limits.memory);
   try {
     work();
@@ -170,6 +170,8 @@ void try_in_a_copy(const std::string& path, std::string_view library,
   if (child < 0) {
     throw FileError("start a process to read", path, errno);
   }
+  // From here, because the copy of a process with threads may not get far enough to do it.
+  set_limit(RLIMIT_CPU, limits.seconds, child);
   refuse(path, library, end_of(child, limits.seconds), limits);
   tried.insert(file);
 }
