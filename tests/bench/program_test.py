@@ -9,7 +9,7 @@ import unittest
 from bench_program import bench, results
 
 TINY = ("--duration", "1", "--trials", "1", "--most", "2000", "--neurons", "100", "--rates", "5,80",
-        "--ticks", "50,10", "--steps", "2")
+        "--ticks", "50,10", "--steps", "2", "--limit", "60")  # a busy machine ends its runs, too
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -101,8 +101,8 @@ class Program(unittest.TestCase):
     def test_what_fails_is_told(self):
         """The readout cannot be reached: an encoder without a first scan sends nothing."""
         said, _ = bench("--part", "a", "--encoders", "nef", "--layouts", "separate", "--simulators",
-                        "none", "--duration", "0.05", "--trials", "1", "--most", "1000", "--out",
-                        self.out, code=1)
+                        "none", "--duration", "0.05", "--trials", "1", "--most", "1000", "--limit",
+                        "60", "--out", self.out, code=1)
         self.assertIn("not measured: nef, no simulator, separate, tick 50 ms: 0 spikes were encoded, "
                       "but 0 reached the decoder", said)
         self.assertTrue(results(self.out)["not_measured"][0]["failed"])
