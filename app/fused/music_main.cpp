@@ -85,9 +85,10 @@ fused::RunOptions options_of(const Parameters& keys, const music::Process& proce
 
 /// The one that writes down the robot's path.
 std::string first_at_robot(const experiment::Experiment& experiment) {
-  const auto processes = node_processes(experiment);
-  return *std::ranges::find_if(
-      processes, [&](const std::string& process) { return meets_robot(experiment, process); });
+  return std::ranges::find_if(
+             experiment.layout.processes,
+             [&](const auto& process) { return meets_robot(experiment, process.name); })
+      ->name;
 }
 
 /// The watch of a command over ROS takes the signals of its process.

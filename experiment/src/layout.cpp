@@ -26,6 +26,14 @@ std::uint32_t of_kind(const Least& least, PortKind kind) {
   return kind == PortKind::spikes ? least.spikes : least.signals;
 }
 
+/// Null for a simulator.
+const Process* find_process(const Experiment& experiment, const std::string& node) {
+  const auto& processes = experiment.layout.processes;
+  const auto found = std::ranges::find_if(
+      processes, [&](const Process& process) { return process.nodes.contains(node); });
+  return found == processes.end() ? nullptr : &*found;
+}
+
 bool crosses(const Experiment& experiment, const Link& link) {
   return process_of(experiment, node_of(link.from)) != process_of(experiment, node_of(link.to));
 }
@@ -34,9 +42,8 @@ std::uint32_t least_delay(const Experiment& experiment, const Link& link) {
   if (!crosses(experiment, link)) {
     return 0;
   }
-  const bool to_simulator = is_simulator_end(experiment, link.to);
-  const bool cyclic = is_in_cycle(experiment, process_of(experiment, node_of(link.to)));
-  return of_kind(to_simulator ? kIntoSimulator : cyclic ? kIntoCycle : kForward, link.kind);
+  const Process* to = find_process(experiment, node_of(link.to));
+  return of_kind(to == nullptr ? kIntoSimulator : to->in_cycle ? kIntoCycle : kForward, link.kind);
 }
 
 /// Between two simulators there is no graph in which a connection could wait: the receiver waits,
@@ -60,35 +67,6 @@ std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
     }
   }
   return delay;
-}
-
-/// No simulator is named so.
-std::string fused_label(const Experiment& experiment) {
-  std::string label = "experiment";
-  while (std::ranges::any_of(experiment.parts, [&](const Part& part) {
-    return is_simulator(part) && part.name == label;
-  })) {
-    label += '_';
-  }
-  return label;
-}
-
-/// The processes that data of this one reach, itself when they come back.
-std::set<std::string> reached_from(const Experiment& experiment, const std::string& process) {
-  std::set<std::string> reached;
-  std::vector<std::string> open{process};
-  while (!open.empty()) {
-    const std::string current = open.back();
-    open.pop_back();
-    for (const Link& link : experiment.links) {
-      const std::string next = process_of(experiment, node_of(link.to));
-      if (process_of(experiment, node_of(link.from)) == current && next != current &&
-          reached.insert(next).second) {
-        open.push_back(next);
-      }
-    }
-  }
-  return reached;
 }
 
 void add_edge(const Experiment& experiment, Link edge, std::vector<Link>& edges) {
@@ -134,30 +112,12 @@ std::string name_of(const Layout& layout) {
 }
 
 std::string process_of(const Experiment& experiment, const std::string& node) {
-  if (is_simulator_end(experiment, node)) {
-    return node;
-  }
-  for (const Process& process : experiment.layout.processes) {
-    if (process.nodes.contains(node)) {
-      return process.name;
-    }
-  }
-  return fused_label(experiment);
-}
-
-std::vector<std::string> node_processes(const Experiment& experiment) {
-  if (experiment.layout.kind != Layout::Kind::written) {
-    return {fused_label(experiment)};
-  }
-  std::vector<std::string> names;
-  for (const Process& process : experiment.layout.processes) {
-    names.push_back(process.name);
-  }
-  return names;
+  const Process* process = find_process(experiment, node);
+  return process == nullptr ? node : process->name;
 }
 
 bool needs_music(const Experiment& experiment) {
-  return has_simulator(experiment) || node_processes(experiment).size() > 1;
+  return has_simulator(experiment) || experiment.layout.processes.size() > 1;
 }
 
 bool meets_robot(const Experiment& experiment, const std::string& process) {
@@ -168,12 +128,12 @@ bool meets_robot(const Experiment& experiment, const std::string& process) {
       return true;
     }
   }
-  return !any && node_processes(experiment).front() == process;
+  return !any && experiment.layout.processes.front().name == process;
 }
 
 bool one_meets_robot(const Experiment& experiment) {
-  return std::ranges::count_if(node_processes(experiment), [&](const std::string& process) {
-           return meets_robot(experiment, process);
+  return std::ranges::count_if(experiment.layout.processes, [&](const Process& process) {
+           return meets_robot(experiment, process.name);
          }) == 1;
 }
 
@@ -185,12 +145,7 @@ bool waits_for_clock(const Experiment& experiment, const std::string& process) {
   const bool has_inputs = std::ranges::any_of(experiment.links, [&](const Link& link) {
     return crosses(experiment, link) && process_of(experiment, node_of(link.to)) == process;
   });
-  return !has_inputs || node_processes(experiment).front() == process;
-}
-
-bool is_in_cycle(const Experiment& experiment, const std::string& process) {
-  // Beside simulators always: the delays of a layout do not hang on whether one of them answers.
-  return has_simulator(experiment) || reached_from(experiment, process).contains(process);
+  return !has_inputs || experiment.layout.processes.front().name == process;
 }
 
 std::vector<Link> edges(const Experiment& experiment) {

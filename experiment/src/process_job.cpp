@@ -22,8 +22,8 @@ class ProcessWriter : JobWriter {
 
   MusicJob write(const std::map<std::string, std::string>& keys) {
     write_globals();
-    for (const std::string& process : node_processes(experiment_)) {
-      begin_section(process, {experiment_.path, 0, 0});
+    for (const Process& process : experiment_.layout.processes) {
+      begin_section(process.name, {experiment_.path, 0, 0});
       write_process(process);
       for (const auto& [name, value] : job_.file.sections.size() == 1 ? keys : NoKeys()) {
         add(name.c_str(), value);
@@ -52,7 +52,7 @@ class ProcessWriter : JobWriter {
   /// to a tick a process, though spikes are late by one alone. It serves for cycles of 99 programs.
   TimeNs spare() const { return std::max<TimeNs>(1, experiment_.tick / 100); }
 
-  void write_process(const std::string& process) {
+  void write_process(const Process& process) {
     add("np", "1");
     add("binary", kProgram);
     add_directory({});
@@ -60,10 +60,10 @@ class ProcessWriter : JobWriter {
     if (experiment_.layout.kind == Layout::Kind::fused) {
       add("layout", "fused");
     }
-    add("pace", waits_for_clock(experiment_, process) ? "true" : "false");
+    add("pace", waits_for_clock(experiment_, process.name) ? "true" : "false");
     add("ros", name_of(experiment_.ros));
     add("wait_for", std::string(name_of(experiment_.sync)));
-    if (is_in_cycle(experiment_, process)) {
+    if (process.in_cycle) {
       add("accept_latency", seconds(2 * experiment_.tick - spare()));
       add("spike_delay", "1");
       add("signal_delay", "2");
@@ -150,9 +150,9 @@ class ProcessWriter : JobWriter {
   }
 
   void check_joined() const {
-    for (const std::string& process : node_processes(experiment_)) {
-      if (!joined_.contains(process)) {
-        refuse_alone(process);
+    for (const Process& process : experiment_.layout.processes) {
+      if (!joined_.contains(process.name)) {
+        refuse_alone(process.name);
       }
     }
   }

@@ -345,7 +345,6 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     }
   }
   check_topics(experiment, whole, all);
-  resolve_layout(keys, file.joined, experiment, all);
   if (bag && !overrides.replay) {
     check_bag(*bag, whole, experiment, all);
   }
@@ -361,6 +360,7 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
     all.add(
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
+  resolve_layout(keys, file.joined, experiment, all);
   std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
     return std::pair(fault.where.line, fault.where.column);
   });

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "faults.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -85,17 +87,59 @@ void check_robot(const Experiment& experiment) {
   }
 }
 
-}  // namespace
-
-void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults) {
-  const std::string kind = keys.word(kKey);
-  Layout& layout = experiment.layout;
-  layout.where = keys.where(kKey);
-  if (!kind.empty()) {
-    layout.kind = kind == "separate" ? Layout::Kind::separate : Layout::Kind::fused;
-    return;
+/// No simulator is named so.
+std::string fused_label(const Experiment& experiment) {
+  std::string label = "experiment";
+  while (is_simulator_end(experiment, label)) {
+    label += '_';
   }
-  layout.kind = Layout::Kind::written;
+  return label;
+}
+
+/// One process has all nodes; the separate layout is for music_job().
+void take_fused(Experiment& experiment) {
+  Process process{fused_label(experiment)};
+  for (const Part& part : experiment.parts) {
+    if (!is_simulator(part)) {
+      process.nodes.insert(part.name);
+    }
+  }
+  experiment.layout.processes.push_back(std::move(process));
+}
+
+/// The processes, simulators among them, that take from one.
+std::map<std::string, std::set<std::string>> receivers_of(const Experiment& experiment) {
+  std::map<std::string, std::set<std::string>> receivers;
+  for (const Link& link : experiment.links) {
+    const std::string from = process_of(experiment, node_of(link.from));
+    const std::string to = process_of(experiment, node_of(link.to));
+    if (from != to) {
+      receivers[from].insert(to);
+    }
+  }
+  return receivers;
+}
+
+void find_cycles(Experiment& experiment) {
+  auto receivers = receivers_of(experiment);
+  for (Process& process : experiment.layout.processes) {
+    std::set<std::string> reached;
+    std::vector<std::string> open{process.name};
+    while (!open.empty()) {
+      const std::string current = open.back();
+      open.pop_back();
+      for (const std::string& next : receivers[current]) {
+        if (reached.insert(next).second) {
+          open.push_back(next);
+        }
+      }
+    }
+    process.in_cycle = has_simulator(experiment) || reached.contains(process.name);
+  }
+}
+
+void take_processes(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults) {
+  Layout& layout = experiment.layout;
   const std::size_t before = faults.count();
   for (const Parameters::Entry& process : keys.entries(kKey)) {
     faults.attempt(process.where, [&] { check_process(process.key, process.where, experiment); });
@@ -113,6 +157,23 @@ void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, 
       check_robot(experiment);
     });
   }
+}
+
+}  // namespace
+
+void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults) {
+  const std::string kind = keys.word(kKey);
+  Layout& layout = experiment.layout;
+  layout.where = keys.where(kKey);
+  layout.kind = kind.empty()         ? Layout::Kind::written
+                : kind == "separate" ? Layout::Kind::separate
+                                     : Layout::Kind::fused;
+  if (layout.kind == Layout::Kind::written) {
+    take_processes(keys, whole, experiment, faults);
+  } else {
+    take_fused(experiment);
+  }
+  find_cycles(experiment);
 }
 
 }  // namespace spikeloop::experiment

@@ -360,7 +360,7 @@ RunResult run(const Experiment& experiment, const RunOptions& options, const Run
 
 RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
               const RunEvents& events, OtherProcesses* others) {
-  const std::string first = experiment::node_processes(experiment).front();
+  const std::string first = experiment.layout.processes.front().name;
   const Surroundings surroundings{transport, others,
                                   options.process.empty() ? first : options.process};
   const bool writes_files = !options.folder.empty() && surroundings.process == first;

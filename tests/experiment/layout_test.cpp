@@ -53,6 +53,13 @@ class LayoutTest : public testing::Test {
     }
     return result;
   }
+  static std::vector<std::string> names(const Experiment& experiment) {
+    std::vector<std::string> result;
+    for (const experiment::Process& process : experiment.layout.processes) {
+      result.push_back(process.name);
+    }
+    return result;
+  }
   static std::string key(const MusicFile& file, const char* section, const char* name) {
     const MusicKey* found = file.find_key(file.section(section), name);
     return found == nullptr ? "none" : found->value;
@@ -64,7 +71,7 @@ class LayoutTest : public testing::Test {
 
 TEST_F(LayoutTest, NodesRunInTheProcessesThatAreWritten) {
   const Experiment experiment = loop();
-  EXPECT_THAT(node_processes(experiment), ElementsAre("vision", "control"));
+  EXPECT_THAT(names(experiment), ElementsAre("vision", "control"));
   EXPECT_EQ(process_of(experiment, "encoder"), "vision");
   EXPECT_EQ(process_of(experiment, "wheels"), "control");
   EXPECT_TRUE(needs_music(experiment));
@@ -107,9 +114,11 @@ TEST_F(LayoutTest, AroundACycleBothTakeMore) {
     return result.experiment;
   };
   const Experiment experiment = experiment::with_layout_delays(experiment_of(", delay 5 ticks"));
-  EXPECT_TRUE(is_in_cycle(experiment, "one"));
-  EXPECT_TRUE(is_in_cycle(experiment, "two"));
-  EXPECT_FALSE(is_in_cycle(experiment, "three"));
+  std::vector<bool> cycles;
+  for (const experiment::Process& process : experiment.layout.processes) {
+    cycles.push_back(process.in_cycle);
+  }
+  EXPECT_THAT(cycles, ElementsAre(true, true, false));
   EXPECT_THAT(texts(experiment),
               ElementsAre("squash.out -> encoder.in 0", "encoder.out -> decoder.in 1",
                           "decoder.out -> squash.in 5", "encoder.out -> trace.in 0"));
@@ -146,7 +155,7 @@ TEST_F(LayoutTest, AJobHasASectionAProcess) {
 
 TEST_F(LayoutTest, TheCommandLineGoesBeforeTheFile) {
   const Read result = read_with("duration", "duration", {.layout = "fused"});
-  EXPECT_THAT(node_processes(result.experiment), ElementsAre("experiment"));
+  EXPECT_THAT(names(result.experiment), ElementsAre("experiment"));
   EXPECT_FALSE(needs_music(result.experiment));
   EXPECT_EQ(name_of(result.experiment.layout), "fused");
   EXPECT_EQ(name_of(read_with("duration", "duration", {.layout = "separate"}).experiment.layout),

@@ -91,12 +91,15 @@ struct Robot {
 struct Process {
   std::string name;
   std::set<std::string> nodes{};
+  /// Its data come back to it through other processes. Beside simulators always: the delays of a
+  /// layout do not hang on whether one of them answers.
+  bool in_cycle = false;
 };
 
 /// How the nodes are spread over processes; a simulator has a process of its own in all of them.
 struct Layout {
   enum class Kind { fused, separate, written } kind = Kind::fused;
-  std::vector<Process> processes{};  ///< with Kind::written, in the file's order
+  std::vector<Process> processes{};  ///< in the file's order; one unless it is written
   Location where{};
 };
 

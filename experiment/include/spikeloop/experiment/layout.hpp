@@ -12,10 +12,8 @@ namespace spikeloop::experiment {
 
 /// "fused", "separate", "vision, control".
 std::string name_of(const Layout& layout);
-/// The process of a node in any layout but the separate one.
+/// The name of a node's process, in any layout but the separate one.
 std::string process_of(const Experiment& experiment, const std::string& node);
-/// Those that have nodes, not simulators, in the file's order; one in the fused layout.
-std::vector<std::string> node_processes(const Experiment& experiment);
 /// Whether a run has more than one process that MUSIC joins.
 bool needs_music(const Experiment& experiment);
 /// Whether the process has the robot's topics, or follows its clock.
@@ -24,8 +22,6 @@ bool meets_robot(const Experiment& experiment, const std::string& process);
 bool one_meets_robot(const Experiment& experiment);
 /// Whether a process waits for the clock; the others wait for data.
 bool waits_for_clock(const Experiment& experiment, const std::string& process);
-/// Whether the data of a process come back to it, so that MUSIC has to have delays in the way.
-bool is_in_cycle(const Experiment& experiment, const std::string& process);
 
 /// All that travels: the links, and what a command hears beside its input, at its ports `pace`
 /// (when the message behind the data came), `sensor_0` ... (the same of every sensor behind it) and
