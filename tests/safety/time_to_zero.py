@@ -142,10 +142,9 @@ def measured(spikeloop, robot, version, layout, fault):
             robot.time_to_zero_ms(begin)
             if fault.ends:
                 process.wait(60)
-            else:
-                # A tick that a busy machine delays stops the robot for a moment, before its time.
-                bound_s = (fault.timeout_ms + MARGIN_MS) / 1e3
-                time.sleep(max(0, begin + bound_s - time.monotonic()) + STANDS_S)
+            # A tick that a busy machine delays stops the robot for a moment, before its time.
+            bound_s = (fault.timeout_ms + MARGIN_MS) / 1e3
+            time.sleep(max(0, begin + bound_s - time.monotonic()) + STANDS_S)
             rest = robot.time_to_rest_ms(begin)
             assert rest != float("inf"), [(at - begin, value) for at, value in robot.heard if at > begin]
             return rest
