@@ -233,7 +233,7 @@ TEST(Run, TimeoutsAreForSeveralProcesses) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(
       outcome.err,
-      "spikeloop: --stall-timeout is for runs in several processes (--layout separate,  ros,  a "
+      "spikeloop: --stall-timeout is for runs in several processes (layout,  ros,  a "
       "simulator), and this one has a single process; leave it out\n");
 }
 

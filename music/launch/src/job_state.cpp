@@ -118,8 +118,9 @@ bool JobState::take(const json& message, Clock::time_point now) {
 }
 
 void JobState::take_time(Process& process, const json& message, Clock::time_point now) {
-  const double before =
-      std::exchange(process.simulated_s, value_of(message, "simulated_s", process.simulated_s));
+  const double before = process.simulated_s;
+  // Threads of a process tell it: what is older may come later.
+  process.simulated_s = std::max(before, value_of(message, "simulated_s", before));
   if (process.simulated_s != before || !process.ticked) {
     process.moved = now;
   }
