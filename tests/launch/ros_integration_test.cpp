@@ -122,7 +122,8 @@ TEST(RobotOfAJob, ThatDoesNotKnowAnArgumentIsNamed) {
 
 TEST(RobotOfAJob, ThatEndsTakesTheJobWithIt) {
   const TwoPrograms job("stoptime=1000", "stoptime=1000");
-  const Outcome outcome = run_with_robot(job, {"--robot-arg=--duration=2"});
+  // Long enough for the programs to have begun on a busy machine.
+  const Outcome outcome = run_with_robot(job, {"--robot-arg=--duration=6"});
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_EQ(last_line(outcome.err)
                 .find("spikeloop: robot: ended before the job, with exit code 0; its last line: "),

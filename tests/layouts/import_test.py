@@ -141,7 +141,7 @@ def same_spikes(spikeloop, job, folder, *more):
     run(spikeloop, "run", "-q", imported, "--out", folder / "fused", *more)
     run(spikeloop, "run", "-q", job, "--record", "--out", folder / "job")
     spikes = random_graphs.compare(random_graphs.spikes_of(folder / "fused"),
-                                   random_graphs.spikes_of(folder / "job"), imported.read_text())
+                                   random_graphs.spikes_of(folder / "job"), "separate", imported.read_text())
     return spikes, said, imported.read_text()
 
 
@@ -187,7 +187,7 @@ def what_export_writes(spikeloop, folder, drive, graphs):
             shutil.rmtree(folder / name, ignore_errors=True)
             run(spikeloop, "run", "-q", file, "--out", folder / name)
         spikes += random_graphs.compare(random_graphs.spikes_of(folder / "there"),
-                                        random_graphs.spikes_of(folder / "back"),
+                                        random_graphs.spikes_of(folder / "back"), "once more",
                                         imported.read_text())
     assert spikes > 100 * graphs, spikes
 

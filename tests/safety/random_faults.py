@@ -63,8 +63,9 @@ class Launch:
             started = time.monotonic()
             with open(self.folder / "printed", "w", encoding="utf-8") as log:
                 self.process = subprocess.Popen(
-                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version, *time_to_zero.LAYOUTS[self.layout],
-                     "--out", "run", "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)],
+                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version,
+                     *time_to_zero.LAYOUTS[self.layout], "--out", "run", "--start-timeout", str(START_S),
+                     "--stall-timeout", str(STALL_S)],
                     cwd=self.folder, env=dict(os.environ, SPIKELOOP_FAULTS=name, TMPDIR=f"{name}/tmp"),
                     stdout=log, stderr=log, start_new_session=True)
             try:
