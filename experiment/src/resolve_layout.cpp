@@ -141,6 +141,11 @@ void find_cycles(Experiment& experiment) {
 void take_processes(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults) {
   Layout& layout = experiment.layout;
   const std::size_t before = faults.count();
+  if (keys.entries(kKey).empty()) {
+    faults.add(layout.where,
+               "key 'layout': there are no processes; write  layout: {vision: [camera], control: "
+               "[encoder, decoder, wheels]}, or leave it out");
+  }
   for (const Parameters::Entry& process : keys.entries(kKey)) {
     faults.attempt(process.where, [&] { check_process(process.key, process.where, experiment); });
     layout.processes.push_back({process.key});
@@ -170,7 +175,8 @@ void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, 
                                      : Layout::Kind::fused;
   if (layout.kind == Layout::Kind::written) {
     take_processes(keys, whole, experiment, faults);
-  } else {
+  }
+  if (layout.processes.empty()) {
     take_fused(experiment);
   }
   find_cycles(experiment);

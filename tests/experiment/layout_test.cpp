@@ -175,6 +175,10 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
   EXPECT_THAT(faults_of("{\"the eye\": [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:21: key 'layout': 'the eye' is not the name of a process; "
                           "write letters, digits and '_'"));
+  EXPECT_THAT(faults_of("{}"),
+              ElementsAre("x.yaml:4:9: key 'layout': there are no processes; write  layout: "
+                          "{vision: [camera], control: [encoder, decoder, wheels]}, or leave it "
+                          "out"));
   EXPECT_THAT(faults_of("parallel"),
               ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is no map; write  layout: "
                           "{vision: [camera], control: [encoder, decoder, wheels]}"));

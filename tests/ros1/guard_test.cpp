@@ -199,9 +199,10 @@ TEST_F(GuardTest, guard_killed) {
                        std::chrono::seconds(10)))
       << child_->output();
   const std::size_t before = robot_.twists().size();
-  EXPECT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 5; }))
-      << "the job goes on";
-  EXPECT_FALSE(robot_.twists().back().is_zero());
+  EXPECT_TRUE(eventually(10, [&] {
+    const auto twists = robot_.twists();
+    return twists.size() > before + 5 && !twists.back().is_zero();
+  })) << "the job goes on";
   child_->signal(SIGINT);
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
