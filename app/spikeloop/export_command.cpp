@@ -117,6 +117,10 @@ int export_file(const Arguments& arguments) {
         "an experiment is exported to a folder; give one with --out, as in --out job");
   }
   return use_experiment(arguments.file, [&](const experiment::Experiment& experiment) {
+    if (experiment.layout.kind == experiment::Layout::Kind::written) {
+      put(stderr,
+          "spikeloop: warning: the job has a process a node, whatever the key 'layout' says\n");
+    }
     Arguments job = arguments;
     const WrittenJob written = write_music_job(experiment, launch::make_folder(arguments.folder));
     job.file = written.path;

@@ -215,7 +215,10 @@ Parameters::Value parse_map(const ParameterDescription& map, const WrittenValue&
   } else if (!written.is_list() && !map.plain_key.empty()) {
     entries = {{map.plain_key, {written.text, written.where}}};
   } else if (!written.text.empty()) {
-    refuse_shape(map, written, "no map");
+    refuse_shape(map, written,
+                 map.choices.empty()
+                     ? "no map"
+                     : fmt::format("neither {} nor a map", fmt::join(map.choices, " nor ")));
   } else {
     return Parameters::Entries{};
   }

@@ -175,15 +175,18 @@ Experiment with_layout_delays(const Experiment& experiment) {
     const std::uint32_t least = least_delay(experiment, link);
     if (link.delay_ticks.value_or(least) < least) {
       const bool fused = experiment.layout.kind == Layout::Kind::fused;
+      const char* const instead = fused                        ? ", or use --layout separate"
+                                  : !has_simulator(experiment) ? ", or use the fused layout"
+                                                               : "";
       throw ConfigurationError(
           link.where,
           fmt::format("{} from '{}' to '{}' take at least {} {}, and here it is {}; write  delay "
-                      "{}, leave it out, or use {}",
+                      "{}, {}leave it out{}",
                       link.kind == PortKind::spikes ? "spikes" : "continuous values", link.from,
                       link.to, format_ticks(least),
                       fused ? "in the fused layout" : "between processes",
                       format_ticks(*link.delay_ticks), format_ticks(least),
-                      fused ? "--layout separate" : "the fused layout"));
+                      *instead == '\0' ? "or " : "", instead));
     }
     link.delay_ticks = link.delay_ticks.value_or(usual_delay(experiment, link));
   }

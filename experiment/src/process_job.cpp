@@ -25,7 +25,7 @@ class ProcessWriter : JobWriter {
     for (const Process& process : experiment_.layout.processes) {
       begin_section(process.name, {experiment_.path, 0, 0});
       write_process(process);
-      for (const auto& [name, value] : job_.file.sections.size() == 1 ? keys : NoKeys()) {
+      for (const auto& [name, value] : keys) {
         add(name.c_str(), value);
       }
     }
@@ -46,8 +46,6 @@ class ProcessWriter : JobWriter {
   }
 
  private:
-  using NoKeys = std::map<std::string, std::string>;
-
   /// A part of a tick: what the acceptable latencies of a cycle have to spare, so that they add up
   /// to a tick a process, though spikes are late by one alone. It serves for cycles of 99 programs.
   TimeNs spare() const { return std::max<TimeNs>(1, experiment_.tick / 100); }
@@ -115,7 +113,14 @@ class ProcessWriter : JobWriter {
     if (from == to || (!to_simulator && !taken_.insert({edge.from, to}).second)) {
       return;
     }
-    const std::string name = process_port(to_simulator ? edge.to : edge.from);
+    const std::string& end = to_simulator ? edge.to : edge.from;
+    const std::string name = process_port(end);
+    if (const auto known = ports_.emplace(name, end).first; known->second != end) {
+      throw ConfigurationError(
+          edge.where, fmt::format("'{}' and '{}' would be one port of MUSIC's, {}; give one of the "
+                                  "nodes a name without '__'",
+                                  known->second, end, name));
+    }
     job_.file.connections.push_back(
         {from,
          is_simulator_end(experiment_, edge.from) ? port_of(edge.from) : name,
@@ -173,6 +178,7 @@ class ProcessWriter : JobWriter {
 
   std::set<std::pair<std::string, std::string>> taken_;  ///< an output, and the process it goes to
   std::set<std::string> joined_;
+  std::map<std::string, std::string> ports_;  ///< their ends by their names
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "faults.hpp"
@@ -15,6 +16,7 @@ namespace spikeloop::experiment {
 namespace {
 
 constexpr const char* kKey = "layout";
+constexpr std::string_view kRobotLabel = "robot";  // what the launcher calls spikeloop-robot
 
 void check_process(const std::string& name, const Location& where, const Experiment& experiment) {
   const bool plain =
@@ -24,6 +26,10 @@ void check_process(const std::string& name, const Location& where, const Experim
         where, fmt::format("key 'layout': '{}' is not the name of a process; write letters, digits "
                            "and '_'",
                            name));
+  }
+  if (name == kRobotLabel) {
+    throw ConfigurationError(
+        where, "key 'layout': 'robot' is the process of the robot; give this one another name");
   }
   if (is_simulator_end(experiment, name)) {
     throw ConfigurationError(

@@ -30,8 +30,9 @@ using experiment::Part;
 using experiment::Role;
 
 constexpr std::string_view kSender = " sender";
-constexpr std::string_view kRecord = "record ";
-constexpr std::string_view kSent = " sent";
+// No name of a node or a port has such characters.
+constexpr std::string_view kRecord = "record: ";
+constexpr std::string_view kSent = " ->";
 
 /// A sensor whose errors name its node and its place in the file.
 class NamedSource : public Source {

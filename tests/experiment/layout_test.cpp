@@ -149,7 +149,7 @@ TEST_F(LayoutTest, AJobHasASectionAProcess) {
   EXPECT_EQ(key(file, "vision", "pace"), "true");
   EXPECT_EQ(key(file, "control", "pace"), "false") << "it waits for the other one's data";
   EXPECT_EQ(key(file, "vision", "about"), "{}");
-  EXPECT_EQ(key(file, "control", "about"), "none");
+  EXPECT_EQ(key(file, "control", "about"), "{}") << "a replay is told to all";
   EXPECT_EQ(key(file, "control", "spike_delay"), "none");
 }
 
@@ -175,13 +175,17 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
   EXPECT_THAT(faults_of("{\"the eye\": [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:21: key 'layout': 'the eye' is not the name of a process; "
                           "write letters, digits and '_'"));
+  EXPECT_THAT(faults_of("{robot: [scan, encoder], control: [decoder, wheels]}"),
+              ElementsAre("x.yaml:4:17: key 'layout': 'robot' is the process of the robot; give "
+                          "this one another name"));
   EXPECT_THAT(faults_of("{}"),
               ElementsAre("x.yaml:4:9: key 'layout': there are no processes; write  layout: "
                           "{vision: [camera], control: [encoder, decoder, wheels]}, or leave it "
                           "out"));
-  EXPECT_THAT(faults_of("parallel"),
-              ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is no map; write  layout: "
-                          "{vision: [camera], control: [encoder, decoder, wheels]}"));
+  EXPECT_THAT(
+      faults_of("parallel"),
+      ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is neither fused nor separate nor a "
+                  "map; write  layout: {vision: [camera], control: [encoder, decoder, wheels]}"));
 }
 
 TEST_F(LayoutTest, OneProcessMeetsARobotThatIsStepped) {

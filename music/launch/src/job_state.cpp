@@ -39,7 +39,7 @@ json object_of(const json& message, const char* key) {
 void add_summary(const json& summary, json& sum) {
   const json before = sum;
   sum.update(summary);
-  for (const char* count : {"spikes", "scans", "spikes_recorded", "records_dropped"}) {
+  for (const char* count : {"spikes", "scans", "commands", "spikes_recorded", "records_dropped"}) {
     if (before.contains(count) && summary.contains(count)) {
       sum[count] =
           value_of(before, count, std::uint64_t{0}) + value_of(summary, count, std::uint64_t{0});

@@ -30,7 +30,7 @@ std::string process_port(const std::string& end);
 /// A section for every process of a layout but the separate one: for each simulator, and for the
 /// nodes that share a process.
 /// @param experiment as with_layout_delays() gives it
-/// @param keys of the first section that has nodes, beside those that the experiment gives it
+/// @param keys of every section that has nodes, beside those that the experiment gives it
 /// @throws ConfigurationError when MUSIC cannot do it: nothing joins a process with the others,
 /// different delays into one simulator.
 MusicJob process_job(const Experiment& experiment, const std::string& folder,
