@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <utility>
 
 #include "faults.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -46,17 +46,6 @@ std::uint32_t least_delay(const Experiment& experiment, const Link& link) {
   return of_kind(to == nullptr ? kIntoSimulator : to->in_cycle ? kIntoCycle : kForward, link.kind);
 }
 
-/// Between two simulators there is no graph in which a connection could wait: the receiver waits,
-/// and with it all of its inputs of this kind.
-const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
-                           PortKind kind) {
-  const auto found = std::ranges::find_if(experiment.links, [&](const Link& link) {
-    return link.kind == kind && node_of(link.to) == simulator &&
-           is_simulator_end(experiment, link.from);
-  });
-  return found == experiment.links.end() ? nullptr : &*found;
-}
-
 /// The delay that a connection takes when none is written.
 std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
   std::uint32_t delay = least_delay(experiment, link);
@@ -69,18 +58,13 @@ std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
   return delay;
 }
 
-void add_edge(const Experiment& experiment, Link edge, std::vector<Link>& edges) {
-  edge.delay_ticks = std::max(edge.delay_ticks.value_or(0), least_delay(experiment, edge));
-  edges.push_back(std::move(edge));
-}
-
 /// What a command hears of the sensors and spikes behind it.
 void add_edges_into(const Experiment& experiment, const Part& command, std::vector<Link>& edges) {
   const auto add = [&](const std::string& from, const std::string& port, PortKind kind,
                        std::uint32_t width, std::uint32_t delay) {
-    add_edge(experiment,
-             {from, fmt::format("{}.{}", command.name, port), kind, width, delay, command.where},
-             edges);
+    Link edge{from, fmt::format("{}.{}", command.name, port), kind, width, delay, command.where};
+    edge.delay_ticks = std::max(delay, least_delay(experiment, edge));
+    edges.push_back(std::move(edge));
   };
   if (const auto upstream = nearest_sensor(experiment, command.name)) {
     // The time at which the data behind a command came takes as long as these data.
@@ -156,6 +140,15 @@ std::vector<Link> edges(const Experiment& experiment) {
     }
   }
   return result;
+}
+
+const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
+                           PortKind kind) {
+  const auto found = std::ranges::find_if(experiment.links, [&](const Link& link) {
+    return link.kind == kind && node_of(link.to) == simulator &&
+           is_simulator_end(experiment, link.from);
+  });
+  return found == experiment.links.end() ? nullptr : &*found;
 }
 
 std::uint32_t music_delay(const Experiment& experiment, const Link& edge) {

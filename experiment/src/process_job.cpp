@@ -143,10 +143,7 @@ class ProcessWriter : JobWriter {
     if (waits ? delay >= least : delay == least) {
       return;
     }
-    const auto first = std::ranges::find_if(experiment_.links, [&](const Link& other) {
-      return other.kind == link.kind && node_of(other.to) == node_of(link.to) &&
-             is_simulator_end(experiment_, other.from);
-    });
+    const Link* first = from_simulator(experiment_, node_of(link.to), link.kind);
     throw ConfigurationError(
         link.where,
         fmt::format("the inputs '{}' and '{}' have different delays, and a simulator waits for all "

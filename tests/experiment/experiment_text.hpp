@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "spikeloop/config/music_file.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -102,6 +103,12 @@ inline Read read(const Files& files, const experiment::Kinds& kinds,
     result.faults.push_back(files.plain(fault.text));
   }
   return result;
+}
+
+/// The value of a section's key; "none" when it has none.
+inline std::string key(const MusicFile& file, const char* section, const char* name) {
+  const MusicKey* found = file.find_key(file.section(section), name);
+  return found == nullptr ? "none" : found->value;
 }
 
 }  // namespace spikeloop::test

@@ -48,10 +48,6 @@ class ProcessJob : public testing::Test {
     }
     return "nothing";
   }
-  static std::string key(const MusicFile& file, const char* section, const char* name) {
-    const MusicKey* found = file.find_key(file.section(section), name);
-    return found == nullptr ? "none" : found->value;
-  }
 
   experiment::Kinds kinds_;
   std::unique_ptr<Files> files_;

@@ -28,6 +28,11 @@ bool waits_for_clock(const Experiment& experiment, const std::string& process);
 /// `spikes_0` ... (`spike_timeout`).
 /// @param experiment as with_layout_delays() gives it
 std::vector<Link> edges(const Experiment& experiment);
+/// The first connection of this kind from another simulator into one; null: there is none. Between
+/// two simulators there is no graph in which a connection could wait: the receiver waits, and with
+/// it all of its inputs of this kind.
+const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
+                           PortKind kind);
 /// The whole ticks of an edge's delay that MUSIC has; the rest waits in the receiver's graph.
 std::uint32_t music_delay(const Experiment& experiment, const Link& edge);
 
