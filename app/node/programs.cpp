@@ -205,11 +205,7 @@ const NodeClass& node_class_of(const music::Process& process, Registry& registry
       return registry.load_plugin(path);
     });
   }
-  try {
-    return registry.find(keys.text("node"));
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(keys.where("node"), fmt::format("key 'node': {}", error.what()));
-  }
+  return *located_at(keys.where("node"), [&] { return &registry.find(keys.text("node")); });
 }
 
 Parameters node_parameters(music::Process& process, const NodeClass& node_class) {

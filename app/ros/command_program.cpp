@@ -5,56 +5,47 @@
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
-#include "safety_keys.hpp"
+#include "sensor_topics.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/ros_command/arrivals.hpp"
 #include "spikeloop/ros_command/command_endpoint.hpp"
-#include "spikeloop/topics/publisher.hpp"
 
 namespace spikeloop {
 namespace {
 
 std::vector<ParameterDescription> command_parameters(const RosProgram& program) {
-  auto parameters = connection_parameters(program);
-  const auto number = [&](const char* name, const char* unit, const char* value, const char* text) {
-    parameters.push_back(
-        {.name = name, .unit = unit, .default_value = value, .minimum = 0, .text = text});
+  const auto text = [](const char* name, const char* value, const char* line) {
+    return ParameterDescription{
+        .name = name, .type = ParameterType::text, .default_value = value, .text = line};
   };
-  const auto words = [&](const char* name, const char* value, const char* text) {
-    parameters.push_back(
-        {.name = name, .type = ParameterType::text, .default_value = value, .text = text});
-  };
-  words("message_mapping_filename", program.mapping_file,
-        "File that says which channel goes to which field");
-  words("message_type", "", "Without a mapping file: FloatArray; with one, the file decides");
-  number("command_rate", "Hz", program.command_rate,
-         "Commands are sent again that often, times rtf; 0: never");
-  number("command_update_rate", "Hz", program.command_rate, "Another spelling of command_rate");
-  number("deadband", "1", "0.01",
-         "Part of its range by which a field must move to be sent at once");
-  number("min_interval", "s", "0.01",
-         "Least time between two commands (wall); not given: one tick, at least 10 ms, less half a "
-         "tick's jitter");
-  number("watchdog", "s", "0.1",
-         "Time without a tick after which a zero is sent (wall); not given: 3 ticks, at least "
-         "0.1 s");
-  parameters.back().minimum = 1e-3;  // 0 would always be too long ago
-  number("max_age", "s", "1",
-         "Data older than that stop the robot (needs the port pace); 0: never");
-  parameters.push_back(
-      {.name = "pipeline_ticks",
-       .type = ParameterType::integer,
-       .default_value = "0",
-       .minimum = 0,
-       .text = "Ticks that the data take longer than the pace, which waits for them"});
-  const auto safety = safety_parameters();
-  parameters.insert(parameters.end(), safety.begin(), safety.end());
-  return parameters;
+  return program_parameters(
+      program,
+      {text("message_mapping_filename", program.mapping_file,
+            "File that says which channel goes to which field"),
+       text("message_type", "", "Without a mapping file: FloatArray; with one, the file decides"),
+       {.name = "command_update_rate",
+        .unit = "Hz",
+        .default_value = program.command_rate,
+        .minimum = 0,
+        .text = "Another spelling of command_rate"},
+       {.name = "pipeline_ticks",
+        .type = ParameterType::integer,
+        .default_value = "0",
+        .minimum = 0,
+        .text = "Ticks that the data take longer than the pace, which waits for them"},
+       {.name = "default_limits",
+        .type = ParameterType::boolean,
+        .default_value = "false",
+        .text = "Velocities of a Twist without limits in the mapping file have [-1, 1] m/s and "
+                "[-3, 3] rad/s, as in experiments"},
+       sensor_topics_parameter()});
 }
 
 // Each family had one of the two spellings and did not look at the other.
@@ -116,6 +107,37 @@ void record_latency(music::Process& process, bool with_pace,
   }
 }
 
+/// With its mapping.
+Section read_command(const music::Process& process, const RosProgram& program) {
+  Section section = read_section(process, program, command_parameters(program));
+  Parameters& parameters = section.node.parameters;
+  const double rate = command_rate(section.keys, program, process.common().strict);
+  parameters.set("command_rate", rate, section.keys.given("command_rate"),
+                 section.keys.where("command_rate"));
+  if (!section.keys.boolean("default_limits")) {
+    parameters.set("limits", std::string(experiment::kNoLimits));
+  }
+  section.node.mapping = read_command_mapping(process, section.keys);
+  experiment::read_endpoint(section.node, process.file_directory(), section.ros.ros);
+  return section;
+}
+
+command::CommandSettings command_settings(const music::Process& process, const Section& section,
+                                          const command::ComponentMap& map,
+                                          const std::vector<SensorTopic>& sensors, bool with_pace) {
+  const auto& common = process.common();
+  const Parameters& parameters = section.node.parameters;
+  command::CommandSettings settings =
+      command::command_settings(parameters, map, parameters.number("command_rate"),
+                                {common.music_timestep, common.rtf}, with_pace);
+  experiment::add_bounds(section.node, settings);
+  experiment::add_people(section.node, section.ros.ros, settings);
+  for (const SensorTopic& sensor : sensors) {
+    settings.sensors.push_back(sensor.sensor);
+  }
+  return settings;
+}
+
 }  // namespace
 
 music::ProgramText command_text(const RosProgram& program) {
@@ -136,7 +158,8 @@ music::ProgramText command_text(const RosProgram& program) {
   text.notes =
       "A command that has moved by more than the deadband leaves at once. A zero command leaves "
       "when\n"
-      "the run ends in whatever way, when no tick comes, when data are too old, and instead of a\n"
+      "the run ends in whatever way, when no tick comes, when data are too old (needs the port "
+      "pace),\nand instead of a\n"
       "command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it "
       "when\n"
       "this program cannot: killed by SIGKILL, or stopped by SIGSTOP. The topics emergency_stop "
@@ -147,39 +170,31 @@ music::ProgramText command_text(const RosProgram& program) {
 
 int run_command(music::Process& process, const RosProgram& program) {
   process.declare_ports({"in", "pace"});
-  const Parameters parameters = process.read(command_parameters(program));
-  const std::string topic = required_topic(process, parameters, "/cmd_vel");
-  const CommandMapping mapping = read_command_mapping(process, parameters);
+  const Section section = read_command(process, program);
+  const Parameters& keys = section.keys;
+  const experiment::Part& node = section.node;
   const std::uint32_t width = process.width("in");
-  check_channels(mapping, width);
+  check_channels(node.mapping, width);
   const auto in = process.signal_input("in");
   // Delayed until the data of the same message are here: what it says is these data's age.
   const auto pace =
       process.connected_input("pace", PortKind::signal)
-          ? process.signal_input("pace", static_cast<int>(parameters.integer("pipeline_ticks")))
+          ? process.signal_input("pace", static_cast<int>(keys.integer("pipeline_ticks")))
           : nullptr;
 
-  command::ComponentMap map = command::component_map(mapping, width);
-  const auto& keys = process.common();
-  command::CommandSettings settings = command::command_settings(
-      parameters, map, command_rate(parameters, program, keys.strict),
-      {keys.music_timestep, keys.rtf}, process.connected_input("pace", PortKind::signal));
-  const session::Settings node = session_settings(parameters);
-  add_safety(parameters, mapping, topic, node.ros, settings);
+  command::ComponentMap map = command::component_map(node.mapping, width);
+  const auto sensor_list = sensor_topics(keys, section.ros.ros);
+  const command::CommandSettings settings =
+      command_settings(process, section, map, sensor_list, pace != nullptr);
   if (process.checking()) {
-    for (const CommandField& field : mapping.fields) {
-      located_at(field.where, [&] {
-        topics::Publisher::check(node.ros, topic, mapping.message_type, {field.field});
-      });
-    }
-    topics::Publisher::check(node.ros, topic, mapping.message_type, command::field_paths(mapping));
     process.check();
     return 0;
   }
-  const auto session = session::open(node);
+  const auto session = session::open(section.ros);
   const NodeClass fields = command::command_map_class(std::move(map));
   ros_command::CommandEndpoint sink(
-      *session, {process.label(), topic, mapping.message_type, command::field_paths(mapping)},
+      *session,
+      {node.name, node.parameters.text("topic"), node.mapping.message_type, settings.fields},
       settings);
 
   std::vector<std::unique_ptr<ros_command::Arrivals>> sensors;
@@ -195,10 +210,10 @@ int run_command(music::Process& process, const RosProgram& program) {
     description.sources.push_back({"pace", pace.get()});
     description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
   }
-  for (const SensorTopic& topic_in : sensor_topics(parameters, node.ros)) {
+  for (const SensorTopic& watched : sensor_list) {
     const std::size_t i = sensors.size();
-    sensors.push_back(std::make_unique<ros_command::Arrivals>(*session, topic_in.sensor.topic,
-                                                              topic_in.message_type));
+    sensors.push_back(std::make_unique<ros_command::Arrivals>(*session, watched.sensor.topic,
+                                                              watched.message_type));
     description.sources.push_back({fmt::format("sensor {}", i), sensors.back().get()});
     description.connections.push_back(
         {fmt::format("sensor {}.out", i), fmt::format("topic.sensor_{}", i), 1, 0, {}});

@@ -1,41 +1,16 @@
 // ros_event_sensor_adapter: an event camera as spikes.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/sensing/event_keys.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
 
 namespace spikeloop {
 namespace {
 
-std::vector<ParameterDescription> program_parameters(const RosProgram& program) {
-  auto parameters = connection_parameters(program);
-  parameters.push_back(
-      {.name = "message_type",
-       .type = ParameterType::text,
-       .default_value = "dvs_msgs/EventArray",
-       .text = "That, or event_camera_msgs/EventPacket, encoded as evt3, evt2 or mono"});
-  std::ranges::move(sensing::event_parameters(), std::back_inserter(parameters));
-  parameters.push_back({.name = "sensor_update_rate",
-                        .unit = "Hz",
-                        .default_value = "30",
-                        .minimum = 0,
-                        .text = "Accepted for older files; messages are taken when they arrive"});
-  return parameters;
-}
-
-messages::EventSettings event_settings(const music::Process& process,
-                                       const Parameters& parameters) {
-  const std::string& type = parameters.text("message_type");
-  located_at(parameters.where("message_type"), [&] { messages::check_event_type(type); });
-  messages::EventSettings settings = sensing::event_settings(parameters, type);
-  settings.width = process.width("out");
-  settings.where = process.where("out");
-  return settings;
+std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
+  return program_parameters(program, {update_rate_parameter()});
 }
 
 }  // namespace
@@ -45,7 +20,7 @@ music::ProgramText event_text(const RosProgram& program) {
   text.name = program.name;
   text.summary = "The events of a camera as spikes, each at its own time";
   text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
-  text.parameters = program_parameters(program);
+  text.parameters = event_parameters(program);
   text.example = fmt::format(
       "  stoptime=10\n  [event]\n  binary={}\n  np=1\n  ros_topic=/dvs/events\n"
       "  roi=100,60,128,128\n  downsample=4\n  polarity=split\n"
@@ -72,22 +47,21 @@ int run_events(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
   process.set_defaults({.pace = true, .accept_one_tick = false});
   process.declare_ports({"out"});
-  const Parameters parameters = process.read(program_parameters(program));
-  topics::EventSensorSettings settings;
-  settings.topic = required_topic(process, parameters, "/dvs/events");
-  settings.events = event_settings(process, parameters);
-  settings.latency = from_seconds(parameters.number("latency"));
+  Section section = read_section(process, program, event_parameters(program));
+  experiment::read_endpoint(section.node, process.file_directory(), section.ros.ros);
+  topics::EventSensorSettings settings = experiment::event_sensor_settings(section.node.parameters);
+  settings.events.width = process.width("out");
+  settings.events.where = process.where("out");
 
   const auto out = process.spike_output("out");
-  const session::Settings node = session_settings(parameters);
   if (process.checking()) {
-    topics::EventSensor::check(node.ros, settings);
+    topics::EventSensor::check(section.ros.ros, settings);
     process.check();
     return 0;
   }
-  const auto session = session::open(node);
+  const auto session = session::open(section.ros);
   topics::EventSensor sensor(*session, settings);
-  return run_topic(process, {settings.topic, node.ros}, sensor, *out);
+  return run_topic(process, section, sensor, *out);
 }
 
 }  // namespace spikeloop

@@ -1,7 +1,7 @@
 // spikeloop-ros: a ROS topic as a MUSIC program, under the name of one of its adapters.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <map>
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
@@ -23,19 +23,21 @@ music::ProgramText general_text() {
   return text;
 }
 
+struct Adapter {
+  music::ProgramText (*text)(const RosProgram&);
+  int (*run)(music::Process&, const RosProgram&);
+};
+
+const Adapter& adapter_of(const RosProgram& program) {
+  static const std::map<std::string_view, Adapter> kAdapters{
+      {experiment::kRosSensor, {sensor_text, run_sensor}},
+      {experiment::kRosEventSensor, {event_text, run_events}},
+      {experiment::kRosCommand, {command_text, run_command}}};
+  return kAdapters.at(program.node_class);
+}
+
 music::ProgramText text_of(const RosProgram* program) {
-  if (program == nullptr) {
-    return general_text();
-  }
-  switch (program->way) {
-    case RosWay::messages_to_signal:
-      return sensor_text(*program);
-    case RosWay::messages_to_spikes:
-      return event_text(*program);
-    case RosWay::signal_to_messages:
-      return command_text(*program);
-  }
-  return {};
+  return program == nullptr ? general_text() : adapter_of(*program).text(*program);
 }
 
 int run(music::Process& process) {
@@ -46,15 +48,7 @@ int run(music::Process& process) {
         "ros_event_sensor_adapter or ros_command_adapter",
         process.program()));
   }
-  switch (program->way) {
-    case RosWay::messages_to_signal:
-      return run_sensor(process, *program);
-    case RosWay::messages_to_spikes:
-      return run_events(process, *program);
-    case RosWay::signal_to_messages:
-      return run_command(process, *program);
-  }
-  return 1;
+  return adapter_of(*program).run(process, *program);
 }
 
 }  // namespace

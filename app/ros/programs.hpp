@@ -1,10 +1,8 @@
 // The ROS adapters as MUSIC programs, each under the names that two older families gave it.
 #pragma once
 
-#include <string_view>
-
 #include "spikeloop/config/older_programs.hpp"
-#include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/session/open.hpp"
 
@@ -19,24 +17,27 @@ int run_events(music::Process& process, const RosProgram& program);
 music::ProgramText command_text(const RosProgram& program);
 int run_command(music::Process& process, const RosProgram& program);
 
-/// Keys that all have.
-std::vector<ParameterDescription> connection_parameters(const RosProgram& program);
-/// The version of ROS.
-messages::Dialect ros_of(const Parameters& parameters);
-/// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
-/// second adapter does not end the first one.
-session::Settings session_settings(const Parameters& parameters);
-struct TopicIn {
-  std::string name;
-  messages::Dialect ros;
+/// Keys of a topic's program: those of the node that an experiment has for it, `own` ones, and
+/// those of its connection with ROS.
+std::vector<ParameterDescription> program_parameters(const RosProgram& program,
+                                                     std::vector<ParameterDescription> own);
+/// The key of older sensors that does nothing.
+ParameterDescription update_rate_parameter();
+
+/// What a section says.
+struct Section {
+  Parameters keys;        ///< all of them
+  experiment::Part node;  ///< as an experiment has it
+  session::Settings ros{};
 };
+/// @param declared as program_parameters()
+/// @throws ConfigurationError as resolve(), and for names that this ROS does not have.
+Section read_section(const music::Process& process, const RosProgram& program,
+                     const std::vector<ParameterDescription>& declared);
 
 /// Puts a topic's port `out` into `out`, and runs: that much all sensors do. `more` has what this
 /// one does besides; the end warns when not one message has come.
-int run_topic(music::Process& process, const TopicIn& topic, Source& sensor, Sink& out,
+int run_topic(music::Process& process, const Section& section, Source& sensor, Sink& out,
               GraphDescription more = {}, music::Process::LoopHooks hooks = {});
-/// @throws ConfigurationError when the file gives no topic.
-std::string required_topic(const music::Process& process, const Parameters& parameters,
-                           const std::string& example);
 
 }  // namespace spikeloop

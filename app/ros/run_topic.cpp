@@ -7,7 +7,7 @@
 
 namespace spikeloop {
 
-int run_topic(music::Process& process, const TopicIn& topic, Source& sensor, Sink& out,
+int run_topic(music::Process& process, const Section& section, Source& sensor, Sink& out,
               GraphDescription more, music::Process::LoopHooks hooks) {
   GraphDescription description = std::move(more);
   description.tick = process.common().music_timestep;
@@ -20,8 +20,8 @@ int run_topic(music::Process& process, const TopicIn& topic, Source& sensor, Sin
   Graph graph(description);
   hooks.after_loop = [&] {
     if (sensor.counters().front().value == 0) {
-      log::warning("not one message came on topic '{}'; '{} list' shows what there is", topic.name,
-                   topics::topic_command(topic.ros));
+      log::warning("not one message came on topic '{}'; '{} list' shows what there is",
+                   section.node.parameters.text("topic"), topics::topic_command(section.ros.ros));
     }
   };
   return process.run(graph, hooks);

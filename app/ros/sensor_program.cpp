@@ -2,96 +2,54 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
-#include "spikeloop/process/initial_key.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop {
 namespace {
 
+constexpr const char* kMapping = "sensor_mapping_filename";
+
 std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
-  auto parameters = connection_parameters(program);
-  parameters.push_back(
-      {.name = "message_type",
-       .type = ParameterType::text,
-       .default_value = "",
-       .text =
-           "Laserscan, Twist, FloatArray, Odom, package/Type or the path of a .msg file; must be "
-           "given"});
-  parameters.push_back(
-      {.name = "fields",
-       .type = ParameterType::text,
-       .default_value = "",
-       .text = "Other fields than the type's usual ones, as PATH,PATH,...: their numbers as they "
-               "are"});
-  parameters.push_back(
-      {.name = "sensor_mapping_filename",
-       .type = ParameterType::text,
-       .default_value = "",
-       .text = "File with fields and their scales and limits, or with what is taken of a picture"});
-  parameters.push_back(music::initial_parameter());
-  parameters.push_back({.name = "sensor_update_rate",
-                        .unit = "Hz",
-                        .default_value = "30",
-                        .minimum = 0,
-                        .text = "Accepted for older files; messages are taken when they arrive"});
-  return parameters;
+  return program_parameters(
+      program, {{.name = kMapping,
+                 .type = ParameterType::text,
+                 .default_value = "",
+                 .text = "File with fields and their scales and limits, or with what is taken of a "
+                         "picture"},
+                update_rate_parameter()});
 }
 
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> parts;
-  std::istringstream stream(list);
-  for (std::string part; std::getline(stream, part, ',');) {
-    const auto first = part.find_first_not_of(' ');
-    const auto last = part.find_last_not_of(' ');
-    parts.push_back(first == std::string::npos ? "" : part.substr(first, last - first + 1));
-  }
-  return parts;
-}
-
-std::string message_type(const music::Process& process, const Parameters& parameters) {
-  const std::string& text = parameters.text("message_type");
-  const Location& where = parameters.where("message_type");
-  if (text.empty()) {
-    throw ConfigurationError(where,
-                             "message_type is missing; write message_type=Laserscan, Twist, "
-                             "FloatArray, Odom, package/Type or the path of a .msg file");
-  }
-  const bool told =
-      !parameters.text("fields").empty() || parameters.given("sensor_mapping_filename");
-  if (told && text.find_first_of("/.") == std::string::npos) {
-    return text;  // any type that has a definition
-  }
-  return located_at(where, [&] { return canonical_message_type(text, process.file_directory()); });
-}
-
-messages::SensorRule sensor_rule(const music::Process& process, const Parameters& parameters) {
-  const std::string& file = parameters.text("sensor_mapping_filename");
-  const std::string& fields = parameters.text("fields");
+/// The file has the keys `fields` and `image` of the node.
+void read_mapping_file(const music::Process& process, const Parameters& keys,
+                       experiment::Part& sensor) {
+  const std::string& file = keys.text(kMapping);
   if (file.empty()) {
-    return messages::plain_fields(fields.empty() ? std::vector<std::string>{} : split(fields));
+    return;
   }
-  const Location& where = parameters.where("sensor_mapping_filename");
-  if (!fields.empty()) {
+  const Location& where = keys.where(kMapping);
+  if (keys.given("fields")) {
     throw ConfigurationError(
         where,
         "'fields' and 'sensor_mapping_filename' both say what to take; leave one of them out");
   }
-  const WrittenValues keys =
+  const WrittenValues written =
       located_at(where, [&] { return read_sensor_mapping(file, process.file_directory()); });
-  return sensing::sensor_rule(resolve(sensing::sensor_parameters(), keys, {}));
+  const Parameters read = resolve(sensing::sensor_parameters(), written, {});
+  for (const auto& [name, value] : read.all()) {
+    sensor.parameters.set(name, value, read.given(name), read.where(name));
+  }
 }
 
 /// Where what is taken was written.
 Location rule_place(const music::Process& process, const Parameters& parameters) {
-  for (const char* key : {"fields", "sensor_mapping_filename"}) {
-    if (!parameters.text(key).empty()) {
+  for (const char* key : {"fields", kMapping}) {
+    if (parameters.given(key)) {
       return parameters.where(key);
     }
   }
@@ -128,25 +86,23 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
   process.set_defaults({.pace = true, .accept_one_tick = false});
   process.declare_ports({"out", "pace"});
-  const Parameters parameters = process.read(sensor_parameters(program));
-  topics::SensorSettings settings;
-  settings.topic = required_topic(process, parameters, "/scan");
-  settings.message_type = message_type(process, parameters);
-  settings.rule = sensor_rule(process, parameters);
+  Section section = read_section(process, program, sensor_parameters(program));
+  read_mapping_file(process, section.keys, section.node);
+  experiment::read_endpoint(section.node, process.file_directory(), section.ros.ros);
+  topics::SensorSettings settings = experiment::sensor_settings(section.node.parameters);
   settings.width = process.width("out");
   settings.strict = process.common().strict;
-  settings.initial = music::initial_value(parameters);
 
   const auto out = process.signal_output("out");
   const auto pace =
       process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
-  const session::Settings node = session_settings(parameters);
   if (process.checking()) {
-    located_at(rule_place(process, parameters), [&] { topics::Sensor::check(node.ros, settings); });
+    located_at(rule_place(process, section.keys),
+               [&] { topics::Sensor::check(section.ros.ros, settings); });
     process.check();
     return 0;
   }
-  const auto session = session::open(node);
+  const auto session = session::open(section.ros);
   topics::Sensor sensor(*session, settings);
 
   GraphDescription more;
@@ -156,8 +112,7 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   }
   music::Process::LoopHooks hooks;
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
-  return run_topic(process, {settings.topic, node.ros}, sensor, *out, std::move(more),
-                   std::move(hooks));
+  return run_topic(process, section, sensor, *out, std::move(more), std::move(hooks));
 }
 
 }  // namespace spikeloop

@@ -38,9 +38,8 @@ std::string summary_of(const MusicFile& file) {
   const auto& first = file.sections.front();
   const auto length = launch::total_time(file);
   return fmt::format(
-      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file.path,
-      count_of(file.sections.size(), "program"), count_of(file.connections.size(), "connection"),
-      format_time(launch::tick_of(file, first)),
+      "{}: OK: {}, {}, tick {}, {}\n", file.path, count_of(file.sections.size(), "program"),
+      count_of(file.connections.size(), "connection"), format_time(launch::tick_of(file, first)),
       length ? fmt::format("{:g} s", *length) : std::string("runs until it is stopped"));
 }
 

@@ -13,10 +13,10 @@
 #include "option_values.hpp"
 #include "output.hpp"
 #include "own_programs.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/simulators.hpp"
-#include "spikeloop/launch/programs.hpp"
 #include "spikeloop/nodes/register.hpp"
 
 namespace spikeloop::app::describe_command {
@@ -40,10 +40,12 @@ programs that are no node classes, like ros_sensor_adapter, answer --help.)";
 [[noreturn]] void refuse(const std::string& name, const Registry& registry) {
   std::vector<std::string> known = all_programs();
   if (std::ranges::find(known, name) != known.end()) {
-    const std::string_view node = launch::node_of_program(name);
+    const NodeProgram* program = find_node_program(name);
     throw ConfigurationError(fmt::format(
         "'{0}' is a program, not a node class; see {0} --help{1}", name,
-        node.empty() ? "" : fmt::format(", or spikeloop describe {} for what it runs", node)));
+        program == nullptr
+            ? ""
+            : fmt::format(", or spikeloop describe {} for what it runs", program->node_class)));
   }
   auto classes = registry.names();
   const auto more = experiment_classes(experiment::Kinds());

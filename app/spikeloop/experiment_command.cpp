@@ -439,9 +439,8 @@ int check_experiment(const std::string& file, bool strict) {
   }
   const Experiment& experiment = *loaded->experiment;
   put_result(fmt::format(
-      "{}: nothing to complain about: {}, {}, tick {}, {}\n", file,
-      count_of(experiment.parts.size(), "node"), count_of(experiment.links.size(), "connection"),
-      format_time(experiment.tick),
+      "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.parts.size(), "node"),
+      count_of(experiment.links.size(), "connection"), format_time(experiment.tick),
       experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
   return 0;
 }

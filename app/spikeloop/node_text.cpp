@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
-#include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -104,7 +104,12 @@ std::string tables(const NodeDescription& description) {
 namespace {
 
 std::string how_to_run(const NodeDescription& description) {
-  const auto programs = launch::programs_of_node(description.name);
+  std::vector<std::string> programs;
+  for (const NodeProgram& program : node_programs()) {
+    if (program.node_class == description.name) {
+      programs.emplace_back(program.name);
+    }
+  }
   return fmt::format(
       "Run it with binary={0}spikeloop-node and node={1}.{2}\n",
       programs.empty() ? "" : fmt::format("{}, or with binary=", fmt::join(programs, " or ")),

@@ -8,6 +8,7 @@
 
 #include "music_text.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/connection_faults.hpp"
 
 namespace spikeloop {
 
@@ -114,8 +115,7 @@ class Checker {
     if (known_.contains(app)) {
       return true;
     }
-    add(c.where, fmt::format("unknown application '{}' in '{}'{}", shown(app), shown(describe(c)),
-                             did_you_mean(app, labels_)));
+    add(c.where, unknown_node(shown(app), labels_));
     return false;
   }
 
@@ -138,20 +138,12 @@ class Checker {
     if (is_new) {
       return;
     }
+    const auto end = [](const std::string& app, const std::string& port) {
+      return shown(fmt::format("{}.{}", app, port));
+    };
     const MusicConnection& other = *first->second;
-    if (other.from_app == c.from_app && other.from_port == c.from_port) {
-      add(c.where,
-          fmt::format("the connection '{}' stands in line {} already, and MUSIC would hang; "
-                      "remove one",
-                      shown(describe(c)), other.where.line));
-    } else {
-      add(c.where,
-          fmt::format("the input '{}.{}' has two senders, '{}.{}' (line {}) and '{}.{}', and "
-                      "MUSIC would hang; write an input for each",
-                      shown(c.to_app), shown(c.to_port), shown(other.from_app),
-                      shown(other.from_port), other.where.line, shown(c.from_app),
-                      shown(c.from_port)));
-    }
+    add(c.where, two_connections(end(c.to_app, c.to_port), end(other.from_app, other.from_port),
+                                 end(c.from_app, c.from_port)));
   }
 
   /// No application's configuration is longer: everything counted, every character escaped.

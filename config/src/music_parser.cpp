@@ -299,10 +299,8 @@ void Parser::store(const std::string& key, std::string value, const Location& wh
     return;
   }
   MusicKey& before = keys[found->second];
-  note(where,
-       fmt::format("the key '{}' is '{}' in line {} already, and the last one holds; write it "
-                   "once",
-                   shown(key), shown(before.value), before.where.line));
+  note(where, fmt::format("duplicate key '{}'; the first is at {}; the last one holds", shown(key),
+                          before.where.text()));
   before.value = std::move(value);
   before.where = where;
 }

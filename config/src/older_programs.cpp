@@ -30,19 +30,18 @@ constexpr NodeProgram kNodePrograms[] = {
 };
 
 constexpr RosProgram kRosPrograms[] = {
-    {.name = "ros_sensor_adapter",
-     .way = RosWay::messages_to_signal,
-     .node_name = "ros_sensor_node"},
-    {.name = "ros_cont_adapter", .way = RosWay::messages_to_signal, .node_name = "ros_sensor_node"},
+    {.name = "ros_sensor_adapter", .node_class = "ros_sensor", .node_name = "ros_sensor_node"},
+    {.name = "ros_cont_adapter", .node_class = "ros_sensor", .node_name = "ros_sensor_node"},
     {.name = "ros_event_sensor_adapter",
-     .way = RosWay::messages_to_spikes,
-     .node_name = "ros_event_sensor_node"},
+     .node_class = "ros_event_sensor",
+     .node_name = "ros_event_sensor_node",
+     .message = "dvs_msgs/EventArray"},
     {.name = "ros_command_adapter",
-     .way = RosWay::signal_to_messages,
+     .node_class = "ros_command",
      .node_name = "ros_command_node",
      .command_rate = "10"},
     {.name = "cont_ros_adapter",
-     .way = RosWay::signal_to_messages,
+     .node_class = "ros_command",
      .node_name = "cmd_out",
      .topic = "/cmd_vel",
      .command_rate = "20",
@@ -62,6 +61,10 @@ constexpr DialectDefault kDefaults[] = {
 };
 
 }  // namespace
+
+std::span<const NodeProgram> node_programs() {
+  return kNodePrograms;
+}
 
 const NodeProgram* find_node_program(std::string_view name) {
   for (const auto& program : kNodePrograms) {

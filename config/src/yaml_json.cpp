@@ -43,8 +43,7 @@ class Converter {
     for (const auto& entry : node) {
       const std::string key = scalar(file_, "key", entry.first);
       if (object.contains(key)) {
-        throw ConfigurationError(place(file_, entry.first),
-                                 fmt::format("key '{}' stands here for the second time", key));
+        throw ConfigurationError(place(file_, entry.first), fmt::format("duplicate key '{}'", key));
       }
       object[key] = convert(entry.second, depth + 1);
     }

@@ -211,7 +211,7 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
       continue;
     }
     if (!entries_.emplace(key, entry.second).second) {
-      complain(ConfigurationError(here, fmt::format("{}: key '{}' stands here for the second time; "
+      complain(ConfigurationError(here, fmt::format("{}: duplicate key '{}'; "
                                                     "the first is at {}",
                                                     what_, key, key_places_[key].text())));
       continue;

@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
+
+#include "spikeloop/core/connection_faults.hpp"
 
 namespace spikeloop {
 
@@ -55,7 +58,7 @@ std::vector<PlannedElement> planned_elements(const GraphDescription& description
 }
 
 std::size_t find_element(const std::vector<PlannedElement>& elements, const std::string& name,
-                         const std::string& written, const Location& where) {
+                         const Location& where) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     if (elements[i].name == name) {
@@ -63,15 +66,14 @@ std::size_t find_element(const std::vector<PlannedElement>& elements, const std:
     }
     names.push_back(elements[i].name);
   }
-  throw ConfigurationError(
-      where, fmt::format("unknown node '{}' in '{}'{}", name, written, did_you_mean(name, names)));
+  throw ConfigurationError(where, unknown_node(name, names));
 }
 
 PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
                              const std::string& written, Direction direction,
                              const Location& where) {
   const auto dot = written.find('.');
-  const std::size_t index = find_element(elements, written.substr(0, dot), written, where);
+  const std::size_t index = find_element(elements, written.substr(0, dot), where);
   const PlannedElement& element = elements[index];
   const char* direction_text = direction == Direction::input ? "input" : "output";
   std::vector<std::size_t> candidates;
@@ -102,12 +104,7 @@ PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
       return {index, i};
     }
   }
-  throw ConfigurationError(where, fmt::format("'{}' has no {} port '{}'{}", element.name,
-                                              direction_text, port, did_you_mean(port, names)));
-}
-
-const char* kind_text(PortKind kind) {
-  return kind == PortKind::signal ? "continuous" : "spikes";
+  throw ConfigurationError(where, unknown_port(element.name, direction, port, names));
 }
 
 // Sets a width that was unknown; says whether anything changed.
@@ -190,16 +187,15 @@ void check_node_widths(const GraphPlan& plan, const Complain& complain) {
   }
 }
 
-using Inputs = std::set<std::pair<std::size_t, std::size_t>>;
+/// Inputs with their senders.
+using Inputs = std::map<std::pair<std::size_t, std::size_t>, std::string>;
 
 void check_inputs(const GraphPlan& plan, const Inputs& reached, const Complain& complain) {
   for (std::size_t e = 0; e < plan.elements.size(); ++e) {
     for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
       const bool input = plan.elements[e].ports[p].direction == Direction::input;
       if (input && reached.count({e, p}) == 0) {
-        complain(ConfigurationError(
-            plan.elements[e].where,
-            fmt::format("nothing is connected to the input '{}'", plan.text({e, p}))));
+        complain(ConfigurationError(plan.elements[e].where, not_connected(plan.text({e, p}))));
       }
     }
   }
@@ -213,21 +209,20 @@ class Connector {
     const auto from = find(written.from, Direction::output,
                            written.where_from.text().empty() ? written.where : written.where_from);
     const auto to = find(written.to, Direction::input, written.where);
-    if (to && !reached_.insert({to->element, to->port}).second) {
-      complain_(
-          ConfigurationError(written.where, fmt::format("two connections lead into '{}'; an input "
-                                                        "takes one",
-                                                        plan_.text(*to))));
+    const std::string sender = from ? plan_.text(*from) : written.from;
+    if (to) {
+      const auto [first, is_new] = reached_.try_emplace({to->element, to->port}, sender);
+      if (!is_new) {
+        complain_(ConfigurationError(written.where,
+                                     two_connections(plan_.text(*to), first->second, sender)));
+      }
     }
     if (!from || !to) {
       return;
     }
     if (plan_.port(*from).kind != plan_.port(*to).kind) {
-      complain_(ConfigurationError(
-          written.where,
-          fmt::format("'{}' is {}, but '{}' is {}; put an encoder or a decoder between them",
-                      plan_.text(*from), kind_text(plan_.port(*from).kind), plan_.text(*to),
-                      kind_text(plan_.port(*to).kind))));
+      complain_(ConfigurationError(written.where,
+                                   kinds_differ(sender, plan_.port(*from).kind, plan_.text(*to))));
     }
     plan_.connections.push_back({*from, *to, written.delay_ticks, written.where});
   }

@@ -101,4 +101,13 @@ std::vector<std::string> names_of(const std::vector<ParameterDescription>& param
   return names;
 }
 
+std::string missing_key(const ParameterDescription& parameter, std::string_view equals) {
+  const std::string example =
+      parameter.choices.empty() ? parameter.example : parameter.choices.front();
+  return example.empty() ? fmt::format("key '{0}' is missing ({1}); write  {0}{2}...",
+                                       parameter.name, parameter.text, equals)
+                         : fmt::format("key '{0}' is missing; write for example  {0}{1}{2}",
+                                       parameter.name, equals, example);
+}
+
 }  // namespace spikeloop

@@ -276,8 +276,7 @@ Parameters resolve(const std::vector<ParameterDescription>& declared, const Writ
     const auto found = written.find(parameter.name);
     const bool given = found != written.end();
     if (!given && !parameter.default_value) {
-      throw ConfigurationError(fmt::format("key '{}' is missing ({}); write  {} = ...",
-                                           parameter.name, parameter.text, parameter.name));
+      throw ConfigurationError(missing_key(parameter, "="));
     }
     const bool empty = !given && parameter.default_value->empty();
     if (empty && is_numeric(parameter)) {

@@ -3,21 +3,18 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <optional>
 
-#include "spikeloop/command/mapping.hpp"
-#include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/record/playback.hpp"
 #include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
+namespace {
 
-messages::SensorRule sensor_rule(const Parameters& parameters) {
-  return sensing::sensor_rule(parameters);
-}
-
-std::optional<double> sensor_initial(const Parameters& parameters) {
+/// Nothing for `none`.
+std::optional<double> initial_value(const Parameters& parameters) {
   const std::string& text = parameters.text("initial");
   if (text == "none") {
     return std::nullopt;
@@ -32,10 +29,29 @@ std::optional<double> sensor_initial(const Parameters& parameters) {
   }
 }
 
+}  // namespace
+
+messages::SensorRule sensor_rule(const Parameters& parameters) {
+  return sensing::sensor_rule(parameters);
+}
+
+topics::SensorSettings sensor_settings(const Parameters& parameters) {
+  return {.topic = parameters.text("topic"),
+          .message_type = parameters.text("message"),
+          .rule = sensor_rule(parameters),
+          .initial = initial_value(parameters)};
+}
+
 messages::EventSettings event_settings(const Parameters& parameters) {
   const std::string& type = parameters.text("message");
   located_at(parameters.where("message"), [&] { messages::check_event_type(type); });
   return sensing::event_settings(parameters, type);
+}
+
+topics::EventSensorSettings event_sensor_settings(const Parameters& parameters) {
+  return {.topic = parameters.text("topic"),
+          .events = event_settings(parameters),
+          .latency = from_seconds(parameters.number("latency"))};
 }
 
 std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message) {
@@ -68,16 +84,6 @@ std::unique_ptr<Source> playback(const Part& part) {
     return part.kind == kSpikePlayback ? record::make_spike_playback(file, stream)
                                        : record::make_signal_playback(file, stream);
   });
-}
-
-void check_command_fields(const CommandMapping& mapping, messages::Dialect ros) {
-  const auto& catalog = messages::Catalog::for_type(ros, mapping.message_type);
-  for (const CommandField& field : mapping.fields) {
-    located_at(field.where, [&] {
-      return messages::MessageWriter(catalog, mapping.message_type, {field.field}), 0;
-    });
-  }
-  messages::MessageWriter(catalog, mapping.message_type, command::field_paths(mapping));
 }
 
 }  // namespace spikeloop::experiment

@@ -25,6 +25,11 @@ Parameter text(const char* name, std::optional<std::string> value, const char* l
       .name = name, .type = ParameterType::text, .default_value = std::move(value), .text = line};
 }
 
+/// One that must be given.
+Parameter required(const char* name, const char* line, const char* example) {
+  return {.name = name, .type = ParameterType::text, .text = line, .example = example};
+}
+
 Parameter number(const char* name, const char* unit, const char* value, double minimum,
                  const char* line) {
   return {.name = name, .unit = unit, .default_value = value, .minimum = minimum, .text = line};
@@ -37,11 +42,13 @@ NodeDescription ros_sensor() {
   sensor.source = "Weidel et al. 2016, section 2.2";
   sensor.ports = {out(PortKind::signal, "The message's numbers")};
   sensor.parameters = {
-      text("topic", std::nullopt, "Its name, as /scan"),
-      text("message", std::nullopt,
-           "Its type: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
-           "std_msgs/Float64MultiArray, sensor_msgs/Image; with fields any other, or the path of a "
-           ".msg file")};
+      required("topic", "Topic of the messages", "/scan"),
+      required(
+          "message",
+          "Type of the messages: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
+          "std_msgs/Float64MultiArray, sensor_msgs/Image; with fields any other, or the path "
+          "of a .msg file",
+          "sensor_msgs/LaserScan")};
   std::ranges::move(sensing::sensor_parameters(), std::back_inserter(sensor.parameters));
   sensor.parameters.push_back(
       text("initial", "none", "Value of every channel before the first message; none: silence"));
@@ -57,11 +64,12 @@ NodeDescription ros_event_sensor() {
   sensor.name = kRosEventSensor;
   sensor.text = "The events of a camera as spikes, each at its own time";
   sensor.ports = {out(PortKind::spikes, "A channel a pixel, or a block of pixels")};
-  sensor.parameters = {
-      text("topic", std::nullopt, "Its name, as /dvs/events"),
-      text("message", std::nullopt,
-           "Its type: dvs_msgs/EventArray, or event_camera_msgs/EventPacket, encoded as evt3, evt2 "
-           "or mono")};
+  sensor.parameters = {required("topic", "Topic of the messages", "/dvs/events"),
+                       required("message",
+                                "Type of the messages: dvs_msgs/EventArray, or "
+                                "event_camera_msgs/EventPacket, encoded as evt3, "
+                                "evt2 or mono",
+                                "dvs_msgs/EventArray")};
   std::ranges::move(sensing::event_parameters(), std::back_inserter(sensor.parameters));
   sensor.parameters.push_back(
       number("timeout", "s", "0", 0,
@@ -130,10 +138,12 @@ NodeDescription ros_command() {
   command.source = "Weidel et al. 2016, section 2.2";
   command.ports = {{"in", PortKind::signal, Direction::input, {}, "The numbers to send"}};
   command.parameters = {
-      text("topic", std::nullopt, "Its name, as /cmd_vel"),
-      text("message", std::nullopt,
-           "Its type: geometry_msgs/Twist, std_msgs/Float64MultiArray, any other with fields, or "
-           "the path of a .msg file"),
+      required("topic", "Topic of the commands", "/cmd_vel"),
+      required("message",
+               "Type of the commands: geometry_msgs/Twist, std_msgs/Float64MultiArray, any other "
+               "with fields, "
+               "or the path of a .msg file",
+               "geometry_msgs/Twist"),
       command_fields(),
       limits(),
       slew(),

@@ -63,10 +63,8 @@ class KeyReader {
       stand_in(parameter);
       return;
     }
-    throw ConfigurationError(
-        keyed_.where, fmt::format("{}: key '{}' is missing ({}); write  {}: {}", keyed_.what,
-                                  parameter.name, parameter.text, parameter.name,
-                                  parameter.choices.empty() ? "..." : parameter.choices.front()));
+    throw ConfigurationError(keyed_.where,
+                             fmt::format("{}: {}", keyed_.what, missing_key(parameter, ": ")));
   }
 
   void keep(const ParameterDescription& parameter, const Parameters& read) {

@@ -2,24 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "faults.hpp"
-#include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_file.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
-#include "spikeloop/experiment/safety.hpp"
-#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
-#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::experiment {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Tables that are written in place, or stand in a file.
 WeightLoader table_loader(const std::string& directory, const NodeClass& node_class) {
@@ -34,165 +27,6 @@ WeightLoader table_loader(const std::string& directory, const NodeClass& node_cl
     return is_in_place(written.text) ? parse_weights(written.text, "", options)
                                      : from_file(written);
   };
-}
-
-/// What a field of `fields` has besides its channel.
-Json& field_of(Json& fields, const Parameters::Entry& entry, const char* key) {
-  if (!fields.contains(entry.key)) {
-    throw ConfigurationError(
-        entry.where, fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, "
-                                 "too",
-                                 key, entry.key));
-  }
-  return fields[entry.key];
-}
-
-/// `limits` as "min" and "max" of its fields.
-void add_limits(const Parameters& parameters, Json& fields) {
-  for (const Parameters::Entry& entry : parameters.entries("limits")) {
-    const auto& range = entry.values.numbers(kAnyKey);
-    if (range[0] > range[1]) {
-      throw ConfigurationError(
-          entry.where, fmt::format("key 'limits': [{}, {}] of '{}' is no least and greatest value; "
-                                   "write  {}: [-0.5, 0.5]",
-                                   range[0], range[1], entry.key, entry.key));
-    }
-    Json& field = field_of(fields, entry, "limits");
-    field["min"] = range[0];
-    field["max"] = range[1];
-  }
-}
-
-/// `slew` as that of its fields.
-void add_slew(const Parameters& parameters, Json& fields) {
-  for (const Parameters::Entry& entry : parameters.entries("slew")) {
-    const double rate = entry.values.number(kAnyKey);
-    if (rate <= 0) {
-      throw ConfigurationError(
-          entry.where,
-          fmt::format("key 'slew': {} of '{}' is no rate of change; write a number above 0, as  "
-                      "{}: 1.0, in units a second",
-                      rate, entry.key, entry.key));
-    }
-    field_of(fields, entry, "slew")["slew"] = rate;
-  }
-}
-
-/// `fields` as a mapping file has them.
-Json mapped_fields(const Parameters& parameters) {
-  Json fields = Json::object();
-  for (const auto& [name, where, values] : parameters.entries("fields")) {
-    Json& field = fields[name];
-    field["channel"] = values.integer("channel");
-    for (const char* key : {"scale", "offset", "min", "max", "slew"}) {
-      if (values.given(key)) {
-        field[key] = values.number(key);
-      }
-    }
-  }
-  return fields;
-}
-
-CommandMapping command_mapping(const Parameters& parameters) {
-  Json mapping{{"message_type", parameters.text("message")}};
-  Json fields = mapped_fields(parameters);
-  add_limits(parameters, fields);
-  add_slew(parameters, fields);
-  if (!fields.empty()) {
-    mapping["mapping"] = fields;
-  } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
-    throw ConfigurationError(
-        parameters.where("message"),
-        fmt::format("key 'fields' is missing: a {} has to know which channel is which; write for "
-                    "example  fields: {{linear.x: 0, angular.z: 1}}",
-                    parameters.text("message")));
-  }
-  const bool about_fields = parameters.given("fields");
-  const Location& where = parameters.where(about_fields ? "fields" : "message");
-  try {
-    CommandMapping result = parse_mapping(mapping.dump(), "");
-    const auto& entries = parameters.entries("fields");
-    for (CommandField& field : result.fields) {
-      const auto entry = std::ranges::find(entries, field.field, &Parameters::Entry::key);
-      field.where = entry == entries.end() ? where : entry->where;  // elements of a slice have none
-    }
-    return result;
-  } catch (const ConfigurationError& error) {
-    in_yaml([&] { throw ConfigurationError(where, reason_of(error)); });
-    throw;  // never reached
-  }
-}
-
-/// The whole name of a type that has a definition, or the whole path of its own.
-std::string whole_message_type(const std::string& written, const std::string& directory,
-                               messages::Dialect ros) {
-  std::string type = written;
-  try {
-    type = canonical_message_type(written, directory);
-  } catch (const ConfigurationError&) {
-    if (written.find_first_of("/.") != std::string::npos) {
-      throw;
-    }
-    // A name without its package; the error is that of who knows all of them.
-  }
-  const auto& catalog = messages::Catalog::for_type(ros, type);
-  const std::string name = catalog.full_name(type);
-  catalog.layout(name);
-  return is_definition_file(type) ? type : name;
-}
-
-void check_name(const Parameters& parameters, const char* key, messages::Dialect ros,
-                const std::string& topic) {
-  try {
-    topics::check_topic(ros, topic);
-  } catch (const ConfigurationError& error) {
-    throw ConfigurationError(parameters.where(key), fmt::format("key '{}': {}", key, error.what()));
-  }
-}
-
-/// Names and times that a transport would refuse.
-void check_transport(const Part& part, messages::Dialect ros) {
-  check_name(part.parameters, "topic", ros, part.parameters.text("topic"));
-  for (const ParameterDescription& parameter : part.node_class->description.parameters) {
-    if (parameter.unit == "s") {
-      located_at(part.parameters.where(parameter.name),
-                 [&] { return from_seconds(part.parameters.number(parameter.name)); });
-    }
-  }
-  if (part.kind == kRosCommand) {
-    const std::string stop = emergency_stop(part, ros).topic;
-    const std::string manual = manual_override(part).topic;
-    if (!stop.empty()) {
-      check_name(part.parameters, "emergency_stop", ros, stop);
-    }
-    if (!manual.empty()) {
-      check_name(part.parameters, "override", ros, manual);
-    }
-  }
-}
-
-void check_endpoint(Part& part, const std::string& directory, messages::Dialect ros) {
-  const auto canonical = [&] {
-    const Location where = part.parameters.where("message");
-    const std::string type = located_at(
-        where, [&] { return whole_message_type(part.parameters.text("message"), directory, ros); });
-    part.parameters.set("message", type, true, where);
-  };
-  if (part.kind == kRosSensor) {
-    canonical();
-    sensor_initial(part.parameters);
-    sensor_rule(part.parameters);
-  } else if (part.kind == kRosEventSensor) {
-    canonical();
-    event_settings(part.parameters);
-  } else if (part.kind == kRosCommand) {
-    canonical();
-    part.mapping = command_mapping(part.parameters);
-    check_command_fields(part.mapping, ros);
-  }
-  if (has_topic(part.kind)) {
-    check_transport(part, ros);
-  }
 }
 
 /// A network that was written as a map, which is JSON by now: YAML as well. Its places are lost.
@@ -320,7 +154,9 @@ Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::
       table_loader(directory, *part.node_class), faults);
   bool good = faults.count() == before && node.unread.empty();
   good = good && faults.attempt(node.where, [&] {
-    check_endpoint(part, directory, dialect_of(experiment.ros));
+    if (has_topic(part.kind)) {
+      read_endpoint(part, directory, dialect_of(experiment.ros));
+    }
     if (part.kind == kNetwork) {
       read_network(part, directory, experiment);
     } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {

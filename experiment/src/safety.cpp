@@ -7,6 +7,7 @@
 #include <set>
 
 #include "faults.hpp"
+#include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/messages/field_path.hpp"
 
@@ -78,8 +79,9 @@ Parameter emergency_stop_parameter() {
       .text =
           "Topic over ROS on which true stops the robot and false releases it, or a map of more; "
           "none",
-      .inner = {text("topic", "/emergency_stop", "Its name; none: there is none"),
-                text("message", "std_msgs/Bool", "Its type"),
+      .inner = {text("topic", "/emergency_stop",
+                     "Topic on which true stops the robot and false releases it; none"),
+                text("message", "std_msgs/Bool", "Type of its messages"),
                 text("field", "data", "Path of the number that stops the robot when it is not 0"),
                 boolean("latched", "Once stopped, the robot stands until the run is over"),
                 boolean("required", "The robot stands while the topic has no publisher"),
@@ -100,7 +102,9 @@ Parameter override_parameter() {
       .text =
           "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
       .inner = {text("topic", "",
-                     "Its name; not given: that of the commands with _manual behind it"),
+                     "Topic of commands by hand, in place of the network's; not given: that of the "
+                     "commands "
+                     "with _manual behind it; none"),
                 {.name = "timeout",
                  .unit = "s",
                  .default_value = "500 ms",
@@ -125,8 +129,10 @@ command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros
     }
     messages::FieldReader(catalog, result.message_type, result.field);
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(command.parameters.where("emergency_stop"),
-                             fmt::format("key 'emergency_stop': {}", reason_of(error)));
+    const char* about = keys.given("field") ? "field" : "message";
+    throw ConfigurationError(
+        keys.given(about) ? keys.where(about) : command.parameters.where("emergency_stop"),
+        fmt::format("key 'emergency_stop': {}", reason_of(error)));
   }
   return result;
 }
@@ -142,6 +148,18 @@ command::Override manual_override(const Part& command) {
                     topic));
   }
   return {.topic = topic, .timeout = from_seconds(keys.number("timeout"))};
+}
+
+void add_people(const Part& command, messages::Dialect ros, command::CommandSettings& settings) {
+  settings.emergency_stop = emergency_stop(command, ros);
+  settings.manual = manual_override(command);
+}
+
+void add_bounds(const Part& command, command::CommandSettings& settings) {
+  settings.fields = command::field_paths(command.mapping);
+  if (command.parameters.word("limits") != kNoLimits) {
+    settings.bounds = command::default_bounds(command.mapping, std::move(settings.bounds));
+  }
 }
 
 TimeNs spike_timeout(const Part& command) {

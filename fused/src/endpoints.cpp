@@ -32,23 +32,18 @@ Settings with_transport(Settings settings, Transport& transport, topics::Keep ke
 
 std::unique_ptr<topics::TopicSource> make_event_sensor(const Part& part, std::uint32_t width,
                                                        Transport& transport, topics::Keep keep) {
-  topics::EventSensorSettings settings{.topic = part.parameters.text("topic"),
-                                       .events = experiment::event_settings(part.parameters),
-                                       .latency = from_seconds(part.parameters.number("latency")),
-                                       .from_begin = transport.clock() == CommandClock::lockstep};
+  topics::EventSensorSettings settings = experiment::event_sensor_settings(part.parameters);
   settings.events.width = width;
+  settings.from_begin = transport.clock() == CommandClock::lockstep;
   return std::make_unique<topics::EventSensor>(
       transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
 }
 
 std::unique_ptr<topics::TopicSource> make_signal_sensor(const Part& part, std::uint32_t width,
                                                         Transport& transport, topics::Keep keep) {
-  topics::SensorSettings settings{.topic = part.parameters.text("topic"),
-                                  .message_type = part.parameters.text("message"),
-                                  .rule = experiment::sensor_rule(part.parameters),
-                                  .width = width,
-                                  .strict = true,
-                                  .initial = experiment::sensor_initial(part.parameters)};
+  topics::SensorSettings settings = experiment::sensor_settings(part.parameters);
+  settings.width = width;
+  settings.strict = true;
   return std::make_unique<topics::Sensor>(
       transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
 }
@@ -70,19 +65,14 @@ command::CommandSettings command_settings(const Experiment& experiment, const Pa
   settings.node = part.name;
   const auto driver = std::ranges::find(experiment.links, part.name + ".in", &Link::to);
   settings.driver = driver == experiment.links.end() ? "" : driver->from;
-  settings.fields = command::field_paths(part.mapping);
-  if (part.parameters.word("limits") != experiment::kNoLimits) {
-    settings.bounds = command::default_bounds(part.mapping, std::move(settings.bounds));
-  }
+  experiment::add_bounds(part, settings);
   settings.sensors = experiment::watched_sensors(experiment, part);
   for (const Link* link : watched_spikes(experiment, part)) {
     settings.spike_widths.push_back(link->width);
   }
   settings.spike_timeout = experiment::spike_timeout(part);
   if (experiment.ros != experiment::Ros::none) {  // else there is nobody to stop it or drive it
-    settings.emergency_stop =
-        experiment::emergency_stop(part, experiment::dialect_of(experiment.ros));
-    settings.manual = experiment::manual_override(part);
+    experiment::add_people(part, experiment::dialect_of(experiment.ros), settings);
   }
   return settings;
 }

@@ -49,7 +49,7 @@ def failures(scratch):
     said(scratch, "no_module", "import spikeloop, nonsense\n", 1,
          "'brain' (echo.py) ended with exit code 1", "No module named 'nonsense'")
     said(scratch, "ports", LOOP.replace('"in"', '"im"') % "pass", 2,
-         "explorer.yaml:", "'brain' has no port 'in'; did you mean 'im'?")
+         "explorer.yaml:", "'brain' has no input port 'in'; did you mean 'im'?")
     said(scratch, "width", LOOP.replace('{"in": None}', '{"in": 3}') % "pass", 2,
          "explorer.yaml:", "the connection of 'brain.in' has the width 10, but echo.py asks for 3")
     said(scratch, "kind_in", LOOP.replace('spikes_in={"in"', 'signals_in={"in"') % "pass", 2,

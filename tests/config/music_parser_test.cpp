@@ -302,7 +302,7 @@ TEST(ParseMusic, NotesWhatIsHardlyMeant) {
   ASSERT_EQ(file.oddities.size(), 3U);
   EXPECT_EQ(file.oddities[0].where.text(), "f:2:1");
   EXPECT_EQ(file.oddities[0].message,
-            "the key 'x' is '1' in line 1 already, and the last one holds; write it once");
+            "duplicate key 'x'; the first is at f:1:1; the last one holds");
   EXPECT_EQ(file.oddities[1].where.text(), "f:5:1");
   EXPECT_EQ(
       file.oddities[2].message,

@@ -116,7 +116,7 @@ TEST(Resolve, SaysWhatIsWrongAndWhere) {
 
 TEST(Resolve, NamesAMissingKey) {
   EXPECT_EQ(message_of<ConfigurationError>([] { resolve(declared(), {}, one_weight); }),
-            "key 'topic' is missing (ROS topic); write  topic = ...");
+            "key 'topic' is missing (ROS topic); write  topic=...");
 }
 
 TEST(Resolve, OneSidedBounds) {

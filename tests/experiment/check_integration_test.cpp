@@ -34,7 +34,7 @@ TEST(Check, TellsEveryFaultWithItsLine) {
       "ns, us, ms, s, min, h\n"
       "    5 |   decoder: {node: linear_readout, tau: 30 mV, weights: uniform}\n"
       "                                               ^\n"
-      "error: x.yaml:7:16: unknown node 'decodr' in 'decodr'; did you mean 'decoder'?\n"
+      "error: x.yaml:7:16: unknown node 'decodr'; did you mean 'decoder'?\n"
       "    7 |   - encoder -> decodr [3]\n"
       "                       ^\n"
       "spikeloop: x.yaml: 3 errors\n");
@@ -223,7 +223,7 @@ TEST(Export, SpeaksOfTheExperimentsLines) {
                   "connections:\n  - a -> b [2]\n");
   const Outcome outcome = spikeloop({"export", "x.yaml", "--out", "job"}, directory);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, testing::StartsWith("spikeloop: b: x.yaml:4:3: a time of "));
+  EXPECT_THAT(outcome.err, testing::StartsWith("spikeloop: x.yaml:4:3: a time of "));
 }
 
 TEST(Run, TimeoutsAreForSeveralProcesses) {
@@ -243,7 +243,7 @@ TEST(Check, WhatNewPrintsIsRight) {
   const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out,
-            "x.yaml: nothing to complain about: 6 nodes, 5 connections, tick 1 ms, 5 s\n");
+            "x.yaml: OK: 6 nodes, 5 connections, tick 1 ms, 5 s\n");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ class Example : public testing::Test {
 TEST_F(Example, IsRight) {
   directory_.write("small.yaml", example_);
   EXPECT_EQ(spikeloop({"check", "small.yaml"}, directory_).text(),
-            "small.yaml: nothing to complain about: 5 nodes, 4 connections, tick 1 ms, 60 s\n");
+            "small.yaml: OK: 5 nodes, 4 connections, tick 1 ms, 60 s\n");
 }
 
 TEST_F(Example, IsCheckedAsThePageSays) {

@@ -20,7 +20,7 @@ TEST(Schema, SaysWhatKeysMean) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::HasSubstr("How often sensors, network and commands exchange "
                                               "their data (default: 1 ms)"));
-  EXPECT_THAT(outcome.out, testing::HasSubstr("Its name, as /scan (must be given)"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("Topic of the messages (must be given)"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:12:5: 'scan' has no output port 'ranges'; known: out"}},
         WrongFile{"unknown node",
                   {{"-> encoder", "-> encodr"}},
-                  {"x.yaml:12:13: unknown node 'encodr' in 'encodr'; did you mean 'encoder'?"}},
+                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?"}},
         WrongFile{"unknown port",
                   {{"-> encoder [3]", "-> encoder.inn [3]"}},
                   {"x.yaml:12:13: 'encoder' has no input port 'inn'; did you mean 'in'?"}},
@@ -41,7 +41,9 @@ INSTANTIATE_TEST_SUITE_P(
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - wheels -> "
               "encoder\n"}},
             {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out",
-             "x.yaml:13:15: two connections lead into 'encoder.in'; an input takes one"}},
+             "x.yaml:13:15: input 'encoder.in' has two senders, 'scan.out' and 'wheels'; remove "
+             "one "
+             "connection"}},
         WrongFile{
             "output that leads nowhere",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
@@ -51,32 +53,35 @@ INSTANTIATE_TEST_SUITE_P(
               "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: sigmoid}\n"}},
             {"x.yaml:8:3: nothing is connected to the output 'extra.out', and nothing else says "
              "how wide it is; connect it, or leave the node out"}},
-        WrongFile{"two connections into one input",
-                  {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
-                    "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "
-                    "-> encoder\n"}},
-                  {"x.yaml:13:13: two connections lead into 'encoder.in'; an input takes one"}},
+        WrongFile{
+            "two connections into one input",
+            {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "
+              "-> encoder\n"}},
+            {"x.yaml:13:13: the connection 'scan.out -> encoder.in' is written twice; remove one"}},
         WrongFile{"unconnected node",
                   {{"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: "
                     "rate_encoder}\n"}},
                   {"x.yaml:8:3: node 'extra' is not connected; write it into 'connections', or "
                    "leave it out"}},
-        WrongFile{"unconnected input",
-                  {{"scan -> encoder [3]", "encoder"}},
-                  {"x.yaml:6:3: node 'scan' is not connected; write it into 'connections', or "
-                   "leave it out",
-                   "x.yaml:7:3: nothing is connected to the input 'encoder.in'"}},
+        WrongFile{
+            "unconnected input",
+            {{"scan -> encoder [3]", "encoder"}},
+            {"x.yaml:6:3: node 'scan' is not connected; write it into 'connections', or "
+             "leave it out",
+             "x.yaml:7:3: input 'encoder.in' is not connected; write for example  SENDER.out -> "
+             "encoder.in [10]"}},
         WrongFile{"kinds that differ",
                   {{"decoder [3] -> wheels [2]", "decoder [3]\n  - brain -> wheels"}},
-                  {"x.yaml:13:14: 'brain.out' is spikes, but 'wheels.in' is continuous; put an "
-                   "encoder or a decoder between them"}},
+                  {"x.yaml:13:14: spike output 'brain.out' cannot drive continuous input "
+                   "'wheels.in'; put a decoder between them"}},
         WrongFile{"continuous to spikes",
                   {{"scan -> encoder [3] ->", "scan ->"}},
                   {"x.yaml:7:3: node 'encoder' is not connected; write it into 'connections', or "
                    "leave it out",
-                   "x.yaml:12:13: 'scan.out' is continuous, but 'brain.in' is spikes; put an "
-                   "encoder or a decoder between them"}},
+                   "x.yaml:12:13: continuous output 'scan.out' cannot drive spike input "
+                   "'brain.in'; put an encoder between them"}},
         WrongFile{"tables that disagree",
                   {{"encoder [3] -> brain [3] -> decoder [3] -> wheels [2]",
                     "a -> b -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]"},
@@ -255,12 +260,12 @@ INSTANTIATE_TEST_SUITE_P(
                    {"-> wheels [2]", "-> wheels [2, delay 5]"}},
                   {"x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
                    "example  rate_max: 200 Hz",
-                   "x.yaml:12:13: unknown node 'encodr' in 'encodr'; did you mean 'encoder'?",
+                   "x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?",
                    "x.yaml:12:72: delay '5' has no unit; write 5 ms or 5 ticks"}},
         WrongFile{"two faulty connections",
                   {{"-> encoder [3]", "-> encodr [3]"}, {"decoder [3]", "decodr [3]"}},
-                  {"x.yaml:12:13: unknown node 'encodr' in 'encodr'; did you mean 'encoder'?",
-                   "x.yaml:12:40: unknown node 'decodr' in 'decodr'; did you mean 'decoder'?"}}),
+                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?",
+                   "x.yaml:12:40: unknown node 'decodr'; did you mean 'decoder'?"}}),
     [](const auto& row) { return "row" + std::to_string(row.index); });
 
 }  // namespace

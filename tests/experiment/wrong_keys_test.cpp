@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "x.yaml:3:1: experiment: unknown key 'tack'; did you mean 'tick'?"}},
         WrongFile{"top key twice",
                   {{"tick: 1 ms", "tick: 1 ms\ntick: 2 ms"}},
-                  {"x.yaml:4:1: experiment: key 'tick' stands here for the second time; the first "
+                  {"x.yaml:4:1: experiment: duplicate key 'tick'; the first "
                    "is at x.yaml:3:1"}},
         WrongFile{"key without value",
                   {{"tick: 1 ms", "tick:"}},
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  encoder: {node: "
                     "poisson_encoder}\n"}},
-                  {"x.yaml:8:3: key 'nodes': key 'encoder' stands here for the second time; the "
+                  {"x.yaml:8:3: key 'nodes': duplicate key 'encoder'; the "
                    "first is at x.yaml:7:3"}},
         WrongFile{"node without keys",
                   {{"{node: rate_encoder, rate_max: 200 Hz}", "rate_encoder"}},
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:7:3: 'my-encoder' is no name of a node; write letters, digits and '_'"}},
         WrongFile{"key twice in a node",
                   {{"rate_max: 200 Hz", "rate_max: 200 Hz, rate_max: 100 Hz"}},
-                  {"x.yaml:7:51: node 'encoder': key 'rate_max' stands here for the second time; "
+                  {"x.yaml:7:51: node 'encoder': duplicate key 'rate_max'; "
                    "the first is at x.yaml:7:33"}},
         WrongFile{
             "unknown key",
@@ -111,8 +111,8 @@ INSTANTIATE_TEST_SUITE_P(
             {"x.yaml:7:33: node 'encoder': unknown key 'rate_mix'; did you mean 'rate_min'?"}},
         WrongFile{"missing required key",
                   {{"topic: /scan, ", ""}},
-                  {"x.yaml:6:3: node 'scan': key 'topic' is missing (Its name, as /scan); write  "
-                   "topic: ..."}},
+                  {"x.yaml:6:3: node 'scan': key 'topic' is missing; write for example  topic: "
+                   "/scan"}},
         WrongFile{"misspelt required key",
                   {{"topic: /scan", "tpoic: /scan"}},
                   {"x.yaml:6:28: node 'scan': unknown key 'tpoic'; did you mean 'topic'?"}},
@@ -235,8 +235,8 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:4:20: key 'simulator': 'gazebo' is not a choice; write one of: mujoco"}},
         WrongFile{"robot without simulator",
                   {{"{simulator: mujoco}", "{world: arena.xml}"}},
-                  {"x.yaml:4:1: robot: key 'simulator' is missing (What simulates the robot); "
-                   "write  simulator: mujoco"}},
+                  {"x.yaml:4:1: robot: key 'simulator' is missing; write for example  "
+                   "simulator: mujoco"}},
         WrongFile{"plugins that are no list",
                   {{"tick: 1 ms", "plugins: x.so"}},
                   {"x.yaml:3:10: key 'plugins': expected a list of files; write  plugins: "

@@ -136,11 +136,11 @@ INSTANTIATE_TEST_SUITE_P(
                    "value; write true or false"}},
         WrongFile{"emergency stop of an unknown message",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {message: std_msgs/Bol}"}},
-                  {"x.yaml:10:117: key 'emergency_stop': unknown message type 'std_msgs/Bol'; did "
+                  {"x.yaml:10:127: key 'emergency_stop': unknown message type 'std_msgs/Bol'; did "
                    "you mean 'std_msgs/Bool'?"}},
         WrongFile{"emergency stop of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {field: dat}"}},
-                  {"x.yaml:10:117: key 'emergency_stop': field path 'dat' of std_msgs/Bool: "
+                  {"x.yaml:10:125: key 'emergency_stop': field path 'dat' of std_msgs/Bool: "
                    "std_msgs/Bool has no field 'dat'; did you mean 'data'?"}},
         WrongFile{"emergency stop that is a list",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: [/stop]"}},
@@ -152,15 +152,15 @@ INSTANTIATE_TEST_SUITE_P(
                    "themselves; write another one"}},
         WrongFile{"commands to what is no topic",
                   {{"topic: /cmd_vel", "topic: a-b"}},
-                  {"x.yaml:10:38: key 'topic': 'a-b' is no name of a ROS topic; write letters, "
+                  {"x.yaml:10:38: 'a-b' is no name of a ROS topic; write letters, "
                    "digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
         WrongFile{"emergency stop on what is no topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: \"a b\""}},
-                  {"x.yaml:10:117: key 'emergency_stop': 'a b' is no name of a ROS topic; write "
+                  {"x.yaml:10:117: 'a b' is no name of a ROS topic; write "
                    "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
         WrongFile{"override on what is no topic",
                   {{"angular.z: 1}", "angular.z: 1}, override: 1by_hand"}},
-                  {"x.yaml:10:111: key 'override': '1by_hand' is no name of a ROS topic; write "
+                  {"x.yaml:10:111: '1by_hand' is no name of a ROS topic; write "
                    "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
         WrongFile{"time that no clock has",
                   {{"angular.z: 1}", "angular.z: 1}, sensor_timeout: 1e30 s"}},

@@ -89,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(
                   {{kBuiltin, kBrain},
                    {"-> wheels [2]", "-> wheels [2]\n  - brain.out -> other"},
                    {"  decoder:", "  other: {node: sigmoid}\n  decoder:"}},
-                  {"x.yaml:14:18: 'brain.out' is spikes, but 'other.in' is continuous; put an "
-                   "encoder or a decoder between them"},
+                  {"x.yaml:14:18: spike output 'brain.out' cannot drive continuous input "
+                   "'other.in'; put a decoder between them"},
                   {{"brain.py", kScript}}},
         WrongFile{"width that nobody says",
                   {{kBuiltin, kBrain},

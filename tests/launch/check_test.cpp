@@ -226,16 +226,15 @@ TEST(CheckTogether, AMisspeltKeyAtTheTop) {
 }
 
 TEST(CheckTogether, KindsOfPorts) {
-  EXPECT_THAT(
-      texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"
-                     "a.out -> b.in [3]\n")),
-      ElementsAre("f:7:1: 'a' sends spikes, but 'b' takes a continuous signal, and MUSIC would "
-                  "hang; put a linear_readout_decoder between them"));
+  EXPECT_THAT(texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"
+                             "a.out -> b.in [3]\n")),
+              ElementsAre("f:7:1: spike output 'a.out' cannot drive continuous input 'b.in'; put a "
+                          "decoder between them"));
   EXPECT_THAT(
       texts(together("[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\nbinary="
                      "spikeloop-network\na.out -> b.in [3]\n")),
-      ElementsAre("f:7:1: 'a' sends a continuous signal, but 'b' takes spikes, and MUSIC would "
-                  "hang; put a rate_encoder between them"));
+      ElementsAre("f:7:1: continuous output 'a.out' cannot drive spike input 'b.in'; put an "
+                  "encoder between them"));
 }
 
 TEST(CheckTogether, OneWidthAnOutput) {
@@ -260,8 +259,7 @@ TEST(CheckTogether, OdditiesOfTheText) {
   const std::string text = std::string(kTwo) + "np=1\n[a]\n";
   EXPECT_THAT(
       together(text).warnings,
-      ElementsAre("f:8:1: the key 'np' is '1' in line 5 already, and the last one holds; write "
-                  "it once",
+      ElementsAre("f:8:1: duplicate key 'np'; the first is at f:5:1; the last one holds",
                   "f:9:1: the section '[a]' was opened in line 1 already, and MUSIC takes both "
                   "for one; write it once"));
   EXPECT_EQ(texts(together("strict=true\n" + text)).size(), 2U);

@@ -370,7 +370,7 @@ TEST(Programs, AreKnownByTheLastPartOfTheBinary) {
       "[a]\nbinary=/usr/bin/poisson_encoder\n[b]\nbinary=x\n[c]\nbinary=spikeloop-node\n"
       "node=rate_encoder\n[d]\n[e]\nbinary=spikeloop-node\nnode=connect\n",
       "f");
-  EXPECT_EQ(find_program(file, "e")->output, Kind::continuous);
+  EXPECT_EQ(find_program(file, "e")->output, PortKind::signal);
   EXPECT_EQ(find_program(file, "a")->name, "poisson_encoder");
   EXPECT_EQ(find_program(file, "b"), nullptr);
   EXPECT_EQ(find_program(file, "c")->name, "rate_encoder");

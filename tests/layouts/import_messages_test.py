@@ -123,17 +123,19 @@ def messages(spikeloop, folder):
              "x.music:1:1: [a] runs zmq_cont_adapter, which no node of an experiment does; keep  "
              "spikeloop run x.music"),
             (pair("ros_event_sensor_adapter", "linear_decoder"), 1,
-             "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/dvs/events"),
+             "x.music:1:1: key 'ros_topic' is missing; write for example  "
+             "ros_topic=/dvs/events"),
             (pair("ros_event_sensor_adapter", "linear_decoder", "ros_topic=/e\nroi=1,2\n"), 1,
              "x.music:5:1: key 'roi': '1,2' is no list of 4"),
             (pair("ros_sensor_adapter"), 1,
-             "x.music:1:1: section 'a' has no ros_topic; write ros_topic=/scan"),
+             "x.music:1:1: key 'ros_topic' is missing; write for example  ros_topic=/scan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/scan\n"), 1,
-             "x.music:1:1: section 'a' has no message_type; write message_type=Laserscan"),
+             "x.music:1:1: key 'message_type' is missing; write for example  "
+             "message_type=sensor_msgs/LaserScan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/s\nmessage_type=Scan\n"), 1,
              "x.music:5:1: unknown message type 'Scan'"),
             (pair("ros_sensor_adapter", "ros_command_adapter", sensor), 1,
-             "x.music:6:1: section 'b' has no ros_topic; write ros_topic=/cmd_vel"),
+             "x.music:6:1: key 'ros_topic' is missing; write for example  ros_topic=/cmd_vel"),
             (pair("ros_sensor_adapter", "cont_ros_adapter", sensor,
                   "message_mapping_filename=empty.json\n"), 1,
              "x.music:9:1: the mapping 'empty.json' has no field: all that it sends is 0; map a "

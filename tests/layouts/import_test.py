@@ -199,7 +199,7 @@ def the_example(spikeloop, folder, example):
     said = run(spikeloop, "import", folder / "braitenberg" / "braitenberg.music", "--robot",
                "--out", target)
     assert said == "", said
-    assert "nothing to complain about: 5 nodes, 4 connections" in run(spikeloop, "check", target)
+    assert "OK: 5 nodes, 4 connections" in run(spikeloop, "check", target)
     run(spikeloop, "run", target, "--sync", "lockstep", "--duration", "2", "--out",
         folder / "driven")
     assert sum(len(times) for times, _ in random_graphs.spikes_of(folder / "driven").values()) > 9000

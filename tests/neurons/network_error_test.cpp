@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:1:1: network file: unknown key 'popullations'; did you mean 'populations'?"},
         NetworkCase{
             "twice", "output: [a]\noutput: [a]\n",
-            "net.yaml:2:1: network file: key 'output' stands here for the second time; the first "
+            "net.yaml:2:1: network file: duplicate key 'output'; the first "
             "is "
             "at net.yaml:1:1"},
         NetworkCase{

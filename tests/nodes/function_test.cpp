@@ -101,7 +101,7 @@ TEST(Function, WhatDoesNotFitIsRefused) {
               NodeHarness("function", {1, 1});
             }),
             "key 'function' is missing (Expressions of x0, x1, ... (one input: also x), separated "
-            "by ';': sin(pi*x0); x0*x1); write  function = ...");
+            "by ';': sin(pi*x0); x0*x1); write  function=...");
 }
 
 }  // namespace

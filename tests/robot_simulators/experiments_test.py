@@ -30,7 +30,7 @@ class Experiments(unittest.TestCase):
             with self.subTest(path.parent.name + "/" + path.name):
                 code, said = spikeloop("check", path.name, folder=path.parent)
                 self.assertEqual(code, 0, said)
-                self.assertIn("nothing to complain about: 5 nodes, 4 connections", said)
+                self.assertIn("OK: 5 nodes, 4 connections", said)
 
     def test_the_loop_is_that_of_example_1(self):
         known = SIMULATORS.parent / "01_braitenberg/braitenberg.yaml"

@@ -275,10 +275,11 @@ TEST_F(EventErrorTest, sections_are_checked_without_ros) {
   EXPECT_THAT(error("roi=0,0,4,4\ndownsample=2", 48),
               HasSubstr("a region of 4 x 4 pixels makes 4 channels (polarity=both, downsample=2), "
                         "but the port has 48; write [4] in its connection"));
-  EXPECT_THAT(
-      error("message_type=event_camera_msgs/EventPackt", 48),
-      HasSubstr("message type 'event_camera_msgs/EventPackt' has no events of a camera; did "
-                "you mean 'event_camera_msgs/EventPacket'?"));
+  EXPECT_THAT(error("message_type=event_camera_msgs/EventPackt", 48),
+              HasSubstr("unknown message type 'event_camera_msgs/EventPackt'; did you mean "
+                        "'event_camera_msgs/EventPacket'?"));
+  EXPECT_THAT(error("message_type=geometry_msgs/Twist", 48),
+              HasSubstr("message type 'geometry_msgs/Twist' has no events of a camera"));
   EXPECT_THAT(error("polarity=spilt", 48), HasSubstr("did you mean 'split'?"));
   EXPECT_THAT(error("downsample=0", 48), HasSubstr("downsample"));
   const std::string file = directory_.write(
@@ -288,7 +289,7 @@ TEST_F(EventErrorTest, sections_are_checked_without_ros) {
   EXPECT_THAT(
       run({.arguments = {binary("ros_event_sensor_adapter"), "--check-section", file, "camera"}})
           .err,
-      HasSubstr("section 'camera' has no ros_topic; write ros_topic=/dvs/events"));
+      HasSubstr("key 'ros_topic' is missing; write for example  ros_topic=/dvs/events"));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ class Faults(unittest.TestCase):
 
     def test_a_port_that_the_script_does_not_have(self):
         text = script().replace('spikes_in={"in": None}, ', "")
-        self.check(text, "'brain' has no port 'in'", code=2)
+        self.check(text, "'brain' has no input port 'in'", code=2)
 
     def test_a_wrong_value_in_the_section(self):
         self.check(script(), "job.music:18:3: key 'gain': 'loud'", code=2, keys="gain=loud")

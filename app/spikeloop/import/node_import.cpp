@@ -4,20 +4,19 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <sstream>
+#include <map>
 
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
-#include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
-#include "spikeloop/messages/event_conversion.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -89,12 +88,6 @@ std::string field_text(const CommandField& field) {
   return fmt::format("\n      {}: {{{}}}", field.field, text);
 }
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(' ');
-  return first == std::string::npos ? ""
-                                    : text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
 }  // namespace
 
 /// An experiment has such nodes, but their answers take a tick more in its one process: other
@@ -119,12 +112,8 @@ ImportedNode NodeImporter::import(const MusicSection& section) {
   const std::string program = program_of(section);
   const RosProgram* ros = find_ros_program(program);
   const NodeProgram* older = find_node_program(program);
-  if (ros != nullptr && ros->way == RosWay::messages_to_signal) {
-    import_sensor(section);
-  } else if (ros != nullptr && ros->way == RosWay::messages_to_spikes) {
-    import_event_sensor(section);
-  } else if (ros != nullptr && ros->way == RosWay::signal_to_messages) {
-    import_command(section, *ros);
+  if (ros != nullptr) {
+    import_topic(section, *ros);
   } else if (older != nullptr || program == "spikeloop-node") {
     import_class(section, older);
   } else if (program == "spikeloop-network") {
@@ -207,119 +196,107 @@ std::string NodeImporter::path(const MusicSection& section, const std::string& w
                    behind);
 }
 
-void NodeImporter::import_sensor(const MusicSection& section) {
-  node_.description = &kinds_.find(experiment::kRosSensor).description;
-  add("node", experiment::kRosSensor);
-  add("topic", yaml_text(required(section, "ros_topic", "/scan")));
-  const std::string type = required(section, "message_type", "Laserscan");
-  const MusicKey* fields = find(section, "fields");
-  add("message", fields != nullptr && type.find('/') != std::string::npos
-                     ? type
-                     : located_at(find(section, "message_type")->where, [&] {
-                         return canonical_message_type(type, launch::directory_of(file_.path));
-                       }));
-  if (fields != nullptr && !fields->value.empty()) {
-    std::vector<std::string> paths;
-    std::istringstream list(fields->value);
-    for (std::string part; std::getline(list, part, ',');) {
-      paths.push_back(yaml_quoted(trimmed(part)));
+/// The section's keys are parameters of the class, and stand in its order.
+void NodeImporter::import_topic(const MusicSection& section, const RosProgram& program) {
+  node_.description = &kinds_.find(program.node_class).description;
+  add("node", program.node_class);
+  const auto keys = experiment::section_keys(program.node_class);
+  const auto declared = experiment::section_parameters(program);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i].inner.empty()) {
+      add_topic_key(section, program, keys[i], declared[i]);
     }
-    add("fields", fmt::format("[{}]", fmt::join(paths, ", ")));
-  }
-  if (const MusicKey* file = find(section, "sensor_mapping_filename")) {
-    const WrittenValues keys = located_at(file->where, [&] {
-      return read_sensor_mapping(file->value, launch::directory_of(file_.path));
-    });
-    for (const auto& [name, value] : keys) {
-      add(name, value.text.starts_with('[') || value.text.starts_with('{')
-                    ? value.text
-                    : yaml_quoted(value.text));
+    if (keys[i].parameter == "topic" && node_.description->name == experiment::kRosCommand) {
+      add_fields(section, program);
     }
   }
-  if (const MusicKey* initial = find(section, "initial")) {
-    add("initial", yaml_text(initial->value));
+  add_maps(section, keys, declared);
+  add_mapping_file(section);
+  note_differences(section);
+}
+
+void NodeImporter::add_topic_key(const MusicSection& section, const RosProgram& program,
+                                 const experiment::SectionKey& key,
+                                 const ParameterDescription& declared) {
+  const MusicKey* written = find(section, key.name);
+  if (key.parameter == "command_rate") {
+    written = command_rate(section, program);
   }
-  if (!strict(section)) {
-    note(section.where,
-         fmt::format("'{}': a message of another length than the connection ends an experiment; "
-                     "the program leaves out values, or keeps old ones",
-                     section.label));
+  if (written == nullptr && !declared.default_value) {
+    throw ConfigurationError(section.where, missing_key(declared, "="));
+  }
+  const std::string name(key.parameter);
+  const auto of_class =
+      std::ranges::find(node_.description->parameters, key.parameter, &ParameterDescription::name);
+  if (written == nullptr && declared.default_value == of_class->default_value) {
+    return;  // the class's own default
+  }
+  const std::string& text = written == nullptr ? *declared.default_value : written->value;
+  const Location& where = written == nullptr ? section.where : written->where;
+  if (name == "message") {
+    add(name, yaml_text(located_at(where, [&] {
+          return experiment::whole_message_type(text, launch::directory_of(file_.path),
+                                                messages::Dialect::ros1);
+        })));
+  } else {
+    add(name, yaml_value(declared, text, where));
   }
 }
 
-void NodeImporter::import_event_sensor(const MusicSection& section) {
-  node_.description = &kinds_.find(experiment::kRosEventSensor).description;
-  add("node", experiment::kRosEventSensor);
-  add("topic", yaml_text(required(section, "ros_topic", "/dvs/events")));
-  const MusicKey* type = find(section, "message_type");
-  add("message", type == nullptr ? "dvs_msgs/EventArray" : yaml_text(type->value));
-  for (const char* name : {"polarity", "downsample"}) {
-    if (const MusicKey* key = find(section, name)) {
-      add(name, yaml_text(key->value));
-    }
-  }
-  for (const char* name : {"latency", "refractory"}) {
-    if (const MusicKey* key = find(section, name)) {
-      add(name, with_unit(key->value, "s"));
-    }
-  }
-  if (const MusicKey* roi = find(section, "roi"); roi != nullptr && !roi->value.empty()) {
-    const auto declared =
-        std::ranges::find(node_.description->parameters, "roi", &ParameterDescription::name);
-    const Parameters keys = resolve({*declared}, {{"roi", {roi->value, roi->where}}}, {});
-    add("roi", fmt::format("[{}]", fmt::join(keys.numbers("roi"), ", ")));
-  }
-}
-
-void NodeImporter::import_command(const MusicSection& section, const RosProgram& program) {
-  node_.description = &kinds_.find(experiment::kRosCommand).description;
-  add("node", experiment::kRosCommand);
-  const MusicKey* topic = find(section, "ros_topic");
-  add("topic", yaml_text(topic == nullptr && *program.topic != '\0'
-                             ? program.topic
-                             : required(section, "ros_topic", "/cmd_vel")));
-  add_fields(section, program);
+/// Each family had one of the two spellings.
+const MusicKey* NodeImporter::command_rate(const MusicSection& section, const RosProgram& program) {
   const MusicKey* rate = find(section, program.command_rate_key);
   for (const char* other : {"command_rate", "command_update_rate"}) {
     const MusicKey* key = find(section, other);
     rate = rate == nullptr ? key : rate;
   }
-  add("command_rate", with_unit(rate == nullptr ? program.command_rate : rate->value, "Hz"));
-  for (const char* name : {"deadband", "min_interval", "watchdog", "max_age"}) {
-    const MusicKey* key = find(section, name);
-    if (key != nullptr) {
-      add(name, with_unit(key->value, std::string_view(name) == "deadband" ? "1" : "s"));
+  return rate;
+}
+
+/// `emergency_stop_timeout` is `timeout` in `emergency_stop`.
+void NodeImporter::add_maps(const MusicSection& section,
+                            std::span<const experiment::SectionKey> keys,
+                            const std::vector<ParameterDescription>& declared) {
+  std::map<std::string, std::vector<std::string>> maps;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const MusicKey* written = keys[i].inner.empty() ? nullptr : find(section, keys[i].name);
+    if (written != nullptr && !written->value.empty()) {
+      maps[std::string(keys[i].parameter)].push_back(fmt::format(
+          "{}: {}", keys[i].inner, yaml_value(declared[i], written->value, written->where)));
     }
   }
-  import_people(section);
-  if (find(section, "sensor_topics") != nullptr) {
-    note(
-        section.where,
-        fmt::format("'{}': an experiment watches the sensors on the way to a command itself; write "
-                    "timeout into those of sensor_topics",
-                    section.label));
+  for (const auto& [name, entries] : maps) {
+    add(name, fmt::format("{{{}}}", fmt::join(entries, ", ")));
   }
 }
 
-/// The keys that begin alike as a map: `emergency_stop_timeout` is `timeout` in `emergency_stop`.
-void NodeImporter::import_people(const MusicSection& section) {
-  const auto import_map = [&](const std::string& name, const std::vector<std::string>& inner) {
-    std::vector<std::string> entries;
-    if (const MusicKey* topic = find(section, name); topic != nullptr && !topic->value.empty()) {
-      entries.push_back(fmt::format("topic: {}", yaml_text(topic->value)));
-    }
-    for (const std::string& key : inner) {
-      if (const MusicKey* found = find(section, fmt::format("{}_{}", name, key))) {
-        entries.push_back(fmt::format(
-            "{}: {}", key, key == "timeout" ? with_unit(found->value, "s") : found->value));
-      }
-    }
-    if (!entries.empty()) {
-      add(name.c_str(), fmt::format("{{{}}}", fmt::join(entries, ", ")));
-    }
-  };
-  import_map("emergency_stop", {"message", "field", "latched", "required", "timeout"});
-  import_map("override", {"timeout"});
+/// The file has the keys `fields` and `image` of the node.
+void NodeImporter::add_mapping_file(const MusicSection& section) {
+  const MusicKey* file = find(section, "sensor_mapping_filename");
+  if (file == nullptr) {
+    return;
+  }
+  const WrittenValues keys = located_at(file->where, [&] {
+    return read_sensor_mapping(file->value, launch::directory_of(file_.path));
+  });
+  for (const auto& [name, value] : keys) {
+    add(name, value.text.starts_with('[') || value.text.starts_with('{') ? value.text
+                                                                         : yaml_quoted(value.text));
+  }
+}
+
+void NodeImporter::note_differences(const MusicSection& section) {
+  if (node_.description->name == experiment::kRosSensor && !strict(section)) {
+    note(section.where,
+         fmt::format("'{}': a message of another length than the connection ends an experiment; "
+                     "the program leaves out values, or keeps old ones",
+                     section.label));
+  }
+  if (find(section, "sensor_topics") != nullptr) {
+    note(section.where, fmt::format("'{}': an experiment watches the sensors on the way to a "
+                                    "command itself; write timeout into those of sensor_topics",
+                                    section.label));
+  }
 }
 
 void NodeImporter::add_fields(const MusicSection& section, const RosProgram& program) {
@@ -414,10 +391,8 @@ void NodeImporter::add_parameter(const MusicSection& section, const NodeProgram*
   }
   if (parameter.type == ParameterType::weights) {
     add(parameter.name, table(section, key->value, key->where, parameter.name == "grid"));
-  } else if (parameter.type == ParameterType::number) {
-    add(parameter.name, with_unit(key->value, parameter.unit));
   } else {
-    add(parameter.name, yaml_text(key->value));
+    add(parameter.name, yaml_value(parameter, key->value, key->where));
   }
 }
 

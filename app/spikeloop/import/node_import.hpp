@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/topic_section.hpp"
 #include "spikeloop/launch/programs.hpp"
 
 namespace spikeloop::app {
@@ -34,10 +36,7 @@ class NodeImporter {
 
  private:
   void refuse_script(const MusicSection& section, const launch::Program* program) const;
-  void import_sensor(const MusicSection& section);
-  void import_event_sensor(const MusicSection& section);
-  void import_command(const MusicSection& section, const RosProgram& program);
-  void import_people(const MusicSection& section);
+  void import_topic(const MusicSection& section, const RosProgram& program);
   void import_class(const MusicSection& section, const NodeProgram* program);
   void import_network(const MusicSection& section);
   void import_playback(const MusicSection& section);
@@ -45,6 +44,13 @@ class NodeImporter {
 
   void add_parameter(const MusicSection& section, const NodeProgram* program,
                      const ParameterDescription& parameter);
+  void add_topic_key(const MusicSection& section, const RosProgram& program,
+                     const experiment::SectionKey& key, const ParameterDescription& declared);
+  const MusicKey* command_rate(const MusicSection& section, const RosProgram& program);
+  void add_maps(const MusicSection& section, std::span<const experiment::SectionKey> keys,
+                const std::vector<ParameterDescription>& declared);
+  void add_mapping_file(const MusicSection& section);
+  void note_differences(const MusicSection& section);
   void add_fields(const MusicSection& section, const RosProgram& program);
   void add(const std::string& key, const std::string& yaml);
   const MusicKey* find(const MusicSection& section, std::string_view name);
@@ -77,6 +83,10 @@ std::string yaml_text(const std::string& text);
 std::string yaml_quoted(const std::string& text);
 /// "0.03" of the unit s as "30 ms"; what has a unit, or needs none, as it is.
 std::string with_unit(const std::string& value, const std::string& unit);
+/// What a section has for a parameter, as an experiment writes it.
+/// @throws ConfigurationError as resolve() for a list that is none.
+std::string yaml_value(const ParameterDescription& parameter, const std::string& text,
+                       const Location& where);
 /// A table in place.
 std::string yaml_table(const WeightTable& table);
 

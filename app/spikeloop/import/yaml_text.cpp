@@ -86,6 +86,26 @@ std::string with_unit(const std::string& value, const std::string& unit) {
   return fmt::format("{} {}", value, unit);
 }
 
+std::string yaml_value(const ParameterDescription& parameter, const std::string& text,
+                       const Location& where) {
+  if (parameter.type == ParameterType::number) {
+    return with_unit(text, parameter.unit);
+  }
+  if (parameter.type != ParameterType::list) {
+    return yaml_text(text);
+  }
+  const Parameters read = resolve({parameter}, {{parameter.name, {text, where}}}, {});
+  const ParameterDescription& each = parameter.inner.front();
+  if (each.type != ParameterType::map) {
+    return fmt::format("[{}]", fmt::join(read.numbers(parameter.name), ", "));
+  }
+  std::vector<std::string> entries;
+  for (const Parameters::Entry& entry : read.entries(parameter.name)) {
+    entries.push_back(yaml_quoted(entry.values.text(each.plain_key)));
+  }
+  return fmt::format("[{}]", fmt::join(entries, ", "));
+}
+
 std::string yaml_table(const WeightTable& table) {
   switch (table.kind) {
     case WeightTable::Kind::uniform:

@@ -62,7 +62,7 @@ class CycleSearch {
 
 bool takes_events(const MusicFile& file, const std::string& label) {
   const Program* program = find_program(file, label);
-  return program != nullptr && program->input == Kind::events;
+  return program != nullptr && program->input == PortKind::spikes;
 }
 
 std::optional<TimeNs> written_latency(const MusicFile& file, const MusicSection& section) {
@@ -97,7 +97,7 @@ void serve(const MusicFile& file, const Cycle& cycle, Latencies& latencies) {
     // A script's user knows what may come late, and writes it.
     if (const auto written = written_latency(file, receiver)) {
       lacking -= *written;
-    } else if (program->input == Kind::events) {
+    } else if (program->input == PortKind::spikes) {
       free.push_back(connection.to_app);
     }
   }

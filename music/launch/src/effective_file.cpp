@@ -232,7 +232,7 @@ void choose_pacer(MusicFile& file) {
 void set_stamp_guards(MusicFile& file) {
   for (MusicSection& section : file.sections) {
     const Program* program = find_program(file, section);
-    if (program == nullptr || (program->output != Kind::events && !program->any_class)) {
+    if (program == nullptr || (program->output != PortKind::spikes && !program->any_class)) {
       continue;
     }
     const auto needs_guard = [&](const MusicConnection& connection) {

@@ -6,6 +6,7 @@
 
 #include "cycles.hpp"
 #include "outside.hpp"
+#include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
@@ -197,13 +198,8 @@ class TogetherCheck {
         connection.to_port != "in" || !from->output || !to->input || from->output == to->input) {
       return;
     }
-    const bool spikes = from->output == Kind::events;
-    findings_.add_error(
-        connection.where,
-        fmt::format("'{}' sends {}, but '{}' takes {}, and MUSIC would hang; put {} between them",
-                    connection.from_app, spikes ? "spikes" : "a continuous signal",
-                    connection.to_app, spikes ? "a continuous signal" : "spikes",
-                    spikes ? "a linear_readout_decoder" : "a rate_encoder"));
+    findings_.add_error(connection.where, kinds_differ(connection.from_app + ".out", *from->output,
+                                                       connection.to_app + ".in"));
   }
 
   /// Width 0 is that of MUSIC's message ports, which none of our programs has.

@@ -7,15 +7,17 @@
 #include <iterator>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/script_file.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/mpirun.hpp"
+#include "spikeloop/nodes/register.hpp"
 
 namespace spikeloop::launch {
 namespace {
 
-constexpr auto kContinuous = Kind::continuous;
-constexpr auto kEvents = Kind::events;
+constexpr auto kContinuous = PortKind::signal;
+constexpr auto kEvents = PortKind::spikes;
 
 constexpr Outside kTopic{"ros_topic"};
 
@@ -56,82 +58,11 @@ constexpr std::array kPrograms{
     Program{.name = "cont_zmq_adapter",
             .input = kContinuous,
             .outside = {"zmq_addr", "tcp://127.0.0.1:5556"}},
-    Program{
-        .name = "connect_adapter", .node = "connect", .input = kContinuous, .output = kContinuous},
-    Program{.name = "cont_cont_adapter",
-            .node = "connect",
-            .input = kContinuous,
-            .output = kContinuous},
-    Program{.name = "threshold_adapter",
-            .node = "threshold",
-            .input = kContinuous,
-            .output = kContinuous},
-    Program{
-        .name = "sigmoid_adapter", .node = "sigmoid", .input = kContinuous, .output = kContinuous},
-    Program{
-        .name = "argmax_adapter", .node = "argmax", .input = kContinuous, .output = kContinuous},
-    Program{.name = "discretize_adapter",
-            .node = "discretize",
-            .input = kContinuous,
-            .output = kContinuous},
-    Program{
-        .name = "rate_encoder", .node = "rate_encoder", .input = kContinuous, .output = kEvents},
-    Program{.name = "poisson_encoder",
-            .node = "poisson_encoder",
-            .input = kContinuous,
-            .output = kEvents},
-    Program{.name = "nef_encoder", .node = "nef_encoder", .input = kContinuous, .output = kEvents},
-    Program{.name = "linear_readout_decoder",
-            .node = "linear_readout",
-            .input = kEvents,
-            .output = kContinuous},
-    Program{.name = "linear_decoder",
-            .node = "linear_readout",
-            .input = kEvents,
-            .output = kContinuous},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
     // An experiment in one process, which MUSIC does not start.
     Program{.name = "spikeloop-fused", .input = kContinuous, .source = true, .ros = true},
     Program{.name = "spike_playback", .output = kEvents, .source = true},
     Program{.name = "signal_playback", .output = kContinuous, .source = true},
-};
-
-/// Of classes that no program of its own runs, spikeloop-node alone.
-constexpr std::array kOtherNodes{
-    Program{.name = "spikeloop-node", .node = "clip", .input = kContinuous, .output = kContinuous},
-    Program{
-        .name = "spikeloop-node", .node = "normalise", .input = kContinuous, .output = kContinuous},
-    Program{
-        .name = "spikeloop-node", .node = "low_pass", .input = kContinuous, .output = kContinuous},
-    Program{.name = "spikeloop-node", .node = "delay", .input = kContinuous, .output = kContinuous},
-    Program{
-        .name = "spikeloop-node", .node = "function", .input = kContinuous, .output = kContinuous},
-    Program{.name = "spikeloop-node",
-            .node = "population_encoder",
-            .input = kContinuous,
-            .output = kEvents},
-    Program{.name = "spikeloop-node",
-            .node = "step_forward_encoder",
-            .input = kContinuous,
-            .output = kEvents},
-    Program{.name = "spikeloop-node",
-            .node = "temporal_contrast_encoder",
-            .input = kContinuous,
-            .output = kEvents},
-    Program{.name = "spikeloop-node",
-            .node = "time_to_first_spike_encoder",
-            .input = kContinuous,
-            .output = kEvents},
-    Program{.name = "spikeloop-node",
-            .node = "population_vector",
-            .input = kEvents,
-            .output = kContinuous},
-    Program{.name = "spikeloop-node",
-            .node = "winner_take_all",
-            .input = kEvents,
-            .output = kContinuous},
-    Program{
-        .name = "spikeloop-node", .node = "rate_window", .input = kEvents, .output = kContinuous},
 };
 
 /// Of a plug-in's class, whose section says the kinds of its ports.
@@ -208,10 +139,42 @@ const Program* program_of_key(const MusicFile& file, const MusicSection& section
   return found == nullptr ? &kScript : found;
 }
 
+/// That of the class's port, when it has one of this name.
+std::optional<PortKind> kind_of(const NodeDescription& node_class, const char* port) {
+  const auto found = std::ranges::find(node_class.ports, port, &PortDescription::name);
+  return found == node_class.ports.end() ? std::nullopt : std::optional(found->kind);
+}
+
+/// The built-in node classes: under the names of the older programs, and under spikeloop-node's.
+std::vector<Program> make_node_programs() {
+  static Registry registry;  // programs refer to it
+  register_nodes(registry);
+  std::vector<Program> programs;
+  const auto add = [&](std::string_view name, std::string_view node) {
+    const NodeDescription& description = registry.find(node).description;
+    programs.push_back({.name = name,
+                        .node = description.name,
+                        .input = kind_of(description, "in"),
+                        .output = kind_of(description, "out")});
+  };
+  for (const NodeProgram& program : node_programs()) {
+    add(program.name, program.node_class);
+  }
+  for (const std::string& name : registry.names()) {
+    add("spikeloop-node", name);
+  }
+  return programs;
+}
+
+const std::vector<Program>& known_node_programs() {
+  static const std::vector<Program> kPrograms = make_node_programs();
+  return kPrograms;
+}
+
 template <typename Table>
 const Program* find_node(const Table& table, std::string_view node) {
-  const auto* const found = std::ranges::find(table, node, &Program::node);
-  return found == std::end(table) ? nullptr : found;
+  const auto found = std::ranges::find(table, node, &Program::node);
+  return found == std::end(table) ? nullptr : &*found;
 }
 
 /// What spikeloop-node is in this section.
@@ -220,10 +183,7 @@ const Program* program_of_node(const MusicFile& file, const MusicSection& sectio
   if (node.empty()) {
     return &kAnyNode;
   }
-  if (const Program* program = find_node(kPrograms, node)) {
-    return program;
-  }
-  if (const Program* program = find_node(kOtherNodes, node)) {
+  if (const Program* program = find_node(known_node_programs(), node)) {
     return program;
   }
   const MusicKey* ports = file.find_key(section, "ports");
@@ -236,22 +196,8 @@ const Program* program_of_node(const MusicFile& file, const MusicSection& sectio
 std::vector<std::string_view> program_names() {
   std::vector<std::string_view> names;
   std::ranges::transform(kPrograms, std::back_inserter(names), &Program::name);
+  std::ranges::transform(node_programs(), std::back_inserter(names), &NodeProgram::name);
   return names;
-}
-
-std::vector<std::string_view> programs_of_node(std::string_view node) {
-  std::vector<std::string_view> names;
-  for (const Program& program : kPrograms) {
-    if (program.node == node) {
-      names.push_back(program.name);
-    }
-  }
-  return names;
-}
-
-std::string_view node_of_program(std::string_view name) {
-  const auto* const found = std::ranges::find(kPrograms, name, &Program::name);
-  return found == kPrograms.end() ? "" : found->node;
 }
 
 std::string what_runs(const MusicFile& file, const MusicSection& section) {
@@ -283,6 +229,9 @@ const Program* find_program(const MusicFile& file, const MusicSection& section) 
       found != kPrograms.end()) {
     return found;
   }
+  if (const NodeProgram* program = find_node_program(name)) {
+    return &*std::ranges::find(known_node_programs(), program->name, &Program::name);
+  }
   return program_of_binary(file, section);
 }
 
@@ -294,10 +243,10 @@ const Program* find_program(const MusicFile& file, std::string_view label) {
 bool is_continuous(const MusicFile& file, const MusicConnection& connection) {
   const Program* sender = find_program(file, connection.from_app);
   if (sender != nullptr && sender->output) {
-    return sender->output == Kind::continuous;
+    return sender->output == PortKind::signal;
   }
   const Program* receiver = find_program(file, connection.to_app);
-  return receiver != nullptr && receiver->input == Kind::continuous;
+  return receiver != nullptr && receiver->input == PortKind::signal;
 }
 
 bool all_ours(const MusicFile& file) {

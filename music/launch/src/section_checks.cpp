@@ -75,12 +75,17 @@ void SectionChecks::start(const MusicSection& section, const Places& places) {
   start.scratch = places.scratch;
   sections_.push_back({section.label});
   Section& added = sections_.back();
-  added.member = &crew_.start(start, [&added](const OutputLine& line) { take(added, line); });
+  added.member = &crew_.start(start, [this, &added](const OutputLine& line) { take(added, line); });
 }
 
-void SectionChecks::take(Section& section, const OutputLine& line) {
+/// What says its place in the file needs no label.
+std::string SectionChecks::labelled(const Section& section, const std::string& text) const {
+  return text.starts_with(file_.path + ":") ? text : fmt::format("{}: {}", section.label, text);
+}
+
+void SectionChecks::take(Section& section, const OutputLine& line) const {
   const auto said = [&](std::string_view kind) {
-    return fmt::format("{}: {}", section.label, line.text.substr(kind.size()));
+    return labelled(section, line.text.substr(kind.size()));
   };
   if (line.text.starts_with(kWarning)) {
     section.findings.warnings.push_back(said(kWarning));
@@ -136,8 +141,7 @@ Findings SectionChecks::run(const std::function<bool()>& stopped) {
 /// All sections complain of a key at the top of the file: the first one's word is enough.
 void SectionChecks::drop_repeated(Section& section) {
   const auto repeated = [&](const std::string& text) {
-    const std::string said = text.substr(std::min(text.size(), section.label.size() + 2));
-    return said.starts_with(file_.path + ":") && !said_.insert(said).second;
+    return text.starts_with(file_.path + ":") && !said_.insert(text).second;
   };
   std::erase_if(section.findings.errors,
                 [&](const Finding& error) { return repeated(error.text); });

@@ -39,7 +39,8 @@ class SectionChecks {
   };
 
   void start(const MusicSection& section, const Places& places);
-  static void take(Section& section, const OutputLine& line);
+  std::string labelled(const Section& section, const std::string& text) const;
+  void take(Section& section, const OutputLine& line) const;
   /// What its end means.
   static void finish(Section& section);
   void drop_repeated(Section& section);
@@ -47,7 +48,7 @@ class SectionChecks {
   Crew& crew_;
   const MusicFile& file_;
   std::deque<Section> sections_;  // handlers refer to them
-  std::set<std::string> said_;    ///< of lines of the file, without the label before it
+  std::set<std::string> said_;    ///< of places in the file
 };
 
 }  // namespace spikeloop::launch

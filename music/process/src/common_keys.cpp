@@ -59,7 +59,12 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
           "stoptime", "s", "none", 0,
           "simulated time at which the program ends; without it, it runs until stopped, in dialect "
           "ma for 1 s"),
-      number("music_timestep", "s", "0.001", 1e-9, "the tick, the same in all programs of a job"),
+      {.name = "music_timestep",
+       .unit = "s",
+       .default_value = "0.001",
+       .minimum = 1e-9,
+       .maximum = 1000,
+       .text = "the tick, the same in all programs of a job"},
       boolean("barrier", true,
               "MPI_Barrier on all programs of the job, once before the first tick; true when all "
               "programs do so, false beside programs that do not"),

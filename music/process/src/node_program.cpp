@@ -6,6 +6,7 @@
 
 #include "recording.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/process/idle_ports.hpp"
 
 namespace spikeloop::music {
@@ -134,8 +135,7 @@ class NodeProgram {
         return process_.width(other.name);
       }
     }
-    throw ConfigurationError(fmt::format(
-        "input '{0}' is not connected; write  SENDER.out -> {0} [WIDTH]", node_end(port)));
+    throw ConfigurationError(not_connected(node_end(port)));
   }
 
   Process& process_;

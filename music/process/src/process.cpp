@@ -11,6 +11,7 @@
 #include "gathering.hpp"
 #include "process_impl.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/process/music_main.hpp"
 
@@ -342,9 +343,8 @@ std::uint32_t Process::Impl::checked_width(const std::string& port, Direction di
 void Process::Impl::check_port_names(const std::vector<std::string>& names) const {
   for (const auto& use : file.ports(label)) {
     if (std::find(names.begin(), names.end(), use.port) == names.end()) {
-      throw ConfigurationError(
-          use.connection->where,
-          fmt::format("'{}' has no port '{}'{}", label, use.port, did_you_mean(use.port, names)));
+      throw ConfigurationError(use.connection->where,
+                               unknown_port(label, use.direction, use.port, names));
     }
   }
 }

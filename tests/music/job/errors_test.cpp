@@ -37,8 +37,8 @@ TEST(Errors, AnUnconnectedPortSaysHowToConnectIt) {
   job.global("stoptime=0.01");
   job.raw("sink").ours("encoder", "rate_encoder").connect("encoder.out -> sink.spikes_in [3]");
   expect_error(job, 2,
-               "encoder: input 'encoder.in' is not connected; write  SENDER.out -> "
-               "encoder.in [WIDTH]");
+               "encoder: input 'encoder.in' is not connected; write for example  "
+               "SENDER.out -> encoder.in [10]");
 }
 
 TEST(Errors, APortThatIsNotThereIsNamedBeforeMusicHangs) {
@@ -48,15 +48,15 @@ TEST(Errors, APortThatIsNotThereIsNamedBeforeMusicHangs) {
   job.connect("source.values -> encoder.in [3]").connect("encoder.outt -> sink.spikes_in [3]");
   expect_error(job, 2,
                "encoder: " + job.place("encoder.outt") +
-                   ": 'encoder' has no port 'outt'; did you mean 'out'?");
+                   ": 'encoder' has no output port 'outt'; did you mean 'out'?");
 }
 
 TEST(Errors, AMisspeltInputIsNamedRatherThanTheMissingOne) {
   Job job;
   encoder_job(job, "", "source.values -> encoder.inn [3]");
-  expect_error(
-      job, 2,
-      "encoder: " + job.place("encoder.inn") + ": 'encoder' has no port 'inn'; did you mean 'in'?");
+  expect_error(job, 2,
+               "encoder: " + job.place("encoder.inn") +
+                   ": 'encoder' has no input port 'inn'; did you mean 'in'?");
 }
 
 TEST(Errors, NoPortAtAll) {
@@ -148,7 +148,7 @@ TEST(Errors, AnUnknownNodeClass) {
   job.connect("cell.out -> sink.spikes_in [3]");
   expect_error(job, 2,
                "cell: " + job.place("node=rate") +
-                   ": key 'node': unknown node class 'rate_encodr'; did you mean "
+                   ": unknown node class 'rate_encodr'; did you mean "
                    "'rate_encoder'?");
 }
 

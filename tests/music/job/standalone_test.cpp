@@ -59,7 +59,7 @@ TEST(Standalone, ChecksASectionWithoutStartingAnything) {
             "ignored\n");
   EXPECT_EQ(check_section("rate_encoder", "rate_mix=10\nstrict=true").exit_code, 2);
   EXPECT_EQ(check_section("rate_encoder", "", "a.out -> b.inn [3]").err,
-            "error: mine.music:8:1: 'b' has no port 'inn'; did you mean 'in'?\n");
+            "error: mine.music:8:1: 'b' has no input port 'inn'; did you mean 'in'?\n");
   EXPECT_TRUE(
       check_section("rate_encoder", "", "a.out -> b.in").says("write  a.out -> b.in [100]"));
   EXPECT_TRUE(

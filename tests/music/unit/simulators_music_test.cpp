@@ -55,7 +55,7 @@ TEST_F(SimulatorsMusicTest, KeysAndWidthsAreTheFiles) {
     process.declare_ports({"in"});
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("job.music:16:1: 'brain' has no port 'out'"));
+    EXPECT_THAT(error.what(), HasSubstr("job.music:16:1: 'brain' has no output port 'out'"));
   }
 }
 

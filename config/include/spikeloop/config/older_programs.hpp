@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,20 +24,16 @@ struct NodeProgram {
   const char* example;        ///< keys in the section
 };
 
+std::span<const NodeProgram> node_programs();
 /// The program of this name; null for spikeloop-node itself and any other name.
 const NodeProgram* find_node_program(std::string_view name);
 
-enum class RosWay {
-  messages_to_signal,
-  messages_to_spikes,
-  signal_to_messages,
-};
-
-/// One name, and what the older program of this name took for keys that are not written.
+/// A topic's program, and what the older program of this name took for keys that are not written.
 struct RosProgram {
   const char* name;
-  RosWay way;
+  const char* node_class;  ///< that an experiment has for it
   const char* node_name;
+  const char* message = "";       ///< "": must be given, or a mapping file says it
   const char* topic = "";         ///< "": must be given
   const char* command_rate = "";  ///< Hz
   const char* command_rate_key = "command_rate";

@@ -40,6 +40,10 @@ inline constexpr const char* kAnyKey = "*";
 
 std::vector<std::string> names_of(const std::vector<ParameterDescription>& parameters);
 
+/// "key 'topic' is missing; write for example  topic: /scan"; `equals` stands between name and
+/// value. Without an example the parameter's text says what is missing.
+std::string missing_key(const ParameterDescription& parameter, std::string_view equals);
+
 struct WrittenEntry;
 
 /// A value as the user wrote it, and where.

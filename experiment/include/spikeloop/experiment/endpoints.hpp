@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,24 +13,36 @@
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
 #include "spikeloop/messages/sensor_rule.hpp"
+#include "spikeloop/topics/event_sensor.hpp"
+#include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop::experiment {
 
 /// `fields` and `image` of a ros_sensor. @throws ConfigurationError as sensing::sensor_rule.
 messages::SensorRule sensor_rule(const Parameters& parameters);
-/// `initial` of a ros_sensor. @throws ConfigurationError when it is neither a number nor none.
-std::optional<double> sensor_initial(const Parameters& parameters);
+/// A ros_sensor; the port's width is left to the caller. @throws ConfigurationError as sensor_rule,
+/// and when `initial` is neither a number nor none.
+topics::SensorSettings sensor_settings(const Parameters& parameters);
 /// What a ros_event_sensor takes; port and place are left to the caller. @throws
 /// ConfigurationError: `roi` is no region, `message` has no events.
 messages::EventSettings event_settings(const Parameters& parameters);
+/// A ros_event_sensor; port and place are left to the caller. @throws as event_settings.
+topics::EventSensorSettings event_sensor_settings(const Parameters& parameters);
 /// Channels that the camera of a message takes of a ros_event_sensor; 0: it cannot be read.
 std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message);
 /// Number of values that a message of this ROS gives a ros_sensor; 0: as many as are asked for, or
 /// it cannot be read.
 std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
                            std::span<const std::byte> message);
-/// @throws ConfigurationError at the field that the message does not have.
-void check_command_fields(const CommandMapping& mapping, messages::Dialect ros);
+
+/// The whole name of a message type that has a definition, or the whole path of its own.
+/// @throws ConfigurationError for one that this ROS does not have.
+std::string whole_message_type(const std::string& written, const std::string& directory,
+                               messages::Dialect ros);
+/// A topic's node: its message gets its whole name; a command its mapping, unless it has one.
+/// @param directory where the path of a message definition starts
+/// @throws ConfigurationError for what its message, or a topic of this ROS, does not have.
+void read_endpoint(Part& part, const std::string& directory, messages::Dialect ros);
 
 /// The source of a playback, as wide as its recording, which resolve() has held against the
 /// connections. @throws FileError, ConfigurationError: no such file or stream.

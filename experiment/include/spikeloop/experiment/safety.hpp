@@ -24,6 +24,11 @@ ParameterDescription override_parameter();
 command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros);
 /// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
 command::Override manual_override(const Part& command);
+/// Puts the two into a command's settings.
+void add_people(const Part& command, messages::Dialect ros, command::CommandSettings& settings);
+/// The fields of a ros_command, with the default bounds of those without any unless its `limits`
+/// are `none`.
+void add_bounds(const Part& command, command::CommandSettings& settings);
 /// 0: the network may be silent.
 TimeNs spike_timeout(const Part& command);
 

@@ -1,4 +1,4 @@
-// What the launcher knows of the programs that sections name: all of it is one table.
+// What the launcher knows of the programs that sections name.
 #pragma once
 
 #include <optional>
@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop::launch {
-
-enum class Kind { continuous, events };
 
 /// The key that says where a program meets the world: a topic, an address.
 struct Outside {
@@ -20,27 +19,23 @@ struct Outside {
 
 /// One of our programs.
 struct Program {
-  std::string_view name;         ///< as the last part of `binary`
-  std::string_view node{};       ///< the class that it runs, if it runs one
-  std::optional<Kind> input{};   ///< none: has no MUSIC input
-  std::optional<Kind> output{};  ///< none: has no MUSIC output
-  bool source = false;           ///< waits for the wall clock unless told otherwise
-  bool ros = false;              ///< speaks ROS, of the version in its key `ros`
-  bool tells_age = false;        ///< has the output `pace`
-  bool measures_age = false;     ///< has the input `pace`
-  Outside outside{};             ///< has no key: meets nobody
-  bool commands_robot = false;   ///< whatever its ports are
-  bool any_class = false;        ///< runs a class that the launcher does not know: any ports
-  bool script = false;           ///< a user's, that takes part by our Python package
-  bool rounds_times = false;     ///< of the spikes it gets, to microseconds
+  std::string_view name;             ///< as the last part of `binary`
+  std::string_view node{};           ///< the class that it runs, if it runs one
+  std::optional<PortKind> input{};   ///< none: has no MUSIC input
+  std::optional<PortKind> output{};  ///< none: has no MUSIC output
+  bool source = false;               ///< waits for the wall clock unless told otherwise
+  bool ros = false;                  ///< speaks ROS, of the version in its key `ros`
+  bool tells_age = false;            ///< has the output `pace`
+  bool measures_age = false;         ///< has the input `pace`
+  Outside outside{};                 ///< has no key: meets nobody
+  bool commands_robot = false;       ///< whatever its ports are
+  bool any_class = false;            ///< runs a class that the launcher does not know: any ports
+  bool script = false;               ///< a user's, that takes part by our Python package
+  bool rounds_times = false;         ///< of the spikes it gets, to microseconds
 };
 
 /// The names of our MUSIC programs that the launcher knows.
 std::vector<std::string_view> program_names();
-/// Those that run this node class.
-std::vector<std::string_view> programs_of_node(std::string_view node);
-/// The class that the program of this name runs; empty when it runs none, or is not ours.
-std::string_view node_of_program(std::string_view name);
 
 /// Null for a foreign program. The program spikeloop-node is known by its key `node`; it is ours
 /// also when it runs a class that no other program runs, maybe of a plug-in. So is a script with a

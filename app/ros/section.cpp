@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "programs.hpp"
+#include "spikeloop/experiment/topic_section.hpp"
+#include "spikeloop/topics/names.hpp"
+
+namespace spikeloop {
+namespace {
+
+std::vector<ParameterDescription> connection_parameters(const RosProgram& program) {
+  return {{.name = "ros_node_name",
+           .type = ParameterType::text,
+           .default_value = program.node_name,
+           .text = "Name of the ROS node; the default gets a suffix that makes it unique"},
+          {.name = "ros",
+           .type = ParameterType::choice,
+           .default_value = "1",
+           .choices = {"1", "2"},
+           .text = "Version of ROS"},
+          {.name = "ros_arguments",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "NAME:=VALUE ... as for any node of ROS: other names of topics, __ns"},
+          {.name = "master_timeout",
+           .unit = "s",
+           .default_value = "5",
+           .minimum = 0,
+           .maximum = 86400,
+           .text = "How long to wait for the master of ROS 1 (ROS_MASTER_URI)"}};
+}
+
+/// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
+/// second adapter does not end the first one.
+session::Settings session_settings(const Parameters& keys) {
+  session::Settings settings;
+  settings.ros = topics::dialect_of(keys.text("ros") == "2" ? 2 : 1);
+  located_at(keys.where("ros_node_name"),
+             [&] { topics::check_node_name(settings.ros, keys.text("ros_node_name")); });
+  settings.node_name = keys.text("ros_node_name");
+  settings.unique_name = !keys.given("ros_node_name");
+  located_at(keys.where("ros_arguments"), [&] {
+    settings.arguments = topics::read_ros_arguments(keys.text("ros_arguments"));
+    topics::check_ros_arguments(settings.ros, settings.arguments);
+  });
+  settings.master_timeout = from_seconds(keys.number("master_timeout"));
+  return settings;
+}
+
+}  // namespace
+
+std::vector<ParameterDescription> program_parameters(const RosProgram& program,
+                                                     std::vector<ParameterDescription> own) {
+  std::vector<ParameterDescription> parameters = experiment::section_parameters(program);
+  std::ranges::move(own, std::back_inserter(parameters));
+  std::ranges::move(connection_parameters(program), std::back_inserter(parameters));
+  return parameters;
+}
+
+ParameterDescription update_rate_parameter() {
+  return {.name = "sensor_update_rate",
+          .unit = "Hz",
+          .default_value = "30",
+          .minimum = 0,
+          .text = "Accepted for older files; messages are taken when they arrive"};
+}
+
+Section read_section(const music::Process& process, const RosProgram& program,
+                     const std::vector<ParameterDescription>& declared) {
+  Section section;
+  section.keys = process.read(declared);
+  section.ros = session_settings(section.keys);
+  section.node.name = process.label();
+  section.node.kind = program.node_class;
+  section.node.node_class = &experiment::topic_class(program.node_class);
+  section.node.parameters = experiment::class_parameters(program, section.keys);
+  section.node.where = process.where();
+  return section;
+}
+
+}  // namespace spikeloop

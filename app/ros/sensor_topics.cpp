@@ -1,0 +1,63 @@
+#include "sensor_topics.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/topics/names.hpp"
+
+namespace spikeloop {
+namespace {
+
+[[noreturn]] void refuse_sensor(const Parameters& keys, const std::string& text) {
+  throw ConfigurationError(
+      keys.where("sensor_topics"),
+      fmt::format("sensor_topics: '{}' is no topic with its type and timeout in s; write "
+                  "sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and others behind a comma",
+                  text));
+}
+
+SensorTopic sensor_topic(const Parameters& keys, const std::string& text) {
+  const auto first = text.find(':');
+  const auto last = text.rfind(':');
+  if (first == std::string::npos || last == first) {
+    refuse_sensor(keys, text);
+  }
+  double timeout = 0;
+  try {
+    timeout = parse_quantity(text.substr(last + 1), "s");
+  } catch (const ConfigurationError&) {
+    refuse_sensor(keys, text);
+  }
+  if (!(timeout > 0 && timeout < 1e9)) {
+    refuse_sensor(keys, text);
+  }
+  return {{text.substr(0, first), from_seconds(timeout)}, text.substr(first + 1, last - first - 1)};
+}
+
+}  // namespace
+
+ParameterDescription sensor_topics_parameter() {
+  return {.name = "sensor_topics",
+          .type = ParameterType::text,
+          .default_value = "",
+          .text = "Topics that stop the robot when they are silent, as TOPIC:TYPE:SECONDS,..."};
+}
+
+std::vector<SensorTopic> sensor_topics(const Parameters& keys, messages::Dialect ros) {
+  std::vector<SensorTopic> topics;
+  std::istringstream list(keys.text("sensor_topics"));
+  for (std::string text; std::getline(list, text, ',');) {
+    SensorTopic topic = sensor_topic(keys, text);
+    topics.push_back(located_at(keys.where("sensor_topics"), [&] {
+      topics::check_topic(ros, topic.sensor.topic);
+      topic.message_type =
+          messages::Catalog::for_type(ros, topic.message_type).full_name(topic.message_type);
+      return topic;
+    }));
+  }
+  return topics;
+}
+
+}  // namespace spikeloop
