@@ -7,7 +7,7 @@
 
 #include "programs.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/process/initial_key.hpp"
+#include "spikeloop/core/number_or_word.hpp"
 #include "spikeloop/zmq/address.hpp"
 #include "spikeloop/zmq/subscriber.hpp"
 
@@ -15,15 +15,17 @@ namespace spikeloop {
 namespace {
 
 std::vector<ParameterDescription> parameters_of_sensor() {
-  return {{.name = "message_type",
-           .type = ParameterType::text,
-           .default_value = "",
-           .text = "GymObservation or FloatArray; must be given"},
-          {.name = "zmq_addr",
-           .type = ParameterType::text,
-           .default_value = "tcp://localhost:5555",
-           .text = "Address of the publisher, to connect to"},
-          music::initial_parameter()};
+  return {
+      {.name = "message_type",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "GymObservation or FloatArray; must be given"},
+      {.name = "zmq_addr",
+       .type = ParameterType::text,
+       .default_value = "tcp://localhost:5555",
+       .text = "Address of the publisher, to connect to"},
+      number_or_word_parameter("initial", "none",
+                               "Value of every channel before the first message; none: no value")};
 }
 
 }  // namespace
@@ -72,7 +74,7 @@ int run_zmq_sensor(music::Process& process) {
        .message_type = required_type(process, parameters, {"GymObservation", "FloatArray"}),
        .width = process.width("out"),
        .strict = process.common().strict,
-       .initial = music::initial_value(parameters)});
+       .initial = number_or_word(parameters, "initial", "none", "write for example 0")});
   const auto out = process.signal_output("out");
   GraphDescription description;
   description.tick = process.common().music_timestep;

@@ -3,34 +3,14 @@
 #include <fmt/format.h>
 
 #include <limits>
-#include <optional>
 
+#include "spikeloop/core/number_or_word.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/record/playback.hpp"
 #include "spikeloop/sensing/event_keys.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
-namespace {
-
-/// Nothing for `none`.
-std::optional<double> initial_value(const Parameters& parameters) {
-  const std::string& text = parameters.text("initial");
-  if (text == "none") {
-    return std::nullopt;
-  }
-  try {
-    return parse_quantity(text, "");
-  } catch (const ConfigurationError&) {
-    throw ConfigurationError(
-        parameters.where("initial"),
-        fmt::format("key 'initial': '{}' is neither a number nor 'none'; write for example 0",
-                    text));
-  }
-}
-
-}  // namespace
-
 messages::SensorRule sensor_rule(const Parameters& parameters) {
   return sensing::sensor_rule(parameters);
 }
@@ -39,7 +19,7 @@ topics::SensorSettings sensor_settings(const Parameters& parameters) {
   return {.topic = parameters.text("topic"),
           .message_type = parameters.text("message"),
           .rule = sensor_rule(parameters),
-          .initial = initial_value(parameters)};
+          .initial = number_or_word(parameters, "initial", "none", "write for example 0")};
 }
 
 messages::EventSettings event_settings(const Parameters& parameters) {

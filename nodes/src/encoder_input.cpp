@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "spikeloop/core/number_or_word.hpp"
+
 namespace spikeloop {
 
 namespace {
@@ -20,27 +22,15 @@ ParameterDescription initial_of_encoder_parameter() {
 }
 
 std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_value) {
-  const std::string& text = parameters.text("initial");
-  if (text.empty() || text == "none") {
-    return std::nullopt;
-  }
-  double value = 0.0;
-  try {
-    value = parse_quantity(text, "");
-  } catch (const ConfigurationError&) {
-    throw ConfigurationError(
-        parameters.where("initial"),
-        fmt::format(
-            "key 'initial': '{}' is neither a number nor 'none'; write a value from -1 to 1, "
-            "or none for silence until the first input",
-            text));
-  }
-  if (!any_value && std::fabs(value) > 1.0) {
+  const std::optional<double> value =
+      number_or_word(parameters, "initial", "none",
+                     "write a value from -1 to 1, or none for silence until the first input");
+  if (value && !any_value && std::fabs(*value) > 1.0) {
     throw ConfigurationError(
         parameters.where("initial"),
         fmt::format("key 'initial': {} is out of bounds; write a value from -1 to 1, or none for "
                     "silence until the first input",
-                    value));
+                    *value));
   }
   return value;
 }
