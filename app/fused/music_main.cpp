@@ -94,9 +94,9 @@ std::string first_at_robot(const experiment::Experiment& experiment) {
 /// The watch of a command over ROS takes the signals of its process.
 bool watches(const experiment::Experiment& experiment, const std::string& process) {
   return experiment.ros != experiment::Ros::none &&
-         std::ranges::any_of(experiment.parts, [&](const experiment::Part& part) {
-           return part.kind == experiment::kRosCommand &&
-                  process_of(experiment, part.name) == process;
+         std::ranges::any_of(experiment.nodes, [&](const experiment::Node& node) {
+           return node.kind == experiment::kRosCommand &&
+                  process_of(experiment, node.name) == process;
          });
 }
 

@@ -22,7 +22,7 @@ class RosTransport : public fused::Transport {
   RosTransport(const experiment::Experiment& experiment, const std::string& ros_arguments,
                const std::string& folder, const LoopSurroundings& surroundings);
 
-  topics::Session& session(const experiment::Part& /*part*/) override { return *session_; }
+  topics::Session& session(const experiment::Node& /*node*/) override { return *session_; }
   command::CommandClock clock() const override;
   void arrived() override;
   void add(const std::string& topic, const topics::TopicSource& sensor) override;

@@ -94,7 +94,7 @@ void Server::run() {
   while (!stopped() && (!owner_gone() || needed())) {
     turn();
     take_in();
-    wards_.remove_if([](const Ward& ward) { return ward.ended(); });
+    guarded_.remove_if([](const GuardedRobot& guarded) { return guarded.ended(); });
   }
 }
 
@@ -111,7 +111,7 @@ void Server::turn() {
 
 void Server::take_in() {
   for (Descriptor adapter = listener_.accept(); adapter.get() >= 0; adapter = listener_.accept()) {
-    wards_.emplace_back(std::move(adapter), robots_, [this] {
+    guarded_.emplace_back(std::move(adapter), robots_, [this] {
       const std::uint64_t one = 1;
       [[maybe_unused]] const auto written = write(wakeup_.get(), &one, sizeof one);
     });
@@ -128,7 +128,7 @@ bool Server::owner_gone() const {
 }
 
 bool Server::needed() const {
-  return std::ranges::any_of(wards_, [](const Ward& ward) { return ward.needed(); });
+  return std::ranges::any_of(guarded_, [](const GuardedRobot& guarded) { return guarded.needed(); });
 }
 
 }  // namespace spikeloop::guard

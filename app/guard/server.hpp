@@ -8,7 +8,7 @@
 
 #include "options.hpp"
 #include "robots.hpp"
-#include "ward.hpp"
+#include "guarded_robot.hpp"
 
 namespace spikeloop::guard {
 
@@ -51,7 +51,7 @@ class Server {
   Descriptor wakeup_;
   int owner_;
   Robots robots_;
-  std::list<Ward> wards_;
+  std::list<GuardedRobot> guarded_;
 };
 
 }  // namespace spikeloop::guard

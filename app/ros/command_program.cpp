@@ -172,7 +172,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   process.declare_ports({"in", "pace"});
   const Section section = read_command(process, program);
   const Parameters& keys = section.keys;
-  const experiment::Part& node = section.node;
+  const experiment::Node& node = section.node;
   const std::uint32_t width = process.width("in");
   check_channels(node.mapping, width);
   const auto in = process.signal_input("in");

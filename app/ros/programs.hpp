@@ -27,7 +27,7 @@ ParameterDescription update_rate_parameter();
 /// What a section says.
 struct Section {
   Parameters keys;        ///< all of them
-  experiment::Part node;  ///< as an experiment has it
+  experiment::Node node;  ///< as an experiment has it
   session::Settings ros{};
 };
 /// @param declared as program_parameters()

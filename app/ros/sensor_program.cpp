@@ -27,7 +27,7 @@ std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
 
 /// The file has the keys `fields` and `image` of the node.
 void read_mapping_file(const music::Process& process, const Parameters& keys,
-                       experiment::Part& sensor) {
+                       experiment::Node& sensor) {
   const std::string& file = keys.text(kMapping);
   if (file.empty()) {
     return;

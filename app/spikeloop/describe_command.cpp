@@ -48,7 +48,7 @@ programs that are no node classes, like ros_sensor_adapter, answer --help.)";
             : fmt::format(", or spikeloop describe {} for what it runs", program->node_class)));
   }
   auto classes = registry.names();
-  const auto more = experiment_classes(experiment::Kinds());
+  const auto more = experiment_classes(experiment::NodeTypes());
   classes.insert(classes.end(), more.begin(), more.end());
   std::ranges::sort(classes);
   known.insert(known.end(), classes.begin(), classes.end());
@@ -63,18 +63,18 @@ void load_plugins(Registry& registry) {
 }
 
 /// The nodes of experiment files that no MUSIC program runs; null for any other name.
-const NodeDescription* find_in_experiments(const experiment::Kinds& kinds,
+const NodeDescription* find_in_experiments(const experiment::NodeTypes& types,
                                            const std::string& name) {
   if (name == experiment::simulator_description().name) {
     return &experiment::simulator_description();
   }
-  const auto names = experiment_classes(kinds);
-  return std::ranges::find(names, name) == names.end() ? nullptr : &kinds.find(name).description;
+  const auto names = experiment_classes(types);
+  return std::ranges::find(names, name) == names.end() ? nullptr : &types.find(name).description;
 }
 
 std::string name_lines(const Registry& registry) {
   auto names = registry.names();
-  const auto more = experiment_classes(experiment::Kinds());
+  const auto more = experiment_classes(experiment::NodeTypes());
   names.insert(names.end(), more.begin(), more.end());
   names.push_back(experiment::simulator_description().name);
   return fmt::format("{}\n", fmt::join(names, "\n"));
@@ -101,9 +101,9 @@ struct DescribeArguments {
 };
 
 int describe(const DescribeArguments& arguments) {
-  const experiment::Kinds kinds;
+  const experiment::NodeTypes types;
   if (arguments.experiment) {
-    put_result(experiment_reference(kinds, arguments.markdown));
+    put_result(experiment_reference(types, arguments.markdown));
     return 0;
   }
   if (arguments.messages) {
@@ -123,13 +123,13 @@ int describe(const DescribeArguments& arguments) {
   if (arguments.names) {
     return list_names(registry);
   }
-  if (const NodeDescription* description = find_in_experiments(kinds, arguments.name)) {
+  if (const NodeDescription* description = find_in_experiments(types, arguments.name)) {
     put_result(experiment_class_text(*description));
     return 0;
   }
   load_plugins(registry);
   if (arguments.name.empty()) {
-    put_result(class_list(registry) + experiment_class_list(kinds) +
+    put_result(class_list(registry) + experiment_class_list(types) +
                "spikeloop describe NODE tells more of one.\n");
     return 0;
   }

@@ -100,9 +100,9 @@ void refuse_own_recordings(const Experiment& experiment, const std::string& fold
                              key, file));
     }
   };
-  for (const experiment::Part& part : experiment.parts) {
-    if (part.kind == experiment::kSpikePlayback || part.kind == experiment::kSignalPlayback) {
-      refuse(part.parameters.where("file"), "file", part.parameters.text("file"));
+  for (const experiment::Node& node : experiment.nodes) {
+    if (node.kind == experiment::kSpikePlayback || node.kind == experiment::kSignalPlayback) {
+      refuse(node.parameters.where("file"), "file", node.parameters.text("file"));
     }
   }
   if (experiment.robot && !experiment.robot->bag.empty()) {
@@ -439,7 +439,7 @@ int check_experiment(const std::string& file, bool strict) {
   }
   const Experiment& experiment = *loaded->experiment;
   put_result(fmt::format(
-      "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.parts.size(), "node"),
+      "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.nodes.size(), "node"),
       count_of(experiment.links.size(), "connection"), format_time(experiment.tick),
       experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
   return 0;

@@ -43,17 +43,17 @@ std::string how_to_write(const NodeDescription& description) {
 
 }  // namespace
 
-std::vector<std::string> experiment_classes(const experiment::Kinds& kinds) {
-  auto names = kinds.endpoints();
+std::vector<std::string> experiment_classes(const experiment::NodeTypes& types) {
+  auto names = types.endpoints();
   names.emplace_back(experiment::kNetwork);
   std::ranges::sort(names);
   return names;
 }
 
-std::string experiment_class_list(const experiment::Kinds& kinds) {
+std::string experiment_class_list(const experiment::NodeTypes& types) {
   std::string text = "In experiment files alone: topics, recordings, the network, simulators\n";
-  for (const std::string& name : experiment_classes(kinds)) {
-    text += fmt::format("  {:<27}  {}\n", name, kinds.find(name).description.text);
+  for (const std::string& name : experiment_classes(types)) {
+    text += fmt::format("  {:<27}  {}\n", name, types.find(name).description.text);
   }
   const NodeDescription& simulator = experiment::simulator_description();
   text += fmt::format("  {:<27}  {}\n", simulator.name, simulator.text);
@@ -66,7 +66,7 @@ std::string experiment_class_text(const NodeDescription& description) {
   return fmt::format("{}\n{}\n{}\n", text, tables(description), how_to_write(description));
 }
 
-std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) {
+std::string experiment_reference(const experiment::NodeTypes& types, bool markdown) {
   std::string text = section("The file",
                              "What stands at the left margin, beside robot, plugins, nodes "
                              "and connections.",
@@ -77,8 +77,8 @@ std::string experiment_reference(const experiment::Kinds& kinds, bool markdown) 
                   parameter_text(robot_parameters()), markdown);
   text += section("connections", "The keys of a connection that is written as a map.",
                   parameter_text(connection_parameters()), markdown);
-  for (const std::string& name : experiment_classes(kinds)) {
-    const NodeDescription& description = kinds.find(name).description;
+  for (const std::string& name : experiment_classes(types)) {
+    const NodeDescription& description = types.find(name).description;
     text += section(name, fmt::format("{}. {}", description.text, how_to_write(description)),
                     tables(description), markdown);
   }

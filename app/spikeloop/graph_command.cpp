@@ -26,7 +26,7 @@ namespace {
 
 using experiment::Experiment;
 using experiment::Link;
-using experiment::Part;
+using experiment::Node;
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop graph explorer.yaml --out explorer.svg
@@ -65,14 +65,14 @@ std::string any_robot(const std::string& ros) {
   return fmt::format("ROS {}: any robot", ros);
 }
 
-Box box_of(const Part& part) {
+Box box_of(const Node& node) {
   Box box;
-  box.name = part.name;
-  box.kind = part.kind;
-  box.network = part.kind == experiment::kNetwork || experiment::is_simulator(part);
-  if (experiment::has_topic(part.kind)) {
-    box.topic = part.parameters.text("topic");
-    box.sends = part.kind == experiment::kRosCommand;
+  box.name = node.name;
+  box.kind = node.kind;
+  box.network = node.kind == experiment::kNetwork || experiment::is_simulator(node);
+  if (experiment::has_topic(node.kind)) {
+    box.topic = node.parameters.text("topic");
+    box.sends = node.kind == experiment::kRosCommand;
   }
   return box;
 }
@@ -98,8 +98,8 @@ Diagram diagram_of(const Experiment& experiment) {
     diagram.robot = any_robot(experiment::name_of(experiment.ros));
   }
   Builder builder(diagram);
-  for (const Part& part : experiment.parts) {
-    builder.add(box_of(part));
+  for (const Node& node : experiment.nodes) {
+    builder.add(box_of(node));
   }
   for (const Link& link : experiment.links) {
     const bool signal = link.kind == PortKind::signal;
@@ -119,8 +119,8 @@ Box box_of(const MusicFile& file, const MusicSection& section) {
   box.network = box.kind == "spikeloop-network";
   const launch::Program* program = launch::find_program(file, section);
   if (program != nullptr && program->ros) {
-    const MusicKey* topic = file.find_key(section, program->outside.key);
-    box.topic = topic == nullptr ? std::string(program->outside.otherwise) : topic->value;
+    const MusicKey* topic = file.find_key(section, program->external.key);
+    box.topic = topic == nullptr ? std::string(program->external.otherwise) : topic->value;
     box.sends = program->input.has_value();
   }
   return box;

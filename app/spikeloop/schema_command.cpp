@@ -20,9 +20,9 @@ written. Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included. `spi
 more: files, widths, cycles, topics.)";
 
 int print_schema() {
-  experiment::Kinds kinds;
-  kinds.load_plugin_path(plugin_path());
-  put_result(experiment::json_schema(kinds));
+  experiment::NodeTypes types;
+  types.load_plugin_path(plugin_path());
+  put_result(experiment::json_schema(types));
   return 0;
 }
 

@@ -12,7 +12,7 @@
 namespace spikeloop::app {
 namespace {
 
-using experiment::Part;
+using experiment::Node;
 using experiment::Simulator;
 
 constexpr const char* kFindModule =
@@ -42,19 +42,19 @@ std::string trouble_with(const Simulator& simulator) {
 void check_simulators(const experiment::Experiment& experiment,
                       std::vector<experiment::Fault>& faults) {
   std::map<std::string, std::string> known;
-  for (const Part& part : experiment.parts) {
-    if (!experiment::is_simulator(part)) {
+  for (const Node& node : experiment.nodes) {
+    if (!experiment::is_simulator(node)) {
       continue;
     }
-    const auto [trouble, is_new] = known.emplace(part.kind, "");
+    const auto [trouble, is_new] = known.emplace(node.kind, "");
     if (is_new) {
-      trouble->second = trouble_with(*experiment::find_simulator(part.kind));
+      trouble->second = trouble_with(*experiment::find_simulator(node.kind));
     }
     if (!trouble->second.empty()) {
       const TransportError error(fmt::format("{}: node '{}': simulator '{}' is not installed: {}",
-                                             part.where.text(), part.name, part.kind,
+                                             node.where.text(), node.name, node.kind,
                                              trouble->second));
-      faults.push_back({error.what(), part.where, error.exit_code()});
+      faults.push_back({error.what(), node.where, error.exit_code()});
     }
   }
 }

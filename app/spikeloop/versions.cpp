@@ -37,16 +37,16 @@ json version_in(const doctor::Item& item) {
   return text.starts_with(kPython) ? text.substr(kPython.size()) : text;
 }
 
-json ask(std::vector<doctor::Probe> probes, const std::vector<VersionKey>& parts) {
+json ask(std::vector<doctor::Probe> probes, const std::vector<VersionKey>& nodes) {
   std::erase_if(probes, [&](const doctor::Probe& probe) {
-    return std::ranges::none_of(parts,
-                                [&](const VersionKey& part) { return probe.name == part.probe; });
+    return std::ranges::none_of(nodes,
+                                [&](const VersionKey& node) { return probe.name == node.probe; });
   });
   json versions = json::object();
   for (const doctor::Item& item : doctor::examine(probes)) {
-    const auto part = std::ranges::find_if(
-        parts, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
-    versions[part->key] = version_in(item);
+    const auto node = std::ranges::find_if(
+        nodes, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
+    versions[node->key] = version_in(item);
   }
   return versions;
 }
@@ -80,8 +80,8 @@ Partners partners_of(const experiment::Experiment& experiment, bool separate) {
           .ros1 = experiment.ros == experiment::Ros::ros1,
           .ros2 = experiment.ros == experiment::Ros::ros2,
           .mujoco = experiment.robot.has_value(),
-          .python = std::ranges::any_of(experiment.parts, [](const experiment::Part& part) {
-            return part.plugin.ends_with(".py") || experiment::is_simulator(part);
+          .python = std::ranges::any_of(experiment.nodes, [](const experiment::Node& node) {
+            return node.plugin.ends_with(".py") || experiment::is_simulator(node);
           })};
 }
 
@@ -101,12 +101,12 @@ Partners partners_of(const MusicFile& file, bool robot) {
 
 json about_run(const Partners& partners) {
   std::vector<doctor::Probe> probes = doctor::own_probes();
-  std::vector<VersionKey> parts{{"HDF5", "hdf5"}};
+  std::vector<VersionKey> nodes{{"HDF5", "hdf5"}};
   const auto add = [&](bool takes_part, std::vector<doctor::Probe> more,
                        const std::vector<VersionKey>& named) {
     if (takes_part) {
       std::ranges::move(more, std::back_inserter(probes));
-      parts.insert(parts.end(), named.begin(), named.end());
+      nodes.insert(nodes.end(), named.begin(), named.end());
     }
   };
   add(partners.music, doctor::mpi_probes(""), {{"MUSIC launcher", "music"}, {"Open MPI", "mpi"}});
@@ -114,7 +114,7 @@ json about_run(const Partners& partners) {
   add(partners.ros2, {}, {{"ddsc", "cyclonedds"}});
   add(partners.mujoco, {}, {{"MuJoCo", "mujoco"}});
   add(partners.python, doctor::python_probes(), {{"Python", "python"}, {"numpy", "numpy"}});
-  json versions = ask(std::move(probes), parts);
+  json versions = ask(std::move(probes), nodes);
   versions["spikeloop"] = SPIKELOOP_VERSION;
   versions["compiler"] = fmt::format("gcc {}", __VERSION__);
   versions["build"] = SPIKELOOP_BUILD_TYPE;

@@ -56,7 +56,7 @@ bool is_name(const std::string& text) {
 
 class Reader {
  public:
-  Reader(const std::string& path, const Complain& complain) : complain_(complain) {
+  Reader(const std::string& path, const ErrorHandler& report) : report_(report) {
     file_.path = path;
   }
 
@@ -64,7 +64,7 @@ class Reader {
     const auto declared = experiment_parameters();
     std::vector<std::string> known = names_of(declared);
     known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
-    const Section root(file_.path, "experiment", document, known, complain_);
+    const Section root(file_.path, "experiment", document, known, report_);
     for (const ParameterDescription& key : declared) {
       if (root.has(key.name)) {
         attempt([&] { file_.keys[key.name] = read_key(root, key); });
@@ -78,14 +78,14 @@ class Reader {
   }
 
  private:
-  /// Whether `work` had nothing to complain about.
+  /// Whether `work` had nothing to report about.
   template <typename Work>
   bool attempt(Work&& work) {
     try {
       work();
       return true;
     } catch (const ConfigurationError& error) {
-      complain_(error);
+      report_(error);
       return false;
     }
   }
@@ -101,7 +101,7 @@ class Reader {
 
   ExperimentNode read_keys(const std::string& what, const std::string& name, const Location& where,
                            const YAML::Node& node) {
-    const Section section(file_.path, what, node, {}, complain_);
+    const Section section(file_.path, what, node, {}, report_);
     ExperimentNode result{name, {}, where};
     for (const std::string& key : section.keys()) {
       result.places[key] = section.where_name(key);
@@ -136,7 +136,7 @@ class Reader {
                       empty ? "there are no nodes" : "expected a map of nodes", kExample));
     }
     refuse_more(map.size(), "nodes", file_.where_nodes);
-    const Section nodes(file_.path, "key 'nodes'", map, {}, complain_);
+    const Section nodes(file_.path, "key 'nodes'", map, {}, report_);
     for (const std::string& name : nodes.keys()) {
       file_.joined =
           attempt([&] { read_node(name, nodes.where_name(name), nodes.at(name, "")); }) &&
@@ -229,7 +229,7 @@ class Reader {
     file_.robot = read_keys("robot", "robot", root.where_name("robot"), robot);
   }
 
-  const Complain& complain_;
+  const ErrorHandler& report_;
   ExperimentFile file_;
 };
 
@@ -282,16 +282,16 @@ YAML::Node load(std::string_view text, const std::string& path) {
 }  // namespace
 
 ExperimentFile parse_experiment(std::string_view text, const std::string& path,
-                                const Complain& complain) {
-  return Reader(path, complain).read(load(text, path));
+                                const ErrorHandler& report) {
+  return Reader(path, report).read(load(text, path));
 }
 
 ExperimentFile parse_experiment(std::string_view text, const std::string& path) {
   return parse_experiment(text, path, raise);
 }
 
-ExperimentFile read_experiment_file(const std::filesystem::path& path, const Complain& complain) {
-  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), complain);
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report) {
+  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), report);
 }
 
 ExperimentFile read_experiment_file(const std::filesystem::path& path) {

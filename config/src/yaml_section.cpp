@@ -183,7 +183,7 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
               [](const ConfigurationError& error) { throw error; }) {}
 
 Section::Section(std::string file, std::string what, const YAML::Node& node,
-                 const std::vector<std::string>& known, const Complain& complain)
+                 const std::vector<std::string>& known, const ErrorHandler& report)
     : file_(std::move(file)), what_(std::move(what)), where_(place(file_, node)) {
   if (!node.IsMap()) {
     throw ConfigurationError(
@@ -193,7 +193,7 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
   for (const auto& entry : node) {
     const Location here = place(file_, entry.first);
     if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
-      complain(ConfigurationError(
+      report(ConfigurationError(
           here, fmt::format("{}: {} stands where a name has to; write  name: value", what_,
                             entry.first.IsMap()        ? "a map"
                             : entry.first.IsSequence() ? "a list"
@@ -206,14 +206,14 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
           here, fmt::format("{}: '<<' is not read; write the other map's keys themselves", what_));
     }
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-      complain(ConfigurationError(
+      report(ConfigurationError(
           here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known))));
       continue;
     }
     if (!entries_.emplace(key, entry.second).second) {
-      complain(ConfigurationError(here, fmt::format("{}: duplicate key '{}'; "
-                                                    "the first is at {}",
-                                                    what_, key, key_places_[key].text())));
+      report(ConfigurationError(here, fmt::format("{}: duplicate key '{}'; "
+                                                  "the first is at {}",
+                                                  what_, key, key_places_[key].text())));
       continue;
     }
     keys_.push_back(key);

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/core/complain.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/error_handler.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
 
@@ -37,7 +37,7 @@ class Section {
   /// Tells of keys that are not known or stand there twice, and leaves them out.
   /// @throws ConfigurationError: not a map, a key that is no plain value.
   Section(std::string file, std::string what, const YAML::Node& node,
-          const std::vector<std::string>& known, const Complain& complain);
+          const std::vector<std::string>& known, const ErrorHandler& report);
 
   bool has(const std::string& key) const { return entries_.count(key) != 0; }
   /// @throws ConfigurationError when the key is missing; `example` says what to write.

@@ -148,27 +148,27 @@ void settle_widths(GraphPlan& plan, const GraphDescription& description) {
 }
 
 void check_connection_widths(const GraphPlan& plan, const GraphDescription& description,
-                             const Complain& complain) {
+                             const ErrorHandler& report) {
   for (std::size_t i = 0; i < plan.connections.size(); ++i) {
     const PlannedConnection& connection = plan.connections[i];
     const std::uint32_t from = plan.port(connection.from).width;
     const std::uint32_t to = plan.port(connection.to).width;
     const std::uint32_t written = description.connections[i].width;
     if (from != to || (written != 0 && written != from)) {
-      complain(ConfigurationError(
+      report(ConfigurationError(
           connection.where,
           fmt::format("widths differ: '{}' has {} channels, '{}' has {}{}",
                       plan.text(connection.from), from, plan.text(connection.to), to,
                       written != 0 ? fmt::format(", the connection says [{}]", written) : "")));
     } else if (from == 0) {
-      complain(ConfigurationError(
+      report(ConfigurationError(
           connection.where, fmt::format("the width of '{}' -> '{}' is unknown; write it as [10]",
                                         plan.text(connection.from), plan.text(connection.to))));
     }
   }
 }
 
-void check_node_widths(const GraphPlan& plan, const Complain& complain) {
+void check_node_widths(const GraphPlan& plan, const ErrorHandler& report) {
   for (const PlannedElement& element : plan.elements) {
     for (const PlannedPort& port : element.ports) {
       const bool fixed = port.rule.kind == WidthRule::Kind::fixed;
@@ -176,7 +176,7 @@ void check_node_widths(const GraphPlan& plan, const Complain& complain) {
       const std::uint32_t wanted =
           fixed ? port.rule.value : (same ? element.ports[port.rule.value].width : port.width);
       if (port.width != wanted) {
-        complain(ConfigurationError(
+        report(ConfigurationError(
             element.where, fmt::format("port '{}.{}' has {} channels but must have {}{}",
                                        element.name, port.name, port.width, wanted,
                                        same ? fmt::format(", as many as '{}.{}'", element.name,
@@ -190,12 +190,12 @@ void check_node_widths(const GraphPlan& plan, const Complain& complain) {
 /// Inputs with their senders.
 using Inputs = std::map<std::pair<std::size_t, std::size_t>, std::string>;
 
-void check_inputs(const GraphPlan& plan, const Inputs& reached, const Complain& complain) {
+void check_inputs(const GraphPlan& plan, const Inputs& reached, const ErrorHandler& report) {
   for (std::size_t e = 0; e < plan.elements.size(); ++e) {
     for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
       const bool input = plan.elements[e].ports[p].direction == Direction::input;
       if (input && reached.count({e, p}) == 0) {
-        complain(ConfigurationError(plan.elements[e].where, not_connected(plan.text({e, p}))));
+        report(ConfigurationError(plan.elements[e].where, not_connected(plan.text({e, p}))));
       }
     }
   }
@@ -203,7 +203,7 @@ void check_inputs(const GraphPlan& plan, const Inputs& reached, const Complain& 
 
 class Connector {
  public:
-  Connector(GraphPlan& plan, const Complain& complain) : plan_(plan), complain_(complain) {}
+  Connector(GraphPlan& plan, const ErrorHandler& report) : plan_(plan), report_(report) {}
 
   void connect(const ConnectionDescription& written) {
     const auto from = find(written.from, Direction::output,
@@ -213,23 +213,23 @@ class Connector {
     if (to) {
       const auto [first, is_new] = reached_.try_emplace({to->element, to->port}, sender);
       if (!is_new) {
-        complain_(ConfigurationError(written.where,
-                                     two_connections(plan_.text(*to), first->second, sender)));
+        report_(ConfigurationError(written.where,
+                                   two_connections(plan_.text(*to), first->second, sender)));
       }
     }
     if (!from || !to) {
       return;
     }
     if (plan_.port(*from).kind != plan_.port(*to).kind) {
-      complain_(ConfigurationError(written.where,
-                                   kinds_differ(sender, plan_.port(*from).kind, plan_.text(*to))));
+      report_(ConfigurationError(written.where,
+                                 kinds_differ(sender, plan_.port(*from).kind, plan_.text(*to))));
     }
     plan_.connections.push_back({*from, *to, written.delay_ticks, written.where});
   }
   /// An input whose connection has a slip in its name is not said to have none.
   void finish() const {
     if (all_found_) {
-      check_inputs(plan_, reached_, complain_);
+      check_inputs(plan_, reached_, report_);
     }
   }
 
@@ -240,13 +240,13 @@ class Connector {
       return find_port(plan_.elements, written, direction, where);
     } catch (const ConfigurationError& error) {
       all_found_ = false;
-      complain_(error);
+      report_(error);
       return std::nullopt;
     }
   }
 
   GraphPlan& plan_;
-  const Complain& complain_;
+  const ErrorHandler& report_;
   Inputs reached_;
   bool all_found_ = true;
 };
@@ -280,7 +280,7 @@ ConfigurationError cycle_error(const GraphPlan& plan, const std::vector<bool>& p
                             text, plan.elements[at].name)};
 }
 
-void order_elements(GraphPlan& plan, const Complain& complain) {
+void order_elements(GraphPlan& plan, const ErrorHandler& report) {
   std::vector<std::size_t> waits_for(plan.elements.size(), 0);
   for (const PlannedConnection& connection : plan.connections) {
     waits_for[connection.to.element] += connection.delay_ticks == 0 ? 1 : 0;
@@ -302,7 +302,7 @@ void order_elements(GraphPlan& plan, const Complain& complain) {
     }
   }
   if (plan.order.size() < plan.elements.size()) {
-    complain(cycle_error(plan, placed));
+    report(cycle_error(plan, placed));
   }
 }
 
@@ -312,15 +312,15 @@ std::string GraphPlan::text(const PlannedPortAddress& address) const {
   return fmt::format("{}.{}", elements[address.element].name, port(address).name);
 }
 
-GraphPlan plan(const GraphDescription& description, const Complain& complain) {
+GraphPlan plan(const GraphDescription& description, const ErrorHandler& report) {
   if (description.tick < 1) {
     throw ConfigurationError(
         fmt::format("a tick of {} ns cannot be run; write for example 1 ms", description.tick));
   }
   bool good = true;
-  const Complain tell = [&](const ConfigurationError& error) {
+  const ErrorHandler tell = [&](const ConfigurationError& error) {
     good = false;
-    complain(error);
+    report(error);
   };
   GraphPlan plan;
   plan.elements = planned_elements(description);

@@ -11,8 +11,8 @@
 namespace spikeloop::experiment {
 namespace {
 
-bool is_sensor(const Part& part, const std::set<std::string>& whole) {
-  return takes_messages(part.kind) && whole.contains(part.name);
+bool is_sensor(const Node& node, const std::set<std::string>& whole) {
+  return takes_messages(node.kind) && whole.contains(node.name);
 }
 
 /// The first tick at which something of this time is there.
@@ -28,9 +28,9 @@ std::string topics_in(const bag::Reader& reader) {
   return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
-void check_type(const Part& part, const bag::Connection& connection) {
-  const std::string& message = part.parameters.text("message");
-  const Location where = part.parameters.where("message");
+void check_type(const Node& node, const bag::Connection& connection) {
+  const std::string& message = node.parameters.text("message");
+  const Location where = node.parameters.where("message");
   const auto& catalog = *located_at(
       where, [&] { return &messages::Catalog::for_type(messages::Dialect::ros1, message); });
   const std::string type = located_at(where, [&] { return catalog.full_name(message); });
@@ -48,13 +48,13 @@ void check_type(const Part& part, const bag::Connection& connection) {
   }
 }
 
-void check_topic(const Part& part, const bag::Reader& reader) {
-  const std::string& topic = part.parameters.text("topic");
+void check_topic(const Node& node, const bag::Reader& reader) {
+  const std::string& topic = node.parameters.text("topic");
   std::vector<std::string> topics;
   bool found = false;
   for (const bag::Connection& connection : reader.connections()) {
     if (connection.topic == topic) {
-      check_type(part, connection);
+      check_type(node, connection);
       found = true;
     }
     topics.push_back(connection.topic);
@@ -62,7 +62,7 @@ void check_topic(const Part& part, const bag::Reader& reader) {
   if (!found) {
     const std::string meant = nearest(topic, topics);
     throw ConfigurationError(
-        part.parameters.where("topic"),
+        node.parameters.where("topic"),
         fmt::format("key 'topic': the bag has no topic {}{}; it has {}", topic,
                     meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
                     topics_in(reader)));
@@ -73,9 +73,9 @@ void check_topic(const Part& part, const bag::Reader& reader) {
 void end_with(const bag::Reader& reader, const std::set<std::string>& whole,
               Experiment& experiment) {
   TimeNs end = tick_of(reader.end(), experiment.tick);
-  for (const Part& part : experiment.parts) {
-    if (is_sensor(part, whole)) {
-      const auto last = reader.end_of(part.parameters.text("topic"));
+  for (const Node& node : experiment.nodes) {
+    if (is_sensor(node, whole)) {
+      const auto last = reader.end_of(node.parameters.text("topic"));
       end = std::max(end, last ? tick_of(*last, experiment.tick) + experiment.tick : 0);
     }
   }
@@ -124,7 +124,7 @@ std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults
 }
 
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
-  return [reader = std::move(reader)](const Part& sensor) -> std::optional<std::uint32_t> {
+  return [reader = std::move(reader)](const Node& sensor) -> std::optional<std::uint32_t> {
     try {
       check_topic(sensor, *reader);
     } catch (const ConfigurationError&) {
@@ -143,9 +143,9 @@ SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
 
 void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,
                Experiment& experiment, Faults& faults) {
-  for (const Part& part : experiment.parts) {
-    if (is_sensor(part, whole)) {
-      faults.attempt(part.where, [&] { check_topic(part, reader); });
+  for (const Node& node : experiment.nodes) {
+    if (is_sensor(node, whole)) {
+      faults.attempt(node.where, [&] { check_topic(node, reader); });
     }
   }
   if (!experiment.duration) {

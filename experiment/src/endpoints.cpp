@@ -57,11 +57,11 @@ std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
   }
 }
 
-std::unique_ptr<Source> playback(const Part& part) {
-  const std::string& file = part.parameters.text("file");
-  const std::string& stream = part.parameters.text("stream");
-  return located_at(part.where, [&] {
-    return part.kind == kSpikePlayback ? record::make_spike_playback(file, stream)
+std::unique_ptr<Source> playback(const Node& node) {
+  const std::string& file = node.parameters.text("file");
+  const std::string& stream = node.parameters.text("stream");
+  return located_at(node.where, [&] {
+    return node.kind == kSpikePlayback ? record::make_spike_playback(file, stream)
                                        : record::make_signal_playback(file, stream);
   });
 }

@@ -64,14 +64,14 @@ struct Checked {
 };
 
 /// A node's class, keys and files.
-Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
-                     Experiment& experiment, Faults& faults);
+Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
+                     const std::string& directory, Experiment& experiment, Faults& faults);
 /// What `simulator: NAME` stands for, if it is not a class of the registry.
 /// @throws ConfigurationError with "did you mean".
-std::string simulator_kind(const ExperimentNode& node, const WrittenValue& written);
-/// A node that is a simulator: `part` has its name, kind and place. It has no class, and so no
+std::string simulator_kind(const ExperimentNode& entry, const WrittenValue& written);
+/// A node that is a simulator: `node` has its name, kind and place. It has no class, and so no
 /// ports, before with_simulator_ports().
-Checked resolve_simulator(const ExperimentNode& node, Part part, const std::string& directory,
+Checked resolve_simulator(const ExperimentNode& entry, Node node, const std::string& directory,
                           Experiment& experiment, Faults& faults);
 /// Gives simulators the ports that the connections name; these are named in full in the result.
 ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& experiment,

@@ -40,32 +40,32 @@ void JobWriter::add(const char* name, const std::string& value, const Location& 
   std::ranges::find(keys, name, &MusicKey::name)->where = where;  // not always the last one
 }
 
-void JobWriter::add(const Part& part, const std::string& name, const std::string& value,
+void JobWriter::add(const Node& node, const std::string& name, const std::string& value,
                     const std::string& key) {
-  const auto written = part.written.find(key.empty() ? name : key);
-  add(name.c_str(), value, written == part.written.end() ? part.where : written->second.where);
+  const auto written = node.written.find(key.empty() ? name : key);
+  add(name.c_str(), value, written == node.written.end() ? node.where : written->second.where);
 }
 
 void JobWriter::add_directory(const Location& where) {
   add("wd", std::filesystem::absolute(directory_of(experiment_.origin)).string(), where);
 }
 
-void JobWriter::add_script(const Part& part) {
-  add(part, "binary", "spikeloop-script");
-  add(part, "experiment_file", std::filesystem::absolute(experiment_.origin).string());
-  for (const auto& [name, value] : part.written) {
-    add(part, name, value.text);
+void JobWriter::add_script(const Node& node) {
+  add(node, "binary", "spikeloop-script");
+  add(node, "experiment_file", std::filesystem::absolute(experiment_.origin).string());
+  for (const auto& [name, value] : node.written) {
+    add(node, name, value.text);
   }
-  add(part, "script", std::filesystem::absolute(part.parameters.text("script")).string());
-  add_kinds(part);
+  add(node, "script", std::filesystem::absolute(node.parameters.text("script")).string());
+  add_kinds(node);
 }
 
-void JobWriter::add_kinds(const Part& part) {
+void JobWriter::add_kinds(const Node& node) {
   std::map<std::string, std::set<std::string>> ports;
   const auto take = [&](const Link& link, const std::string& own, const std::string& other,
                         Direction direction) {
     // Between two simulators the kind is a guess.
-    if (node_of(own) == part.name && !is_simulator_end(experiment_, other)) {
+    if (node_of(own) == node.name && !is_simulator_end(experiment_, other)) {
       ports[script_key(link.kind, direction)].insert(port_of(own));
     }
   };
@@ -74,7 +74,7 @@ void JobWriter::add_kinds(const Part& part) {
     take(link, link.from, link.to, Direction::output);
   }
   for (const auto& [key, names] : ports) {
-    add(part, key, fmt::format("{}", fmt::join(names, ",")));
+    add(node, key, fmt::format("{}", fmt::join(names, ",")));
   }
 }
 

@@ -59,7 +59,7 @@ std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
 }
 
 /// What a command hears of the sensors and spikes behind it.
-void add_edges_into(const Experiment& experiment, const Part& command, std::vector<Link>& edges) {
+void add_edges_into(const Experiment& experiment, const Node& command, std::vector<Link>& edges) {
   const auto add = [&](const std::string& from, const std::string& port, PortKind kind,
                        std::uint32_t width, std::uint32_t delay) {
     Link edge{from, fmt::format("{}.{}", command.name, port), kind, width, delay, command.where};
@@ -71,7 +71,7 @@ void add_edges_into(const Experiment& experiment, const Part& command, std::vect
     add(upstream->sensor + ".pace", "pace", PortKind::signal, 1, upstream->delay_ticks);
   }
   std::size_t i = 0;
-  for (const Part* sensor : sensors_behind(experiment, command.name)) {
+  for (const Node* sensor : sensors_behind(experiment, command.name)) {
     // Without the delay of the data: that a sensor is silent is no matter of how far they are.
     add(sensor->name + ".pace", fmt::format("sensor_{}", i++), PortKind::signal, 1, 0);
   }
@@ -106,9 +106,9 @@ bool needs_music(const Experiment& experiment) {
 
 bool meets_robot(const Experiment& experiment, const std::string& process) {
   bool any = false;
-  for (const Part& part : experiment.parts) {
-    any = any || has_topic(part.kind);
-    if (has_topic(part.kind) && process_of(experiment, part.name) == process) {
+  for (const Node& node : experiment.nodes) {
+    any = any || has_topic(node.kind);
+    if (has_topic(node.kind) && process_of(experiment, node.name) == process) {
       return true;
     }
   }
@@ -134,9 +134,9 @@ bool waits_for_clock(const Experiment& experiment, const std::string& process) {
 
 std::vector<Link> edges(const Experiment& experiment) {
   std::vector<Link> result = experiment.links;
-  for (const Part& part : experiment.parts) {
-    if (part.kind == kRosCommand) {
-      add_edges_into(experiment, part, result);
+  for (const Node& node : experiment.nodes) {
+    if (node.kind == kRosCommand) {
+      add_edges_into(experiment, node, result);
     }
   }
   return result;

@@ -21,17 +21,17 @@ void attempt(Loaded& loaded, const Location& where, Work&& work) {
     located_at(where, [&] { return work(), 0; });
   } catch (const Error& error) {
     add(error, loaded);
-    loaded.kinds.set_incomplete();
+    loaded.types.set_incomplete();
   }
 }
 
 void load_plugins(const ExperimentFile& file, const std::filesystem::path& directory,
                   Loaded& loaded) {
-  attempt(loaded, {}, [&] { loaded.kinds.load_plugin_path(plugin_path()); });
+  attempt(loaded, {}, [&] { loaded.types.load_plugin_path(plugin_path()); });
   for (const WrittenValue& plugin : file.plugins) {
     attempt(loaded, plugin.where, [&] {
       require_code_may_run(fmt::format("plug-in '{}'", plugin.text));
-      loaded.kinds.load_plugin((directory / plugin.text).string());
+      loaded.types.load_plugin((directory / plugin.text).string());
     });
   }
 }
@@ -42,9 +42,9 @@ void note_files(const ExperimentFile& file, const std::filesystem::path& directo
   for (const WrittenValue& plugin : file.plugins) {
     FilesRead::note((directory / plugin.text).string());
   }
-  for (const Part& part : experiment.parts) {
-    if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
-      FilesRead::note(part.parameters.text("file"));
+  for (const Node& node : experiment.nodes) {
+    if (node.kind == kSpikePlayback || node.kind == kSignalPlayback) {
+      FilesRead::note(node.parameters.text("file"));
     }
   }
   if (experiment.robot && !experiment.robot->bag.empty() && !replayed) {
@@ -63,7 +63,7 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
     const std::filesystem::path directory = directory_of(origin_of(file, overrides));
     load_plugins(file, directory, *loaded);
     const FilesRead files;
-    loaded->experiment = resolve(file, loaded->kinds, overrides, loaded->faults, look_at_robot);
+    loaded->experiment = resolve(file, loaded->types, overrides, loaded->faults, look_at_robot);
     note_files(file, directory, *loaded->experiment, overrides.replay.has_value());
     loaded->experiment->files = files.paths();
   } catch (const Error& error) {

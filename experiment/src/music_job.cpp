@@ -35,7 +35,7 @@ std::string mapping_text(const CommandMapping& mapping) {
 }
 
 /// What a ros_sensor takes, as the file that its program reads.
-std::string sensor_text(const Part& sensor) {
+std::string sensor_text(const Node& sensor) {
   nlohmann::ordered_json json;
   for (const char* key : {"fields", "image"}) {
     if (const auto written = sensor.written.find(key); written != sensor.written.end()) {
@@ -64,9 +64,9 @@ class Writer : JobWriter {
 
   MusicJob write() {
     write_globals();
-    for (const Part& part : experiment_.parts) {
-      begin_section(part.name, part.where);
-      write_section(part);
+    for (const Node& node : experiment_.nodes) {
+      begin_section(node.name, node.where);
+      write_section(node);
     }
     for (const Link& link : experiment_.links) {
       write_connection(link);
@@ -76,135 +76,135 @@ class Writer : JobWriter {
 
  private:
   /// Makes it a file of its own when it stands in place.
-  std::string as_file(const Part& part, const std::string& key, const std::string& text,
+  std::string as_file(const Node& node, const std::string& key, const std::string& text,
                       const char* extension) {
     if (!is_in_place(text)) {
       return text;
     }
-    const std::string name = fmt::format("{}.{}.{}", part.name, key, extension);
+    const std::string name = fmt::format("{}.{}.{}", node.name, key, extension);
     job_.files[name] = text;
     return (std::filesystem::path(folder_) / name).string();
   }
 
-  void write_section(const Part& part) {
-    add(part, "np", "1");
-    add_directory(part.where);
-    if (is_simulator(part)) {
-      add_script(part);
-    } else if (part.kind == kRosSensor) {
-      write_sensor(part);
-    } else if (part.kind == kRosEventSensor) {
-      write_event_sensor(part);
-    } else if (part.kind == kRosCommand) {
-      write_command(part);
-    } else if (part.role == Role::source) {
-      add(part, "binary", part.kind);
-      add(part, "file", std::filesystem::absolute(part.parameters.text("file")).string());
-      add(part, "stream", part.parameters.text("stream"));
-    } else if (part.kind == kNetwork) {
-      add(part, "binary", "spikeloop-network");
-      const std::string& network = part.parameters.text("network");
-      add(part, "network",
-          is_in_place(network) ? as_file(part, "network", network, "yaml")
+  void write_section(const Node& node) {
+    add(node, "np", "1");
+    add_directory(node.where);
+    if (is_simulator(node)) {
+      add_script(node);
+    } else if (node.kind == kRosSensor) {
+      write_sensor(node);
+    } else if (node.kind == kRosEventSensor) {
+      write_event_sensor(node);
+    } else if (node.kind == kRosCommand) {
+      write_command(node);
+    } else if (node.role == Role::source) {
+      add(node, "binary", node.kind);
+      add(node, "file", std::filesystem::absolute(node.parameters.text("file")).string());
+      add(node, "stream", node.parameters.text("stream"));
+    } else if (node.kind == kNetwork) {
+      add(node, "binary", "spikeloop-network");
+      const std::string& network = node.parameters.text("network");
+      add(node, "network",
+          is_in_place(network) ? as_file(node, "network", network, "yaml")
                                : std::filesystem::absolute(network).string());
     } else {
-      write_node(part);
+      write_node(node);
     }
-    write_delay(part);
+    write_delay(node);
   }
 
-  void write_node(const Part& part) {
-    add(part, "binary", "spikeloop-node");
-    add(part, "node", part.kind);
-    if (!part.plugin.empty()) {
-      add(part, "plugin", std::filesystem::absolute(part.plugin).string());
-      add(part, "ports", kinds_of(*part.node_class));
+  void write_node(const Node& node) {
+    add(node, "binary", "spikeloop-node");
+    add(node, "node", node.kind);
+    if (!node.plugin.empty()) {
+      add(node, "plugin", std::filesystem::absolute(node.plugin).string());
+      add(node, "ports", kinds_of(*node.node_class));
     }
-    for (const auto& [name, value] : part.written) {
-      add(part, name, as_file(part, name, value.text, "json"));
+    for (const auto& [name, value] : node.written) {
+      add(node, name, as_file(node, name, value.text, "json"));
     }
   }
 
-  void write_sensor(const Part& part) {
-    add(part, "binary", "ros_sensor_adapter");
-    add(part, "ros", name_of(experiment_.ros));
-    add(part, "ros_topic", part.parameters.text("topic"), "topic");
-    add(part, "message_type", part.parameters.text("message"), "message");
-    const messages::SensorRule rule = sensor_rule(part.parameters);
-    const auto written = part.written.find("fields");
-    const bool options = written != part.written.end() &&
+  void write_sensor(const Node& node) {
+    add(node, "binary", "ros_sensor_adapter");
+    add(node, "ros", name_of(experiment_.ros));
+    add(node, "ros_topic", node.parameters.text("topic"), "topic");
+    add(node, "message_type", node.parameters.text("message"), "message");
+    const messages::SensorRule rule = sensor_rule(node.parameters);
+    const auto written = node.written.find("fields");
+    const bool options = written != node.written.end() &&
                          written->second.text.find_first_of("{=") != std::string::npos;
     if (!rule.fields.empty() && !options) {
       std::vector<std::string> paths;
       for (const messages::SensorField& field : rule.fields) {
         paths.push_back(field.path);
       }
-      add(part, "fields", fmt::format("{}", fmt::join(paths, ",")));
+      add(node, "fields", fmt::format("{}", fmt::join(paths, ",")));
     } else if (!rule.fields.empty() || rule.image) {
-      add(part, "sensor_mapping_filename", as_file(part, "mapping", sensor_text(part), "json"),
-          part.parameters.given("fields") ? "fields" : "image");
+      add(node, "sensor_mapping_filename", as_file(node, "mapping", sensor_text(node), "json"),
+          node.parameters.given("fields") ? "fields" : "image");
     }
-    add(part, "initial", part.parameters.text("initial"));
+    add(node, "initial", node.parameters.text("initial"));
   }
 
-  void write_event_sensor(const Part& part) {
-    add(part, "binary", "ros_event_sensor_adapter");
-    add(part, "ros", name_of(experiment_.ros));
-    add(part, "ros_topic", part.parameters.text("topic"), "topic");
-    add(part, "message_type", part.parameters.text("message"), "message");
+  void write_event_sensor(const Node& node) {
+    add(node, "binary", "ros_event_sensor_adapter");
+    add(node, "ros", name_of(experiment_.ros));
+    add(node, "ros_topic", node.parameters.text("topic"), "topic");
+    add(node, "message_type", node.parameters.text("message"), "message");
     for (const char* key : {"polarity", "downsample", "latency", "refractory"}) {
-      if (part.parameters.given(key)) {
-        add(part, key, part.written.at(key).text);
+      if (node.parameters.given(key)) {
+        add(node, key, node.written.at(key).text);
       }
     }
-    if (const auto roi = event_settings(part.parameters).region) {
-      add(part, "roi", fmt::format("{},{},{},{}", roi->x, roi->y, roi->width, roi->height));
+    if (const auto roi = event_settings(node.parameters).region) {
+      add(node, "roi", fmt::format("{},{},{},{}", roi->x, roi->y, roi->width, roi->height));
     }
   }
 
-  void write_command(const Part& part) {
-    add(part, "binary", "ros_command_adapter");
-    add(part, "ros", name_of(experiment_.ros));
-    add(part, "ros_topic", part.parameters.text("topic"), "topic");
-    const std::string mapping = mapping_text(part.mapping);
-    add(part, "message_mapping_filename", as_file(part, "mapping", mapping, "json"), "fields");
+  void write_command(const Node& node) {
+    add(node, "binary", "ros_command_adapter");
+    add(node, "ros", name_of(experiment_.ros));
+    add(node, "ros_topic", node.parameters.text("topic"), "topic");
+    const std::string mapping = mapping_text(node.mapping);
+    add(node, "message_mapping_filename", as_file(node, "mapping", mapping, "json"), "fields");
     for (const char* key : {"command_rate", "deadband", "min_interval", "watchdog", "max_age"}) {
-      if (part.parameters.given(key)) {
-        add(part, key, part.written.at(key).text);
+      if (node.parameters.given(key)) {
+        add(node, key, node.written.at(key).text);
       }
     }
-    add(part, "default_limits", part.parameters.word("limits") == kNoLimits ? "false" : "true",
+    add(node, "default_limits", node.parameters.word("limits") == kNoLimits ? "false" : "true",
         "limits");
-    write_people(part);
-    write_sensors_behind(part);
-    if (spike_timeout(part) != 0) {
+    write_people(node);
+    write_sensors_behind(node);
+    if (spike_timeout(node) != 0) {
       throw ConfigurationError(
-          part.parameters.where("spike_timeout"),
+          node.parameters.where("spike_timeout"),
           "key 'spike_timeout': the separate layout has none, because no spike reaches the "
           "command's process; leave it out, or use the fused layout");
     }
   }
 
-  void write_people(const Part& part) {
-    const command::EmergencyStop stop = emergency_stop(part, dialect_of(experiment_.ros));
+  void write_people(const Node& node) {
+    const command::EmergencyStop stop = emergency_stop(node, dialect_of(experiment_.ros));
     const auto truth = [](bool value) { return value ? "true" : "false"; };
     const char* from = "emergency_stop";
-    add(part, from, stop.topic.empty() ? "none" : stop.topic);
-    add(part, "emergency_stop_message", stop.message_type, from);
-    add(part, "emergency_stop_field", stop.field, from);
-    add(part, "emergency_stop_latched", truth(stop.latched), from);
-    add(part, "emergency_stop_required", truth(stop.required), from);
-    add(part, "emergency_stop_timeout", seconds(stop.timeout), from);
-    const command::Override manual = manual_override(part);
-    add(part, "override", manual.topic.empty() ? "none" : manual.topic);
-    add(part, "override_timeout", seconds(manual.timeout), "override");
+    add(node, from, stop.topic.empty() ? "none" : stop.topic);
+    add(node, "emergency_stop_message", stop.message_type, from);
+    add(node, "emergency_stop_field", stop.field, from);
+    add(node, "emergency_stop_latched", truth(stop.latched), from);
+    add(node, "emergency_stop_required", truth(stop.required), from);
+    add(node, "emergency_stop_timeout", seconds(stop.timeout), from);
+    const command::Override manual = manual_override(node);
+    add(node, "override", manual.topic.empty() ? "none" : manual.topic);
+    add(node, "override_timeout", seconds(manual.timeout), "override");
   }
 
   /// Of a single sensor the pace tells the age; the topics of several are listened to once more.
-  void write_sensors_behind(const Part& part) {
-    const auto sensors = sensors_behind(experiment_, part.name);
-    const auto watched = watched_sensors(experiment_, part);
-    const TimeNs max_age = from_seconds(part.parameters.number("max_age"));
+  void write_sensors_behind(const Node& node) {
+    const auto sensors = sensors_behind(experiment_, node.name);
+    const auto watched = watched_sensors(experiment_, node);
+    const TimeNs max_age = from_seconds(node.parameters.number("max_age"));
     std::vector<std::string> listed;
     for (std::size_t i = 0; i < watched.size(); ++i) {
       const bool by_pace = watched.size() == 1 && sensors[i]->kind == kRosSensor && max_age != 0 &&
@@ -216,15 +216,15 @@ class Writer : JobWriter {
       }
     }
     if (!listed.empty()) {
-      add(part, "sensor_topics", fmt::format("{}", fmt::join(listed, ",")), "sensor_timeout");
+      add(node, "sensor_topics", fmt::format("{}", fmt::join(listed, ",")), "sensor_timeout");
     }
   }
 
   /// One key a section: all connections into it wait equally long.
-  void write_delay(const Part& part) {
+  void write_delay(const Node& node) {
     const Link* first = nullptr;
     for (const Link& link : experiment_.links) {
-      if (node_of(link.to) != part.name) {
+      if (node_of(link.to) != node.name) {
         continue;
       }
       check_delay(link);
@@ -238,10 +238,10 @@ class Writer : JobWriter {
       first = &link;
       const std::uint32_t delay = ticks(link);
       if (link.kind == PortKind::spikes && delay > 0) {
-        add(part, "spike_delay", std::to_string(delay));
-        add(part, "accept_latency", seconds(delay * experiment_.tick));
+        add(node, "spike_delay", std::to_string(delay));
+        add(node, "accept_latency", seconds(delay * experiment_.tick));
       } else if (link.kind == PortKind::signal && delay > 1) {
-        add(part, "signal_delay", std::to_string(delay - 1));
+        add(node, "signal_delay", std::to_string(delay - 1));
       }
     }
   }
@@ -274,18 +274,18 @@ class Writer : JobWriter {
 
 /// Programs know a port's width from its connection alone.
 void check_ends(const Experiment& experiment) {
-  for (const Part& part : experiment.parts) {
+  for (const Node& node : experiment.nodes) {
     const bool sends = std::ranges::any_of(
-        experiment.links, [&](const Link& link) { return node_of(link.from) == part.name; });
+        experiment.links, [&](const Link& link) { return node_of(link.from) == node.name; });
     const bool by_weights = std::ranges::any_of(
-        part.node_class->description.parameters,
+        node.node_class->description.parameters,
         [](const auto& parameter) { return parameter.type == ParameterType::weights; });
     if (by_weights && !sends) {
       throw ConfigurationError(
-          part.where, fmt::format("nothing is connected to an output of '{}', and the separate "
+          node.where, fmt::format("nothing is connected to an output of '{}', and the separate "
                                   "layout knows its width from a connection alone; connect it, or "
                                   "use the fused layout",
-                                  part.name));
+                                  node.name));
     }
   }
 }

@@ -29,10 +29,10 @@ class ProcessWriter : JobWriter {
         add(name.c_str(), value);
       }
     }
-    for (const Part& part : experiment_.parts) {
-      if (is_simulator(part)) {
-        begin_section(part.name, part.where);
-        write_simulator(part);
+    for (const Node& node : experiment_.nodes) {
+      if (is_simulator(node)) {
+        begin_section(node.name, node.where);
+        write_simulator(node);
       }
     }
     for (const Link& link : experiment_.links) {
@@ -71,34 +71,34 @@ class ProcessWriter : JobWriter {
 
   /// As NEST does: a spike right behind the begin of its tick would be the tick's before.
   bool rounds_times() const {
-    return std::ranges::any_of(experiment_.parts, [](const Part& part) {
-      return is_simulator(part) && part.kind == "nest";
+    return std::ranges::any_of(experiment_.nodes, [](const Node& node) {
+      return is_simulator(node) && node.kind == "nest";
     });
   }
 
-  bool takes_signals(const Part& part) const {
+  bool takes_signals(const Node& node) const {
     return std::ranges::any_of(experiment_.links, [&](const Link& link) {
-      return link.kind == PortKind::signal && node_of(link.to) == part.name;
+      return link.kind == PortKind::signal && node_of(link.to) == node.name;
     });
   }
 
-  void write_simulator(const Part& part) {
-    add(part, "np", "1");
-    add_directory(part.where);
-    add_script(part);
-    const std::uint32_t spikes = input_delay(part, PortKind::spikes);
-    add(part, "accept_latency", seconds((spikes + 1) * experiment_.tick - spare()));
+  void write_simulator(const Node& node) {
+    add(node, "np", "1");
+    add_directory(node.where);
+    add_script(node);
+    const std::uint32_t spikes = input_delay(node, PortKind::spikes);
+    add(node, "accept_latency", seconds((spikes + 1) * experiment_.tick - spare()));
     if (spikes > 0) {
-      add(part, "spike_delay", std::to_string(spikes));
+      add(node, "spike_delay", std::to_string(spikes));
     }
-    if (takes_signals(part)) {
-      add(part, "signal_delay", std::to_string(input_delay(part, PortKind::signal) - 1));
+    if (takes_signals(node)) {
+      add(node, "signal_delay", std::to_string(input_delay(node, PortKind::signal) - 1));
     }
-    add(part, "stamp_guard", "false");
+    add(node, "stamp_guard", "false");
   }
 
   /// Ticks by which all of a simulator's inputs of one kind are late when MUSIC hands them over.
-  std::uint32_t input_delay(const Part& simulator, PortKind kind) const {
+  std::uint32_t input_delay(const Node& simulator, PortKind kind) const {
     const auto link = std::ranges::find_if(experiment_.links, [&](const Link& input) {
       return input.kind == kind && node_of(input.to) == simulator.name;
     });
@@ -168,7 +168,7 @@ class ProcessWriter : JobWriter {
                       process));
     }
     throw ConfigurationError(
-        experiment_.parts.front().where,
+        experiment_.nodes.front().where,
         "no connection joins the simulators with the other nodes, which one process has in the "
         "fused layout, and MUSIC would wait for ever; connect them, or use --layout separate");
   }

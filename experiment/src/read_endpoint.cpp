@@ -122,18 +122,18 @@ void check_topic(const Parameters& parameters, const char* key, messages::Dialec
 }
 
 /// Names and times that a transport would refuse.
-void check_transport(const Part& part, messages::Dialect ros) {
-  const Parameters& parameters = part.parameters;
+void check_transport(const Node& node, messages::Dialect ros) {
+  const Parameters& parameters = node.parameters;
   check_topic(parameters, "topic", ros, parameters.text("topic"));
-  for (const ParameterDescription& parameter : part.node_class->description.parameters) {
+  for (const ParameterDescription& parameter : node.node_class->description.parameters) {
     if (parameter.unit == "s") {
       located_at(parameters.where(parameter.name),
                  [&] { return from_seconds(parameters.number(parameter.name)); });
     }
   }
-  if (part.kind == kRosCommand) {
-    const std::string stop = emergency_stop(part, ros).topic;
-    const std::string manual = manual_override(part).topic;
+  if (node.kind == kRosCommand) {
+    const std::string stop = emergency_stop(node, ros).topic;
+    const std::string manual = manual_override(node).topic;
     if (!stop.empty()) {
       check_topic(parameters, "emergency_stop", ros, stop);
     }
@@ -162,24 +162,24 @@ std::string whole_message_type(const std::string& written, const std::string& di
   return is_definition_file(type) ? type : name;
 }
 
-void read_endpoint(Part& part, const std::string& directory, messages::Dialect ros) {
-  if (part.mapping.message_type.empty()) {
-    const Location where = part.parameters.where("message");
+void read_endpoint(Node& node, const std::string& directory, messages::Dialect ros) {
+  if (node.mapping.message_type.empty()) {
+    const Location where = node.parameters.where("message");
     const std::string type = located_at(
-        where, [&] { return whole_message_type(part.parameters.text("message"), directory, ros); });
-    part.parameters.set("message", type, true, where);
+        where, [&] { return whole_message_type(node.parameters.text("message"), directory, ros); });
+    node.parameters.set("message", type, true, where);
   }
-  if (part.kind == kRosSensor) {
-    sensor_settings(part.parameters);
-  } else if (part.kind == kRosEventSensor) {
-    event_sensor_settings(part.parameters);
+  if (node.kind == kRosSensor) {
+    sensor_settings(node.parameters);
+  } else if (node.kind == kRosEventSensor) {
+    event_sensor_settings(node.parameters);
   } else {
-    if (part.mapping.message_type.empty()) {
-      part.mapping = command_mapping(part.parameters);
+    if (node.mapping.message_type.empty()) {
+      node.mapping = command_mapping(node.parameters);
     }
-    check_command_fields(part.mapping, ros);
+    check_command_fields(node.mapping, ros);
   }
-  check_transport(part, ros);
+  check_transport(node, ros);
 }
 
 }  // namespace spikeloop::experiment

@@ -181,20 +181,20 @@ constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserS
                                        {kRosSensor, kInfoTopic, "sensor_msgs/CameraInfo"},
                                        {kRosCommand, "/cmd_vel", "geometry_msgs/Twist"}};
 
-void check_robot_topic(const Part& part, const Experiment& experiment) {
+void check_robot_topic(const Node& node, const Experiment& experiment) {
   if (!experiment.robot) {
     throw ConfigurationError(
-        part.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 2, "
+        node.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 2, "
                                 "or  robot: {{simulator: mujoco}}",
-                                part.name, part.parameters.text("topic")));
+                                node.name, node.parameters.text("topic")));
   }
   if (!experiment.robot->bag.empty()) {
     return;  // check_bag()
   }
-  const std::string& topic = part.parameters.text("topic");
-  if (part.kind == kRosEventSensor) {
+  const std::string& topic = node.parameters.text("topic");
+  if (node.kind == kRosEventSensor) {
     throw ConfigurationError(
-        part.parameters.where("topic"),
+        node.parameters.where("topic"),
         fmt::format("key 'topic': the robot in this process has no event camera that sends {}; "
                     "write  ros: 2  for one that has, or take the changes of its pictures "
                     "(docs/images.md, \"Events from frames\")",
@@ -202,7 +202,7 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
   }
   std::vector<std::string> known;
   for (const RobotTopic& robot : kRobotTopics) {
-    if (part.kind != robot.kind) {
+    if (node.kind != robot.kind) {
       continue;
     }
     known.emplace_back(robot.topic);
@@ -211,21 +211,21 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
     }
     if ((topic == kImageTopic || topic == kInfoTopic) && !experiment.robot->camera) {
       throw ConfigurationError(
-          part.parameters.where("topic"),
+          node.parameters.where("topic"),
           fmt::format("key 'topic': the robot's camera, which sends {}, is off; write  robot: "
                       "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
                       topic));
     }
-    const std::string& message = part.parameters.text("message");
+    const std::string& message = node.parameters.text("message");
     if (message == robot.message) {
       return;
     }
     throw ConfigurationError(
-        part.parameters.where("message"),
+        node.parameters.where("message"),
         fmt::format("key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
                     topic, robot.message, message, robot.message));
   }
-  throw ConfigurationError(part.parameters.where("topic"),
+  throw ConfigurationError(node.parameters.where("topic"),
                            fmt::format("key 'topic': the robot has no topic {} there{}; with  ros: "
                                        "2  any topic is possible",
                                        topic, did_you_mean(topic, known)));
@@ -235,17 +235,17 @@ void check_robot_topic(const Part& part, const Experiment& experiment) {
 void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::string>& whole,
                               Faults& faults) {
   std::map<std::string, std::string> senders;
-  for (const Part& part : experiment.parts) {
-    if (part.kind != kRosCommand || !whole.contains(part.name)) {
+  for (const Node& node : experiment.nodes) {
+    if (node.kind != kRosCommand || !whole.contains(node.name)) {
       continue;
     }
-    const std::string& topic = part.parameters.text("topic");
-    const auto [sender, is_new] = senders.emplace(topic, part.name);
+    const std::string& topic = node.parameters.text("topic");
+    const auto [sender, is_new] = senders.emplace(topic, node.name);
     if (!is_new) {
-      faults.add(part.parameters.where("topic"),
+      faults.add(node.parameters.where("topic"),
                  fmt::format("key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
                              "both in turn; write one node with all fields, or another topic",
-                             sender->second, part.name, topic));
+                             sender->second, node.name, topic));
     }
   }
 }
@@ -253,9 +253,9 @@ void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::
 void check_topics(const Experiment& experiment, const std::set<std::string>& whole,
                   Faults& faults) {
   check_one_sender_a_topic(experiment, whole, faults);
-  for (const Part& part : experiment.parts) {
-    if (has_topic(part.kind) && whole.contains(part.name) && experiment.ros == Ros::none) {
-      faults.attempt(part.where, [&] { check_robot_topic(part, experiment); });
+  for (const Node& node : experiment.nodes) {
+    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none) {
+      faults.attempt(node.where, [&] { check_robot_topic(node, experiment); });
     }
   }
 }
@@ -302,8 +302,8 @@ std::string directory_of(const std::string& experiment_path) {
   return parent.empty() ? "." : parent.string();
 }
 
-const Part& Experiment::part(std::string_view wanted) const {
-  for (const Part& candidate : parts) {
+const Node& Experiment::node(std::string_view wanted) const {
+  for (const Node& candidate : nodes) {
     if (candidate.name == wanted) {
       return candidate;
     }
@@ -311,8 +311,8 @@ const Part& Experiment::part(std::string_view wanted) const {
   throw std::logic_error("there is no such node");
 }
 
-std::uint32_t Experiment::width(std::string_view part, std::string_view port) const {
-  const std::string end = fmt::format("{}.{}", part, port);
+std::uint32_t Experiment::width(std::string_view node, std::string_view port) const {
+  const std::string end = fmt::format("{}.{}", node, port);
   for (const Link& link : links) {
     if (link.from == end || link.to == end) {
       return link.width;
@@ -321,7 +321,7 @@ std::uint32_t Experiment::width(std::string_view part, std::string_view port) co
   return 0;
 }
 
-Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
+Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
                    std::vector<Fault>& faults, const LookAtRobot& look_at_robot) {
   Faults all(faults);
   Experiment experiment;
@@ -337,11 +337,11 @@ Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrid
   bool joined = file.joined;
   std::set<std::string> whole;
   const std::string directory = directory_of(experiment.origin);
-  for (const ExperimentNode& node : file.nodes) {
-    const Checked checked = resolve_part(node, kinds, directory, experiment, all);
+  for (const ExperimentNode& entry : file.nodes) {
+    const Checked checked = resolve_node(entry, types, directory, experiment, all);
     joined = joined && checked.ports;
     if (checked.parameters) {
-      whole.insert(node.name);
+      whole.insert(entry.name);
     }
   }
   check_topics(experiment, whole, all);

@@ -39,42 +39,42 @@ void check_process(const std::string& name, const Location& where, const Experim
   }
 }
 
-void check_node(const std::string& node, const Location& where, const Experiment& experiment) {
+void check_node(const std::string& name, const Location& where, const Experiment& experiment) {
   std::vector<std::string> names;
-  for (const Part& part : experiment.parts) {
-    names.push_back(part.name);
+  for (const Node& node : experiment.nodes) {
+    names.push_back(node.name);
   }
-  if (std::ranges::find(names, node) == names.end()) {
-    throw ConfigurationError(where, fmt::format("key 'layout': there is no node '{}'{}", node,
-                                                did_you_mean(node, names)));
+  if (std::ranges::find(names, name) == names.end()) {
+    throw ConfigurationError(where, fmt::format("key 'layout': there is no node '{}'{}", name,
+                                                did_you_mean(name, names)));
   }
-  if (is_simulator_end(experiment, node)) {
+  if (is_simulator_end(experiment, name)) {
     throw ConfigurationError(
         where,
         fmt::format("key 'layout': the simulator '{}' has a process of its own; leave it out",
-                    node));
+                    name));
   }
   if (const auto in = std::ranges::find_if(
           experiment.layout.processes,
-          [&](const Process& process) { return process.nodes.contains(node); });
+          [&](const Process& process) { return process.nodes.contains(name); });
       in != experiment.layout.processes.end()) {
     throw ConfigurationError(
         where, fmt::format("key 'layout': node '{}' is in process '{}' already; write it once",
-                           node, in->name));
+                           name, in->name));
   }
 }
 
 /// Every node is somewhere.
 void check_whole(const Experiment& experiment) {
-  for (const Part& part : experiment.parts) {
+  for (const Node& node : experiment.nodes) {
     const bool listed = std::ranges::any_of(
         experiment.layout.processes,
-        [&](const Process& process) { return process.nodes.contains(part.name); });
-    if (!listed && !is_simulator(part)) {
+        [&](const Process& process) { return process.nodes.contains(node.name); });
+    if (!listed && !is_simulator(node)) {
       throw ConfigurationError(
           experiment.layout.where,
           fmt::format("key 'layout': node '{}' is in no process; add it to one of them",
-                      part.name));
+                      node.name));
     }
   }
 }
@@ -105,9 +105,9 @@ std::string fused_label(const Experiment& experiment) {
 /// One process has all nodes; the separate layout is for music_job().
 void take_fused(Experiment& experiment) {
   Process process{fused_label(experiment)};
-  for (const Part& part : experiment.parts) {
-    if (!is_simulator(part)) {
-      process.nodes.insert(part.name);
+  for (const Node& node : experiment.nodes) {
+    if (!is_simulator(node)) {
+      process.nodes.insert(node.name);
     }
   }
   experiment.layout.processes.push_back(std::move(process));

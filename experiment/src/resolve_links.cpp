@@ -64,8 +64,8 @@ std::uint32_t delay_ticks(const WrittenValue& written, TimeNs tick) {
 /// Nodes that no connection names; none as long as a connection has a slip in a name.
 std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment& experiment) {
   std::set<std::string> lonely;
-  for (const Part& part : experiment.parts) {
-    lonely.insert(part.name);
+  for (const Node& node : experiment.nodes) {
+    lonely.insert(node.name);
   }
   const std::set<std::string> known = lonely;
   for (const ExperimentConnection& connection : file.connections) {
@@ -85,13 +85,13 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
   description.tick = experiment.tick;
   description.seed = experiment.seed;
   const auto lonely = lonely_nodes(file, experiment);
-  for (const Part& part : experiment.parts) {
-    if (lonely.contains(part.name)) {
-      faults.add(part.where, fmt::format("node '{0}' is not connected; write it into "
+  for (const Node& node : experiment.nodes) {
+    if (lonely.contains(node.name)) {
+      faults.add(node.where, fmt::format("node '{0}' is not connected; write it into "
                                          "'connections', or leave it out",
-                                         part.name));
+                                         node.name));
     } else {
-      description.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
+      description.nodes.push_back({node.name, node.node_class, node.parameters, node.where});
     }
   }
   for (const ExperimentConnection& connection : file.connections) {
@@ -127,27 +127,27 @@ void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDe
   }
 }
 
-void check_against_robot(const Part& part, const Experiment& experiment,
+void check_against_robot(const Node& node, const Experiment& experiment,
                          const SensorWidth& sensor_width) {
-  const std::optional<std::uint32_t> known = sensor_width ? sensor_width(part) : 0;
-  if (!known && part.kind == kRosSensor && experiment.ros == Ros::none) {
+  const std::optional<std::uint32_t> known = sensor_width ? sensor_width(node) : 0;
+  if (!known && node.kind == kRosSensor && experiment.ros == Ros::none) {
     // The topic is one of the robot's, with the right message: check_robot_topic().
     throw ConfigurationError(
-        part.parameters.where("topic"),
+        node.parameters.where("topic"),
         fmt::format("key 'topic': the robot sends nothing on {} in this world, which has no lamps; "
                     "write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
                     "(docs/robot.md)",
-                    part.parameters.text("topic")));
+                    node.parameters.text("topic")));
   }
   const std::uint32_t values = known.value_or(0);
   for (const Link& link : experiment.links) {
-    if (node_of(link.from) == part.name && values != 0 && values != link.width) {
+    if (node_of(link.from) == node.name && values != 0 && values != link.width) {
       throw ConfigurationError(
           link.where,
           fmt::format("node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
                       "channels; write [{}] in its connection{}",
-                      part.name, experiment.robot->bag.empty() ? "robot" : "bag",
-                      part.parameters.text("topic"), values, link.from, link.width, values,
+                      node.name, experiment.robot->bag.empty() ? "robot" : "bag",
+                      node.parameters.text("topic"), values, link.from, link.width, values,
                       experiment.ros == Ros::none
                           ? ""
                           : ", or leave 'robot' out when another robot sends it"));
@@ -156,10 +156,10 @@ void check_against_robot(const Part& part, const Experiment& experiment,
 }
 
 /// A camera without a region says how many pixels it has when its first message comes.
-void check_events(const Part& part, const Experiment& experiment) {
-  messages::EventSettings settings = event_settings(part.parameters);
+void check_events(const Node& node, const Experiment& experiment) {
+  messages::EventSettings settings = event_settings(node.parameters);
   for (const Link& link : experiment.links) {
-    if (node_of(link.from) == part.name) {
+    if (node_of(link.from) == node.name) {
       settings.width = link.width;
       settings.where = link.where;
       messages::EventConversion(settings, dialect_of(experiment.ros));
@@ -168,50 +168,50 @@ void check_events(const Part& part, const Experiment& experiment) {
 }
 
 /// What only widths decide.
-void check_part(const Part& part, const Experiment& experiment, const SensorWidth& sensor_width) {
-  if (part.kind == kRosSensor) {
-    check_against_robot(part, experiment, sensor_width);
-    const char* const key = part.parameters.given("fields")  ? "fields"
-                            : part.parameters.given("image") ? "image"
+void check_node(const Node& node, const Experiment& experiment, const SensorWidth& sensor_width) {
+  if (node.kind == kRosSensor) {
+    check_against_robot(node, experiment, sensor_width);
+    const char* const key = node.parameters.given("fields")  ? "fields"
+                            : node.parameters.given("image") ? "image"
                                                              : "message";
-    located_at(part.parameters.where(key), [&] {
-      const std::string& type = part.parameters.text("message");
+    located_at(node.parameters.where(key), [&] {
+      const std::string& type = node.parameters.text("message");
       messages::SensorConversion(messages::Catalog::for_type(dialect_of(experiment.ros), type),
-                                 type, sensor_rule(part.parameters),
-                                 experiment.width(part.name, "out"), true);
+                                 type, sensor_rule(node.parameters),
+                                 experiment.width(node.name, "out"), true);
       return 0;
     });
-  } else if (part.kind == kRosEventSensor) {
-    check_against_robot(part, experiment, sensor_width);
-    check_events(part, experiment);
-  } else if (part.kind == kRosCommand) {
-    in_yaml([&] { check_channels(part.mapping, experiment.width(part.name, "in")); });
-    if (spike_timeout(part) != 0 && spikes_behind(experiment, part.name).empty()) {
+  } else if (node.kind == kRosEventSensor) {
+    check_against_robot(node, experiment, sensor_width);
+    check_events(node, experiment);
+  } else if (node.kind == kRosCommand) {
+    in_yaml([&] { check_channels(node.mapping, experiment.width(node.name, "in")); });
+    if (spike_timeout(node) != 0 && spikes_behind(experiment, node.name).empty()) {
       throw ConfigurationError(
-          part.parameters.where("spike_timeout"),
+          node.parameters.where("spike_timeout"),
           fmt::format("key 'spike_timeout': no spikes are on the way to '{}'; leave it out",
-                      part.name));
+                      node.name));
     }
   }
 }
 
 /// Makes the node once: it says whether its parameters go with its widths.
-void try_node(const Part& part, const PlannedElement& element, std::uint64_t seed) {
-  if (part.role != Role::node) {
+void try_node(const Node& node, const PlannedElement& element, std::uint64_t seed) {
+  if (node.role != Role::node) {
     return;
   }
-  NodeSetup setup{part.name, seed, part.parameters, {}};
+  NodeSetup setup{node.name, seed, node.parameters, {}};
   for (const PlannedPort& port : element.ports) {
     if (port.width == 0) {
       throw ConfigurationError(
-          part.where,
+          node.where,
           fmt::format("nothing is connected to the output '{}.{}', and nothing else says "
                       "how wide it is; connect it, or leave the node out",
-                      part.name, port.name));
+                      node.name, port.name));
     }
     setup.widths.push_back(port.width);
   }
-  part.node_class->create(setup);
+  node.node_class->create(setup);
 }
 
 }  // namespace
@@ -223,7 +223,7 @@ void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& e
   GraphPlan planned;
   faults.attempt(file.where_connections, [&] {
     std::vector<ConfigurationError> wrong;
-    const Complain keep = [&](const ConfigurationError& error) { wrong.push_back(error); };
+    const ErrorHandler keep = [&](const ConfigurationError& error) { wrong.push_back(error); };
     planned = plan(graph, keep);
     if (settle_by_nodes(planned, trial, graph, experiment)) {
       wrong.clear();
@@ -237,13 +237,13 @@ void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& e
     return;
   }
   take_links(planned, file, graph, experiment);
-  for (std::size_t i = 0; i < experiment.parts.size(); ++i) {
-    const Part& part = experiment.parts[i];
-    if (trial.whole.contains(part.name)) {
-      faults.attempt(part.where, [&] {
-        check_part(part, experiment, trial.sensor_width);
+  for (std::size_t i = 0; i < experiment.nodes.size(); ++i) {
+    const Node& node = experiment.nodes[i];
+    if (trial.whole.contains(node.name)) {
+      faults.attempt(node.where, [&] {
+        check_node(node, experiment, trial.sensor_width);
         if (trial.try_nodes) {
-          try_node(part, planned.elements[i], experiment.seed);
+          try_node(node, planned.elements[i], experiment.seed);
         }
       });
     }

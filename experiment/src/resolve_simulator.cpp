@@ -34,14 +34,14 @@ ScriptHost host_of(const std::string& path, const Location& where) {
   }
 }
 
-void read_script(Part& part, const Simulator& simulator, const std::string& directory) {
-  const Location where = part.parameters.where(kScript);
-  const std::string path = in_directory(directory, part.parameters.text(kScript));
+void read_script(Node& node, const Simulator& simulator, const std::string& directory) {
+  const Location where = node.parameters.where(kScript);
+  const std::string path = in_directory(directory, node.parameters.text(kScript));
   if (!std::filesystem::is_regular_file(path)) {
     refuse_file(kScript, where, "script", path);
   }
   const ScriptHost host = host_of(path, where);
-  if (host == ScriptHost::nest && part.kind != kRounding) {
+  if (host == ScriptHost::nest && node.kind != kRounding) {
     throw ConfigurationError(
         where, fmt::format("key 'script': '{}' imports spikeloop.nest, whose times are rounded; "
                            "write  simulator: {}",
@@ -54,23 +54,23 @@ void read_script(Part& part, const Simulator& simulator, const std::string& dire
                            path, simulator.host));
   }
   FilesRead::note(path);
-  part.parameters.set(kScript, path, true, where);
+  node.parameters.set(kScript, path, true, where);
 }
 
 /// Whatever else is written goes to the script, which knows its own parameters.
-void take_parameters(const ExperimentNode& node, Part& part, Faults& faults) {
-  for (const auto& [name, value] : part.written) {
+void take_parameters(const ExperimentNode& entry, Node& node, Faults& faults) {
+  for (const auto& [name, value] : node.written) {
     if (is_own(name)) {
       continue;
     }
-    const auto place = node.places.find(name);
+    const auto place = entry.places.find(name);
     if (std::ranges::find(reserved_keys(), std::string_view(name)) != reserved_keys().end()) {
-      faults.add(place == node.places.end() ? value.where : place->second,
+      faults.add(place == entry.places.end() ? value.where : place->second,
                  fmt::format("node '{}': '{}' is the name of a key of every program, and no "
                              "parameter of a script; give it another name",
-                             part.name, name));
+                             node.name, name));
     }
-    part.parameters.set(name, value.text, true, value.where);
+    node.parameters.set(name, value.text, true, value.where);
   }
 }
 
@@ -78,12 +78,12 @@ void take_parameters(const ExperimentNode& node, Part& part, Faults& faults) {
 /// known.
 const PortDescription* port_at(const Experiment& experiment, const std::string& end,
                                Direction direction) {
-  const auto part = std::ranges::find(experiment.parts, node_of(end), &Part::name);
-  if (part == experiment.parts.end() || is_simulator(*part)) {
+  const auto node = std::ranges::find(experiment.nodes, node_of(end), &Node::name);
+  if (node == experiment.nodes.end() || is_simulator(*node)) {
     return nullptr;
   }
   const bool named = end.find('.') != std::string::npos;
-  const auto& ports = part->node_class->description.ports;
+  const auto& ports = node->node_class->description.ports;
   const auto found = std::ranges::find_if(ports, [&](const PortDescription& port) {
     return port.direction == direction && (!named || port.name == port_of(end));
   });
@@ -97,21 +97,21 @@ class PortFinder {
   PortFinder(const ExperimentFile& file, const Experiment& experiment, Faults& faults)
       : file_(file), experiment_(experiment), faults_(faults) {}
 
-  std::vector<PortDescription> ports_of(const Part& part) {
+  std::vector<PortDescription> ports_of(const Node& node) {
     ports_.clear();
     for (const ExperimentConnection& connection : file_.connections) {
-      if (node_of(connection.to) == part.name) {
-        add(part, connection.to, Direction::input, connection.from, connection.where);
+      if (node_of(connection.to) == node.name) {
+        add(node, connection.to, Direction::input, connection.from, connection.where);
       }
-      if (node_of(connection.from) == part.name) {
-        add(part, connection.from, Direction::output, connection.to, connection.where_from);
+      if (node_of(connection.from) == node.name) {
+        add(node, connection.from, Direction::output, connection.to, connection.where_from);
       }
     }
     return ports_;
   }
 
  private:
-  void add(const Part& part, const std::string& end, Direction direction, const std::string& other,
+  void add(const Node& node, const std::string& end, Direction direction, const std::string& other,
            const Location& where) {
     const bool input = direction == Direction::input;
     const std::string name = port_of(end);
@@ -126,7 +126,7 @@ class PortFinder {
       faults_.add(where, fmt::format("'{0}.{1}' is an input here and an output there, and MUSIC "
                                      "has one port of a name; give the script's two ports two "
                                      "names",
-                                     part.name, name));
+                                     node.name, name));
     } else if (unknown_ && beyond != nullptr) {
       known->kind = beyond->kind;
     }
@@ -141,8 +141,8 @@ class PortFinder {
 
 /// "brain" as the end of a connection is "brain.in", or "brain.out".
 void complete(std::string& end, const char* port, const Experiment& experiment) {
-  const auto part = std::ranges::find(experiment.parts, end, &Part::name);
-  if (part != experiment.parts.end() && is_simulator(*part)) {
+  const auto node = std::ranges::find(experiment.nodes, end, &Node::name);
+  if (node != experiment.nodes.end() && is_simulator(*node)) {
     end += fmt::format(".{}", port);
   }
 }
@@ -164,7 +164,7 @@ void refuse_itself(ExperimentConnection& connection, const Experiment& experimen
 
 }  // namespace
 
-std::string simulator_kind(const ExperimentNode& node, const WrittenValue& written) {
+std::string simulator_kind(const ExperimentNode& entry, const WrittenValue& written) {
   constexpr const char* kBuiltin = "builtin";
   if (written.text == kBuiltin) {
     return kNetwork;
@@ -177,33 +177,34 @@ std::string simulator_kind(const ExperimentNode& node, const WrittenValue& writt
     names.emplace_back(simulator.name);
   }
   throw ConfigurationError(
-      written.where, fmt::format("node '{}': simulator '{}' is unknown{}", node.name, written.text,
+      written.where, fmt::format("node '{}': simulator '{}' is unknown{}", entry.name, written.text,
                                  did_you_mean(written.text, names)));
 }
 
-Checked resolve_simulator(const ExperimentNode& node, Part part, const std::string& directory,
+Checked resolve_simulator(const ExperimentNode& entry, Node node, const std::string& directory,
                           Experiment& experiment, Faults& faults) {
-  const Simulator& simulator = *find_simulator(part.kind);
-  part.role = Role::simulator;
-  part.node_class = nullptr;
+  const Simulator& simulator = *find_simulator(node.kind);
+  node.role = Role::simulator;
+  node.node_class = nullptr;
   const std::size_t before = faults.count();
-  WrittenValues own = part.written;
+  WrittenValues own = node.written;
   std::erase_if(own, [](const auto& key) { return !is_own(key.first); });
-  part.parameters = resolve_keys(
+  node.parameters = resolve_keys(
       simulator_description().parameters,
-      {own, fmt::format("node '{}'", node.name), node.where, node.unread, node.places}, {}, faults);
-  if (faults.count() == before && node.unread.empty()) {
-    faults.attempt(node.where, [&] { read_script(part, simulator, directory); });
+      {own, fmt::format("node '{}'", entry.name), entry.where, entry.unread, entry.places}, {},
+      faults);
+  if (faults.count() == before && entry.unread.empty()) {
+    faults.attempt(entry.where, [&] { read_script(node, simulator, directory); });
   }
-  if (part.parameters.integer(kProcesses) > 1 && part.kind != kParallel) {
-    faults.add(part.parameters.where(kProcesses),
+  if (node.parameters.integer(kProcesses) > 1 && node.kind != kParallel) {
+    faults.add(node.parameters.where(kProcesses),
                fmt::format("key 'np': {} processes are for NEURON's ParallelContext; a script with "
                            "simulator: {} has one: leave the key out",
-                           part.parameters.integer(kProcesses), part.kind));
+                           node.parameters.integer(kProcesses), node.kind));
   }
-  take_parameters(node, part, faults);
-  const bool good = faults.count() == before && node.unread.empty();
-  experiment.parts.push_back(std::move(part));
+  take_parameters(entry, node, faults);
+  const bool good = faults.count() == before && entry.unread.empty();
+  experiment.nodes.push_back(std::move(node));
   return {true, good};
 }
 
@@ -216,13 +217,13 @@ ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& expe
     refuse_itself(connection, experiment, faults);
   }
   PortFinder finder(result, experiment, faults);
-  for (Part& part : experiment.parts) {
-    if (is_simulator(part)) {
+  for (Node& node : experiment.nodes) {
+    if (is_simulator(node)) {
       NodeClass own{simulator_description(), {}};
-      own.description.name = part.kind;
-      own.description.ports = finder.ports_of(part);
+      own.description.name = node.kind;
+      own.description.ports = finder.ports_of(node);
       experiment.own_classes.push_back(std::make_shared<NodeClass>(std::move(own)));
-      part.node_class = experiment.own_classes.back().get();
+      node.node_class = experiment.own_classes.back().get();
     }
   }
   return result;

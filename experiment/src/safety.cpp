@@ -25,16 +25,16 @@ Parameter boolean(const char* name, const char* line) {
   return {.name = name, .type = ParameterType::boolean, .default_value = "false", .text = line};
 }
 
-std::string topic_of(const Part& part, const char* key, const Parameters& keys,
+std::string topic_of(const Node& node, const char* key, const Parameters& keys,
                      const std::string& otherwise) {
   const std::string& written = keys.text("topic");
   if (written == kNone) {
     return "";
   }
   const std::string& topic = written.empty() ? otherwise : written;
-  if (topic == part.parameters.text("topic")) {
+  if (topic == node.parameters.text("topic")) {
     throw ConfigurationError(
-        part.parameters.where(key),
+        node.parameters.where(key),
         fmt::format("key '{}': {} is the topic of the commands themselves; write another one", key,
                     topic));
   }
@@ -42,9 +42,9 @@ std::string topic_of(const Part& part, const char* key, const Parameters& keys,
 }
 
 /// Of an event camera silence says nothing, unless the experiment says that it does.
-bool is_watched(const Part& part) {
-  return part.kind == kRosSensor ||
-         (part.kind == kRosEventSensor && part.parameters.number("timeout") > 0);
+bool is_watched(const Node& node) {
+  return node.kind == kRosSensor ||
+         (node.kind == kRosEventSensor && node.parameters.number("timeout") > 0);
 }
 
 /// Everything that a node depends on, itself included, as long as `follow` wants to go on.
@@ -65,8 +65,8 @@ std::set<std::string> behind(const Experiment& experiment, const std::string& no
   return seen;
 }
 
-std::string emergency_topic(const Part& part) {
-  return topic_of(part, "emergency_stop", part.parameters.map("emergency_stop"), "");
+std::string emergency_topic(const Node& node) {
+  return topic_of(node, "emergency_stop", node.parameters.map("emergency_stop"), "");
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ Parameter override_parameter() {
       .example = "{topic: /by_hand, timeout: 1 s}"};
 }
 
-command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros) {
+command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros) {
   const Parameters& keys = command.parameters.map("emergency_stop");
   command::EmergencyStop result{.topic = topic_of(command, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
@@ -137,7 +137,7 @@ command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros
   return result;
 }
 
-command::Override manual_override(const Part& command) {
+command::Override manual_override(const Node& command) {
   const Parameters& keys = command.parameters.map("override");
   const std::string topic =
       topic_of(command, "override", keys, command.parameters.text("topic") + "_manual");
@@ -150,39 +150,39 @@ command::Override manual_override(const Part& command) {
   return {.topic = topic, .timeout = from_seconds(keys.number("timeout"))};
 }
 
-void add_people(const Part& command, messages::Dialect ros, command::CommandSettings& settings) {
+void add_people(const Node& command, messages::Dialect ros, command::CommandSettings& settings) {
   settings.emergency_stop = emergency_stop(command, ros);
   settings.manual = manual_override(command);
 }
 
-void add_bounds(const Part& command, command::CommandSettings& settings) {
+void add_bounds(const Node& command, command::CommandSettings& settings) {
   settings.fields = command::field_paths(command.mapping);
   if (command.parameters.word("limits") != kNoLimits) {
     settings.bounds = command::default_bounds(command.mapping, std::move(settings.bounds));
   }
 }
 
-TimeNs spike_timeout(const Part& command) {
+TimeNs spike_timeout(const Node& command) {
   return from_seconds(command.parameters.number("spike_timeout"));
 }
 
-std::vector<const Part*> sensors_behind(const Experiment& experiment, const std::string& node) {
-  const auto names = behind(experiment, node, [](const Link&) { return true; });
-  std::vector<const Part*> sensors;
-  for (const Part& part : experiment.parts) {
-    if (is_watched(part) && names.contains(part.name)) {
-      sensors.push_back(&part);
+std::vector<const Node*> sensors_behind(const Experiment& experiment, const std::string& name) {
+  const auto names = behind(experiment, name, [](const Link&) { return true; });
+  std::vector<const Node*> sensors;
+  for (const Node& node : experiment.nodes) {
+    if (is_watched(node) && names.contains(node.name)) {
+      sensors.push_back(&node);
     }
   }
   return sensors;
 }
 
 std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
-                                                    const Part& command) {
+                                                    const Node& command) {
   const Parameters& keys = command.parameters;
   const double otherwise = keys.number(keys.given("sensor_timeout") ? "sensor_timeout" : "max_age");
   std::vector<command::WatchedSensor> watched;
-  for (const Part* sensor : sensors_behind(experiment, command.name)) {
+  for (const Node* sensor : sensors_behind(experiment, command.name)) {
     const Parameters& own = sensor->parameters;
     const double timeout = own.given("timeout") ? own.number("timeout") : otherwise;
     watched.push_back({own.text("topic"), from_seconds(timeout)});
@@ -202,7 +202,7 @@ std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::
   return links;
 }
 
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command) {
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Node& command) {
   return spike_timeout(command) == 0 ? std::vector<const Link*>{}
                                      : spikes_behind(experiment, command.name);
 }
@@ -221,7 +221,7 @@ std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::
     if (nearest.empty()) {
       return std::nullopt;
     }
-    if (experiment.part(nearest).kind == kRosSensor) {
+    if (experiment.node(nearest).kind == kRosSensor) {
       return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
     }
     done.insert(nearest);

@@ -257,7 +257,7 @@ Json connections() {
 
 }  // namespace
 
-std::string json_schema(const Kinds& kinds) {
+std::string json_schema(const NodeTypes& types) {
   Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"},
               {"title", "Spikeloop experiment"}};
   schema.update(object_of(experiment_parameters()));
@@ -277,13 +277,13 @@ std::string json_schema(const Kinds& kinds) {
                          {"description", "NAME: {node: CLASS, key: value, ...}"}};
   properties["connections"] = connections();
   schema["required"] = {"nodes", "connections"};
-  const auto names = kinds.names();
+  const auto names = types.names();
   Json& definitions = schema["definitions"];
   definitions["node"] = node(names);
   definitions["weights"] = weights();
   definitions[kSimulator] = simulator();
   for (const std::string& name : names) {
-    definitions[name] = kind(kinds.find(name).description);
+    definitions[name] = kind(types.find(name).description);
   }
   return schema.dump(2) + "\n";
 }

@@ -80,17 +80,17 @@ std::span<const char* const> reserved_keys() {
   return kReserved;
 }
 
-bool is_simulator(const Part& part) {
-  return part.role == Role::simulator;
+bool is_simulator(const Node& node) {
+  return node.role == Role::simulator;
 }
 
 bool is_simulator_end(const Experiment& experiment, const std::string& end) {
-  const auto part = std::ranges::find(experiment.parts, node_of(end), &Part::name);
-  return part != experiment.parts.end() && is_simulator(*part);
+  const auto node = std::ranges::find(experiment.nodes, node_of(end), &Node::name);
+  return node != experiment.nodes.end() && is_simulator(*node);
 }
 
 bool has_simulator(const Experiment& experiment) {
-  return std::ranges::any_of(experiment.parts, is_simulator);
+  return std::ranges::any_of(experiment.nodes, is_simulator);
 }
 
 }  // namespace spikeloop::experiment

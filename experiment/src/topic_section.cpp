@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/node_types.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -98,8 +98,8 @@ std::span<const SectionKey> section_keys(std::string_view node_class) {
 }
 
 const NodeClass& topic_class(std::string_view node_class) {
-  static const Kinds kKinds;
-  return kKinds.find(node_class);
+  static const NodeTypes kTypes;
+  return kTypes.find(node_class);
 }
 
 std::vector<ParameterDescription> section_parameters(const RosProgram& program) {

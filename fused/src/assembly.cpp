@@ -26,7 +26,7 @@ namespace {
 
 using experiment::Experiment;
 using experiment::Link;
-using experiment::Part;
+using experiment::Node;
 using experiment::Role;
 
 constexpr std::string_view kSender = " sender";
@@ -37,22 +37,22 @@ constexpr std::string_view kSent = " ->";
 /// A sensor whose errors name its node and its place in the file.
 class NamedSource : public Source {
  public:
-  NamedSource(std::unique_ptr<Source> source, const Part& part)
-      : source_(std::move(source)), part_(part) {}
+  NamedSource(std::unique_ptr<Source> source, const Node& node)
+      : source_(std::move(source)), node_(node) {}
 
   std::vector<EndpointPort> ports() const override { return source_->ports(); }
   void receive(const Step& step) override {
     try {
       source_->receive(step);
     } catch (const ConfigurationError& error) {
-      throw ConfigurationError(part_.where, fmt::format("node '{}': {}", part_.name, error.what()));
+      throw ConfigurationError(node_.where, fmt::format("node '{}': {}", node_.name, error.what()));
     }
   }
   std::vector<Counter> counters() const override { return source_->counters(); }
 
  private:
   std::unique_ptr<Source> source_;
-  const Part& part_;
+  const Node& node_;
 };
 
 /// A port of another process's is an element of its own: "brain out", with the end "brain out.out".
@@ -108,9 +108,9 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
   if (!folder.empty()) {
     open_bag(folder);
   }
-  for (const Part& part : experiment.parts) {
-    if (is_here(part.name)) {
-      add_part(part);
+  for (const Node& node : experiment.nodes) {
+    if (is_here(node.name)) {
+      add_node(node);
     }
   }
   for (const Link& edge : edges(experiment)) {
@@ -124,37 +124,37 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
 
 Assembly::~Assembly() = default;
 
-void Assembly::add_part(const Part& part) {
-  switch (part.role) {
+void Assembly::add_node(const Node& node) {
+  switch (node.role) {
     case Role::node:
-      description_.nodes.push_back({part.name, part.node_class, part.parameters, part.where});
+      description_.nodes.push_back({node.name, node.node_class, node.parameters, node.where});
       return;
     case Role::source:
       sources_.push_back(
-          experiment::takes_messages(part.kind)
+          experiment::takes_messages(node.kind)
               ? std::make_unique<NamedSource>(
-                    make_sensor(experiment_, part, transport_, keep_messages(part)), part)
-              : experiment::playback(part));
-      description_.sources.push_back({part.name, sources_.back().get()});
+                    make_sensor(experiment_, node, transport_, keep_messages(node)), node)
+              : experiment::playback(node));
+      description_.sources.push_back({node.name, sources_.back().get()});
       return;
     case Role::sink:
-      add_command(part);
+      add_command(node);
       return;
     case Role::simulator:
       return;  // is never here
   }
 }
 
-void Assembly::add_command(const Part& part) {
-  const std::uint32_t width = experiment_.width(part.name, "in");
-  command::ComponentMap map = command::component_map(part.mapping, width);
+void Assembly::add_command(const Node& node) {
+  const std::uint32_t width = experiment_.width(node.name, "in");
+  command::ComponentMap map = command::component_map(node.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
-  commands_.push_back(make_command(experiment_, part, map, transport_, keep_messages(part)));
+  commands_.push_back(make_command(experiment_, node, map, transport_, keep_messages(node)));
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
-  description_.nodes.push_back({part.name, classes_.back().get(), {}, part.where});
-  description_.sinks.push_back({sender_of(part.name), commands_.back().get()});
+  description_.nodes.push_back({node.name, classes_.back().get(), {}, node.where});
+  description_.sinks.push_back({sender_of(node.name), commands_.back().get()});
   description_.connections.push_back(
-      {part.name + ".out", sender_of(part.name) + ".command", fields, 0, part.where});
+      {node.name + ".out", sender_of(node.name) + ".command", fields, 0, node.where});
 }
 
 bool Assembly::is_here(const std::string& end) const {
@@ -184,7 +184,7 @@ std::uint32_t Assembly::waiting(const Link& edge) const {
 std::string Assembly::end_here(const std::string& end) const {
   const std::string node = experiment::node_of(end);
   const bool to_sender =
-      experiment_.part(node).role == Role::sink && experiment::port_of(end) != "in";
+      experiment_.node(node).role == Role::sink && experiment::port_of(end) != "in";
   return to_sender ? fmt::format("{}.{}", sender_of(node), experiment::port_of(end)) : end;
 }
 
@@ -213,8 +213,8 @@ void Assembly::send(const Link& edge) {
 
 /// In the run folder of an experiment whose topics are all here.
 void Assembly::open_bag(const std::string& folder) {
-  const auto has_topic = [](const Part& part) { return experiment::has_topic(part.kind); };
-  if (std::ranges::any_of(experiment_.parts, has_topic) && one_meets_robot(experiment_) &&
+  const auto has_topic = [](const Node& node) { return experiment::has_topic(node.kind); };
+  if (std::ranges::any_of(experiment_.nodes, has_topic) && one_meets_robot(experiment_) &&
       meets_robot(experiment_, process_)) {
     messages_ = std::make_unique<bag::Recorder>(
         folder + "/" + kMessagesFile,
@@ -222,12 +222,12 @@ void Assembly::open_bag(const std::string& folder) {
   }
 }
 
-topics::Keep Assembly::keep_messages(const Part& part) {
+topics::Keep Assembly::keep_messages(const Node& node) {
   if (!messages_) {
     return {};
   }
-  const std::string& type = part.parameters.text("message");
-  const bag::Topic topic{part.parameters.text("topic"), type, part.name};
+  const std::string& type = node.parameters.text("message");
+  const bag::Topic topic{node.parameters.text("topic"), type, node.name};
   const auto keep = [recorder = messages_.get()](std::uint32_t connection) {
     return [recorder, connection](TimeNs time, std::span<const std::byte> message) {
       recorder->take(connection, time, message);
@@ -252,11 +252,11 @@ topics::Keep Assembly::keep_messages(const Part& part) {
       };
 }
 
-record::Recorder& Assembly::recorder_of(const Part& part, const std::string& folder) {
-  auto& recorder = recorders_[part.name];
+record::Recorder& Assembly::recorder_of(const Node& node, const std::string& folder) {
+  auto& recorder = recorders_[node.name];
   if (!recorder) {
     recorder = std::make_unique<record::Recorder>(
-        fmt::format("{}/{}.h5", folder, part.name), part.name,
+        fmt::format("{}/{}.h5", folder, node.name), node.name,
         record::RunAttributes{experiment_.seed, experiment_.tick},
         record::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
   }
@@ -272,41 +272,41 @@ void Assembly::add_recording(const std::string& from, const std::string& name,
 
 /// Every output of a node, and the fields of every command.
 void Assembly::record(const std::string& folder) {
-  const auto name_of = [](const std::string& part, const std::string& stream) {
-    return fmt::format("{}{} {}", kRecord, part, stream);
+  const auto name_of = [](const std::string& node, const std::string& stream) {
+    return fmt::format("{}{} {}", kRecord, node, stream);
   };
   for (const experiment::Output& output : experiment_.outputs) {
-    if (output.width == 0 || !is_here(output.part)) {
+    if (output.width == 0 || !is_here(output.node)) {
       continue;  // its own process records what it puts out
     }
-    record::Recorder& recorder = recorder_of(experiment_.part(output.part), folder);
-    add_recording(fmt::format("{}.{}", output.part, output.port), name_of(output.part, output.port),
+    record::Recorder& recorder = recorder_of(experiment_.node(output.node), folder);
+    add_recording(fmt::format("{}.{}", output.node, output.port), name_of(output.node, output.port),
                   output.kind == PortKind::spikes
                       ? recorder.spike_sink(output.port, output.width)
                       : recorder.signal_sink(output.port, output.width, "1"));
   }
   auto command = commands_.begin();
-  for (const Part& part : experiment_.parts) {
-    if (part.role != Role::sink || !is_here(part.name)) {
+  for (const Node& node : experiment_.nodes) {
+    if (node.role != Role::sink || !is_here(node.name)) {
       continue;
     }
-    record_latency(part, **command++, folder);
-    const bool all = part.mapping.all_channels;
-    const auto paths = command::field_paths(part.mapping);
+    record_latency(node, **command++, folder);
+    const bool all = node.mapping.all_channels;
+    const auto paths = command::field_paths(node.mapping);
     const auto width =
-        all ? experiment_.width(part.name, "in") : static_cast<std::uint32_t>(paths.size());
+        all ? experiment_.width(node.name, "in") : static_cast<std::uint32_t>(paths.size());
     add_recording(
-        part.name + ".out", name_of(part.name, "command"),
-        recorder_of(part, folder)
+        node.name + ".out", name_of(node.name, "command"),
+        recorder_of(node, folder)
             .signal_sink("command", width, "1", all ? std::vector<std::string>{} : paths));
   }
 }
 
 /// How old the data behind the first command of each message are.
-void Assembly::record_latency(const Part& part, ros_command::CommandEndpoint& command,
+void Assembly::record_latency(const Node& node, ros_command::CommandEndpoint& command,
                               const std::string& folder) {
-  if (experiment::nearest_sensor(experiment_, part.name)) {
-    command.on_latency([write = recorder_of(part, folder).value_writer("latency", "ms")](
+  if (experiment::nearest_sensor(experiment_, node.name)) {
+    command.on_latency([write = recorder_of(node, folder).value_writer("latency", "ms")](
                            TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);
     });

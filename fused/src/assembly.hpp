@@ -23,7 +23,7 @@ class Recorder;
 
 namespace spikeloop::fused {
 
-/// What the graph meets at its rim.
+/// What the graph meets at its boundary.
 struct Surroundings {
   Transport& transport;
   OtherProcesses* others = nullptr;  ///< none: there are no other processes
@@ -48,8 +48,8 @@ class Assembly {
   nlohmann::json summary() const;
 
  private:
-  void add_part(const experiment::Part& part);
-  void add_command(const experiment::Part& part);
+  void add_node(const experiment::Node& node);
+  void add_command(const experiment::Node& node);
   bool is_here(const std::string& end) const;
   void add_edge(const experiment::Link& edge);
   void connect(const std::string& from, const std::string& to, const experiment::Link& edge,
@@ -59,11 +59,11 @@ class Assembly {
   std::string source_of(const experiment::Link& edge);
   void send(const experiment::Link& edge);
   void open_bag(const std::string& folder);
-  topics::Keep keep_messages(const experiment::Part& part);
+  topics::Keep keep_messages(const experiment::Node& node);
   void record(const std::string& folder);
-  void record_latency(const experiment::Part& part, ros_command::CommandEndpoint& command,
+  void record_latency(const experiment::Node& node, ros_command::CommandEndpoint& command,
                       const std::string& folder);
-  record::Recorder& recorder_of(const experiment::Part& part, const std::string& folder);
+  record::Recorder& recorder_of(const experiment::Node& node, const std::string& folder);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 
   const experiment::Experiment& experiment_;

@@ -2,17 +2,17 @@
 
 namespace spikeloop::fused {
 
-BagTransport::Feed::Feed(bag::Reader& reader, const experiment::Part& sensor)
+BagTransport::Feed::Feed(bag::Reader& reader, const experiment::Node& sensor)
     : stream(reader.stream(sensor.parameters.text("topic"), sensor.name)),
       next(stream.next()),
       publisher(
           session.publisher(sensor.parameters.text("topic"), sensor.parameters.text("message"))) {}
 
-topics::Session& BagTransport::session(const experiment::Part& part) {
-  if (part.role != experiment::Role::source) {
+topics::Session& BagTransport::session(const experiment::Node& node) {
+  if (node.role != experiment::Role::source) {
     return commands_;
   }
-  return feeds_.emplace_back(std::make_unique<Feed>(reader_, part))->session;
+  return feeds_.emplace_back(std::make_unique<Feed>(reader_, node))->session;
 }
 
 void BagTransport::begin(TimeNs time) {

@@ -19,14 +19,14 @@ class BagTransport : public Transport {
   /// @throws FileError as bag::Reader.
   explicit BagTransport(const std::string& bag) : reader_(bag) {}
 
-  topics::Session& session(const experiment::Part& part) override;
+  topics::Session& session(const experiment::Node& node) override;
   /// @throws FileError when the bag is damaged.
   void begin(TimeNs time) override;
 
  private:
   /// Of a node, as two of one topic need not have taken the same messages.
   struct Feed {
-    Feed(bag::Reader& reader, const experiment::Part& sensor);
+    Feed(bag::Reader& reader, const experiment::Node& sensor);
 
     bag::Stream stream;
     std::optional<bag::Message> next;

@@ -16,7 +16,7 @@ namespace {
 using command::CommandClock;
 using experiment::Experiment;
 using experiment::Link;
-using experiment::Part;
+using experiment::Node;
 
 /// What both kinds of sensors have in common.
 template <typename Settings>
@@ -30,28 +30,28 @@ Settings with_transport(Settings settings, Transport& transport, topics::Keep ke
   return settings;
 }
 
-std::unique_ptr<topics::TopicSource> make_event_sensor(const Part& part, std::uint32_t width,
+std::unique_ptr<topics::TopicSource> make_event_sensor(const Node& node, std::uint32_t width,
                                                        Transport& transport, topics::Keep keep) {
-  topics::EventSensorSettings settings = experiment::event_sensor_settings(part.parameters);
+  topics::EventSensorSettings settings = experiment::event_sensor_settings(node.parameters);
   settings.events.width = width;
   settings.from_begin = transport.clock() == CommandClock::lockstep;
   return std::make_unique<topics::EventSensor>(
-      transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
+      transport.session(node), with_transport(std::move(settings), transport, std::move(keep)));
 }
 
-std::unique_ptr<topics::TopicSource> make_signal_sensor(const Part& part, std::uint32_t width,
+std::unique_ptr<topics::TopicSource> make_signal_sensor(const Node& node, std::uint32_t width,
                                                         Transport& transport, topics::Keep keep) {
-  topics::SensorSettings settings = experiment::sensor_settings(part.parameters);
+  topics::SensorSettings settings = experiment::sensor_settings(node.parameters);
   settings.width = width;
   settings.strict = true;
   return std::make_unique<topics::Sensor>(
-      transport.session(part), with_transport(std::move(settings), transport, std::move(keep)));
+      transport.session(node), with_transport(std::move(settings), transport, std::move(keep)));
 }
 
-command::CommandSettings clock_settings(const Experiment& experiment, const Part& part,
+command::CommandSettings clock_settings(const Experiment& experiment, const Node& node,
                                         const command::ComponentMap& map, CommandClock clock) {
-  const Parameters& keys = part.parameters;
-  const bool with_pace = experiment::nearest_sensor(experiment, part.name).has_value();
+  const Parameters& keys = node.parameters;
+  const bool with_pace = experiment::nearest_sensor(experiment, node.name).has_value();
   return clock == CommandClock::wall
              ? command::command_settings(keys, map, keys.number("command_rate"),
                                          {experiment.tick, experiment.real_time_factor}, with_pace)
@@ -59,45 +59,45 @@ command::CommandSettings clock_settings(const Experiment& experiment, const Part
 }
 
 /// With the bounds, and all that stops the robot.
-command::CommandSettings command_settings(const Experiment& experiment, const Part& part,
+command::CommandSettings command_settings(const Experiment& experiment, const Node& node,
                                           const command::ComponentMap& map, CommandClock clock) {
-  command::CommandSettings settings = clock_settings(experiment, part, map, clock);
-  settings.node = part.name;
-  const auto driver = std::ranges::find(experiment.links, part.name + ".in", &Link::to);
+  command::CommandSettings settings = clock_settings(experiment, node, map, clock);
+  settings.node = node.name;
+  const auto driver = std::ranges::find(experiment.links, node.name + ".in", &Link::to);
   settings.driver = driver == experiment.links.end() ? "" : driver->from;
-  experiment::add_bounds(part, settings);
-  settings.sensors = experiment::watched_sensors(experiment, part);
-  for (const Link* link : watched_spikes(experiment, part)) {
+  experiment::add_bounds(node, settings);
+  settings.sensors = experiment::watched_sensors(experiment, node);
+  for (const Link* link : watched_spikes(experiment, node)) {
     settings.spike_widths.push_back(link->width);
   }
-  settings.spike_timeout = experiment::spike_timeout(part);
+  settings.spike_timeout = experiment::spike_timeout(node);
   if (experiment.ros != experiment::Ros::none) {  // else there is nobody to stop it or drive it
-    experiment::add_people(part, experiment::dialect_of(experiment.ros), settings);
+    experiment::add_people(node, experiment::dialect_of(experiment.ros), settings);
   }
   return settings;
 }
 
 }  // namespace
 
-std::unique_ptr<topics::TopicSource> make_sensor(const Experiment& experiment, const Part& part,
+std::unique_ptr<topics::TopicSource> make_sensor(const Experiment& experiment, const Node& node,
                                                  Transport& transport, topics::Keep keep) {
-  const std::uint32_t width = experiment.width(part.name, "out");
-  auto sensor = part.kind == experiment::kRosEventSensor
-                    ? make_event_sensor(part, width, transport, std::move(keep))
-                    : make_signal_sensor(part, width, transport, std::move(keep));
-  transport.add(part.parameters.text("topic"), *sensor);
+  const std::uint32_t width = experiment.width(node.name, "out");
+  auto sensor = node.kind == experiment::kRosEventSensor
+                    ? make_event_sensor(node, width, transport, std::move(keep))
+                    : make_signal_sensor(node, width, transport, std::move(keep));
+  transport.add(node.parameters.text("topic"), *sensor);
   return sensor;
 }
 
 std::unique_ptr<ros_command::CommandEndpoint> make_command(const Experiment& experiment,
-                                                           const Part& part,
+                                                           const Node& node,
                                                            const command::ComponentMap& map,
                                                            Transport& transport,
                                                            topics::Keep keep) {
-  const ros_command::Address address{part.name, part.parameters.text("topic"),
-                                     part.mapping.message_type, command::field_paths(part.mapping)};
+  const ros_command::Address address{node.name, node.parameters.text("topic"),
+                                     node.mapping.message_type, command::field_paths(node.mapping)};
   auto command = std::make_unique<ros_command::CommandEndpoint>(
-      transport.session(part), address, command_settings(experiment, part, map, transport.clock()),
+      transport.session(node), address, command_settings(experiment, node, map, transport.clock()),
       std::move(keep));
   transport.add(address.topic, *command);
   return command;

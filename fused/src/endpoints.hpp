@@ -12,13 +12,13 @@ namespace spikeloop::fused {
 /// Of a ros_sensor or a ros_event_sensor. Ports: as topics::Sensor, topics::EventSensor.
 /// @throws Error as these.
 std::unique_ptr<topics::TopicSource> make_sensor(const experiment::Experiment& experiment,
-                                                 const experiment::Part& part, Transport& transport,
+                                                 const experiment::Node& node, Transport& transport,
                                                  topics::Keep keep);
 
 /// @param map channels to fields
 /// @throws Error as ros_command::CommandEndpoint.
 std::unique_ptr<ros_command::CommandEndpoint> make_command(const experiment::Experiment& experiment,
-                                                           const experiment::Part& part,
+                                                           const experiment::Node& node,
                                                            const command::ComponentMap& map,
                                                            Transport& transport, topics::Keep keep);
 

@@ -20,7 +20,7 @@ class MemoryTransport : public Transport {
   MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder,
                   const robot::SpectatorOptions& spectators = {});
 
-  topics::Session& session(const experiment::Part& /*part*/) override { return session_; }
+  topics::Session& session(const experiment::Node& /*node*/) override { return session_; }
   /// Publishes what has become due since the last call.
   void begin(TimeNs time) override;
   /// The robot advances to `time` on the command before; then the newest one holds.

@@ -33,7 +33,7 @@ experiment::SensorWidth look_at_robot(const experiment::Robot& robot, messages::
     const std::string name = topic.name.starts_with('/') ? topic.name : "/" + topic.name;
     messages[{name, topic.type}] = copied(sensors.write(i, vehicle));
   }
-  return [messages, ros](const experiment::Part& sensor) -> std::optional<std::uint32_t> {
+  return [messages, ros](const experiment::Node& sensor) -> std::optional<std::uint32_t> {
     const Parameters& keys = sensor.parameters;
     const auto message = messages.find({keys.text("topic"), keys.text("message")});
     if (message == messages.end()) {

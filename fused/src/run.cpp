@@ -159,9 +159,9 @@ json counters_of(const Graph& graph) {
 template <typename Picks>
 void add_sum(const Experiment& experiment, const char* counter, const char* key, Picks&& picks,
              json& summary) {
-  for (const auto& part : experiment.parts) {
-    const std::string name = fmt::format("{}.{}", part.name, counter);
-    if (picks(part) && summary["counters"].contains(name)) {
+  for (const auto& node : experiment.nodes) {
+    const std::string name = fmt::format("{}.{}", node.name, counter);
+    if (picks(node) && summary["counters"].contains(name)) {
       summary[key] = summary.value(key, std::uint64_t{0}) +
                      summary["counters"][name].template get<std::uint64_t>();
     }
@@ -209,10 +209,10 @@ json summary_of(const Experiment& experiment, const Surroundings& surroundings, 
       progress.wall > 0 ? to_seconds(progress.simulated) / to_seconds(progress.wall) : 0.0;
   summary.update(assembly.summary());
   summary.update(surroundings.transport.summary());
-  const auto is_network = [](const auto& part) { return part.kind == experiment::kNetwork; };
-  const auto is_laser = [](const auto& part) {
-    return part.kind == experiment::kRosSensor &&
-           part.parameters.text("message") == "sensor_msgs/LaserScan";
+  const auto is_network = [](const auto& node) { return node.kind == experiment::kNetwork; };
+  const auto is_laser = [](const auto& node) {
+    return node.kind == experiment::kRosSensor &&
+           node.parameters.text("message") == "sensor_msgs/LaserScan";
   };
   add_sum(experiment, "spikes", "spikes", is_network, summary);
   add_sum(experiment, "messages", "scans", is_laser, summary);
@@ -246,11 +246,11 @@ const char* how_to_look(experiment::Ros ros) {
 }
 
 void warn_of_silence(const Experiment& experiment, const json& summary) {
-  for (const auto& part : experiment.parts) {
-    const std::string counter = part.name + ".messages";
-    if (experiment::takes_messages(part.kind) && summary.contains("counters") &&
+  for (const auto& node : experiment.nodes) {
+    const std::string counter = node.name + ".messages";
+    if (experiment::takes_messages(node.kind) && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning("not one message came on topic '{}'{}", part.parameters.text("topic"),
+      log::warning("not one message came on topic '{}'{}", node.parameters.text("topic"),
                    how_to_look(experiment.ros));
     }
   }
@@ -275,14 +275,14 @@ void warn_of_overruns(const Experiment& experiment, const Progress& progress, Ti
 }
 
 /// Of a table, a list or a map.
-std::string written_text(const experiment::Part& part, const std::string& name) {
-  if (const auto written = part.written.find(name); written != part.written.end()) {
+std::string written_text(const experiment::Node& node, const std::string& name) {
+  if (const auto written = node.written.find(name); written != node.written.end()) {
     return written->second.text;
   }
-  if (part.node_class == nullptr) {
+  if (node.node_class == nullptr) {
     return "";
   }
-  const auto& declared = part.node_class->description.parameters;
+  const auto& declared = node.node_class->description.parameters;
   const auto parameter = std::ranges::find(declared, name, &ParameterDescription::name);
   return parameter == declared.end() ? "" : parameter->default_value.value_or("");
 }
@@ -291,9 +291,9 @@ std::string written_text(const experiment::Part& part, const std::string& name) 
 
 json resolved_json(const Experiment& experiment) {
   json nodes = json::object();
-  for (const auto& part : experiment.parts) {
-    json keys{{experiment::is_simulator(part) ? "simulator" : "node", part.kind}};
-    for (const auto& [name, value] : part.parameters.all()) {
+  for (const auto& node : experiment.nodes) {
+    json keys{{experiment::is_simulator(node) ? "simulator" : "node", node.kind}};
+    for (const auto& [name, value] : node.parameters.all()) {
       if (const auto* number = std::get_if<double>(&value)) {
         keys[name] = *number;
       } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
@@ -303,10 +303,10 @@ json resolved_json(const Experiment& experiment) {
       } else if (const auto* text = std::get_if<std::string>(&value)) {
         keys[name] = *text;
       } else {
-        keys[name] = written_text(part, name);
+        keys[name] = written_text(node, name);
       }
     }
-    nodes[part.name] = keys;
+    nodes[node.name] = keys;
   }
   json links = json::array();
   for (const auto& link : experiment.links) {

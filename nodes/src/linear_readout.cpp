@@ -12,10 +12,10 @@ namespace spikeloop {
 namespace {
 
 // The weights by input channel, because spikes come by channel.
-class Fan {
+class TransposedWeights {
  public:
   // For the rows from `first` to `last`.
-  Fan(const WeightTable& table, std::uint32_t first, std::uint32_t last)
+  TransposedWeights(const WeightTable& table, std::uint32_t first, std::uint32_t last)
       : kind_(table.kind), first_(first), rows_(last - first) {
     if (kind_ == WeightTable::Kind::dense) {
       transpose_dense(table);
@@ -100,9 +100,9 @@ class LinearReadout final : public Node {
       : tau_(setup.parameters.number("tau")),
         share_(setup.share),
         first_(share_.begin(setup.widths[1])),
-        fan_(port_weights(setup, setup.widths[1], setup.widths[0]), first_,
+        weights_(port_weights(setup, setup.widths[1], setup.widths[0]), first_,
              share_.end(setup.widths[1])),
-        sum_(fan_.sums(), tau_) {}
+        sum_(weights_.sums(), tau_) {}
 
   void step(const Step& step) override {
     take(step.spike_input(), step.interval());
@@ -133,7 +133,7 @@ class LinearReadout final : public Node {
       if (channel >= input.width) {
         refuse_channel(spike.channel, input.width);
       }
-      fan_.add(channel, factor, sum_);
+      weights_.add(channel, factor, sum_);
       late_ += time <= interval.begin ? 1 : 0;
     }
     spikes_ += input.spikes.size();
@@ -147,7 +147,7 @@ class LinearReadout final : public Node {
         all.subspan(first_, share_.count(static_cast<std::uint32_t>(all.size())));
     bool changed = !begun_;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double value = sum_.value(fan_.sums() == 1 ? 0 : i, decay) / tau_;
+      const double value = sum_.value(weights_.sums() == 1 ? 0 : i, decay) / tau_;
       if (!begun_ || value != values[i]) {
         values[i] = value;
         changed = true;
@@ -162,7 +162,7 @@ class LinearReadout final : public Node {
   double tau_;  // s
   Share share_;
   std::uint32_t first_;
-  Fan fan_;
+  TransposedWeights weights_;
   KernelSum sum_;
   bool begun_ = false;
   std::uint64_t spikes_ = 0;

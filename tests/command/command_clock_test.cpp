@@ -33,7 +33,7 @@ class CommandClockTest : public testing::Test {
             .max_age = 100 * kMs,
             .clock = clock};
   }
-  CommandSink::Carrier carrier() {
+  CommandSink::Transport transport() {
     return {.publish = [this](auto values) { sent_.emplace_back(values[0]); },
             .finish = [] {},
             .interrupted = [] {}};
@@ -69,7 +69,7 @@ std::uint64_t counter(const CommandSink& sink, const std::string& name) {
 }
 
 TEST_F(CommandClockTest, RepetitionsAndAgesAreSimulated) {
-  CommandSink sink(settings(CommandClock::simulated), carrier());
+  CommandSink sink(settings(CommandClock::simulated), transport());
   for (TimeNs end = kMs; end <= 100 * kMs; end += kMs) {
     tick(sink, end, 0.5, 0);
   }
@@ -80,7 +80,7 @@ TEST_F(CommandClockTest, RepetitionsAndAgesAreSimulated) {
 }
 
 TEST_F(CommandClockTest, ALoopThatWaitsIsNotSilent) {
-  CommandSink sink(settings(CommandClock::simulated), carrier());
+  CommandSink sink(settings(CommandClock::simulated), transport());
   sink.alive();
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 30; ++i) {
@@ -93,7 +93,7 @@ TEST_F(CommandClockTest, ALoopThatWaitsIsNotSilent) {
 }
 
 TEST_F(CommandClockTest, ALoopThatHangsIsSilent) {
-  CommandSink sink(settings(CommandClock::simulated), carrier());
+  CommandSink sink(settings(CommandClock::simulated), transport());
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 0; ++i) {
     std::this_thread::sleep_for(10ms);
@@ -103,7 +103,7 @@ TEST_F(CommandClockTest, ALoopThatHangsIsSilent) {
 }
 
 TEST_F(CommandClockTest, InLockstepNothingButTheTicksCounts) {
-  CommandSink sink(settings(CommandClock::lockstep), carrier());
+  CommandSink sink(settings(CommandClock::lockstep), transport());
   tick(sink, kMs, 0.5, 0);
   ::kill(::getpid(), SIGCONT);
   std::this_thread::sleep_for(300ms);
@@ -124,7 +124,7 @@ TEST_F(CommandClockTest, WhatPeopleSayCountsAtOnceByAnyOtherClock) {
     with_topics.watchdog = 60 * kNsPerSecond;
     with_topics.max_age = 0;
     sent_.clear();
-    CommandSink sink(with_topics, carrier());
+    CommandSink sink(with_topics, transport());
     tick(sink, kMs, 0.5, 0);
     const double back = -0.3;
     sink.override_with({&back, 1});
@@ -140,7 +140,7 @@ TEST_F(CommandClockTest, InLockstepWhatPeopleSayCountsFromTheNextTick) {
   CommandSettings with_topics = settings(CommandClock::lockstep);
   with_topics.emergency_stop.topic = "/stop";
   with_topics.manual = {.topic = "/by_hand", .timeout = 5 * kMs};
-  CommandSink sink(with_topics, carrier());
+  CommandSink sink(with_topics, transport());
   tick(sink, kMs, 0.5, 0);
   const double back = -0.3;
   sink.override_with({&back, 1});
@@ -162,7 +162,7 @@ TEST_F(CommandClockTest, AManualCommandEndsWithoutTheLoop) {
   CommandSettings with_topics = settings(CommandClock::wall);
   with_topics.manual = {.topic = "/by_hand", .timeout = 100 * kMs};
   with_topics.max_age = 0;
-  CommandSink sink(with_topics, carrier());
+  CommandSink sink(with_topics, transport());
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 0; ++i) {
     std::this_thread::sleep_for(10ms);
@@ -186,7 +186,7 @@ TEST_F(CommandClockTest, ALostPublisherOfTheEmergencyStopIsNoticedWithoutAMessag
   with_topics.max_age = 0;
   with_topics.watchdog = 60 * kNsPerSecond;
   std::atomic<bool> there{true};
-  CommandSink sink(with_topics, carrier());
+  CommandSink sink(with_topics, transport());
   sink.watch_publishers([&] { return there.load(); });
   for (int i = 0; i < 1000 && counter(sink, "commands") == 0; ++i) {
     tick(sink, kMs, 0.5, 0);

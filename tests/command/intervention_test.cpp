@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "spikeloop/command/interventions.hpp"
+#include "spikeloop/command/operator_input.hpp"
 
 namespace spikeloop::command::intervention_test {
 namespace {
@@ -255,7 +255,7 @@ TEST_F(BoundedTest, manual_commands_have_the_bounds_too) {
 }
 
 TEST_F(InterventionTest, what_is_said_counts_when_it_is_applied) {
-  Interventions people({.topic = "/stop", .required = true}, channel_);
+  OperatorInput people({.topic = "/stop", .required = true}, channel_);
   command(0.5, 0);
   bool there = true;
   people.watch_publishers([&] { return there; });

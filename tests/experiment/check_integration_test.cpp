@@ -168,12 +168,12 @@ TEST(Check, PathsStartWhereALinkLies) {
 }
 
 /// What `spikeloop new` prints, with a part of it replaced.
-std::string new_with(const TemporaryDirectory& directory, const std::string& part,
+std::string new_with(const TemporaryDirectory& directory, const std::string& node,
                      const std::string& other) {
   std::string text = spikeloop({"new"}, directory).out;
-  const auto place = text.find(part);
-  EXPECT_NE(place, std::string::npos) << part;
-  return text.replace(place, part.size(), other);
+  const auto place = text.find(node);
+  EXPECT_NE(place, std::string::npos) << node;
+  return text.replace(place, node.size(), other);
 }
 
 TEST(Check, SensorsHaveTheWidthOfTheRobot) {
@@ -231,10 +231,9 @@ TEST(Run, TimeoutsAreForSeveralProcesses) {
   directory.write("x.yaml", spikeloop({"new"}, directory).out);
   const Outcome outcome = spikeloop({"run", "x.yaml", "--stall-timeout", "5"}, directory);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(
-      outcome.err,
-      "spikeloop: --stall-timeout is for runs in several processes (layout,  ros,  a "
-      "simulator), and this one has a single process; leave it out\n");
+  EXPECT_EQ(outcome.err,
+            "spikeloop: --stall-timeout is for runs in several processes (layout,  ros,  a "
+            "simulator), and this one has a single process; leave it out\n");
 }
 
 TEST(Check, WhatNewPrintsIsRight) {
@@ -242,8 +241,7 @@ TEST(Check, WhatNewPrintsIsRight) {
   directory.write("x.yaml", spikeloop({"new", "maze"}, directory).out);
   const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out,
-            "x.yaml: OK: 6 nodes, 5 connections, tick 1 ms, 5 s\n");
+  EXPECT_EQ(outcome.out, "x.yaml: OK: 6 nodes, 5 connections, tick 1 ms, 5 s\n");
 }
 
 }  // namespace

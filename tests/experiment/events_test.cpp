@@ -28,21 +28,21 @@ class Events : public testing::Test {
  protected:
   Experiment good(const std::string& text) {
     files_.push_back(std::make_unique<Files>(text));
-    Read result = read(*files_.back(), kinds_);
+    Read result = read(*files_.back(), types_);
     EXPECT_THAT(result.faults, IsEmpty()) << text;
     return std::move(result.experiment);
   }
   std::vector<std::string> faults(const std::string& text) {
-    return read(Files(text), kinds_).faults;
+    return read(Files(text), types_).faults;
   }
 
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   std::vector<std::unique_ptr<Files>> files_;
 };
 
 TEST_F(Events, DefaultsAreThoseOfTheProgram) {
   const Experiment experiment = good(events(""));
-  const Parameters& keys = experiment.part("eye").parameters;
+  const Parameters& keys = experiment.node("eye").parameters;
   EXPECT_EQ(keys.text("message"), "event_camera_msgs/EventPacket");
   EXPECT_EQ(keys.text("polarity"), "both");
   EXPECT_EQ(keys.integer("downsample"), 1);
@@ -98,9 +98,9 @@ TEST_F(Events, SomebodyMustSendThem) {
 
 TEST_F(Events, SilenceStopsTheRobotOnlyWhenThatIsWritten) {
   const Experiment silent = good(events(""));
-  EXPECT_THAT(watched_sensors(silent, silent.part("go")), IsEmpty());
+  EXPECT_THAT(watched_sensors(silent, silent.node("go")), IsEmpty());
   const Experiment watched = good(events(", timeout: 300 ms"));
-  const auto sensors = watched_sensors(watched, watched.part("go"));
+  const auto sensors = watched_sensors(watched, watched.node("go"));
   ASSERT_EQ(sensors.size(), 1U);
   EXPECT_EQ(sensors[0].topic, "/events");
   EXPECT_EQ(sensors[0].timeout, 300'000'000);

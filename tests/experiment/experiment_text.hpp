@@ -34,13 +34,13 @@ inline constexpr const char* kNetwork =
 /// The good file with these parts replaced; an empty part is the whole file.
 inline std::string with(const std::vector<std::pair<std::string, std::string>>& instead) {
   std::string text = kGood;
-  for (const auto& [part, other] : instead) {
-    const auto place = part.empty() ? 0 : text.find(part);
+  for (const auto& [node, other] : instead) {
+    const auto place = node.empty() ? 0 : text.find(node);
     if (place == std::string::npos) {
-      ADD_FAILURE() << "the good file has no " << part;
+      ADD_FAILURE() << "the good file has no " << node;
       return text;
     }
-    text.replace(place, part.empty() ? text.size() : part.size(), other);
+    text.replace(place, node.empty() ? text.size() : node.size(), other);
   }
   return text;
 }
@@ -68,9 +68,9 @@ class Files {
   }
 
  private:
-  static std::string replaced(std::string text, const std::string& part, const std::string& by) {
-    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + by.size())) {
-      text.replace(at, part.size(), by);
+  static std::string replaced(std::string text, const std::string& node, const std::string& by) {
+    for (auto at = text.find(node); at != std::string::npos; at = text.find(node, at + by.size())) {
+      text.replace(at, node.size(), by);
     }
     return text;
   }
@@ -85,8 +85,8 @@ struct Read {
   experiment::Experiment experiment;
 };
 
-/// As `spikeloop check` reads it. `kinds` must outlive the result.
-inline Read read(const Files& files, const experiment::Kinds& kinds,
+/// As `spikeloop check` reads it. `types` must outlive the result.
+inline Read read(const Files& files, const experiment::NodeTypes& types,
                  const experiment::Overrides& overrides = {}) {
   Read result;
   std::vector<experiment::Fault> faults;
@@ -95,7 +95,7 @@ inline Read read(const Files& files, const experiment::Kinds& kinds,
         read_experiment_file(files.path(), [&](const ConfigurationError& error) {
           faults.push_back({error.what(), error.where(), error.exit_code()});
         });
-    result.experiment = experiment::resolve(file, kinds, overrides, faults);
+    result.experiment = experiment::resolve(file, types, overrides, faults);
   } catch (const Error& error) {
     faults.push_back({error.what(), error.where(), error.exit_code()});
   }

@@ -19,12 +19,12 @@ class GoodFiles : public testing::Test {
  protected:
   Experiment good(const std::string& text, const experiment::Overrides& overrides = {}) {
     files_.emplace_back(std::make_unique<Files>(text, more_));
-    Read result = read(*files_.back(), kinds_, overrides);
+    Read result = read(*files_.back(), types_, overrides);
     EXPECT_THAT(result.faults, IsEmpty()) << text;
     return std::move(result.experiment);
   }
 
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   std::map<std::string, std::string> more_;
   std::vector<std::unique_ptr<Files>> files_;
 };
@@ -51,8 +51,8 @@ TEST_F(GoodFiles, Defaults) {
   ASSERT_TRUE(experiment.robot);
   EXPECT_EQ(experiment.robot->world, "arena.xml");
   EXPECT_EQ(experiment.robot->seed, 1U);
-  EXPECT_EQ(experiment.part("encoder").parameters.number("rate_min"), 0);
-  EXPECT_FALSE(experiment.part("encoder").parameters.given("rate_min"));
+  EXPECT_EQ(experiment.node("encoder").parameters.number("rate_min"), 0);
+  EXPECT_FALSE(experiment.node("encoder").parameters.given("rate_min"));
 }
 
 TEST_F(GoodFiles, KeysAndUnits) {
@@ -66,10 +66,10 @@ TEST_F(GoodFiles, KeysAndUnits) {
   EXPECT_EQ(experiment.seed, 7U);
   EXPECT_EQ(experiment.robot->seed, 7U);
   EXPECT_EQ(experiment.sync, experiment::Sync::lockstep);
-  EXPECT_DOUBLE_EQ(experiment.part("encoder").parameters.number("rate_max"), 200);
-  EXPECT_TRUE(experiment.part("encoder").parameters.given("rate_min"));
-  EXPECT_DOUBLE_EQ(experiment.part("decoder").parameters.number("tau"), 0.03);
-  EXPECT_EQ(experiment.part("scan").parameters.text("message"), "sensor_msgs/LaserScan");
+  EXPECT_DOUBLE_EQ(experiment.node("encoder").parameters.number("rate_max"), 200);
+  EXPECT_TRUE(experiment.node("encoder").parameters.given("rate_min"));
+  EXPECT_DOUBLE_EQ(experiment.node("decoder").parameters.number("tau"), 0.03);
+  EXPECT_EQ(experiment.node("scan").parameters.text("message"), "sensor_msgs/LaserScan");
 }
 
 TEST_F(GoodFiles, MessagesHaveNamesOrFiles) {
@@ -81,15 +81,15 @@ TEST_F(GoodFiles, MessagesHaveNamesOrFiles) {
         "message: my_robot/msg/Arm.msg, fields: [\"angle[0:2]\", grip.force]"},
        {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
         "message: ./my_robot/msg/Arm.msg, fields: {\"angle[name=left]\": 0, grip.force: 1}"}}));
-  EXPECT_TRUE(own.part("scan").parameters.text("message").ends_with("/my_robot/msg/Arm.msg"));
-  EXPECT_TRUE(own.part("wheels").mapping.message_type.ends_with("/my_robot/msg/Arm.msg"));
+  EXPECT_TRUE(own.node("scan").parameters.text("message").ends_with("/my_robot/msg/Arm.msg"));
+  EXPECT_TRUE(own.node("wheels").mapping.message_type.ends_with("/my_robot/msg/Arm.msg"));
   const Experiment known =
       good(with({{"robot: {simulator: mujoco}", "ros: 1"},
                  {"message: LaserScan", "message: JointState, fields: [\"position[0:3]\"]"},
                  {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
                   "message: sensor_msgs/msg/JointState, fields: {\"velocity[name=left]\": 0}"}}));
-  EXPECT_EQ(known.part("scan").parameters.text("message"), "sensor_msgs/JointState");
-  EXPECT_EQ(known.part("wheels").mapping.message_type, "sensor_msgs/JointState");
+  EXPECT_EQ(known.node("scan").parameters.text("message"), "sensor_msgs/JointState");
+  EXPECT_EQ(known.node("wheels").mapping.message_type, "sensor_msgs/JointState");
 }
 
 TEST_F(GoodFiles, MessagesAreThoseOfItsRos) {
@@ -100,7 +100,7 @@ TEST_F(GoodFiles, MessagesAreThoseOfItsRos) {
                        "field: " +
                            field + "}"}}),
                 {});
-    return read(files, kinds_, {}).faults;
+    return read(files, types_, {}).faults;
   };
   EXPECT_THAT(stopped_by("1", "seq"), IsEmpty());
   EXPECT_THAT(stopped_by("2", "stamp.nanosec"), IsEmpty());
@@ -115,7 +115,7 @@ TEST_F(GoodFiles, AReadoutAtTheEndIsAsWideAsItsWeights) {
   const Experiment experiment =
       good(with({{"  wheels: {", "  end: {node: linear_readout, weights: w.json}\n  wheels: {"},
                  {"wheels [2]\n", "wheels [2]\n  - brain -> end\n"}}));
-  const auto end = std::ranges::find(experiment.outputs, "end", &experiment::Output::part);
+  const auto end = std::ranges::find(experiment.outputs, "end", &experiment::Output::node);
   ASSERT_NE(end, experiment.outputs.end());
   EXPECT_EQ(end->width, 2U);
 }
@@ -212,7 +212,7 @@ TEST_F(GoodFiles, FieldsOfAnyMessage) {
        {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
         "message: sensor_msgs/JointState, fields: {\"effort[name=a]\": 0, \"velocity[0:2]\": 0}, "
         "limits: {\"velocity[0:2]\": [-1, 2]}"}}));
-  const CommandMapping& mapping = experiment.part("wheels").mapping;
+  const CommandMapping& mapping = experiment.node("wheels").mapping;
   ASSERT_EQ(mapping.fields.size(), 3U);
   EXPECT_EQ(mapping.message_type, "sensor_msgs/JointState");
   EXPECT_EQ(mapping.fields[2].field, "velocity[1]");
@@ -224,7 +224,7 @@ TEST_F(GoodFiles, AnOutputWithATableMayLeadNowhere) {
   const Experiment experiment =
       good(with({{"nodes:\n", "nodes:\n  other: {node: connect, weights: w.json}\n"},
                  {"connections:\n", "connections:\n  - scan -> other\n"}}));
-  const auto output = std::ranges::find(experiment.outputs, "other", &experiment::Output::part);
+  const auto output = std::ranges::find(experiment.outputs, "other", &experiment::Output::node);
   ASSERT_NE(output, experiment.outputs.end());
   EXPECT_EQ(output->width, 2U);
 }
@@ -252,8 +252,8 @@ TEST_F(GoodFiles, BlocksFlowsQuotesAndAliases) {
        {"linear.x: 0, angular.z: 1}}",
         "linear.x: {channel: 0, scale: 2}, angular.z: 1}, limits: {linear.x: [-1, 1]}}"}}));
   EXPECT_EQ(texts(experiment), kLinks);
-  EXPECT_EQ(experiment.part("scan").parameters.text("topic"), "/scan");
-  const auto& fields = experiment.part("wheels").mapping.fields;
+  EXPECT_EQ(experiment.node("scan").parameters.text("topic"), "/scan");
+  const auto& fields = experiment.node("wheels").mapping.fields;
   ASSERT_EQ(fields.size(), 2U);
   EXPECT_EQ(fields[0].scale, 2);
   EXPECT_EQ(fields[0].maximum, 1);
@@ -265,7 +265,7 @@ TEST_F(GoodFiles, NodesThatAreAliases) {
   const Experiment experiment =
       good(with({{"nodes:\n", "nodes:\n  a: &one {node: sigmoid, slope: 2}\n  b: *one\n"},
                  {"connections:\n", "connections:\n  - a -> b [2] -> a [2, delay 1 tick]\n"}}));
-  EXPECT_EQ(experiment.part("b").parameters.number("slope"), 2);
+  EXPECT_EQ(experiment.node("b").parameters.number("slope"), 2);
 }
 
 TEST_F(GoodFiles, LinesAsOnWindowsAndAByteOrderMark) {
@@ -328,12 +328,12 @@ TEST_F(GoodFiles, ARecordingKnowsItsWidth) {
   const Files wide(
       with({{sensor, playback}, {"encoder [3] -> brain [3]", "encoder [4] -> brain"}}));
   EXPECT_THAT(
-      read(wide, kinds_).faults,
+      read(wide, types_).faults,
       ElementsAre("x.yaml:12:13: widths differ: 'scan.out' has 3 channels, 'encoder.in' has "
                   "4, the connection says [4]"));
   const Files other(with({{sensor, "{node: signal_playback, stream: oot, file: " + path + "}"}}));
   EXPECT_THAT(
-      read(other, kinds_).faults,
+      read(other, types_).faults,
       ElementsAre(testing::HasSubstr("x.yaml:6:41: '" + path + "' has no signals called 'oot'")));
 }
 
@@ -349,7 +349,7 @@ TEST_F(GoodFiles, FieldsOfAMessage) {
                                             "/odom, message: Odometry, fields: "
                                             "[pose.pose.position.x, twist.twist.linear.x, "
                                             "twist.twist.angular.z], initial: 0"}}));
-  EXPECT_EQ(experiment.part("scan").parameters.text("message"), "nav_msgs/Odometry");
+  EXPECT_EQ(experiment.node("scan").parameters.text("message"), "nav_msgs/Odometry");
 }
 
 }  // namespace

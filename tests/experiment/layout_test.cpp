@@ -28,19 +28,19 @@ connections:
 class LayoutTest : public testing::Test {
  protected:
   /// The text with a part replaced.
-  Read read_with(const std::string& part, const std::string& other,
+  Read read_with(const std::string& node, const std::string& other,
                  const experiment::Overrides& overrides = {}) {
     std::string text = kLoop;
-    text.replace(text.find(part), part.size(), other);
+    text.replace(text.find(node), node.size(), other);
     files_ = std::make_unique<Files>(
         text, std::map<std::string, std::string>{{"brain.py", "import spikeloop\n"}});
-    return read(*files_, kinds_, overrides);
+    return read(*files_, types_, overrides);
   }
   std::vector<std::string> faults_of(const std::string& layout) {
     return read_with("{vision: [scan, encoder], control: [decoder, wheels]}", layout).faults;
   }
-  Experiment loop(const std::string& part = "duration", const std::string& other = "duration") {
-    const Read result = read_with(part, other);
+  Experiment loop(const std::string& node = "duration", const std::string& other = "duration") {
+    const Read result = read_with(node, other);
     EXPECT_THAT(result.faults, testing::IsEmpty());
     return experiment::with_layout_delays(result.experiment);
   }
@@ -61,7 +61,7 @@ class LayoutTest : public testing::Test {
     return result;
   }
 
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   std::unique_ptr<Files> files_;
 };
 
@@ -105,7 +105,7 @@ TEST_F(LayoutTest, AroundACycleBothTakeMore) {
     std::string with_delay = text;
     with_delay.replace(text.find("-> squash [1]"), 13, "-> squash [1" + delay + "]");
     files_ = std::make_unique<Files>(with_delay);
-    const Read result = read(*files_, kinds_);
+    const Read result = read(*files_, types_);
     EXPECT_THAT(result.faults, testing::IsEmpty());
     return result.experiment;
   };

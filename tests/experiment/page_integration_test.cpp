@@ -29,10 +29,10 @@ std::string between(const std::string& text, const std::string& begin, const std
   return text.substr(from + begin.size(), to - from - begin.size());
 }
 
-std::string replaced(std::string text, const std::string& part, const std::string& by) {
-  const auto at = text.find(part);
-  EXPECT_NE(at, std::string::npos) << part;
-  return at == std::string::npos ? text : text.replace(at, part.size(), by);
+std::string replaced(std::string text, const std::string& node, const std::string& by) {
+  const auto at = text.find(node);
+  EXPECT_NE(at, std::string::npos) << node;
+  return at == std::string::npos ? text : text.replace(at, node.size(), by);
 }
 
 TEST(ExperimentPage, HasTheKeysOfToday) {

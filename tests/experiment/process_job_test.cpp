@@ -30,7 +30,7 @@ class ProcessJob : public testing::Test {
   experiment::Experiment experiment(const std::string& connections) {
     files_ = std::make_unique<Files>(kHead + connections, std::map<std::string, std::string>{
                                                               {"brain.py", "import spikeloop\n"}});
-    Read result = read(*files_, kinds_);
+    Read result = read(*files_, types_);
     EXPECT_THAT(result.faults, testing::IsEmpty());
     return result.experiment;
   }
@@ -49,7 +49,7 @@ class ProcessJob : public testing::Test {
     return "nothing";
   }
 
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   std::unique_ptr<Files> files_;
 };
 
@@ -140,7 +140,7 @@ TEST_F(ProcessJob, TheOthersSectionHasANameOfItsOwn) {
       "script: brain.py}\n  b: {node: linear_readout}\nconnections:\n  - c -> a [1] -> experiment "
       "[1] -> b [1] -> c [1, delay 1 tick]\n",
       std::map<std::string, std::string>{{"brain.py", "import spikeloop\n"}});
-  const Read result = read(*files_, kinds_);
+  const Read result = read(*files_, types_);
   ASSERT_THAT(result.faults, testing::IsEmpty());
   EXPECT_THAT(experiment::process_job(experiment::with_layout_delays(result.experiment), "", {})
                   .file.labels(),

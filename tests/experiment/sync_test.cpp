@@ -19,11 +19,11 @@ class SyncKey : public testing::Test {
   Read read_with(const std::string& lines, bool robot = true, const Overrides& overrides = {}) {
     files_.emplace_back(std::make_unique<Files>(
         with({{"tick: 1 ms", lines}, {"robot: {simulator: mujoco}\n", robot ? kRobot : ""}})));
-    return read(*files_.back(), kinds_, overrides);
+    return read(*files_.back(), types_, overrides);
   }
 
   static constexpr const char* kRobot = "robot: {simulator: mujoco}\n";
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   std::vector<std::unique_ptr<Files>> files_;
 };
 

@@ -21,8 +21,8 @@ inline void PrintTo(const WrongFile& wrong, std::ostream* out) {
 
 inline void expect_faults(const WrongFile& wrong) {
   const Files files(with(wrong.instead), wrong.files);
-  const experiment::Kinds kinds;
-  EXPECT_THAT(read(files, kinds).faults, testing::ElementsAreArray(wrong.faults)) << wrong.what;
+  const experiment::NodeTypes types;
+  EXPECT_THAT(read(files, types).faults, testing::ElementsAreArray(wrong.faults)) << wrong.what;
 }
 
 inline std::string repeated(const std::string& text, int times) {

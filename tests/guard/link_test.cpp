@@ -12,7 +12,7 @@
 
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -1,4 +1,4 @@
-// A keeper between us and a program: what it starts, reports and ends.
+// A subreaper between us and a program: what it starts, reports and ends.
 #include "spikeloop/launch/process_tree.hpp"
 
 #include <fmt/format.h>
@@ -56,14 +56,14 @@ TEST(ProcessTree, RunsAProgramWithItsEnvironmentInItsDirectory) {
 TEST(ProcessTree, EndsThoughItsKeeperWasStopped) {
   ProcessTree tree(shell("sleep 100"));
   std::ifstream status(fmt::format("/proc/{}/status", tree.pid()));
-  pid_t keeper = 0;
-  for (std::string word; keeper == 0 && status >> word;) {
+  pid_t subreaper = 0;
+  for (std::string word; subreaper == 0 && status >> word;) {
     if (word == "PPid:") {
-      status >> keeper;
+      status >> subreaper;
     }
   }
-  ASSERT_GT(keeper, 1);
-  kill(keeper, SIGSTOP);
+  ASSERT_GT(subreaper, 1);
+  kill(subreaper, SIGSTOP);
   tree.end();
   EXPECT_EQ(output_of(tree), "");
   EXPECT_EQ(exit_code(tree.status().value()), 128 + SIGTERM);
@@ -87,7 +87,7 @@ TEST(ProcessTree, TellsTheSignalThatEndedIt) {
 }
 
 TEST(ProcessTree, EndsWhatTheProgramLeavesBehind) {
-  // A session of its own, an orphan, deaf to SIGTERM: the keeper adopts and kills it.
+  // A session of its own, an orphan, deaf to SIGTERM: the subreaper adopts and kills it.
   ProcessTree tree(
       shell("setsid sh -c 'trap \"\" TERM; echo $$; sleep 1000; sleep 1000' & sleep 0.3"));
   const pid_t orphan = std::stoi(output_of(tree));
@@ -140,7 +140,7 @@ TEST(Descendants, AreFoundOverGenerations) {
     usleep(10'000);
   }
   EXPECT_EQ(descendants(tree.pid()).size(), 3u);
-  EXPECT_GE(descendants(getpid()).size(), 5u) << "keeper, shell and its three";
+  EXPECT_GE(descendants(getpid()).size(), 5u) << "subreaper, shell and its three";
 }
 
 TEST(IsStopped, TellsWhoWaitsForSigcont) {

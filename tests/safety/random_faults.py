@@ -117,7 +117,7 @@ class Launch:
         for pid, (words, environment) in jobs.processes_of(self.process.pid).items():
             section = next((word.removeprefix("_MUSIC_CONFIG_=").split(":")[0] for word in environment
                             if word.startswith("_MUSIC_CONFIG_=")), "")
-            program = {"spikeloop-fused": "experiment", "spikeloop": "keeper", "orterun": "mpirun"}.get(
+            program = {"spikeloop-fused": "experiment", "spikeloop": "subreaper", "orterun": "mpirun"}.get(
                 words[-1], words[-1])
             found[pid] = "launcher" if pid == self.process.pid else section or program
         with contextlib.suppress(AssertionError):
@@ -168,7 +168,7 @@ class Launch:
 
     def is_fatal(self):
         """A program of the loop, or the launcher, has gone or stands still."""
-        return self.target not in ("guard", "keeper", "mpirun", "nothing") and (
+        return self.target not in ("guard", "subreaper", "mpirun", "nothing") and (
             self.signal in ("KILL", "SEGV", "ABRT", "QUIT", "STOP"))
 
     def __str__(self):

@@ -33,8 +33,8 @@ std::string name_of_node(const std::string& label) {
 class Importer {
  public:
   Importer(const MusicFile& file, const ImportOptions& options)
-      : file_(file), options_(options), nodes_(file, options, kinds_, result_) {
-    kinds_.load_plugin_path(plugin_path());
+      : file_(file), options_(options), nodes_(file, options, types_, result_) {
+    types_.load_plugin_path(plugin_path());
   }
 
   Imported import() {
@@ -281,7 +281,7 @@ class Importer {
   const ImportOptions& options_;
   MusicFile effective_;
   Imported result_;
-  experiment::Kinds kinds_;
+  experiment::NodeTypes types_;
   NodeImporter nodes_;
   std::vector<ImportedNode> order_;
   std::map<std::string, std::size_t> imported_;

@@ -198,7 +198,7 @@ std::string NodeImporter::path(const MusicSection& section, const std::string& w
 
 /// The section's keys are parameters of the class, and stand in its order.
 void NodeImporter::import_topic(const MusicSection& section, const RosProgram& program) {
-  node_.description = &kinds_.find(program.node_class).description;
+  node_.description = &types_.find(program.node_class).description;
   add("node", program.node_class);
   const auto keys = experiment::section_keys(program.node_class);
   const auto declared = experiment::section_parameters(program);
@@ -341,7 +341,7 @@ void NodeImporter::add_fields(const MusicSection& section, const RosProgram& pro
 void NodeImporter::load_plugin(const MusicSection& section, const MusicKey& key) {
   node_.plugin = path(section, key.value, key.where, "plug-in");
   const fs::path absolute = (options_.directory / fs::path(node_.plugin)).lexically_normal();
-  located_at(key.where, [&] { kinds_.load_plugin(absolute.string()); });
+  located_at(key.where, [&] { types_.load_plugin(absolute.string()); });
 }
 
 void NodeImporter::import_class(const MusicSection& section, const NodeProgram* program) {
@@ -351,7 +351,7 @@ void NodeImporter::import_class(const MusicSection& section, const NodeProgram* 
     load_plugin(section, *plugin);
   }
   const Location where = program != nullptr ? section.where : find(section, "node")->where;
-  const NodeClass& node_class = *located_at(where, [&] { return &kinds_.find(name); });
+  const NodeClass& node_class = *located_at(where, [&] { return &types_.find(name); });
   node_.description = &node_class.description;
   add("node", name);
   auto declared = node_class.description.parameters;
@@ -442,7 +442,7 @@ std::string NodeImporter::fitted_table(const MusicSection& section, const std::s
 }
 
 void NodeImporter::import_network(const MusicSection& section) {
-  node_.description = &kinds_.find(experiment::kNetwork).description;
+  node_.description = &types_.find(experiment::kNetwork).description;
   add("simulator", "builtin");
   const std::string name = required(section, "network", "brain.yaml");
   const std::string file = network_source(name);
@@ -452,7 +452,7 @@ void NodeImporter::import_network(const MusicSection& section) {
 
 void NodeImporter::import_playback(const MusicSection& section) {
   const std::string kind = program_of(section);
-  node_.description = &kinds_.find(kind).description;
+  node_.description = &types_.find(kind).description;
   add("node", kind);
   const std::string name = required(section, "file", "run1/encoder.h5");
   add("file", path(section, name, find(section, "file")->where, "recording"));

@@ -10,7 +10,7 @@
 #include "music_import.hpp"
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/config/older_programs.hpp"
-#include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/node_types.hpp"
 #include "spikeloop/experiment/topic_section.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -27,9 +27,9 @@ struct ImportedNode {
 
 class NodeImporter {
  public:
-  NodeImporter(const MusicFile& file, const ImportOptions& options, experiment::Kinds& kinds,
+  NodeImporter(const MusicFile& file, const ImportOptions& options, experiment::NodeTypes& types,
                Imported& result)
-      : file_(file), options_(options), kinds_(kinds), result_(result) {}
+      : file_(file), options_(options), types_(types), result_(result) {}
 
   /// @throws Error for what cannot be said; it names its place.
   ImportedNode import(const MusicSection& section);
@@ -72,7 +72,7 @@ class NodeImporter {
 
   const MusicFile& file_;
   const ImportOptions& options_;
-  experiment::Kinds& kinds_;
+  experiment::NodeTypes& types_;
   Imported& result_;
   ImportedNode node_;
   std::vector<std::string> used_;

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
 
 namespace spikeloop::guard {

@@ -29,7 +29,7 @@ Scratch::Scratch() {
 }
 
 Scratch::~Scratch() {
-  // Programs whose keeper was killed may still write into it while they end.
+  // Programs whose subreaper was killed may still write into it while they end.
   for (int tries = 50; tries > 0; --tries) {
     std::error_code error;
     fs::remove_all(path_, error);

@@ -1,4 +1,4 @@
-// spikeloop-guard beside a job: outside of every tree that a keeper or mpirun ends.
+// spikeloop-guard beside a job: outside of every tree that a subreaper or mpirun ends.
 #pragma once
 
 #include <sys/types.h>

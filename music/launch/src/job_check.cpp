@@ -5,7 +5,7 @@
 #include <map>
 
 #include "cycles.hpp"
-#include "outside.hpp"
+#include "external_topics.hpp"
 #include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
@@ -44,7 +44,7 @@ class TogetherCheck {
       check_ranks(*section);
     }
     check_connections();
-    findings_.append(check_outside(file_, strict_));
+    findings_.append(check_external_topics(file_, strict_));
     for (const std::string& warning : effective_.warnings) {
       findings_.add_warning({}, warning, strict_ || all_ours(file_));
     }

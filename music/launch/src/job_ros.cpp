@@ -6,7 +6,7 @@
 #include <cctype>
 
 #include "job_run.hpp"
-#include "outside.hpp"
+#include "external_topics.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/effective_file.hpp"
@@ -22,15 +22,15 @@ constexpr Milliseconds kHelperGrace{3'000};
 /// Somebody else may take a port between our look and rosmaster's.
 constexpr int kPortsTried = 3;
 
-std::string last_line(const Member& member) {
-  return member.last_words().empty() ? "" : "; its last line: " + member.last_words();
+std::string last_line(const Process& process) {
+  return process.error_tail().empty() ? "" : "; its last line: " + process.error_tail();
 }
 
 /// What a rosmaster that does not answer said, and what to do when `master` has no address.
-std::string rosmaster_trouble(const Member& rosmaster, const RosMaster& master) {
+std::string rosmaster_trouble(const Process& rosmaster, const RosMaster& master) {
   std::string text;
-  if (!rosmaster.last_words().empty()) {
-    text = "; it says: " + rosmaster.last_words();
+  if (!rosmaster.error_tail().empty()) {
+    text = "; it says: " + rosmaster.error_tail();
   }
   if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
     text += "; " + unresolved;
@@ -176,10 +176,10 @@ bool JobRun::start_rosmaster() {
     ros_environment_["ROS_MASTER_URI"] = master.uri();
     ProgramStart start;
     start.arguments = {"rosmaster", "--core", "-p", port};
-    rosmaster_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
+    rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
       log_ << "rosmaster: " << line.text << std::endl;
     });
-    crew_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
+    group_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
                      kRosStart);
     if (outcome_) {
       return false;
@@ -240,10 +240,10 @@ bool JobRun::start_robot() {
                    start.arguments);
   start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
                          options_.robot_arguments.end());
-  robot_ = &crew_.start(with_environment(start),
+  robot_ = &group_.start(with_environment(start),
                         [this](const OutputLine& line) { take_line("robot", line); });
   const auto drives = [this] { return state_.has_ticked("robot"); };
-  crew_.turn_until([&] { return outcome_ || robot_->gone() || drives(); }, kRosStart);
+  group_.turn_until([&] { return outcome_ || robot_->gone() || drives(); }, kRosStart);
   if (const auto& failure = state_.failure()) {
     fail(failure->exit_code, failure->message);
   } else if (robot_->gone()) {
@@ -261,14 +261,14 @@ int JobRun::exit_code_without_robot(int code) {
   return code == 0 ? TransportError::kExitCode : code;
 }
 
-void JobRun::end_helper(Member* helper) {
+void JobRun::end_helper(Process* helper) {
   if (helper == nullptr || helper->gone()) {
     return;
   }
   helper->tree().signal(SIGINT);
-  if (!crew_.turn_until([helper] { return helper->gone(); }, kHelperGrace)) {
+  if (!group_.turn_until([helper] { return helper->gone(); }, kHelperGrace)) {
     helper->tree().end();
-    crew_.turn_until([helper] { return helper->gone(); }, kHelperGrace);
+    group_.turn_until([helper] { return helper->gone(); }, kHelperGrace);
   }
 }
 

@@ -60,7 +60,7 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       file_(folder_ + "/effective.music"),
       state_(effective.file, options.hostfile.empty()),
       receiver_(scratch_.path() + "/status"),
-      crew_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
+      group_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
                         [this](int number) { take_signal(number); }}) {
   write_text(file_, to_text(effective.file));
   write_text(folder_ + "/mpirun.log", "");
@@ -136,7 +136,7 @@ void JobRun::start_programs() {
                                       .variables = variables_of_job(effective_.file)});
   }
   start.directory = directory_;
-  mpirun_ = &crew_.start(with_environment(start), [this](const OutputLine& line) {
+  mpirun_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);
     const std::string other =
         options_.program.empty() ? "mpirun" : effective_.file.labels().front();
@@ -170,7 +170,7 @@ bool JobRun::check() {
   }
   findings.append(check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
-  SectionChecks sections(crew_, effective_.file, {file_, directory_, scratch_.path()});
+  SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.path()});
   findings.append(sections.run([this] { return outcome_.has_value(); }));
   if (!outcome_ && !findings.errors.empty()) {
     const Finding first = first_error(findings, effective_.file.path);
@@ -183,13 +183,13 @@ bool JobRun::check() {
 }
 
 bool JobRun::stopped_already() {
-  crew_.turn(Milliseconds{0});
+  group_.turn(Milliseconds{0});
   return outcome_.has_value();
 }
 
 void JobRun::supervise() {
   while (!mpirun_->gone()) {
-    crew_.turn(Milliseconds{100});
+    group_.turn(Milliseconds{100});
     watch_failures();
     watch_deaths();
     watch_start();
@@ -199,7 +199,7 @@ void JobRun::supervise() {
     watch_end();
     watch_stop();
   }
-  crew_.turn(Milliseconds{0});
+  group_.turn(Milliseconds{0});
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
   if (!options_.program.empty() && code == 0 && !outcome_ && !state_.all_reported()) {
@@ -323,7 +323,7 @@ void JobRun::watch_robot() {
     fail(code, killed_text("robot: the simulated robot", WTERMSIG(status)));
     return;
   }
-  const std::string& last = robot_->last_words();
+  const std::string& last = robot_->error_tail();
   fail(exit_code_without_robot(code),
        fmt::format("robot: ended before the job, with exit code {}{}", code,
                    last.empty() ? "" : "; its last line: " + last));

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "crew.hpp"
+#include "process_group.hpp"
 #include "job_state.hpp"
 #include "run_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
@@ -74,7 +74,7 @@ class JobRun {
   /// Asks every program of ours to leave its loop; ends all when there are no loops yet.
   void begin_stop();
   void end_helpers();
-  void end_helper(Member* helper);
+  void end_helper(Process* helper);
 
   const EffectiveFile& effective_;
   const JobOptions& options_;
@@ -87,11 +87,11 @@ class JobRun {
   std::ofstream log_;
   JobState state_;
   status::Receiver receiver_;
-  Crew crew_;
+  ProcessGroup group_;
   std::map<std::string, std::string> ros_environment_;
-  Member* rosmaster_ = nullptr;
-  Member* robot_ = nullptr;
-  Member* mpirun_ = nullptr;
+  Process* rosmaster_ = nullptr;
+  Process* robot_ = nullptr;
+  Process* mpirun_ = nullptr;
   std::unique_ptr<GuardProcess> guard_;
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;

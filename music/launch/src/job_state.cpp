@@ -144,7 +144,7 @@ void JobState::take(const OutputLine& line) {
   }
   if (line.rank) {
     if (line.error && !line.text.empty()) {
-      last_words_[*line.rank] = line.text;
+      error_tail_[*line.rank] = line.text;
     }
     return;
   }
@@ -205,8 +205,8 @@ std::optional<std::string> JobState::stood_at_end() const {
 
 std::string JobState::last_line(const std::string& label) const {
   const auto words = std::ranges::find_if(
-      last_words_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });
-  return words == last_words_.end() ? "" : kLastLine + words->second;
+      error_tail_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });
+  return words == error_tail_.end() ? "" : kLastLine + words->second;
 }
 
 std::string JobState::named(int rank) const {
@@ -253,8 +253,8 @@ Failure JobState::explain(const MpirunEnd& end) const {
                 "{} ended with exit code {}{}", end.program, end.exit_code,
                 last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
   }
-  const auto words = last_words_.find(*rank);
-  const std::string last = words == last_words_.end() ? "" : kLastLine + words->second;
+  const auto words = error_tail_.find(*rank);
+  const std::string last = words == error_tail_.end() ? "" : kLastLine + words->second;
   if (const auto number = diagnosis_.signal()) {
     return {128 + *number, killed_text(named(*rank), *number) + last};
   }

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crew.hpp"
+#include "process_group.hpp"
 #include "spikeloop/launch/job.hpp"
 
 namespace spikeloop::launch {
@@ -120,7 +120,7 @@ class JobState {
   std::optional<Failure> failure_;
   std::string music_error_;
   std::string last_words_of_mpirun_;
-  std::map<int, std::string> last_words_;  ///< by rank, of standard error
+  std::map<int, std::string> error_tail_;  ///< by rank, of standard error
   MpirunDiagnosis diagnosis_;
   std::string terminated_;      ///< label of the first that SIGTERM has ended
   std::optional<int> aborted_;  ///< the rank that called MPI_Abort

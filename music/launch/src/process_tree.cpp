@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "keeper.hpp"
+#include "subreaper.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::launch {
@@ -44,9 +44,9 @@ Pair make_socket_pair(const ProgramStart& start) {
   return {Descriptor{ends[0]}, Descriptor{ends[1]}};
 }
 
-KeeperNews first_news(int keeper) {
-  KeeperNews news{KeeperNews::Kind::cannot_start, ECHILD};
-  while (recv(keeper, &news, sizeof news, 0) < 0 && errno == EINTR) {
+SubreaperNews first_news(int subreaper) {
+  SubreaperNews news{SubreaperNews::Kind::cannot_start, ECHILD};
+  while (recv(subreaper, &news, sizeof news, 0) < 0 && errno == EINTR) {
   }
   return news;
 }
@@ -54,24 +54,24 @@ KeeperNews first_news(int keeper) {
 }  // namespace
 
 ProcessTree::ProcessTree(const ProgramStart& start) {
-  Pair keeper = make_socket_pair(start);
+  Pair subreaper = make_socket_pair(start);
   Pair out = make_pipe(start);
   Pair err = make_pipe(start);
   keeper_pid_ = fork();
   if (keeper_pid_ == 0) {
-    keep(start, {keeper.theirs.get(), out.theirs.get(), err.theirs.get()});
+    keep(start, {subreaper.theirs.get(), out.theirs.get(), err.theirs.get()});
   }
   if (keeper_pid_ < 0) {
     fail(start, errno);
   }
-  keeper.theirs.reset();
-  const KeeperNews news = first_news(keeper.ours.get());
-  if (news.kind != KeeperNews::Kind::started) {
+  subreaper.theirs.reset();
+  const SubreaperNews news = first_news(subreaper.ours.get());
+  if (news.kind != SubreaperNews::Kind::started) {
     waitpid(keeper_pid_, nullptr, 0);
     fail(start, news.value);
   }
   pid_ = news.value;
-  keeper_ = std::move(keeper.ours);
+  subreaper_ = std::move(subreaper.ours);
   out_ = std::move(out.ours);
   err_ = std::move(err.ours);
 }
@@ -91,8 +91,8 @@ void ProcessTree::signal(int number) const {
 }
 
 void ProcessTree::order(char command) const {
-  if (keeper_.get() >= 0) {
-    send(keeper_.get(), &command, 1, MSG_NOSIGNAL);
+  if (subreaper_.get() >= 0) {
+    send(subreaper_.get(), &command, 1, MSG_NOSIGNAL);
     ::kill(keeper_pid_, SIGCONT);  // one that was stopped would not obey
   }
 }
@@ -106,16 +106,16 @@ void ProcessTree::kill() {
 }
 
 bool ProcessTree::gone() {
-  while (keeper_.get() >= 0) {
-    KeeperNews news{};
-    const auto size = recv(keeper_.get(), &news, sizeof news, MSG_DONTWAIT);
+  while (subreaper_.get() >= 0) {
+    SubreaperNews news{};
+    const auto size = recv(subreaper_.get(), &news, sizeof news, MSG_DONTWAIT);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
       return false;
     }
     if (size > 0) {
       status_ = news.value;
     } else {
-      keeper_.reset();
+      subreaper_.reset();
       waitpid(keeper_pid_, nullptr, 0);
     }
   }

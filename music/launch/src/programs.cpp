@@ -19,7 +19,7 @@ namespace {
 constexpr auto kContinuous = PortKind::signal;
 constexpr auto kEvents = PortKind::spikes;
 
-constexpr Outside kTopic{"ros_topic"};
+constexpr ExternalAddress kTopic{"ros_topic"};
 
 /// The port `pace` of the ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
@@ -28,36 +28,36 @@ constexpr std::array kPrograms{
             .source = true,
             .ros = true,
             .tells_age = true,
-            .outside = kTopic},
+            .external = kTopic},
     // No `pace`: a camera that sees nothing new sends nothing, so silence is no age.
     Program{.name = "ros_event_sensor_adapter",
             .output = kEvents,
             .source = true,
             .ros = true,
-            .outside = kTopic},
+            .external = kTopic},
     Program{.name = "ros_command_adapter",
             .input = kContinuous,
             .ros = true,
             .measures_age = true,
-            .outside = kTopic},
+            .external = kTopic},
     Program{.name = "ros_cont_adapter",
             .output = kContinuous,
             .source = true,
             .ros = true,
             .tells_age = true,
-            .outside = kTopic},
+            .external = kTopic},
     Program{.name = "cont_ros_adapter",
             .input = kContinuous,
             .ros = true,
             .measures_age = true,
-            .outside = {"ros_topic", "/cmd_vel"}},
+            .external = {"ros_topic", "/cmd_vel"}},
     Program{.name = "zmq_cont_adapter",
             .output = kContinuous,
             .source = true,
-            .outside = {"zmq_addr", "tcp://localhost:5555"}},
+            .external = {"zmq_addr", "tcp://localhost:5555"}},
     Program{.name = "cont_zmq_adapter",
             .input = kContinuous,
-            .outside = {"zmq_addr", "tcp://127.0.0.1:5556"}},
+            .external = {"zmq_addr", "tcp://127.0.0.1:5556"}},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
     // An experiment in one process, which MUSIC does not start.
     Program{.name = "spikeloop-fused", .input = kContinuous, .source = true, .ros = true},

@@ -55,8 +55,8 @@ std::map<std::string, std::string> origin_environment(const std::string& file) {
   return environment;
 }
 
-SectionChecks::SectionChecks(Crew& crew, const MusicFile& file, const Places& places)
-    : crew_(crew), file_(file) {
+SectionChecks::SectionChecks(ProcessGroup& group, const MusicFile& file, const Places& places)
+    : group_(group), file_(file) {
   for (const MusicSection* section : in_written_order(file)) {
     start(*section, places);
   }
@@ -75,7 +75,8 @@ void SectionChecks::start(const MusicSection& section, const Places& places) {
   start.scratch = places.scratch;
   sections_.push_back({section.label});
   Section& added = sections_.back();
-  added.member = &crew_.start(start, [this, &added](const OutputLine& line) { take(added, line); });
+  added.process =
+      &group_.start(start, [this, &added](const OutputLine& line) { take(added, line); });
 }
 
 /// What says its place in the file needs no label.
@@ -98,15 +99,15 @@ void SectionChecks::take(Section& section, const OutputLine& line) const {
 
 void SectionChecks::finish(Section& section) {
   auto& errors = section.findings.errors;
-  if (!section.member->gone()) {
-    section.member->tree().kill();
+  if (!section.process->gone()) {
+    section.process->tree().kill();
     errors.push_back(
         {fmt::format("{}: has not checked its section within {:g} s; see whether one of "
                      "its files is a pipe or a network drive that does not answer",
                      section.label, std::chrono::duration<double>(kCheckDeadline).count())});
     return;
   }
-  const int code = exit_code(section.member->tree().status().value_or(0));
+  const int code = exit_code(section.process->tree().status().value_or(0));
   if (code == 0) {
     return;
   }
@@ -122,13 +123,13 @@ void SectionChecks::finish(Section& section) {
 Findings SectionChecks::run(const std::function<bool()>& stopped) {
   const auto all_gone = [this] {
     return std::all_of(sections_.begin(), sections_.end(),
-                       [](const Section& section) { return section.member->gone(); });
+                       [](const Section& section) { return section.process->gone(); });
   };
-  crew_.turn_until([&] { return all_gone() || stopped(); }, kCheckDeadline);
+  group_.turn_until([&] { return all_gone() || stopped(); }, kCheckDeadline);
   Findings findings;
   for (Section& section : sections_) {
     if (stopped()) {
-      section.member->tree().kill();
+      section.process->tree().kill();
     } else {
       finish(section);
     }
@@ -167,8 +168,9 @@ Findings check_job(const MusicFile& file, const RunOptions& options, bool here) 
   write_text(path, to_text(effective.file));
   status::Receiver receiver(scratch.path() + "/status");
   int signal = 0;
-  Crew crew(receiver, {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
-  SectionChecks sections(crew, effective.file, {path, directory, scratch.path()});
+  ProcessGroup group(receiver,
+                     {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
+  SectionChecks sections(group, effective.file, {path, directory, scratch.path()});
   findings.append(sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
     findings.errors = {{stopped_by(signal), 128 + signal}};

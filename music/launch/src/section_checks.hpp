@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "crew.hpp"
+#include "process_group.hpp"
 #include "spikeloop/launch/check.hpp"
 
 namespace spikeloop::launch {
@@ -24,7 +24,7 @@ class SectionChecks {
     std::string scratch;
   };
   /// Starts all of them. The references must outlive it.
-  SectionChecks(Crew& crew, const MusicFile& file, const Places& places);
+  SectionChecks(ProcessGroup& group, const MusicFile& file, const Places& places);
 
   /// Waits until all have answered, or `stopped()`: then it ends them. One that does not answer is
   /// an error.
@@ -33,7 +33,7 @@ class SectionChecks {
  private:
   struct Section {
     std::string label;
-    Member* member = nullptr;
+    Process* process = nullptr;
     Findings findings{};
     std::string last_error{};  ///< a line without "error: " before it
   };
@@ -45,7 +45,7 @@ class SectionChecks {
   static void finish(Section& section);
   void drop_repeated(Section& section);
 
-  Crew& crew_;
+  ProcessGroup& group_;
   const MusicFile& file_;
   std::deque<Section> sections_;  // handlers refer to them
   std::set<std::string> said_;    ///< of places in the file

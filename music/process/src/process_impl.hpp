@@ -1,4 +1,4 @@
-// What Process is made of. Only this room's sources see MUSIC's headers, which need MPI's C++
+// What Process is made of. Only this module's sources see MUSIC's headers, which need MPI's C++
 // bindings.
 #pragma once
 

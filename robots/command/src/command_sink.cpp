@@ -17,17 +17,17 @@ constexpr TimeNs kLook = 20'000'000;
 
 }  // namespace
 
-CommandSink::CommandSink(const CommandSettings& settings, Carrier carrier)
+CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
     : settings_(settings),
-      carrier_(std::move(carrier)),
-      channel_(channel_settings(settings), carrier_.publish),
+      transport_(std::move(transport)),
+      channel_(channel_settings(settings), transport_.publish),
       feed_(feed_settings(settings), channel_),
-      interventions_(settings.emergency_stop, channel_) {
-  if (carrier_.watched) {
+      operator_(settings.emergency_stop, channel_) {
+  if (transport_.watched) {
     watch_.emplace(
         settings.watchdog,
         Watch::Actions{[this](StopReason reason) { stop_from_watch(reason); },
-                       [this](TimeNs now) { return channel_.poll(now); }, carrier_.interrupted,
+                       [this](TimeNs now) { return channel_.poll(now); }, transport_.interrupted,
                        [this](TimeNs wall) { return beat(wall); }});
   }
 }
@@ -41,13 +41,13 @@ std::vector<EndpointPort> CommandSink::ports() const {
 }
 
 void CommandSink::send(const Step& step) {
-  if (carrier_.require) {
-    carrier_.require();
+  if (transport_.require) {
+    transport_.require();
   }
   ticked_ = true;
   simulated_ = step.interval().end;
   if (settings_.clock == CommandClock::lockstep) {
-    interventions_.apply(wall_now(), now());
+    operator_.apply(wall_now(), now());
   }
   const TimeNs due = feed_.take(step, now());
   if (settings_.clock != CommandClock::wall) {
@@ -79,24 +79,24 @@ void CommandSink::stop_from_watch(StopReason reason) {
 
 void CommandSink::emergency(bool stop) {
   const TimeNs wall = wall_now();
-  interventions_.emergency(stop, wall);
+  operator_.emergency(stop, wall);
   intervene(wall);
 }
 
 void CommandSink::override_with(std::span<const double> values) {
-  interventions_.override_with(values);
+  operator_.override_with(values);
   intervene(wall_now());
 }
 
 void CommandSink::intervene(TimeNs wall) {
   if (settings_.clock != CommandClock::lockstep) {
-    interventions_.apply(wall, now());
+    operator_.apply(wall, now());
     announce();
   }
 }
 
 TimeNs CommandSink::beat(TimeNs wall) {
-  const TimeNs next = carrier_.beat ? carrier_.beat(wall) : kNever;
+  const TimeNs next = transport_.beat ? transport_.beat(wall) : kNever;
   if (settings_.emergency_stop.topic.empty() && settings_.manual.topic.empty()) {
     return next;
   }
@@ -174,7 +174,7 @@ void CommandSink::stop(StopReason reason) {
     watch_->rest();
   }
   channel_.stop(reason, now());
-  carrier_.finish();
+  transport_.finish();
 }
 
 std::vector<Counter> CommandSink::counters() const {

@@ -1,4 +1,4 @@
-// A topic out: the only way in which this room sends.
+// A topic out: the only way in which this module sends.
 #pragma once
 
 #include <ros/ros.h>

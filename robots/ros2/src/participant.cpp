@@ -20,7 +20,7 @@ namespace {
 
 /// Which of Cyclone's messages are new. Of a peer that cannot be reached it says the same for each
 /// of its ports, every time that it tries: messages that differ in numbers alone are one kind.
-class Kinds {
+class NodeTypes {
  public:
   bool is_new(std::string_view text) {
     std::string kind;
@@ -92,8 +92,8 @@ class CycloneLog {
   std::mutex mutex_;
   bool keeping_ = false;
   std::string kept_;
-  Kinds kept_kinds_;
-  Kinds said_;
+  NodeTypes kept_kinds_;
+  NodeTypes said_;
 };
 
 /// Cyclone DDS has each domain once a process.

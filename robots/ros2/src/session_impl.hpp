@@ -1,4 +1,4 @@
-// What the parts of this room share of a session.
+// What the parts of this module share of a session.
 #pragma once
 
 #include <string>

@@ -53,7 +53,7 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       diagnostics_(settings.clock == command::CommandClock::lockstep
                        ? nullptr
                        : std::make_unique<Diagnostics>(session, address.topic)),
-      sink_(settings, carrier()),
+      sink_(settings, transport()),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
                                               settings, sink_)),
       on_termination_(session.local()
@@ -63,16 +63,16 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
 
 CommandEndpoint::~CommandEndpoint() = default;
 
-command::CommandSink::Carrier CommandEndpoint::carrier() {
-  command::CommandSink::Carrier carrier{.publish = [this](auto values) { publish(values); },
+command::CommandSink::Transport CommandEndpoint::transport() {
+  command::CommandSink::Transport transport{.publish = [this](auto values) { publish(values); },
                                         .finish = [this] { finish(); },
                                         .watched = !session_.local()};
   if (!session_.local()) {
-    carrier.interrupted = [] { ::kill(::getpid(), SIGTERM); };
-    carrier.beat = [this](TimeNs now) { return beat(now); };
-    carrier.require = [this] { session_.require_alive(); };
+    transport.interrupted = [] { ::kill(::getpid(), SIGTERM); };
+    transport.beat = [this](TimeNs now) { return beat(now); };
+    transport.require = [this] { session_.require_alive(); };
   }
-  return carrier;
+  return transport;
 }
 
 /// In whatever thread stops the robot, too, which must never wait for a disk.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "intake.hpp"
+#include "topic_reader.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/event_playback.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -28,7 +28,7 @@ struct EventSensor::Impl {
         conversion(wanted.events, session.dialect()),
         begun(wanted.from_begin),
         playback(wanted.latency),
-        intake(session,
+        reader(session,
                {.topic = wanted.topic, .type = wanted.events.message_type, .queue = wanted.queue},
                [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
@@ -115,7 +115,7 @@ struct EventSensor::Impl {
   TimeNs newest_at = 0;
   messages::EventPlayback playback;
   bool told_late = false;
-  Intake intake;  // last: no callback comes before there is all the rest, or after
+  TopicReader reader;  // last: no callback comes before there is all the rest, or after
 };
 
 EventSensor::EventSensor(Session& session, const EventSensorSettings& settings)
@@ -135,7 +135,7 @@ std::vector<EndpointPort> EventSensor::ports() const {
 void EventSensor::receive(const Step& step) {
   const TimeNs begin = step.interval().begin;
   const bool simulated = impl_->settings.simulated_pace;
-  impl_->intake.check(simulated ? std::optional(begin) : std::nullopt);
+  impl_->reader.check(simulated ? std::optional(begin) : std::nullopt);
   impl_->take_arrivals(begin);
   step.spike_output().emit(impl_->playback.step(impl_->fresh, step.interval()));
   impl_->mind_lateness();
@@ -147,7 +147,7 @@ void EventSensor::receive(const Step& step) {
 }
 
 std::vector<Counter> EventSensor::counters() const {
-  const std::uint64_t wrong_type = impl_->intake.wrong_type();
+  const std::uint64_t wrong_type = impl_->reader.wrong_type();
   const messages::EventPlayback& playback = impl_->playback;
   const std::lock_guard lock(impl_->mutex);
   const auto& counts = impl_->counts;
@@ -166,7 +166,7 @@ std::vector<Counter> EventSensor::counters() const {
 }
 
 bool EventSensor::has_publishers() const {
-  return impl_->intake.has_publishers();
+  return impl_->reader.has_publishers();
 }
 
 std::uint64_t EventSensor::received() const {
@@ -174,7 +174,7 @@ std::uint64_t EventSensor::received() const {
 }
 
 void EventSensor::require_sound() const {
-  impl_->intake.require_sound();
+  impl_->reader.require_sound();
 }
 
 }  // namespace spikeloop::topics

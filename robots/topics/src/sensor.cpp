@@ -4,7 +4,7 @@
 #include <atomic>
 #include <mutex>
 
-#include "intake.hpp"
+#include "topic_reader.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
@@ -25,7 +25,7 @@ struct Sensor::Impl {
       : settings(wanted),
         conversion(conversion_of(session.dialect(), wanted)),
         newest(wanted.width, 0.0),
-        intake(session,
+        reader(session,
                {.topic = wanted.topic,
                 .type = wanted.message_type,
                 .queue = wanted.queue,
@@ -74,7 +74,7 @@ struct Sensor::Impl {
   std::uint64_t seen = 0;  // used by the loop only
   std::vector<std::vector<std::byte>> taken;
   bool initial_sent = false;
-  Intake intake;  // last: no callback comes before there is all the rest, or after
+  TopicReader reader;  // last: no callback comes before there is all the rest, or after
 };
 
 Sensor::Sensor(Session& session, const SensorSettings& settings)
@@ -93,7 +93,7 @@ std::vector<EndpointPort> Sensor::ports() const {
 
 void Sensor::receive(const Step& step) {
   const bool simulated = impl_->settings.simulated_pace;
-  impl_->intake.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
+  impl_->reader.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
   const SignalOutput out = step.signal_output(0);
   const std::optional<double>& initial = impl_->settings.initial;
   if (initial && !impl_->initial_sent) {
@@ -127,7 +127,7 @@ void Sensor::receive(const Step& step) {
 }
 
 std::vector<Counter> Sensor::counters() const {
-  const std::uint64_t wrong_type = impl_->intake.wrong_type();
+  const std::uint64_t wrong_type = impl_->reader.wrong_type();
   const std::lock_guard lock(impl_->mutex);
   const auto& counts = impl_->counts;
   std::vector<Counter> counters{{"messages", counts.messages},
@@ -137,14 +137,14 @@ std::vector<Counter> Sensor::counters() const {
                                 {"without_reading", counts.without_reading},
                                 {"malformed", counts.malformed},
                                 {"wrong_type", wrong_type}};
-  if (const auto lost = impl_->intake.lost()) {
+  if (const auto lost = impl_->reader.lost()) {
     counters.push_back({"lost", *lost});
   }
   return counters;
 }
 
 bool Sensor::has_publishers() const {
-  return impl_->intake.has_publishers();
+  return impl_->reader.has_publishers();
 }
 
 std::uint64_t Sensor::received() const {
@@ -152,7 +152,7 @@ std::uint64_t Sensor::received() const {
 }
 
 void Sensor::require_sound() const {
-  impl_->intake.require_sound();
+  impl_->reader.require_sound();
 }
 
 }  // namespace spikeloop::topics

@@ -39,14 +39,14 @@ bool has_large_numbers(std::string_view text) {
 }
 
 void check(const ExperimentFile& file, bool whole) {
-  static const experiment::Kinds kinds;
+  static const experiment::NodeTypes types;
   std::vector<experiment::Fault> faults;
-  const experiment::Experiment result = experiment::resolve(file, kinds, {}, faults);
+  const experiment::Experiment result = experiment::resolve(file, types, {}, faults);
   for (const experiment::Fault& fault : faults) {
     need(!fault.text.empty() && fault.exit_code > 0 && !fault.where.file.empty());
   }
   if (whole && faults.empty()) {
-    need(!result.links.empty() && result.parts.size() == file.nodes.size());
+    need(!result.links.empty() && result.nodes.size() == file.nodes.size());
     for (const experiment::Link& link : result.links) {
       need(link.width > 0);
     }

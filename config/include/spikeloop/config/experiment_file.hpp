@@ -24,8 +24,8 @@
 #include <string_view>
 #include <vector>
 
-#include "spikeloop/core/complain.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/error_handler.hpp"
 #include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop {
@@ -74,9 +74,9 @@ std::vector<ParameterDescription> connection_parameters();
 /// @throws ConfigurationError "file:line:column: what is wrong; what to write" when nothing can:
 /// not YAML, not a map.
 ExperimentFile parse_experiment(std::string_view text, const std::string& path,
-                                const Complain& complain);
+                                const ErrorHandler& report);
 /// The same for a file. @throws FileError when it cannot be read.
-ExperimentFile read_experiment_file(const std::filesystem::path& path, const Complain& complain);
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report);
 
 /// The same, but the first thing that is wrong is thrown: unknown keys (did you mean), a key
 /// written twice, a connection that cannot be read.

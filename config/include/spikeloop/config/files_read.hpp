@@ -6,7 +6,7 @@
 
 namespace spikeloop {
 
-/// While it lives, the files that this room reads in this thread are noted: weights, networks,
+/// While it lives, the files that this module reads in this thread are noted: weights, networks,
 /// mappings.
 class FilesRead {
  public:

@@ -1,4 +1,4 @@
-// The rim of a graph: sources and sinks with the same ports as nodes, owned by the process.
+// The boundary of a graph: sources and sinks with the same ports as nodes, owned by the process.
 // An endpoint may have threads, files, ROS and MPI; receive() and send() are called by the loop.
 #pragma once
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/core/complain.hpp"
+#include "spikeloop/core/error_handler.hpp"
 #include "spikeloop/core/graph.hpp"
 
 namespace spikeloop {
@@ -55,6 +55,6 @@ GraphPlan plan(const GraphDescription& description);
 
 /// The same, but tells everything that is wrong: names, kinds, inputs and cycles, and when these
 /// are right, widths. The plan is not to be used when something was told.
-GraphPlan plan(const GraphDescription& description, const Complain& complain);
+GraphPlan plan(const GraphDescription& description, const ErrorHandler& report);
 
 }  // namespace spikeloop

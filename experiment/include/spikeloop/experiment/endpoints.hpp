@@ -42,10 +42,10 @@ std::string whole_message_type(const std::string& written, const std::string& di
 /// A topic's node: its message gets its whole name; a command its mapping, unless it has one.
 /// @param directory where the path of a message definition starts
 /// @throws ConfigurationError for what its message, or a topic of this ROS, does not have.
-void read_endpoint(Part& part, const std::string& directory, messages::Dialect ros);
+void read_endpoint(Node& node, const std::string& directory, messages::Dialect ros);
 
 /// The source of a playback, as wide as its recording, which resolve() has held against the
 /// connections. @throws FileError, ConfigurationError: no such file or stream.
-std::unique_ptr<Source> playback(const Part& part);
+std::unique_ptr<Source> playback(const Node& node);
 
 }  // namespace spikeloop::experiment

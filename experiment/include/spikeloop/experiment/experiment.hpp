@@ -15,7 +15,7 @@
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
-#include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/node_types.hpp"
 #include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::experiment {
@@ -33,7 +33,7 @@ std::string name_of(Ros ros);
 messages::Dialect dialect_of(Ros ros);
 
 /// A node of the experiment.
-struct Part {
+struct Node {
   std::string name;
   std::string kind;  ///< its class
   std::string
@@ -65,7 +65,7 @@ inline std::string port_of(std::string_view end) {
 
 /// An output of a node, connected or not.
 struct Output {
-  std::string part;
+  std::string node;
   std::string port;
   PortKind kind = PortKind::signal;
   std::uint32_t width = 0;  ///< 0: nothing says it
@@ -116,15 +116,15 @@ struct Experiment {
   Ros ros = Ros::none;
   Layout layout{};
   std::optional<Robot> robot;
-  std::vector<Part> parts;  ///< in the file's order
+  std::vector<Node> nodes;  ///< in the file's order
   std::vector<Link> links;  ///< in the file's order
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
   std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
 
-  const Part& part(std::string_view name) const;
+  const Node& node(std::string_view name) const;
   /// Of a port that a link reaches; 0 for one that none does.
-  std::uint32_t width(std::string_view part, std::string_view port) const;
+  std::uint32_t width(std::string_view node, std::string_view port) const;
 };
 
 /// Something that is wrong; `text` begins with its place.
@@ -155,22 +155,22 @@ struct Overrides {
 
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for;
 /// nothing: this robot does not send it.
-using SensorWidth = std::function<std::optional<std::uint32_t>(const Part& sensor)>;
+using SensorWidth = std::function<std::optional<std::uint32_t>(const Node& sensor)>;
 /// Of the robot that speaks this ROS. @throws Error when there is no such robot.
 using LookAtRobot = std::function<SensorWidth(const Robot&, messages::Dialect)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
-/// have; makes every node once. Relative paths start where the file lies. `kinds` must outlive the
+/// have; makes every node once. Relative paths start where the file lies. `types` must outlive the
 /// result, which is not to be used when there are faults. These are added to `faults`, which is
 /// then in the file's order.
 /// @param look_at_robot empty: sensors are not held against the robot
-Experiment resolve(const ExperimentFile& file, const Kinds& kinds, const Overrides& overrides,
+Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
                    std::vector<Fault>& faults, const LookAtRobot& look_at_robot = {});
 
 /// An experiment with all that it points to, or what is wrong with it.
 struct Loaded {
-  Kinds kinds;
+  NodeTypes types;
   std::vector<Fault> faults;
   std::optional<Experiment> experiment;  ///< there when the file could be read
 };

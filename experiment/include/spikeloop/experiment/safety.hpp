@@ -21,28 +21,28 @@ ParameterDescription override_parameter();
 
 /// `emergency_stop` of a ros_command: none, a topic, or a map, whose message is one of this ROS.
 /// @throws ConfigurationError.
-command::EmergencyStop emergency_stop(const Part& command, messages::Dialect ros);
+command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros);
 /// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
-command::Override manual_override(const Part& command);
+command::Override manual_override(const Node& command);
 /// Puts the two into a command's settings.
-void add_people(const Part& command, messages::Dialect ros, command::CommandSettings& settings);
+void add_people(const Node& command, messages::Dialect ros, command::CommandSettings& settings);
 /// The fields of a ros_command, with the default bounds of those without any unless its `limits`
 /// are `none`.
-void add_bounds(const Part& command, command::CommandSettings& settings);
+void add_bounds(const Node& command, command::CommandSettings& settings);
 /// 0: the network may be silent.
-TimeNs spike_timeout(const Part& command);
+TimeNs spike_timeout(const Node& command);
 
 /// The sensors that a node depends on through the graph, in the file's order, with the `timeout` of
 /// each, or else the command's `sensor_timeout`. A ros_event_sensor is one of them when it has a
 /// `timeout`.
 std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
-                                                    const Part& command);
+                                                    const Node& command);
 /// The parts that they are.
-std::vector<const Part*> sensors_behind(const Experiment& experiment, const std::string& node);
+std::vector<const Node*> sensors_behind(const Experiment& experiment, const std::string& node);
 /// The connections on which the last spikes on the way to a node travel, in the file's order.
 std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node);
 /// Those that a command's `spike_timeout` speaks of.
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Part& command);
+std::vector<const Link*> watched_spikes(const Experiment& experiment, const Node& command);
 
 /// The sensor whose data reach a node by the least delay, and that delay in ticks.
 struct Upstream {

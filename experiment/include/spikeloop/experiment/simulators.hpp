@@ -26,7 +26,7 @@ const NodeDescription& simulator_description();
 /// Names that a parameter of a script cannot have: keys of every MUSIC program, and of MUSIC.
 std::span<const char* const> reserved_keys();
 
-bool is_simulator(const Part& part);
+bool is_simulator(const Node& node);
 /// Of the end of a connection, "brain.out".
 bool is_simulator_end(const Experiment& experiment, const std::string& end);
 bool has_simulator(const Experiment& experiment);

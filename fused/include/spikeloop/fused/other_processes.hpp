@@ -1,5 +1,5 @@
 // The processes beside this one that other nodes of the experiment run in: what joins them with the
-// graph. This room knows of no MPI; whoever has it makes one of these.
+// graph. This module knows of no MPI; whoever has it makes one of these.
 #pragma once
 
 #include <memory>

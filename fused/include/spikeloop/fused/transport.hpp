@@ -22,7 +22,7 @@ class Transport {
   virtual ~Transport() = default;
 
   /// In which the topic of a sensor or a command is. Asked once for each.
-  virtual topics::Session& session(const experiment::Part& part) = 0;
+  virtual topics::Session& session(const experiment::Node& node) = 0;
   /// Whose time the endpoints go by.
   virtual command::CommandClock clock() const { return command::CommandClock::lockstep; }
   /// A message of a sensor has come. Called in a thread of its session.

@@ -29,7 +29,7 @@ NodeClass network_class(const NetworkFile& network);
 std::unique_ptr<Node> make_network(NetworkFile network, const std::string& name = "network",
                                    std::uint64_t seed = 1);
 
-/// Adds the node classes of this room.
+/// Adds the node classes of this module.
 void register_neurons(Registry& registry);
 
 }  // namespace spikeloop

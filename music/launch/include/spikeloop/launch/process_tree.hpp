@@ -22,7 +22,7 @@ struct ProgramStart {
   std::string scratch;
 };
 
-/// Between us and the program stands a keeper: a forked process that adopts whatever the tree
+/// Between us and the program stands a subreaper: a forked process that adopts whatever the tree
 /// orphans, and that ends the tree when it is told to, when the program has ended, or when we have
 /// died, by whatever signal. mpirun alone does not do this: it can hang, and when it is killed the
 /// programs that have not reached MPI_Init live on.
@@ -45,12 +45,12 @@ class ProcessTree {
   /// SIGKILL to every process of the tree.
   void kill();
 
-  /// Reads news of the keeper; returns whether the tree, and not only the program, has gone.
+  /// Reads news of the subreaper; returns whether the tree, and not only the program, has gone.
   bool gone();
   /// The program's status as of waitpid, once it has ended; see exit_code().
   std::optional<int> status() const { return status_; }
   /// Readable when gone() may have changed.
-  int fd() const { return keeper_.get(); }
+  int fd() const { return subreaper_.get(); }
   /// Its standard output and standard error; do not wait.
   int out() const { return out_.get(); }
   int err() const { return err_.get(); }
@@ -61,7 +61,7 @@ class ProcessTree {
   pid_t pid_ = -1;
   pid_t keeper_pid_ = -1;
   std::optional<int> status_;
-  Descriptor keeper_;
+  Descriptor subreaper_;
   Descriptor out_;
   Descriptor err_;
 };

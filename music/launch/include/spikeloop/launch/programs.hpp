@@ -12,7 +12,7 @@
 namespace spikeloop::launch {
 
 /// The key that says where a program meets the world: a topic, an address.
-struct Outside {
+struct ExternalAddress {
   std::string_view key{};
   std::string_view otherwise{};  ///< its default; empty: must be written
 };
@@ -27,7 +27,7 @@ struct Program {
   bool ros = false;                  ///< speaks ROS, of the version in its key `ros`
   bool tells_age = false;            ///< has the output `pace`
   bool measures_age = false;         ///< has the input `pace`
-  Outside outside{};                 ///< has no key: meets nobody
+  ExternalAddress external{};                 ///< has no key: meets nobody
   bool commands_robot = false;       ///< whatever its ports are
   bool any_class = false;            ///< runs a class that the launcher does not know: any ports
   bool script = false;               ///< a user's, that takes part by our Python package

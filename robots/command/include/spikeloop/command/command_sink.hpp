@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "spikeloop/command/command_feed.hpp"
-#include "spikeloop/command/interventions.hpp"
+#include "spikeloop/command/operator_input.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
@@ -65,7 +65,7 @@ struct Condition {
 class CommandSink : public Sink {
  public:
   /// What carries the commands.
-  struct Carrier {
+  struct Transport {
     CommandChannel::Publish publish;
     std::function<void()> finish;         ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted{};  ///< SIGINT: ends the process as SIGTERM would
@@ -76,7 +76,7 @@ class CommandSink : public Sink {
     bool watched = true;
   };
 
-  CommandSink(const CommandSettings& settings, Carrier carrier);
+  CommandSink(const CommandSettings& settings, Transport transport);
   /// An error on the way ends here: zero.
   ~CommandSink() override;
 
@@ -90,9 +90,9 @@ class CommandSink : public Sink {
   void begin_anew() { channel_.begin_anew(now()); }
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
-  /// As Interventions.
+  /// As OperatorInput.
   void watch_publishers(std::function<bool()> has_publishers) {
-    interventions_.watch_publishers(std::move(has_publishers));
+    operator_.watch_publishers(std::move(has_publishers));
   }
   /// The emergency stop is pressed, or released. Safe to call from any thread.
   void emergency(bool stop);
@@ -119,7 +119,7 @@ class CommandSink : public Sink {
   std::string prefix() const;
 
   CommandSettings settings_;
-  Carrier carrier_;
+  Transport transport_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
   bool ticked_ = false;               ///< the loop's
   std::mutex stopping_;
@@ -131,7 +131,7 @@ class CommandSink : public Sink {
   bool cut_announced_ = false;
   CommandChannel channel_;
   CommandFeed feed_;
-  Interventions interventions_;
+  OperatorInput operator_;
   std::optional<Watch> watch_;  ///< the last: it uses all the rest
 };
 

@@ -64,7 +64,7 @@ class CommandEndpoint : public Sink {
   void publish(std::span<const double> values);
   void finish();
   void keep_sent();
-  command::CommandSink::Carrier carrier();
+  command::CommandSink::Transport transport();
   TimeNs beat(TimeNs now);
   void leave_to_guard_if_dead();
   bool may_begin();

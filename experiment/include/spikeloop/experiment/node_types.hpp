@@ -30,10 +30,10 @@ inline bool has_topic(std::string_view kind) {
   return takes_messages(kind) || kind == kRosCommand;
 }
 
-class Kinds {
+class NodeTypes {
  public:
   /// The built-in ones.
-  Kinds();
+  NodeTypes();
 
   /// Adds the node classes of a plug-in. @throws ConfigurationError as Registry::load_plugin.
   void load_plugin(const std::string& path);

@@ -1,4 +1,4 @@
-#include "last_words.hpp"
+#include "error_tail.hpp"
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ std::string without_codes(std::string_view text) {
 
 }  // namespace
 
-void LastWords::take(const OutputLine& line) {
+void ErrorTail::take(const OutputLine& line) {
   std::string plain = without_codes(line.text);
   plain.erase(plain.find_last_not_of(" \t\r") + 1);
   if (plain.empty()) {
@@ -43,7 +43,7 @@ void LastWords::take(const OutputLine& line) {
   }
 }
 
-const std::string& LastWords::text() const {
+const std::string& ErrorTail::text() const {
   const std::string& last = last_error_.empty() ? last_out_ : last_error_;
   return reason_.empty() ? last : reason_;
 }

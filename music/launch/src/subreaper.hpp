@@ -7,8 +7,8 @@
 
 namespace spikeloop::launch {
 
-/// What a keeper tells; `value` is a process id, an errno, a wait status.
-struct KeeperNews {
+/// What a subreaper tells; `value` is a process id, an errno, a wait status.
+struct SubreaperNews {
   enum class Kind : int { started, cannot_start, ended };
   Kind kind;
   int value;
@@ -17,14 +17,14 @@ struct KeeperNews {
 inline constexpr char kEndTree = 't';
 inline constexpr char kKillTree = 'k';
 
-/// Descriptors that the keeper goes on with; everything else is closed.
-struct KeeperFiles {
+/// Descriptors that the subreaper goes on with; everything else is closed.
+struct SubreaperFiles {
   int owner;  ///< its end of the socket pair
   int out;    ///< the program's standard output
   int err;
 };
 
 /// Runs in the forked process and never returns.
-[[noreturn]] void keep(const ProgramStart& start, const KeeperFiles& files);
+[[noreturn]] void keep(const ProgramStart& start, const SubreaperFiles& files);
 
 }  // namespace spikeloop::launch

@@ -27,10 +27,10 @@ enum class Cause {
 };
 
 /// The watch over one command adapter. All times are wall time.
-class Vigil {
+class GuardTimer {
  public:
   /// @param watchdog the adapter's own: how long it leaves the robot without a new command
-  Vigil(TimeNs watchdog, TimeNs now);
+  GuardTimer(TimeNs watchdog, TimeNs now);
 
   void beat(TimeNs now);
   /// The adapter has stopped the robot for good.

@@ -22,9 +22,9 @@ struct Override {
 };
 
 /// Hands them on to a command channel. Safe to use from any thread.
-class Interventions {
+class OperatorInput {
  public:
-  Interventions(const EmergencyStop& settings, CommandChannel& channel)
+  OperatorInput(const EmergencyStop& settings, CommandChannel& channel)
       : rule_(settings), channel_(channel) {}
 
   /// Whether the emergency stop's topic has a publisher. What was given before is not called any

@@ -1,4 +1,4 @@
-#include "intake.hpp"
+#include "topic_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ std::string how_to_look(const Session& session) {
 
 }  // namespace
 
-Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
+TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, Take take)
     : session_(session), settings_(settings), take_(std::move(take)) {
   check_topic(session.dialect(), settings_.topic);
   subscriber_ = session.subscriber({.topic = settings_.topic,
@@ -41,7 +41,7 @@ Intake::Intake(Session& session, const IntakeSettings& settings, Take take)
                                     .refuse = [this](const auto& other) { refuse(other); }});
 }
 
-void Intake::receive(std::span<const std::byte> message) {
+void TopicReader::receive(std::span<const std::byte> message) {
   const TimeNs now = wall_now();
   try {
     take_(message, now);
@@ -53,7 +53,7 @@ void Intake::receive(std::span<const std::byte> message) {
   }
 }
 
-void Intake::refuse(const OtherType& other) {
+void TopicReader::refuse(const OtherType& other) {
   std::string text = other.text;
   if (!other.type.empty()) {
     text += fmt::format("; write {}another topic",
@@ -74,7 +74,7 @@ void Intake::refuse(const OtherType& other) {
   }
 }
 
-void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
+void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
   if (told || (newest_at != 0 && settings_.latched()) ||
@@ -86,7 +86,7 @@ void Intake::mind_silence(TimeNs now, TimeNs newest_at) {
                format_time(kPatience), how_to_look(session_));
 }
 
-void Intake::require_sound() const {
+void TopicReader::require_sound() const {
   session_.require_alive();
   const std::lock_guard lock(mutex_);
   if (failure_) {
@@ -94,7 +94,7 @@ void Intake::require_sound() const {
   }
 }
 
-void Intake::check(std::optional<TimeNs> simulated) {
+void TopicReader::check(std::optional<TimeNs> simulated) {
   require_sound();
   TimeNs newest_at = 0;
   {
@@ -113,7 +113,7 @@ void Intake::check(std::optional<TimeNs> simulated) {
   mind_silence(now, noticed_at_);
 }
 
-std::uint64_t Intake::wrong_type() const {
+std::uint64_t TopicReader::wrong_type() const {
   const std::lock_guard lock(mutex_);
   return wrong_type_;
 }

@@ -8,6 +8,6 @@
 namespace spikeloop {
 
 /// Takes an error: throws it, or keeps it so that the others are found, too.
-using Complain = std::function<void(const ConfigurationError&)>;
+using ErrorHandler = std::function<void(const ConfigurationError&)>;
 
 }  // namespace spikeloop

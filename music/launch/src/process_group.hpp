@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "last_words.hpp"
+#include "error_tail.hpp"
 #include "signal_watch.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/process_tree.hpp"
@@ -21,15 +21,15 @@ using Milliseconds = std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 /// A program with its output cut into lines.
-class Member {
+class Process {
  public:
-  Member(const ProgramStart& start, const TaggedOutput::Handler& handler);
+  Process(const ProgramStart& start, const TaggedOutput::Handler& handler);
 
   ProcessTree& tree() { return tree_; }
   bool gone() const { return gone_; }
   /// Passes on what it has printed. When its tree has gone, unfinished lines too.
   void read();
-  const std::string& last_words() const { return last_words_.text(); }
+  const std::string& error_tail() const { return error_tail_.text(); }
   /// What to poll for news of it.
   void add_files(std::vector<pollfd>& files) const;
 
@@ -40,24 +40,24 @@ class Member {
   ProcessTree tree_;
   TaggedOutput out_;
   TaggedOutput err_;
-  LastWords last_words_;
+  ErrorTail error_tail_;
   bool out_open_ = true;
   bool err_open_ = true;
   bool gone_ = false;
 };
 
-struct CrewEvents {
+struct ProcessGroupEvents {
   std::function<void(const nlohmann::json&)> message;
   std::function<void(int)> signal;
 };
 
-class Crew {
+class ProcessGroup {
  public:
-  Crew(status::Receiver& receiver, CrewEvents events)
+  ProcessGroup(status::Receiver& receiver, ProcessGroupEvents events)
       : receiver_(receiver), events_(std::move(events)) {}
 
   /// @throws TransportError when it cannot be started.
-  Member& start(const ProgramStart& start, const TaggedOutput::Handler& handler);
+  Process& start(const ProgramStart& start, const TaggedOutput::Handler& handler);
   /// Waits for news, at most so long, and passes all of it on.
   void turn(Milliseconds most);
   /// Turns until the condition holds or the time is over; returns the condition.
@@ -68,9 +68,9 @@ class Crew {
   void pass_on_signals();
 
   status::Receiver& receiver_;
-  CrewEvents events_;
+  ProcessGroupEvents events_;
   SignalWatch signals_;
-  std::vector<std::unique_ptr<Member>> members_;
+  std::vector<std::unique_ptr<Process>> processes_;
 };
 
 }  // namespace spikeloop::launch

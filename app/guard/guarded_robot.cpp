@@ -1,4 +1,4 @@
-#include "ward.hpp"
+#include "guarded_robot.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -27,26 +27,26 @@ void wait(TimeNs deadline, int first, int second) {
 
 }  // namespace
 
-Ward::Ward(Descriptor socket, Robots& robots, std::function<void()> changed)
+GuardedRobot::GuardedRobot(Descriptor socket, Robots& robots, std::function<void()> changed)
     : socket_(std::move(socket)),
       leave_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       robots_(robots),
       changed_(std::move(changed)),
       thread_([this] { run(); }) {}
 
-Ward::~Ward() {
+GuardedRobot::~GuardedRobot() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(leave_.get(), &one, sizeof one);
   thread_.join();
 }
 
-void Ward::set_needed(bool needed) {
+void GuardedRobot::set_needed(bool needed) {
   if (needed_.exchange(needed) != needed) {
     changed_();
   }
 }
 
-void Ward::run() {
+void GuardedRobot::run() {
   if (read_introduction()) {
     if (const auto robot = advertise()) {
       watch(*robot);
@@ -59,7 +59,7 @@ void Ward::run() {
   changed_();
 }
 
-bool Ward::read_introduction() {
+bool GuardedRobot::read_introduction() {
   wait(kNever, socket_.get(), leave_.get());
   if (wait_readable(leave_.get(), 0)) {
     return false;
@@ -77,7 +77,7 @@ bool Ward::read_introduction() {
   return true;
 }
 
-std::unique_ptr<topics::RawPublisher> Ward::advertise() {
+std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
   try {
     auto robot = robots_.advertise(hello_);
     send_packet(socket_.get(), make_packet("ready"));
@@ -88,60 +88,60 @@ std::unique_ptr<topics::RawPublisher> Ward::advertise() {
   }
 }
 
-void Ward::refuse(const std::string& reason) {
+void GuardedRobot::refuse(const std::string& reason) {
   auto packet = make_packet("refused");
   packet["reason"] = reason;
   send_packet(socket_.get(), packet);
 }
 
-void Ward::watch(topics::RawPublisher& robot) {
-  Vigil vigil(hello_.watchdog, wall_now());
+void GuardedRobot::watch(topics::RawPublisher& robot) {
+  GuardTimer timer(hello_.watchdog, wall_now());
   bool reaches = false;
   set_needed(true);
-  while (!vigil.over() && (vigil.stopping() || !wait_readable(leave_.get(), 0))) {
+  while (!timer.over() && (timer.stopping() || !wait_readable(leave_.get(), 0))) {
     // What would always be ready must not keep us from waiting.
     const TimeNs look = reaches ? kNever : wall_now() + kLook;
-    wait(std::min(vigil.next_due(), look), vigil.cause() == Cause::lost ? -1 : socket_.get(),
-         vigil.stopping() ? -1 : leave_.get());
+    wait(std::min(timer.next_due(), look), timer.cause() == Cause::lost ? -1 : socket_.get(),
+         timer.stopping() ? -1 : leave_.get());
     // What has come while we had to wait for the processor counts before any deadline.
-    listen(vigil);
+    listen(timer);
     const bool heard = robot.has_subscribers();
     if (heard && !reaches) {
       reaches = true;
       send_packet(socket_.get(), make_packet("reaches"));
     }
-    if (vigil.poll(wall_now(), heard)) {
+    if (timer.poll(wall_now(), heard)) {
       robot.publish(hello_.zero);
     }
-    announce(vigil);
+    announce(timer);
     // Not when it is over: leaving ROS may take as long as a master hangs.
-    set_needed(!vigil.over() && (!vigil.cause() || vigil.stopping()));
+    set_needed(!timer.over() && (!timer.cause() || timer.stopping()));
   }
   robot.drain();
 }
 
-void Ward::listen(Vigil& vigil) {
+void GuardedRobot::listen(GuardTimer& timer) {
   for (Received news = receive_packet(socket_.get()); !news.nothing;
        news = receive_packet(socket_.get())) {
     if (news.closed) {
-      vigil.lost(wall_now());
+      timer.lost(wall_now());
       return;
     }
     const std::string type = type_of(news.packet);
     if (type == "beat") {
-      vigil.beat(wall_now());
+      timer.beat(wall_now());
     } else if (type == "done") {
-      vigil.done();
+      timer.done();
     }
   }
 }
 
-void Ward::announce(const Vigil& vigil) {
-  const bool stopped_itself = vigil.over() && !vigil.cause();
-  if (vigil.cause() == announced_ || stopped_itself) {
+void GuardedRobot::announce(const GuardTimer& timer) {
+  const bool stopped_itself = timer.over() && !timer.cause();
+  if (timer.cause() == announced_ || stopped_itself) {
     return;
   }
-  announced_ = vigil.cause();
+  announced_ = timer.cause();
   if (!announced_) {
     log::info("the command adapter '{}' is heard again", hello_.process);
   } else if (*announced_ == Cause::lost) {
@@ -151,7 +151,7 @@ void Ward::announce(const Vigil& vigil) {
     log::warning(
         "the robot on {} is stopped: its command adapter '{}' has not been heard for {} (stopped "
         "by SIGSTOP, or the machine is too busy)",
-        hello_.topic, hello_.process, format_time(vigil.deadline()));
+        hello_.topic, hello_.process, format_time(timer.deadline()));
   }
 }
 

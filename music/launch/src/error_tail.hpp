@@ -7,7 +7,7 @@
 
 namespace spikeloop::launch {
 
-class LastWords {
+class ErrorTail {
  public:
   void take(const OutputLine& line);
   /// The reason that roslaunch gave, else the last line that is not blank, of standard error if

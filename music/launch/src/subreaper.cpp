@@ -1,4 +1,4 @@
-#include "keeper.hpp"
+#include "subreaper.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -52,10 +52,10 @@ void reset_signals() {
 }
 
 /// In the forked child: becomes the program, or returns when it cannot.
-void become(const ProgramStart& start, const KeeperFiles& files, pid_t keeper) {
+void become(const ProgramStart& start, const SubreaperFiles& files, pid_t subreaper) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != keeper) {
+  if (getppid() != subreaper) {
     _exit(143);
   }
   dup2(files.out, 1);
@@ -76,9 +76,9 @@ void become(const ProgramStart& start, const KeeperFiles& files, pid_t keeper) {
   execvp(arguments[0], arguments.data());
 }
 
-class Keeper {
+class Subreaper {
  public:
-  Keeper(const ProgramStart& start, const KeeperFiles& files) : start_(start), files_(files) {
+  Subreaper(const ProgramStart& start, const SubreaperFiles& files) : start_(start), files_(files) {
     sigset_t every;
     sigfillset(&every);
     sigprocmask(SIG_SETMASK, &every, nullptr);
@@ -110,21 +110,21 @@ class Keeper {
   }
 
  private:
-  void tell(KeeperNews::Kind kind, int value) const {
-    const KeeperNews news{kind, value};
+  void tell(SubreaperNews::Kind kind, int value) const {
+    const SubreaperNews news{kind, value};
     send(files_.owner, &news, sizeof news, MSG_NOSIGNAL);
   }
 
   bool start_program() {
     int failure[2];
     if (pipe2(failure, O_CLOEXEC) != 0) {
-      tell(KeeperNews::Kind::cannot_start, errno);
+      tell(SubreaperNews::Kind::cannot_start, errno);
       return false;
     }
-    const pid_t keeper = getpid();
+    const pid_t subreaper = getpid();
     program_ = fork();
     if (program_ == 0) {
-      become(start_, files_, keeper);
+      become(start_, files_, subreaper);
       const int reason = errno;
       [[maybe_unused]] const auto written = write(failure[1], &reason, sizeof reason);
       _exit(127);
@@ -135,7 +135,7 @@ class Keeper {
     int reason = 0;
     const bool failed = program_ < 0 || read(failure[0], &reason, sizeof reason) == sizeof reason;
     close(failure[0]);
-    tell(failed ? KeeperNews::Kind::cannot_start : KeeperNews::Kind::started,
+    tell(failed ? SubreaperNews::Kind::cannot_start : SubreaperNews::Kind::started,
          failed ? reason : program_);
     return !failed;
   }
@@ -153,7 +153,7 @@ class Keeper {
     for (pid_t ended = waitpid(-1, &status, WNOHANG); ended > 0;
          ended = waitpid(-1, &status, WNOHANG)) {
       if (ended == program_) {
-        tell(KeeperNews::Kind::ended, status);
+        tell(SubreaperNews::Kind::ended, status);
         begin_ending();
       }
     }
@@ -204,7 +204,7 @@ class Keeper {
   }
 
   const ProgramStart& start_;
-  KeeperFiles files_;
+  SubreaperFiles files_;
   int signals_ = -1;
   pid_t program_ = -1;
   bool orphaned_ = false;
@@ -216,10 +216,10 @@ class Keeper {
 
 }  // namespace
 
-void keep(const ProgramStart& start, const KeeperFiles& files) {
+void keep(const ProgramStart& start, const SubreaperFiles& files) {
   setpgid(0, 0);
   close_all_but({files.owner, files.out, files.err});
-  Keeper(start, files).run();
+  Subreaper(start, files).run();
   _exit(0);
 }
 

@@ -1,14 +1,14 @@
-#include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 
 #include <algorithm>
 
 namespace spikeloop::guard {
 
 // A watchdog of years must not overflow.
-Vigil::Vigil(TimeNs watchdog, TimeNs now)
+GuardTimer::GuardTimer(TimeNs watchdog, TimeNs now)
     : deadline_(std::clamp<TimeNs>(watchdog, 0, kNever / 4) + kMargin), last_beat_(now) {}
 
-void Vigil::beat(TimeNs now) {
+void GuardTimer::beat(TimeNs now) {
   if (state_ == State::over || cause_ == Cause::lost) {
     return;
   }
@@ -18,20 +18,20 @@ void Vigil::beat(TimeNs now) {
   last_beat_ = now;
 }
 
-void Vigil::done() {
+void GuardTimer::done() {
   if (cause_ != Cause::lost) {
     state_ = State::over;
     cause_.reset();
   }
 }
 
-void Vigil::lost(TimeNs now) {
+void GuardTimer::lost(TimeNs now) {
   if (state_ != State::over && cause_ != Cause::lost) {
     begin(Cause::lost, now);
   }
 }
 
-void Vigil::begin(Cause cause, TimeNs now) {
+void GuardTimer::begin(Cause cause, TimeNs now) {
   state_ = State::stopping;
   cause_ = cause;
   stopping_since_ = now;
@@ -39,7 +39,7 @@ void Vigil::begin(Cause cause, TimeNs now) {
   zeros_left_ = kZeros;
 }
 
-bool Vigil::poll(TimeNs now, bool heard) {
+bool GuardTimer::poll(TimeNs now, bool heard) {
   if (state_ == State::watching && now - last_beat_ > deadline_) {
     begin(Cause::silent, now);
   }
@@ -54,7 +54,7 @@ bool Vigil::poll(TimeNs now, bool heard) {
   return true;
 }
 
-TimeNs Vigil::next_due() const {
+TimeNs GuardTimer::next_due() const {
   switch (state_) {
     case State::watching:
       return last_beat_ + deadline_ + 1;

@@ -1,4 +1,4 @@
-// A topic of one type in: what the sources of this room share.
+// A topic of one type in: what the sources of this module share.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace spikeloop::topics {
 
-struct IntakeSettings {
+struct TopicReaderSettings {
   std::string topic;
   std::string type;  ///< "sensor_msgs/LaserScan"
   std::uint32_t queue = 10;
@@ -27,16 +27,16 @@ struct IntakeSettings {
 };
 
 /// Subscribes and hands messages on; remembers what is wrong until the loop asks.
-class Intake {
+class TopicReader {
  public:
   /// Called in the session's thread the moment a message has arrived, with the time of the
   /// monotonic clock. What it throws ends the run.
   using Take = std::function<void(std::span<const std::byte>, TimeNs now)>;
 
   /// @throws ConfigurationError for an unknown type or an impossible topic.
-  Intake(Session& session, const IntakeSettings& settings, Take take);
-  Intake(const Intake&) = delete;
-  Intake& operator=(const Intake&) = delete;
+  TopicReader(Session& session, const TopicReaderSettings& settings, Take take);
+  TopicReader(const TopicReader&) = delete;
+  TopicReader& operator=(const TopicReader&) = delete;
 
   /// In the loop, every tick. Says once that nothing comes, and once that nothing comes any more,
   /// by the wall clock, or by the simulated time that is given.
@@ -55,7 +55,7 @@ class Intake {
   void mind_silence(TimeNs now, TimeNs newest_at);
 
   Session& session_;
-  IntakeSettings settings_;
+  TopicReaderSettings settings_;
   Take take_;
 
   mutable std::mutex mutex_;  // held for a moment, never across a tick

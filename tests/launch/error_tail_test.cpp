@@ -1,4 +1,4 @@
-#include "last_words.hpp"
+#include "error_tail.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,20 +6,20 @@ namespace spikeloop::launch {
 namespace {
 
 std::string text_of(const std::vector<std::pair<bool, std::string>>& lines) {
-  LastWords words;
+  ErrorTail words;
   for (const auto& [error, text] : lines) {
     words.take({std::nullopt, error, text});
   }
   return words.text();
 }
 
-TEST(LastWords, AreTheLastLineThatIsNotBlank) {
+TEST(ErrorTail, AreTheLastLineThatIsNotBlank) {
   EXPECT_EQ(text_of({}), "");
   EXPECT_EQ(text_of({{false, "begins"}, {false, "ends "}, {false, ""}, {false, " \t\r"}}), "ends");
   EXPECT_EQ(text_of({{true, "cannot"}, {false, "ends"}}), "cannot");
 }
 
-TEST(LastWords, HaveNoTerminalCodes) {
+TEST(ErrorTail, HaveNoTerminalCodes) {
   EXPECT_EQ(text_of({{true, "\x1b[1;31mcannot\x1b[0m open"}, {true, "\x1b[0m"}}), "cannot open");
   EXPECT_EQ(text_of({{false, "done"}, {false, "\x1b]2;roscore\a"}}), "done");
   EXPECT_EQ(text_of({{false, "cut \x1b"}}), "cut");
@@ -27,7 +27,7 @@ TEST(LastWords, HaveNoTerminalCodes) {
 }
 
 // What a roscore prints that cannot resolve localhost.
-TEST(LastWords, AreTheReasonThatRoslaunchGives) {
+TEST(ErrorTail, AreTheReasonThatRoslaunchGives) {
   EXPECT_EQ(text_of({{false, "Done checking log file disk usage. Usage is <1GB."},
                      {true,
                       "\x1b[31mRLException: Unable to contact my own server at "

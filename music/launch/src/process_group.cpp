@@ -1,4 +1,4 @@
-#include "crew.hpp"
+#include "process_group.hpp"
 
 #include <unistd.h>
 
@@ -21,18 +21,18 @@ bool read_output(int fd, TaggedOutput& output) {
 
 }  // namespace
 
-Member::Member(const ProgramStart& start, const TaggedOutput::Handler& handler)
+Process::Process(const ProgramStart& start, const TaggedOutput::Handler& handler)
     : handler_(handler),
       tree_(start),
       out_(false, [this](const OutputLine& line) { handle(line); }),
       err_(true, [this](const OutputLine& line) { handle(line); }) {}
 
-void Member::handle(const OutputLine& line) {
-  last_words_.take(line);
+void Process::handle(const OutputLine& line) {
+  error_tail_.take(line);
   handler_(line);
 }
 
-void Member::read() {
+void Process::read() {
   if (gone_) {
     return;
   }
@@ -45,12 +45,12 @@ void Member::read() {
   }
 }
 
-Member& Crew::start(const ProgramStart& start, const TaggedOutput::Handler& handler) {
-  members_.push_back(std::make_unique<Member>(start, handler));
-  return *members_.back();
+Process& ProcessGroup::start(const ProgramStart& start, const TaggedOutput::Handler& handler) {
+  processes_.push_back(std::make_unique<Process>(start, handler));
+  return *processes_.back();
 }
 
-void Member::add_files(std::vector<pollfd>& files) const {
+void Process::add_files(std::vector<pollfd>& files) const {
   if (!gone_) {
     files.push_back({tree_.fd(), POLLIN, 0});
     // A pipe that the program has closed would always be ready.
@@ -59,20 +59,20 @@ void Member::add_files(std::vector<pollfd>& files) const {
   }
 }
 
-void Crew::turn(Milliseconds most) {
+void ProcessGroup::turn(Milliseconds most) {
   std::vector<pollfd> files{{receiver_.fd(), POLLIN, 0}, {signals_.fd(), POLLIN, 0}};
-  for (const auto& member : members_) {
-    member->add_files(files);
+  for (const auto& process : processes_) {
+    process->add_files(files);
   }
   poll(files.data(), files.size(), static_cast<int>(most.count()));
-  for (const auto& member : members_) {
-    member->read();
+  for (const auto& process : processes_) {
+    process->read();
   }
   pass_on_messages();
   pass_on_signals();
 }
 
-void Crew::pass_on_messages() {
+void ProcessGroup::pass_on_messages() {
   while (true) {
     const auto message = receiver_.next(Milliseconds{0});
     if (!message) {
@@ -82,7 +82,7 @@ void Crew::pass_on_messages() {
   }
 }
 
-void Crew::pass_on_signals() {
+void ProcessGroup::pass_on_signals() {
   while (true) {
     const auto number = signals_.next();
     if (!number) {
@@ -92,7 +92,7 @@ void Crew::pass_on_signals() {
   }
 }
 
-bool Crew::turn_until(const std::function<bool()>& condition, Milliseconds most) {
+bool ProcessGroup::turn_until(const std::function<bool()>& condition, Milliseconds most) {
   const auto deadline = Clock::now() + most;
   while (!condition() && Clock::now() < deadline) {
     turn(Milliseconds{20});

@@ -8,19 +8,19 @@
 
 #include "robots.hpp"
 #include "spikeloop/guard/protocol.hpp"
-#include "spikeloop/guard/vigil.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::guard {
 
-class Ward {
+class GuardedRobot {
  public:
-  /// @param changed called from the ward's thread when needed() or ended() may have changed
-  Ward(Descriptor socket, Robots& robots, std::function<void()> changed);
+  /// @param changed called from its thread when needed() or ended() may have changed
+  GuardedRobot(Descriptor socket, Robots& robots, std::function<void()> changed);
   /// Lets the adapter alone; a robot that is just being stopped gets the rest of its zeros.
-  ~Ward();
-  Ward(const Ward&) = delete;
-  Ward& operator=(const Ward&) = delete;
+  ~GuardedRobot();
+  GuardedRobot(const GuardedRobot&) = delete;
+  GuardedRobot& operator=(const GuardedRobot&) = delete;
 
   /// Whether the adapter lives, or its robot is just being stopped.
   bool needed() const { return needed_.load(); }
@@ -31,8 +31,8 @@ class Ward {
   bool read_introduction();
   std::unique_ptr<topics::RawPublisher> advertise();
   void watch(topics::RawPublisher& robot);
-  void listen(Vigil& vigil);
-  void announce(const Vigil& vigil);
+  void listen(GuardTimer& timer);
+  void announce(const GuardTimer& timer);
   void refuse(const std::string& reason);
   void set_needed(bool needed);
 

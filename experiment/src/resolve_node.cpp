@@ -45,65 +45,65 @@ NetworkFile network_in_place(const std::string& text, const Location& where,
 }
 
 /// A network's ports are as wide as its file says.
-void read_network(Part& part, const std::string& directory, Experiment& experiment) {
-  const Location where = part.parameters.where("network");
-  const std::string& written = part.parameters.text("network");
+void read_network(Node& node, const std::string& directory, Experiment& experiment) {
+  const Location where = node.parameters.where("network");
+  const std::string& written = node.parameters.text("network");
   const bool in_place = written.starts_with('{');
   if (!in_place) {
     const std::string path = in_directory(directory, written);
     if (!std::filesystem::exists(network_source(path))) {
       refuse_file("network", where, "network file", network_source(path));
     }
-    part.parameters.set("network", path, true, where);
+    node.parameters.set("network", path, true, where);
   }
-  const std::string& path = part.parameters.text("network");
+  const std::string& path = node.parameters.text("network");
   const NetworkFile network = in_place ? network_in_place(path, where, directory)
                                        : located_at(where, [&] { return read_network_file(path); });
   network.check_tick(experiment.tick);
   experiment.own_classes.push_back(std::make_shared<NodeClass>(network_class(network)));
-  part.node_class = experiment.own_classes.back().get();
+  node.node_class = experiment.own_classes.back().get();
 }
 
 /// A recording knows its width.
-void read_recording(Part& part, const std::string& directory, Experiment& experiment) {
-  const Location where = part.parameters.where("file");
-  const std::string path = in_directory(directory, part.parameters.text("file"));
-  part.parameters.set("file", path, true, where);
+void read_recording(Node& node, const std::string& directory, Experiment& experiment) {
+  const Location where = node.parameters.where("file");
+  const std::string path = in_directory(directory, node.parameters.text("file"));
+  node.parameters.set("file", path, true, where);
   if (!std::filesystem::exists(path)) {
     refuse_file("file", where, "recording", path);
   }
-  const std::string& stream = part.parameters.text("stream");
-  const Location& named = part.parameters.given("stream") ? part.parameters.where("stream") : where;
+  const std::string& stream = node.parameters.text("stream");
+  const Location& named = node.parameters.given("stream") ? node.parameters.where("stream") : where;
   const std::uint32_t width = located_at(named, [&] {
-    return part.kind == kSpikePlayback ? record::read_spikes(path, stream).width
+    return node.kind == kSpikePlayback ? record::read_spikes(path, stream).width
                                        : record::read_signal(path, stream).width;
   });
-  auto own = std::make_shared<NodeClass>(*part.node_class);
+  auto own = std::make_shared<NodeClass>(*node.node_class);
   own->description.ports.front().width = WidthRule::fixed(width);
-  part.node_class = own.get();
+  node.node_class = own.get();
   experiment.own_classes.push_back(std::move(own));
 }
 
 /// The node's class: `node: NAME`, or the simulator of `simulator: NAME`, of which builtin is the
 /// built-in network.
-std::string kind_of(const ExperimentNode& node, Part& part) {
+std::string kind_of(const ExperimentNode& entry, Node& node) {
   const auto take = [&](const char* key) {
-    WrittenValue value = node.keys.at(key);
-    part.written.erase(key);
+    WrittenValue value = entry.keys.at(key);
+    node.written.erase(key);
     return value;
   };
-  if (node.keys.contains("node") == node.keys.contains("simulator")) {
+  if (entry.keys.contains("node") == entry.keys.contains("simulator")) {
     throw ConfigurationError(
-        node.where,
+        entry.where,
         fmt::format("node '{}' says {}; write  node: rate_encoder, or  simulator: builtin",
-                    node.name,
-                    node.keys.contains("node") ? "both 'node' and 'simulator'"
-                                               : "neither 'node' nor 'simulator'"));
+                    entry.name,
+                    entry.keys.contains("node") ? "both 'node' and 'simulator'"
+                                                : "neither 'node' nor 'simulator'"));
   }
-  if (node.keys.contains("node")) {
+  if (entry.keys.contains("node")) {
     return take("node").text;
   }
-  return simulator_kind(node, take("simulator"));
+  return simulator_kind(entry, take("simulator"));
 }
 
 }  // namespace
@@ -120,53 +120,53 @@ void refuse_file(const char* key, const Location& where, const char* what,
                          key, what, path));
 }
 
-Checked resolve_part(const ExperimentNode& node, const Kinds& kinds, const std::string& directory,
-                     Experiment& experiment, Faults& faults) {
-  Part part;
-  part.name = node.name;
-  part.where = node.where;
-  part.written = node.keys;
-  const bool by_class = node.keys.contains("node");
-  const bool found = faults.attempt(node.where, [&] {
-    part.kind = kind_of(node, part);
-    if (!by_class && part.kind != kNetwork) {
+Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
+                     const std::string& directory, Experiment& experiment, Faults& faults) {
+  Node node;
+  node.name = entry.name;
+  node.where = entry.where;
+  node.written = entry.keys;
+  const bool by_class = entry.keys.contains("node");
+  const bool found = faults.attempt(entry.where, [&] {
+    node.kind = kind_of(entry, node);
+    if (!by_class && node.kind != kNetwork) {
       return;
     }
-    const auto written = node.keys.find("node");
-    const Location where = written == node.keys.end() ? node.where : written->second.where;
-    if (kinds.may_lack(part.kind)) {
+    const auto written = entry.keys.find("node");
+    const Location where = written == entry.keys.end() ? entry.where : written->second.where;
+    if (types.may_lack(node.kind)) {
       return;
     }
-    part.node_class = located_at(where, [&] { return &kinds.find(part.kind); });
-    part.role = kinds.role(part.kind);
-    part.plugin = kinds.plugin_of(part.kind);
+    node.node_class = located_at(where, [&] { return &types.find(node.kind); });
+    node.role = types.role(node.kind);
+    node.plugin = types.plugin_of(node.kind);
   });
-  if (found && !by_class && part.kind != kNetwork) {
-    return resolve_simulator(node, std::move(part), directory, experiment, faults);
+  if (found && !by_class && node.kind != kNetwork) {
+    return resolve_simulator(entry, std::move(node), directory, experiment, faults);
   }
-  if (!found || part.node_class == nullptr) {
+  if (!found || node.node_class == nullptr) {
     return {};
   }
   const std::size_t before = faults.count();
-  part.parameters = resolve_keys(
-      part.node_class->description.parameters,
-      {part.written, fmt::format("node '{}'", node.name), node.where, node.unread, node.places},
-      table_loader(directory, *part.node_class), faults);
-  bool good = faults.count() == before && node.unread.empty();
-  good = good && faults.attempt(node.where, [&] {
-    if (has_topic(part.kind)) {
-      read_endpoint(part, directory, dialect_of(experiment.ros));
+  node.parameters = resolve_keys(
+      node.node_class->description.parameters,
+      {node.written, fmt::format("node '{}'", entry.name), entry.where, entry.unread, entry.places},
+      table_loader(directory, *node.node_class), faults);
+  bool good = faults.count() == before && entry.unread.empty();
+  good = good && faults.attempt(entry.where, [&] {
+    if (has_topic(node.kind)) {
+      read_endpoint(node, directory, dialect_of(experiment.ros));
     }
-    if (part.kind == kNetwork) {
-      read_network(part, directory, experiment);
-    } else if (part.kind == kSpikePlayback || part.kind == kSignalPlayback) {
-      read_recording(part, directory, experiment);
+    if (node.kind == kNetwork) {
+      read_network(node, directory, experiment);
+    } else if (node.kind == kSpikePlayback || node.kind == kSignalPlayback) {
+      read_recording(node, directory, experiment);
     }
   });
   const bool own_widths =
-      part.kind == kNetwork || part.kind == kSpikePlayback || part.kind == kSignalPlayback;
+      node.kind == kNetwork || node.kind == kSpikePlayback || node.kind == kSignalPlayback;
   const bool ports = good || !own_widths;
-  experiment.parts.push_back(std::move(part));
+  experiment.nodes.push_back(std::move(node));
   return {ports, good};
 }
 

@@ -1,25 +1,25 @@
-#include "spikeloop/command/interventions.hpp"
+#include "spikeloop/command/operator_input.hpp"
 
 #include <utility>
 
 namespace spikeloop::command {
 
-void Interventions::watch_publishers(std::function<bool()> has_publishers) {
+void OperatorInput::watch_publishers(std::function<bool()> has_publishers) {
   const std::lock_guard lock(asking_);
   has_publishers_ = std::move(has_publishers);
 }
 
-void Interventions::emergency(bool stop, TimeNs wall) {
+void OperatorInput::emergency(bool stop, TimeNs wall) {
   const std::lock_guard lock(mutex_);
   rule_.take(stop, wall);
 }
 
-void Interventions::override_with(std::span<const double> values) {
+void OperatorInput::override_with(std::span<const double> values) {
   const std::lock_guard lock(mutex_);
   manual_.emplace(values.begin(), values.end());
 }
 
-void Interventions::apply(TimeNs wall, TimeNs now) {
+void OperatorInput::apply(TimeNs wall, TimeNs now) {
   bool published = false;
   {
     const std::lock_guard lock(asking_);

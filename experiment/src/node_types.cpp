@@ -1,4 +1,4 @@
-#include "spikeloop/experiment/kinds.hpp"
+#include "spikeloop/experiment/node_types.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -176,7 +176,7 @@ NodeDescription playback(const char* name, PortKind kind, const char* line) {
 
 }  // namespace
 
-Kinds::Kinds() {
+NodeTypes::NodeTypes() {
   register_nodes(registry_);
   register_neurons(registry_);
   const auto add = [this](Role role, const NodeDescription& description) {
@@ -190,22 +190,22 @@ Kinds::Kinds() {
       playback(kSignalPlayback, PortKind::signal, "A recorded continuous signal once more"));
 }
 
-void Kinds::load_plugin(const std::string& path) {
+void NodeTypes::load_plugin(const std::string& path) {
   for (const std::string& name : registry_.load_plugin(path)) {
     plugins_[name] = path;
   }
 }
 
-std::string Kinds::plugin_of(std::string_view name) const {
+std::string NodeTypes::plugin_of(std::string_view name) const {
   const auto found = plugins_.find(name);
   return found == plugins_.end() ? "" : found->second;
 }
 
-bool Kinds::may_lack(std::string_view name) const {
+bool NodeTypes::may_lack(std::string_view name) const {
   return incomplete_ && !endpoints_.contains(name) && !registry_.contains(name);
 }
 
-const NodeClass& Kinds::find(std::string_view name) const {
+const NodeClass& NodeTypes::find(std::string_view name) const {
   if (const auto endpoint = endpoints_.find(name); endpoint != endpoints_.end()) {
     return endpoint->second.node_class;
   }
@@ -216,12 +216,12 @@ const NodeClass& Kinds::find(std::string_view name) const {
   throw ConfigurationError("unknown node class '" + written + "'" + did_you_mean(written, names()));
 }
 
-Role Kinds::role(std::string_view name) const {
+Role NodeTypes::role(std::string_view name) const {
   const auto endpoint = endpoints_.find(name);
   return endpoint == endpoints_.end() ? Role::node : endpoint->second.role;
 }
 
-std::vector<std::string> Kinds::endpoints() const {
+std::vector<std::string> NodeTypes::endpoints() const {
   std::vector<std::string> names;
   for (const auto& [name, endpoint] : endpoints_) {
     names.push_back(name);
@@ -229,7 +229,7 @@ std::vector<std::string> Kinds::endpoints() const {
   return names;
 }
 
-std::vector<std::string> Kinds::names() const {
+std::vector<std::string> NodeTypes::names() const {
   std::vector<std::string> names = registry_.names();
   const auto more = endpoints();
   names.insert(names.end(), more.begin(), more.end());

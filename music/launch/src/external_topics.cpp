@@ -1,4 +1,4 @@
-#include "outside.hpp"
+#include "external_topics.hpp"
 
 #include <fmt/format.h>
 
@@ -16,8 +16,8 @@ namespace spikeloop::launch {
 
 std::string written_place(const MusicFile& file, const MusicSection& section,
                           const Program& program) {
-  const MusicKey* key = file.find_key(section, program.outside.key);
-  return key != nullptr ? key->value : std::string(program.outside.otherwise);
+  const MusicKey* key = file.find_key(section, program.external.key);
+  return key != nullptr ? key->value : std::string(program.external.otherwise);
 }
 
 std::string topic_name(const std::string& written) {
@@ -52,7 +52,7 @@ class OutsideCheck {
   Findings run() {
     for (const MusicSection* section : in_written_order(file_)) {
       const Program* program = find_program(file_, *section);
-      if (program == nullptr || program->outside.key.empty()) {
+      if (program == nullptr || program->external.key.empty()) {
         continue;
       }
       if (ros_version(file_, *section) == 1) {
@@ -76,7 +76,7 @@ class OutsideCheck {
 
  private:
   Place place_of(const MusicSection& section, const Program& program) const {
-    const MusicKey* key = file_.find_key(section, program.outside.key);
+    const MusicKey* key = file_.find_key(section, program.external.key);
     const std::string written = written_place(file_, section, program);
     return {program.ros ? topic_name(written) : canonical_address(written, section),
             ros_version(file_, section), key != nullptr ? key->where : section.where};
@@ -181,7 +181,7 @@ class OutsideCheck {
 
 }  // namespace
 
-Findings check_outside(const MusicFile& file, bool strict) {
+Findings check_external_topics(const MusicFile& file, bool strict) {
   return OutsideCheck(file, strict).run();
 }
 
