@@ -42,14 +42,14 @@ class NamedSink : public Sink {
 
 }  // namespace
 
-std::unique_ptr<Source> MusicProcesses::source(const experiment::Link& edge) {
+std::unique_ptr<Source> MusicProcesses::source(const experiment::Connection& edge) {
   const std::string port = experiment::process_port(edge.from);
   sources_.push_back(edge.kind == PortKind::spikes ? process_.spike_input(port)
                                                    : process_.signal_input(port));
   return std::make_unique<NamedSource>(sources_.back(), experiment::port_of(edge.from));
 }
 
-std::unique_ptr<Sink> MusicProcesses::sink(const experiment::Link& edge) {
+std::unique_ptr<Sink> MusicProcesses::sink(const experiment::Connection& edge) {
   const std::string& end = is_simulator_end(experiment_, edge.to) ? edge.to : edge.from;
   const std::string port = experiment::process_port(end);
   sinks_.push_back(edge.kind == PortKind::spikes ? process_.spike_output(port)

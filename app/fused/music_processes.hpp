@@ -17,8 +17,8 @@ class MusicProcesses : public fused::OtherProcesses {
   MusicProcesses(music::Process& process, const experiment::Experiment& experiment)
       : process_(process), experiment_(experiment) {}
 
-  std::unique_ptr<Source> source(const experiment::Link& edge) override;
-  std::unique_ptr<Sink> sink(const experiment::Link& edge) override;
+  std::unique_ptr<Source> source(const experiment::Connection& edge) override;
+  std::unique_ptr<Sink> sink(const experiment::Connection& edge) override;
   void meet() override;
   void exchange() override { loop_->exchange(); }
 

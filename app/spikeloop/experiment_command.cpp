@@ -440,7 +440,7 @@ int check_experiment(const std::string& file, bool strict) {
   const Experiment& experiment = *loaded->experiment;
   put_result(fmt::format(
       "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.nodes.size(), "node"),
-      count_of(experiment.links.size(), "connection"), format_time(experiment.tick),
+      count_of(experiment.connections.size(), "connection"), format_time(experiment.tick),
       experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
   return 0;
 }

@@ -24,8 +24,8 @@
 namespace spikeloop::app::graph_command {
 namespace {
 
+using experiment::Connection;
 using experiment::Experiment;
-using experiment::Link;
 using experiment::Node;
 
 constexpr const char* kFooter = R"(Examples:
@@ -77,10 +77,10 @@ Box box_of(const Node& node) {
   return box;
 }
 
-std::string label_of(const Link& link, TimeNs tick) {
-  const bool delayed = link.delay_ticks.value_or(0) > 0;
-  return fmt::format("[{}{}]", link.width,
-                     delayed ? ", delay " + format_time(*link.delay_ticks * tick) : "");
+std::string label_of(const Connection& connection, TimeNs tick) {
+  const bool delayed = connection.delay_ticks.value_or(0) > 0;
+  return fmt::format("[{}{}]", connection.width,
+                     delayed ? ", delay " + format_time(*connection.delay_ticks * tick) : "");
 }
 
 Diagram diagram_of(const Experiment& experiment) {
@@ -101,10 +101,11 @@ Diagram diagram_of(const Experiment& experiment) {
   for (const Node& node : experiment.nodes) {
     builder.add(box_of(node));
   }
-  for (const Link& link : experiment.links) {
-    const bool signal = link.kind == PortKind::signal;
-    builder.connect(link.from, link.to, signal ? ArrowStyle::signal : ArrowStyle::spikes,
-                    label_of(link, experiment.tick), link.delay_ticks.value_or(0) > 0);
+  for (const Connection& connection : experiment.connections) {
+    const bool signal = connection.kind == PortKind::signal;
+    builder.connect(connection.from, connection.to,
+                    signal ? ArrowStyle::signal : ArrowStyle::spikes,
+                    label_of(connection, experiment.tick), connection.delay_ticks.value_or(0) > 0);
   }
   return diagram;
 }

@@ -83,8 +83,8 @@ struct Trial {
   bool try_nodes = true;
   SensorWidth sensor_width{};  ///< empty: nobody knows
 };
-void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
-                   Faults& faults);
+void resolve_connections(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
+                         Faults& faults);
 
 /// The key `layout`. @param whole all nodes could be read
 void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults);

@@ -62,16 +62,16 @@ void JobWriter::add_script(const Node& node) {
 
 void JobWriter::add_kinds(const Node& node) {
   std::map<std::string, std::set<std::string>> ports;
-  const auto take = [&](const Link& link, const std::string& own, const std::string& other,
-                        Direction direction) {
+  const auto take = [&](const Connection& connection, const std::string& own,
+                        const std::string& other, Direction direction) {
     // Between two simulators the kind is a guess.
     if (node_of(own) == node.name && !is_simulator_end(experiment_, other)) {
-      ports[script_key(link.kind, direction)].insert(port_of(own));
+      ports[script_key(connection.kind, direction)].insert(port_of(own));
     }
   };
-  for (const Link& link : experiment_.links) {
-    take(link, link.to, link.from, Direction::input);
-    take(link, link.from, link.to, Direction::output);
+  for (const Connection& connection : experiment_.connections) {
+    take(connection, connection.to, connection.from, Direction::input);
+    take(connection, connection.from, connection.to, Direction::output);
   }
   for (const auto& [key, names] : ports) {
     add(node, key, fmt::format("{}", fmt::join(names, ",")));

@@ -34,24 +34,29 @@ const Process* find_process(const Experiment& experiment, const std::string& nod
   return found == processes.end() ? nullptr : &*found;
 }
 
-bool crosses(const Experiment& experiment, const Link& link) {
-  return process_of(experiment, node_of(link.from)) != process_of(experiment, node_of(link.to));
+bool crosses(const Experiment& experiment, const Connection& connection) {
+  return process_of(experiment, node_of(connection.from)) !=
+         process_of(experiment, node_of(connection.to));
 }
 
-std::uint32_t least_delay(const Experiment& experiment, const Link& link) {
-  if (!crosses(experiment, link)) {
+std::uint32_t least_delay(const Experiment& experiment, const Connection& connection) {
+  if (!crosses(experiment, connection)) {
     return 0;
   }
-  const Process* to = find_process(experiment, node_of(link.to));
-  return of_kind(to == nullptr ? kIntoSimulator : to->in_cycle ? kIntoCycle : kForward, link.kind);
+  const Process* to = find_process(experiment, node_of(connection.to));
+  return of_kind(to == nullptr  ? kIntoSimulator
+                 : to->in_cycle ? kIntoCycle
+                                : kForward,
+                 connection.kind);
 }
 
 /// The delay that a connection takes when none is written.
-std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
-  std::uint32_t delay = least_delay(experiment, link);
-  for (const Link& other : experiment.links) {
-    if (is_simulator_end(experiment, link.to) && node_of(other.to) == node_of(link.to) &&
-        other.kind == link.kind && is_simulator_end(experiment, other.from)) {
+std::uint32_t usual_delay(const Experiment& experiment, const Connection& connection) {
+  std::uint32_t delay = least_delay(experiment, connection);
+  for (const Connection& other : experiment.connections) {
+    if (is_simulator_end(experiment, connection.to) &&
+        node_of(other.to) == node_of(connection.to) && other.kind == connection.kind &&
+        is_simulator_end(experiment, other.from)) {
       delay = std::max(delay, other.delay_ticks.value_or(0));
     }
   }
@@ -59,10 +64,12 @@ std::uint32_t usual_delay(const Experiment& experiment, const Link& link) {
 }
 
 /// What a command hears of the sensors and spikes behind it.
-void add_edges_into(const Experiment& experiment, const Node& command, std::vector<Link>& edges) {
+void add_edges_into(const Experiment& experiment, const Node& command,
+                    std::vector<Connection>& edges) {
   const auto add = [&](const std::string& from, const std::string& port, PortKind kind,
                        std::uint32_t width, std::uint32_t delay) {
-    Link edge{from, fmt::format("{}.{}", command.name, port), kind, width, delay, command.where};
+    Connection edge{from,         fmt::format("{}.{}", command.name, port), kind, width, delay,
+                    command.where};
     edge.delay_ticks = std::max(delay, least_delay(experiment, edge));
     edges.push_back(std::move(edge));
   };
@@ -76,9 +83,9 @@ void add_edges_into(const Experiment& experiment, const Node& command, std::vect
     add(sensor->name + ".pace", fmt::format("sensor_{}", i++), PortKind::signal, 1, 0);
   }
   i = 0;
-  for (const Link* link : watched_spikes(experiment, command)) {
-    add(link->from, fmt::format("spikes_{}", i++), PortKind::spikes, link->width,
-        link->delay_ticks.value_or(0));
+  for (const Connection* connection : watched_spikes(experiment, command)) {
+    add(connection->from, fmt::format("spikes_{}", i++), PortKind::spikes, connection->width,
+        connection->delay_ticks.value_or(0));
   }
 }
 
@@ -126,14 +133,16 @@ bool waits_for_clock(const Experiment& experiment, const std::string& process) {
     return meets_robot(experiment, process);
   }
   // Spikes alone do not hold up their sender.
-  const bool has_inputs = std::ranges::any_of(experiment.links, [&](const Link& link) {
-    return crosses(experiment, link) && process_of(experiment, node_of(link.to)) == process;
-  });
+  const bool has_inputs =
+      std::ranges::any_of(experiment.connections, [&](const Connection& connection) {
+        return crosses(experiment, connection) &&
+               process_of(experiment, node_of(connection.to)) == process;
+      });
   return !has_inputs || experiment.layout.processes.front().name == process;
 }
 
-std::vector<Link> edges(const Experiment& experiment) {
-  std::vector<Link> result = experiment.links;
+std::vector<Connection> edges(const Experiment& experiment) {
+  std::vector<Connection> result = experiment.connections;
   for (const Node& node : experiment.nodes) {
     if (node.kind == kRosCommand) {
       add_edges_into(experiment, node, result);
@@ -142,19 +151,20 @@ std::vector<Link> edges(const Experiment& experiment) {
   return result;
 }
 
-const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
-                           PortKind kind) {
-  const auto found = std::ranges::find_if(experiment.links, [&](const Link& link) {
-    return link.kind == kind && node_of(link.to) == simulator &&
-           is_simulator_end(experiment, link.from);
-  });
-  return found == experiment.links.end() ? nullptr : &*found;
+const Connection* from_simulator(const Experiment& experiment, const std::string& simulator,
+                                 PortKind kind) {
+  const auto found =
+      std::ranges::find_if(experiment.connections, [&](const Connection& connection) {
+        return connection.kind == kind && node_of(connection.to) == simulator &&
+               is_simulator_end(experiment, connection.from);
+      });
+  return found == experiment.connections.end() ? nullptr : &*found;
 }
 
-std::uint32_t music_delay(const Experiment& experiment, const Link& edge) {
-  const Link* between = is_simulator_end(experiment, edge.to)
-                            ? from_simulator(experiment, node_of(edge.to), edge.kind)
-                            : nullptr;
+std::uint32_t music_delay(const Experiment& experiment, const Connection& edge) {
+  const Connection* between = is_simulator_end(experiment, edge.to)
+                                  ? from_simulator(experiment, node_of(edge.to), edge.kind)
+                                  : nullptr;
   return between == nullptr ? least_delay(experiment, edge) : between->delay_ticks.value_or(0);
 }
 
@@ -164,24 +174,24 @@ std::string format_ticks(std::uint32_t ticks) {
 
 Experiment with_layout_delays(const Experiment& experiment) {
   Experiment result = experiment;
-  for (Link& link : result.links) {
-    const std::uint32_t least = least_delay(experiment, link);
-    if (link.delay_ticks.value_or(least) < least) {
+  for (Connection& connection : result.connections) {
+    const std::uint32_t least = least_delay(experiment, connection);
+    if (connection.delay_ticks.value_or(least) < least) {
       const bool fused = experiment.layout.kind == Layout::Kind::fused;
       const char* const instead = fused                        ? ", or use --layout separate"
                                   : !has_simulator(experiment) ? ", or use the fused layout"
                                                                : "";
       throw ConfigurationError(
-          link.where,
+          connection.where,
           fmt::format("{} from '{}' to '{}' take at least {} {}, and here it is {}; write  delay "
                       "{}, {}leave it out{}",
-                      link.kind == PortKind::spikes ? "spikes" : "continuous values", link.from,
-                      link.to, format_ticks(least),
+                      connection.kind == PortKind::spikes ? "spikes" : "continuous values",
+                      connection.from, connection.to, format_ticks(least),
                       fused ? "in the fused layout" : "between processes",
-                      format_ticks(*link.delay_ticks), format_ticks(least),
+                      format_ticks(*connection.delay_ticks), format_ticks(least),
                       *instead == '\0' ? "or " : "", instead));
     }
-    link.delay_ticks = link.delay_ticks.value_or(usual_delay(experiment, link));
+    connection.delay_ticks = connection.delay_ticks.value_or(usual_delay(experiment, connection));
   }
   return result;
 }

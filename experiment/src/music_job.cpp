@@ -68,8 +68,8 @@ class Writer : JobWriter {
       begin_section(node.name, node.where);
       write_section(node);
     }
-    for (const Link& link : experiment_.links) {
-      write_connection(link);
+    for (const Connection& connection : experiment_.connections) {
+      write_connection(connection);
     }
     return std::move(job_);
   }
@@ -222,53 +222,55 @@ class Writer : JobWriter {
 
   /// One key a section: all connections into it wait equally long.
   void write_delay(const Node& node) {
-    const Link* first = nullptr;
-    for (const Link& link : experiment_.links) {
-      if (node_of(link.to) != node.name) {
+    const Connection* first = nullptr;
+    for (const Connection& connection : experiment_.connections) {
+      if (node_of(connection.to) != node.name) {
         continue;
       }
-      check_delay(link);
-      if (first != nullptr && first->kind == link.kind && ticks(*first) != ticks(link)) {
+      check_delay(connection);
+      if (first != nullptr && first->kind == connection.kind &&
+          ticks(*first) != ticks(connection)) {
         throw ConfigurationError(
-            link.where,
+            connection.where,
             fmt::format("the inputs '{}' and '{}' have different delays, which the separate layout "
                         "does not have; write one delay, or use the fused layout",
-                        first->to, link.to));
+                        first->to, connection.to));
       }
-      first = &link;
-      const std::uint32_t delay = ticks(link);
-      if (link.kind == PortKind::spikes && delay > 0) {
+      first = &connection;
+      const std::uint32_t delay = ticks(connection);
+      if (connection.kind == PortKind::spikes && delay > 0) {
         add(node, "spike_delay", std::to_string(delay));
         add(node, "accept_latency", seconds(delay * experiment_.tick));
-      } else if (link.kind == PortKind::signal && delay > 1) {
+      } else if (connection.kind == PortKind::signal && delay > 1) {
         add(node, "signal_delay", std::to_string(delay - 1));
       }
     }
   }
 
-  static void check_delay(const Link& link) {
-    if (link.kind == PortKind::signal && link.delay_ticks == 0U) {
+  static void check_delay(const Connection& connection) {
+    if (connection.kind == PortKind::signal && connection.delay_ticks == 0U) {
       throw ConfigurationError(
-          link.where, fmt::format("the continuous connection '{}' -> '{}' has the delay 0, but "
-                                  "between processes it takes a tick; write a delay of at least 1 "
-                                  "tick, leave it out, or use the fused layout",
-                                  link.from, link.to));
+          connection.where,
+          fmt::format("the continuous connection '{}' -> '{}' has the delay 0, but "
+                      "between processes it takes a tick; write a delay of at least 1 "
+                      "tick, leave it out, or use the fused layout",
+                      connection.from, connection.to));
     }
   }
-  static std::uint32_t ticks(const Link& link) {
-    return link.delay_ticks.value_or(link.kind == PortKind::signal ? 1 : 0);
+  static std::uint32_t ticks(const Connection& connection) {
+    return connection.delay_ticks.value_or(connection.kind == PortKind::signal ? 1 : 0);
   }
 
-  void write_connection(const Link& link) {
-    MusicConnection connection{node_of(link.from),
-                               port_of(link.from),
-                               node_of(link.to),
-                               port_of(link.to),
-                               link.width,
-                               {},
-                               {},
-                               link.where};
-    job_.file.connections.push_back(std::move(connection));
+  void write_connection(const Connection& connection) {
+    MusicConnection written{node_of(connection.from),
+                            port_of(connection.from),
+                            node_of(connection.to),
+                            port_of(connection.to),
+                            connection.width,
+                            {},
+                            {},
+                            connection.where};
+    job_.file.connections.push_back(std::move(written));
   }
 };
 
@@ -276,7 +278,8 @@ class Writer : JobWriter {
 void check_ends(const Experiment& experiment) {
   for (const Node& node : experiment.nodes) {
     const bool sends = std::ranges::any_of(
-        experiment.links, [&](const Link& link) { return node_of(link.from) == node.name; });
+        experiment.connections,
+        [&](const Connection& connection) { return node_of(connection.from) == node.name; });
     const bool by_weights = std::ranges::any_of(
         node.node_class->description.parameters,
         [](const auto& parameter) { return parameter.type == ParameterType::weights; });

@@ -35,10 +35,10 @@ class ProcessWriter : JobWriter {
         write_simulator(node);
       }
     }
-    for (const Link& link : experiment_.links) {
-      check_simulator_input(link);
+    for (const Connection& connection : experiment_.connections) {
+      check_simulator_input(connection);
     }
-    for (const Link& edge : edges(experiment_)) {
+    for (const Connection& edge : edges(experiment_)) {
       write_edge(edge);
     }
     check_joined();
@@ -77,8 +77,8 @@ class ProcessWriter : JobWriter {
   }
 
   bool takes_signals(const Node& node) const {
-    return std::ranges::any_of(experiment_.links, [&](const Link& link) {
-      return link.kind == PortKind::signal && node_of(link.to) == node.name;
+    return std::ranges::any_of(experiment_.connections, [&](const Connection& connection) {
+      return connection.kind == PortKind::signal && node_of(connection.to) == node.name;
     });
   }
 
@@ -99,13 +99,14 @@ class ProcessWriter : JobWriter {
 
   /// Ticks by which all of a simulator's inputs of one kind are late when MUSIC hands them over.
   std::uint32_t input_delay(const Node& simulator, PortKind kind) const {
-    const auto link = std::ranges::find_if(experiment_.links, [&](const Link& input) {
-      return input.kind == kind && node_of(input.to) == simulator.name;
-    });
-    return link == experiment_.links.end() ? 0 : music_delay(experiment_, *link);
+    const auto connection =
+        std::ranges::find_if(experiment_.connections, [&](const Connection& input) {
+          return input.kind == kind && node_of(input.to) == simulator.name;
+        });
+    return connection == experiment_.connections.end() ? 0 : music_delay(experiment_, *connection);
   }
 
-  void write_edge(const Link& edge) {
+  void write_edge(const Connection& edge) {
     const std::string from = process_of(experiment_, node_of(edge.from));
     const std::string to = process_of(experiment_, node_of(edge.to));
     const bool to_simulator = is_simulator_end(experiment_, edge.to);
@@ -133,22 +134,22 @@ class ProcessWriter : JobWriter {
     joined_.insert({from, to});
   }
 
-  void check_simulator_input(const Link& link) const {
-    if (!is_simulator_end(experiment_, link.to)) {
+  void check_simulator_input(const Connection& connection) const {
+    if (!is_simulator_end(experiment_, connection.to)) {
       return;
     }
-    const std::uint32_t delay = link.delay_ticks.value_or(0);
-    const std::uint32_t least = music_delay(experiment_, link);
-    const bool waits = !is_simulator_end(experiment_, link.from);
+    const std::uint32_t delay = connection.delay_ticks.value_or(0);
+    const std::uint32_t least = music_delay(experiment_, connection);
+    const bool waits = !is_simulator_end(experiment_, connection.from);
     if (waits ? delay >= least : delay == least) {
       return;
     }
-    const Link* first = from_simulator(experiment_, node_of(link.to), link.kind);
+    const Connection* first = from_simulator(experiment_, node_of(connection.to), connection.kind);
     throw ConfigurationError(
-        link.where,
+        connection.where,
         fmt::format("the inputs '{}' and '{}' have different delays, and a simulator waits for all "
                     "of its inputs as long as for those from another one; write {}[delay {}]",
-                    first->to, link.to, waits ? "at least " : "", format_ticks(least)));
+                    first->to, connection.to, waits ? "at least " : "", format_ticks(least)));
   }
 
   void check_joined() const {

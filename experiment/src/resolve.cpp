@@ -313,9 +313,9 @@ const Node& Experiment::node(std::string_view wanted) const {
 
 std::uint32_t Experiment::width(std::string_view node, std::string_view port) const {
   const std::string end = fmt::format("{}.{}", node, port);
-  for (const Link& link : links) {
-    if (link.from == end || link.to == end) {
-      return link.width;
+  for (const Connection& connection : connections) {
+    if (connection.from == end || connection.to == end) {
+      return connection.width;
     }
   }
   return 0;
@@ -352,7 +352,7 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     const std::size_t before = all.count();
     const ExperimentFile named = with_simulator_ports(file, experiment, all);
     if (all.count() == before) {
-      resolve_links(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+      resolve_connections(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
     }
   } else if (!faults.empty() && std::ranges::all_of(faults, [](const Fault& fault) {
                return fault.exit_code == 0;  // code that was not run

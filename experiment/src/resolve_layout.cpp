@@ -116,9 +116,9 @@ void take_fused(Experiment& experiment) {
 /// The processes, simulators among them, that take from one.
 std::map<std::string, std::set<std::string>> receivers_of(const Experiment& experiment) {
   std::map<std::string, std::set<std::string>> receivers;
-  for (const Link& link : experiment.links) {
-    const std::string from = process_of(experiment, node_of(link.from));
-    const std::string to = process_of(experiment, node_of(link.to));
+  for (const Connection& connection : experiment.connections) {
+    const std::string from = process_of(experiment, node_of(connection.from));
+    const std::string to = process_of(experiment, node_of(connection.to));
     if (from != to) {
       receivers[from].insert(to);
     }

@@ -56,9 +56,10 @@ std::set<std::string> behind(const Experiment& experiment, const std::string& no
   while (!open.empty()) {
     const std::string current = open.back();
     open.pop_back();
-    for (const Link& link : experiment.links) {
-      if (node_of(link.to) == current && follow(link) && seen.insert(node_of(link.from)).second) {
-        open.push_back(node_of(link.from));
+    for (const Connection& connection : experiment.connections) {
+      if (node_of(connection.to) == current && follow(connection) &&
+          seen.insert(node_of(connection.from)).second) {
+        open.push_back(node_of(connection.from));
       }
     }
   }
@@ -167,7 +168,7 @@ TimeNs spike_timeout(const Node& command) {
 }
 
 std::vector<const Node*> sensors_behind(const Experiment& experiment, const std::string& name) {
-  const auto names = behind(experiment, name, [](const Link&) { return true; });
+  const auto names = behind(experiment, name, [](const Connection&) { return true; });
   std::vector<const Node*> sensors;
   for (const Node& node : experiment.nodes) {
     if (is_watched(node) && names.contains(node.name)) {
@@ -190,20 +191,22 @@ std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment
   return watched;
 }
 
-std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node) {
-  const auto names =
-      behind(experiment, node, [](const Link& link) { return link.kind != PortKind::spikes; });
-  std::vector<const Link*> links;
-  for (const Link& link : experiment.links) {
-    if (link.kind == PortKind::spikes && names.contains(node_of(link.to))) {
-      links.push_back(&link);
+std::vector<const Connection*> spikes_behind(const Experiment& experiment,
+                                             const std::string& node) {
+  const auto names = behind(experiment, node, [](const Connection& connection) {
+    return connection.kind != PortKind::spikes;
+  });
+  std::vector<const Connection*> connections;
+  for (const Connection& connection : experiment.connections) {
+    if (connection.kind == PortKind::spikes && names.contains(node_of(connection.to))) {
+      connections.push_back(&connection);
     }
   }
-  return links;
+  return connections;
 }
 
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Node& command) {
-  return spike_timeout(command) == 0 ? std::vector<const Link*>{}
+std::vector<const Connection*> watched_spikes(const Experiment& experiment, const Node& command) {
+  return spike_timeout(command) == 0 ? std::vector<const Connection*>{}
                                      : spikes_behind(experiment, command.name);
 }
 
@@ -225,10 +228,10 @@ std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::
       return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
     }
     done.insert(nearest);
-    for (const Link& link : experiment.links) {
-      if (node_of(link.to) == nearest) {
-        const std::uint64_t delay = distance[nearest] + link.delay_ticks.value_or(0);
-        const auto [known, is_new] = distance.emplace(node_of(link.from), delay);
+    for (const Connection& connection : experiment.connections) {
+      if (node_of(connection.to) == nearest) {
+        const std::uint64_t delay = distance[nearest] + connection.delay_ticks.value_or(0);
+        const auto [known, is_new] = distance.emplace(node_of(connection.from), delay);
         known->second = std::min(known->second, delay);
       }
     }

@@ -24,8 +24,8 @@
 namespace spikeloop::fused {
 namespace {
 
+using experiment::Connection;
 using experiment::Experiment;
-using experiment::Link;
 using experiment::Node;
 using experiment::Role;
 
@@ -113,7 +113,7 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
       add_node(node);
     }
   }
-  for (const Link& edge : edges(experiment)) {
+  for (const Connection& edge : edges(experiment)) {
     add_edge(edge);
   }
   if (!folder.empty()) {
@@ -161,7 +161,7 @@ bool Assembly::is_here(const std::string& end) const {
   return process_of(experiment_, experiment::node_of(end)) == process_;
 }
 
-void Assembly::add_edge(const Link& edge) {
+void Assembly::add_edge(const Connection& edge) {
   const bool from_here = is_here(edge.from);
   if (is_here(edge.to)) {
     connect(from_here ? edge.from : source_of(edge), end_here(edge.to), edge, waiting(edge));
@@ -170,13 +170,13 @@ void Assembly::add_edge(const Link& edge) {
   }
 }
 
-void Assembly::connect(const std::string& from, const std::string& to, const Link& edge,
+void Assembly::connect(const std::string& from, const std::string& to, const Connection& edge,
                        std::uint32_t delay) {
   description_.connections.push_back({from, to, edge.width, delay, edge.where});
 }
 
 /// What MUSIC does not have of its delay.
-std::uint32_t Assembly::waiting(const Link& edge) const {
+std::uint32_t Assembly::waiting(const Connection& edge) const {
   return edge.delay_ticks.value_or(0) - music_delay(experiment_, edge);
 }
 
@@ -189,7 +189,7 @@ std::string Assembly::end_here(const std::string& end) const {
 }
 
 /// One for all edges that begin there.
-std::string Assembly::source_of(const Link& edge) {
+std::string Assembly::source_of(const Connection& edge) {
   const std::string element = element_of(edge.from);
   if (outside_.insert(element).second) {
     sources_.push_back(others_->source(edge));
@@ -198,7 +198,7 @@ std::string Assembly::source_of(const Link& edge) {
   return fmt::format("{}.{}", element, experiment::port_of(edge.from));
 }
 
-void Assembly::send(const Link& edge) {
+void Assembly::send(const Connection& edge) {
   const bool to_simulator = is_simulator_end(experiment_, edge.to);
   const std::string& end = to_simulator ? edge.to : edge.from;
   const std::string element = element_of(end) + std::string(to_simulator ? "" : kSent);

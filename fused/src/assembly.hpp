@@ -51,13 +51,13 @@ class Assembly {
   void add_node(const experiment::Node& node);
   void add_command(const experiment::Node& node);
   bool is_here(const std::string& end) const;
-  void add_edge(const experiment::Link& edge);
-  void connect(const std::string& from, const std::string& to, const experiment::Link& edge,
+  void add_edge(const experiment::Connection& edge);
+  void connect(const std::string& from, const std::string& to, const experiment::Connection& edge,
                std::uint32_t delay);
-  std::uint32_t waiting(const experiment::Link& edge) const;
+  std::uint32_t waiting(const experiment::Connection& edge) const;
   std::string end_here(const std::string& end) const;
-  std::string source_of(const experiment::Link& edge);
-  void send(const experiment::Link& edge);
+  std::string source_of(const experiment::Connection& edge);
+  void send(const experiment::Connection& edge);
   void open_bag(const std::string& folder);
   topics::Keep keep_messages(const experiment::Node& node);
   void record(const std::string& folder);

@@ -14,8 +14,8 @@ namespace spikeloop::fused {
 namespace {
 
 using command::CommandClock;
+using experiment::Connection;
 using experiment::Experiment;
-using experiment::Link;
 using experiment::Node;
 
 /// What both kinds of sensors have in common.
@@ -63,12 +63,12 @@ command::CommandSettings command_settings(const Experiment& experiment, const No
                                           const command::ComponentMap& map, CommandClock clock) {
   command::CommandSettings settings = clock_settings(experiment, node, map, clock);
   settings.node = node.name;
-  const auto driver = std::ranges::find(experiment.links, node.name + ".in", &Link::to);
-  settings.driver = driver == experiment.links.end() ? "" : driver->from;
+  const auto driver = std::ranges::find(experiment.connections, node.name + ".in", &Connection::to);
+  settings.driver = driver == experiment.connections.end() ? "" : driver->from;
   experiment::add_bounds(node, settings);
   settings.sensors = experiment::watched_sensors(experiment, node);
-  for (const Link* link : watched_spikes(experiment, node)) {
-    settings.spike_widths.push_back(link->width);
+  for (const Connection* connection : watched_spikes(experiment, node)) {
+    settings.spike_widths.push_back(connection->width);
   }
   settings.spike_timeout = experiment::spike_timeout(node);
   if (experiment.ros != experiment::Ros::none) {  // else there is nobody to stop it or drive it

@@ -170,10 +170,10 @@ void add_sum(const Experiment& experiment, const char* counter, const char* key,
 
 /// The first process that takes from a simulator counts its spikes.
 bool counts(const Experiment& experiment, const std::string& process, const std::string& from) {
-  const auto first = std::ranges::find_if(experiment.links, [&](const auto& link) {
-    return link.from == from && !experiment::is_simulator_end(experiment, link.to);
+  const auto first = std::ranges::find_if(experiment.connections, [&](const auto& connection) {
+    return connection.from == from && !experiment::is_simulator_end(experiment, connection.to);
   });
-  return experiment::is_simulator_end(experiment, from) && first != experiment.links.end() &&
+  return experiment::is_simulator_end(experiment, from) && first != experiment.connections.end() &&
          process_of(experiment, experiment::node_of(first->to)) == process;
 }
 
@@ -308,12 +308,12 @@ json resolved_json(const Experiment& experiment) {
     }
     nodes[node.name] = keys;
   }
-  json links = json::array();
-  for (const auto& link : experiment.links) {
-    links.push_back({{"from", link.from},
-                     {"to", link.to},
-                     {"width", link.width},
-                     {"delay_ticks", link.delay_ticks.value_or(0)}});
+  json connections = json::array();
+  for (const auto& connection : experiment.connections) {
+    connections.push_back({{"from", connection.from},
+                           {"to", connection.to},
+                           {"width", connection.width},
+                           {"delay_ticks", connection.delay_ticks.value_or(0)}});
   }
   json result{{"experiment", experiment.name},
               {"tick_ns", experiment.tick},
@@ -324,7 +324,7 @@ json resolved_json(const Experiment& experiment) {
               {"real_time_factor", experiment.real_time_factor},
               {"ros", experiment::name_of(experiment.ros)},
               {"layout", name_of(experiment.layout)},
-              {"connections", links}};
+              {"connections", connections}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {
     result["robot"] = experiment.robot->bag.empty() ? json{{"world", experiment.robot->world},

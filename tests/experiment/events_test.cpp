@@ -52,7 +52,9 @@ TEST_F(Events, DefaultsAreThoseOfTheProgram) {
 }
 
 TEST_F(Events, ARegionSaysTheWidth) {
-  const auto width = [&](const std::string& keys) { return good(events(keys, "")).links[0].width; };
+  const auto width = [&](const std::string& keys) {
+    return good(events(keys, "")).connections[0].width;
+  };
   EXPECT_EQ(width(", roi: [100, 60, 128, 64]"), 128U * 64U);
   EXPECT_EQ(width(", roi: [100, 60, 13, 5], downsample: 4"), 4U * 2U);
   EXPECT_EQ(width(", roi: \"100,60,13,5\", polarity: split"), 2U * 13U * 5U);

@@ -9,8 +9,8 @@
 namespace spikeloop::test {
 namespace {
 
+using experiment::Connection;
 using experiment::Experiment;
-using experiment::Link;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -31,9 +31,10 @@ class GoodFiles : public testing::Test {
 
 std::vector<std::string> texts(const Experiment& experiment) {
   std::vector<std::string> result;
-  for (const Link& link : experiment.links) {
-    result.push_back(link.from + " -> " + link.to + " [" + std::to_string(link.width) +
-                     (link.delay_ticks ? ", " + std::to_string(*link.delay_ticks) : "") + "]");
+  for (const Connection& connection : experiment.connections) {
+    result.push_back(
+        connection.from + " -> " + connection.to + " [" + std::to_string(connection.width) +
+        (connection.delay_ticks ? ", " + std::to_string(*connection.delay_ticks) : "") + "]");
   }
   return result;
 }

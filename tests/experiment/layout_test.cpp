@@ -47,7 +47,7 @@ class LayoutTest : public testing::Test {
   /// "scan.pace -> wheels.pace 3": every edge with its delay.
   static std::vector<std::string> texts(const Experiment& experiment) {
     std::vector<std::string> result;
-    for (const experiment::Link& edge : edges(experiment)) {
+    for (const experiment::Connection& edge : edges(experiment)) {
       result.push_back(edge.from + " -> " + edge.to + " " +
                        std::to_string(edge.delay_ticks.value()));
     }
@@ -118,7 +118,8 @@ TEST_F(LayoutTest, AroundACycleBothTakeMore) {
   EXPECT_THAT(texts(experiment),
               ElementsAre("squash.out -> encoder.in 0", "encoder.out -> decoder.in 1",
                           "decoder.out -> squash.in 5", "encoder.out -> trace.in 0"));
-  EXPECT_EQ(music_delay(experiment, experiment.links[2]), 3U) << "two ticks wait in the graph";
+  EXPECT_EQ(music_delay(experiment, experiment.connections[2]), 3U)
+      << "two ticks wait in the graph";
   const MusicFile file = experiment::process_job(experiment, "", {}).file;
   EXPECT_EQ(key(file, "two", "spike_delay"), "1");
   EXPECT_EQ(key(file, "two", "signal_delay"), "2");

@@ -106,9 +106,10 @@ TEST_F(ProcessJob, DelaysBetweenSimulatorsAreMusics) {
   const MusicFile file = experiment::process_job(delayed, "out", {}).file;
   EXPECT_EQ(key(file, "two", "spike_delay"), "3");
   std::vector<std::uint32_t> edges;
-  for (const experiment::Link& link : delayed.links) {
-    if (link.from != "one.out" && link.to != "c.in" && link.to != "a.in") {
-      edges.push_back(link.delay_ticks.value() - experiment::music_delay(delayed, link));
+  for (const experiment::Connection& connection : delayed.connections) {
+    if (connection.from != "one.out" && connection.to != "c.in" && connection.to != "a.in") {
+      edges.push_back(connection.delay_ticks.value() -
+                      experiment::music_delay(delayed, connection));
     }
   }
   EXPECT_THAT(edges, testing::ElementsAre(2, 3, 2));
@@ -119,8 +120,8 @@ TEST_F(ProcessJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {
       experiment("  - a -> one [2] -> two [2] -> b [2]\n  - two -> one.back [2, delay 3 ticks]\n"
                  "  - c -> one.level [2]\n"));
   std::map<std::string, std::uint32_t> delays;
-  for (const experiment::Link& link : delayed.links) {
-    delays[link.to] = link.delay_ticks.value();
+  for (const experiment::Connection& connection : delayed.connections) {
+    delays[connection.to] = connection.delay_ticks.value();
   }
   EXPECT_EQ(delays["one.in"], 3U);
   EXPECT_EQ(delays["one.back"], 3U);

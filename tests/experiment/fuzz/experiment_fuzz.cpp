@@ -46,9 +46,9 @@ void check(const ExperimentFile& file, bool whole) {
     need(!fault.text.empty() && fault.exit_code > 0 && !fault.where.file.empty());
   }
   if (whole && faults.empty()) {
-    need(!result.links.empty() && result.nodes.size() == file.nodes.size());
-    for (const experiment::Link& link : result.links) {
-      need(link.width > 0);
+    need(!result.connections.empty() && result.nodes.size() == file.nodes.size());
+    for (const experiment::Connection& connection : result.connections) {
+      need(connection.width > 0);
     }
   }
 }

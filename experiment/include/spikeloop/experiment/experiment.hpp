@@ -46,7 +46,7 @@ struct Node {
   Location where;
 };
 
-struct Link {
+struct Connection {
   std::string from;  ///< "encoder.out"
   std::string to;
   PortKind kind = PortKind::signal;
@@ -116,14 +116,14 @@ struct Experiment {
   Ros ros = Ros::none;
   Layout layout{};
   std::optional<Robot> robot;
-  std::vector<Node> nodes;  ///< in the file's order
-  std::vector<Link> links;  ///< in the file's order
+  std::vector<Node> nodes;              ///< in the file's order
+  std::vector<Connection> connections;  ///< in the file's order
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
   std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
 
   const Node& node(std::string_view name) const;
-  /// Of a port that a link reaches; 0 for one that none does.
+  /// Of a port that a connection reaches; 0 for one that none does.
   std::uint32_t width(std::string_view node, std::string_view port) const;
 };
 

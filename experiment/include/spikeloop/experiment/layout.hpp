@@ -23,18 +23,18 @@ bool one_meets_robot(const Experiment& experiment);
 /// Whether a process waits for the clock; the others wait for data.
 bool waits_for_clock(const Experiment& experiment, const std::string& process);
 
-/// All that travels: the links, and what a command hears beside its input, at its ports `pace`
-/// (when the message behind the data came), `sensor_0` ... (the same of every sensor behind it) and
-/// `spikes_0` ... (`spike_timeout`).
+/// All that travels: the connections, and what a command hears beside its input, at its ports
+/// `pace` (when the message behind the data came), `sensor_0` ... (the same of every sensor behind
+/// it) and `spikes_0` ... (`spike_timeout`).
 /// @param experiment as with_layout_delays() gives it
-std::vector<Link> edges(const Experiment& experiment);
+std::vector<Connection> edges(const Experiment& experiment);
 /// The first connection of this kind from another simulator into one; null: there is none. Between
 /// two simulators there is no graph in which a connection could wait: the receiver waits, and with
 /// it all of its inputs of this kind.
-const Link* from_simulator(const Experiment& experiment, const std::string& simulator,
-                           PortKind kind);
+const Connection* from_simulator(const Experiment& experiment, const std::string& simulator,
+                                 PortKind kind);
 /// The whole ticks of an edge's delay that MUSIC has; the rest waits in the receiver's graph.
-std::uint32_t music_delay(const Experiment& experiment, const Link& edge);
+std::uint32_t music_delay(const Experiment& experiment, const Connection& edge);
 
 /// "1 tick", "2 ticks".
 std::string format_ticks(std::uint32_t ticks);

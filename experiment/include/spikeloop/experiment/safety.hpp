@@ -40,9 +40,9 @@ std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment
 /// The parts that they are.
 std::vector<const Node*> sensors_behind(const Experiment& experiment, const std::string& node);
 /// The connections on which the last spikes on the way to a node travel, in the file's order.
-std::vector<const Link*> spikes_behind(const Experiment& experiment, const std::string& node);
+std::vector<const Connection*> spikes_behind(const Experiment& experiment, const std::string& node);
 /// Those that a command's `spike_timeout` speaks of.
-std::vector<const Link*> watched_spikes(const Experiment& experiment, const Node& command);
+std::vector<const Connection*> watched_spikes(const Experiment& experiment, const Node& command);
 
 /// The sensor whose data reach a node by the least delay, and that delay in ticks.
 struct Upstream {

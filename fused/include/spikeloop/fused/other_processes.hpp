@@ -18,10 +18,10 @@ class OtherProcesses {
 
   /// The begin of an edge that comes from another process, with the port that it comes from. What
   /// it brings has the delay that MUSIC takes (experiment::music_delay) behind it.
-  virtual std::unique_ptr<Source> source(const experiment::Link& edge) = 0;
+  virtual std::unique_ptr<Source> source(const experiment::Connection& edge) = 0;
   /// The end of an edge that leads to another process: for a simulator with the port that it leads
   /// to; else with the port that it comes from, for all processes that take from this one.
-  virtual std::unique_ptr<Sink> sink(const experiment::Link& edge) = 0;
+  virtual std::unique_ptr<Sink> sink(const experiment::Connection& edge) = 0;
 
   /// All ends have been made: waits until all programs are ready.
   virtual void meet() = 0;

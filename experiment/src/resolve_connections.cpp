@@ -107,16 +107,17 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
   return description;
 }
 
-void take_links(const GraphPlan& plan, const ExperimentFile& file, const GraphDescription& graph,
-                Experiment& experiment) {
+void take_connections(const GraphPlan& plan, const ExperimentFile& file,
+                      const GraphDescription& graph, Experiment& experiment) {
   for (std::size_t i = 0; i < plan.connections.size(); ++i) {
     const PlannedConnection& planned = plan.connections[i];
-    Link link{plan.text(planned.from),       plan.text(planned.to), plan.port(planned.from).kind,
-              plan.port(planned.from).width, std::nullopt,          planned.where};
+    Connection connection{
+        plan.text(planned.from),       plan.text(planned.to), plan.port(planned.from).kind,
+        plan.port(planned.from).width, std::nullopt,          planned.where};
     if (!file.connections[i].delay.text.empty()) {
-      link.delay_ticks = graph.connections[i].delay_ticks;
+      connection.delay_ticks = graph.connections[i].delay_ticks;
     }
-    experiment.links.push_back(link);
+    experiment.connections.push_back(connection);
   }
   for (const PlannedElement& element : plan.elements) {
     for (const PlannedPort& port : element.ports) {
@@ -140,17 +141,17 @@ void check_against_robot(const Node& node, const Experiment& experiment,
                     node.parameters.text("topic")));
   }
   const std::uint32_t values = known.value_or(0);
-  for (const Link& link : experiment.links) {
-    if (node_of(link.from) == node.name && values != 0 && values != link.width) {
+  for (const Connection& connection : experiment.connections) {
+    if (node_of(connection.from) == node.name && values != 0 && values != connection.width) {
       throw ConfigurationError(
-          link.where,
-          fmt::format("node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
-                      "channels; write [{}] in its connection{}",
-                      node.name, experiment.robot->bag.empty() ? "robot" : "bag",
-                      node.parameters.text("topic"), values, link.from, link.width, values,
-                      experiment.ros == Ros::none
-                          ? ""
-                          : ", or leave 'robot' out when another robot sends it"));
+          connection.where,
+          fmt::format(
+              "node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
+              "channels; write [{}] in its connection{}",
+              node.name, experiment.robot->bag.empty() ? "robot" : "bag",
+              node.parameters.text("topic"), values, connection.from, connection.width, values,
+              experiment.ros == Ros::none ? ""
+                                          : ", or leave 'robot' out when another robot sends it"));
     }
   }
 }
@@ -158,10 +159,10 @@ void check_against_robot(const Node& node, const Experiment& experiment,
 /// A camera without a region says how many pixels it has when its first message comes.
 void check_events(const Node& node, const Experiment& experiment) {
   messages::EventSettings settings = event_settings(node.parameters);
-  for (const Link& link : experiment.links) {
-    if (node_of(link.from) == node.name) {
-      settings.width = link.width;
-      settings.where = link.where;
+  for (const Connection& connection : experiment.connections) {
+    if (node_of(connection.from) == node.name) {
+      settings.width = connection.width;
+      settings.where = connection.where;
       messages::EventConversion(settings, dialect_of(experiment.ros));
     }
   }
@@ -216,8 +217,8 @@ void try_node(const Node& node, const PlannedElement& element, std::uint64_t see
 
 }  // namespace
 
-void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
-                   Faults& faults) {
+void resolve_connections(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
+                         Faults& faults) {
   const std::size_t before = faults.count();
   GraphDescription graph = as_nodes(file, experiment, faults);
   GraphPlan planned;
@@ -236,7 +237,7 @@ void resolve_links(const ExperimentFile& file, const Trial& trial, Experiment& e
   if (faults.count() != before) {
     return;
   }
-  take_links(planned, file, graph, experiment);
+  take_connections(planned, file, graph, experiment);
   for (std::size_t i = 0; i < experiment.nodes.size(); ++i) {
     const Node& node = experiment.nodes[i];
     if (trial.whole.contains(node.name)) {
