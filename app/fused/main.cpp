@@ -35,7 +35,7 @@ struct Arguments {
 int run(const Arguments& arguments, const status::Sender& sender) {
   const auto loaded = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
   if (!loaded->faults.empty()) {
-    throw ConfigurationError(loaded->faults.front().text);
+    throw ConfigurationError(loaded->faults.front().text());
   }
   const experiment::Experiment& experiment = *loaded->experiment;
   status::Heartbeat heartbeat(sender);

@@ -130,7 +130,7 @@ int run(music::Process& process) {
   const auto loaded =
       experiment::load(keys.text("experiment"), overrides_of(keys, common), fused::look_at_robot);
   if (!loaded->faults.empty()) {
-    throw ConfigurationError(loaded->faults.front().text);
+    throw ConfigurationError(loaded->faults.front().text());
   }
   const auto experiment = experiment::with_layout_delays(*loaded->experiment);
   if (!watches(experiment, process.label())) {

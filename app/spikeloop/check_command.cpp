@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "experiment_command.hpp"
+#include "fault_text.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -47,25 +48,16 @@ int check(const std::string& path, bool strict) {
   const MusicFile file = read_music_file(path);
   launch::RunOptions options;
   options.strict = strict;
-  const launch::Findings findings = launch::check_job(file, options);
-  if (!findings.errors.empty() && findings.errors.front().exit_code > 128) {
-    put(stderr, fmt::format("spikeloop: {}\n", findings.errors.front().text));
-    return findings.errors.front().exit_code;
+  const Diagnostics findings = launch::check_job(file, options);
+  if (!findings.empty() && findings.front().exit_code > 128) {
+    put(stderr, fmt::format("spikeloop: {}\n", findings.front().text()));
+    return findings.front().exit_code;
   }
-  for (const launch::Finding& error : findings.errors) {
-    put(stderr, fmt::format("error: {}\n", error.text));
+  if (!findings.empty()) {
+    return tell_faults(path, findings);
   }
-  for (const std::string& warning : findings.warnings) {
-    put(stderr, fmt::format("warning: {}\n", warning));
-  }
-  if (findings.errors.empty() && findings.warnings.empty()) {
-    put_result(summary_of(file));
-    return 0;
-  }
-  put(stderr,
-      fmt::format("spikeloop: {}: {}, {}\n", path, count_of(findings.errors.size(), "error"),
-                  count_of(findings.warnings.size(), "warning")));
-  return findings.errors.empty() ? 0 : findings.errors.front().exit_code;
+  put_result(summary_of(file));
+  return 0;
 }
 
 }  // namespace
@@ -99,9 +91,9 @@ void add(CLI::App& app, Action& action) {
 
 namespace spikeloop::app {
 
-int refuse(const launch::Findings& findings, const std::string& file) {
-  const launch::Finding first = launch::first_error(findings, file);
-  put(stderr, fmt::format("spikeloop: {}\n", first.text));
+int refuse(const Diagnostics& findings, const std::string& file) {
+  const Diagnostic first = first_error(findings, file);
+  put(stderr, fmt::format("spikeloop: {}\n", first.text()));
   return first.exit_code;
 }
 

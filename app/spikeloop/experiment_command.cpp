@@ -323,7 +323,7 @@ void check_layout(experiment::Loaded& loaded) {
       experiment::process_job(experiment::with_layout_delays(experiment), "", {});
     }
   } catch (const Error& error) {
-    loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
+    loaded.faults.push_back(diagnostic_of(error));
   }
 }
 

@@ -66,17 +66,14 @@ int export_job(const Arguments& arguments, const Translate& translate) {
   }
   MusicFile file = read_music_file(arguments.file);
   const launch::Hosts hosts = hosts_of(arguments, file);
-  launch::Findings findings = launch::check_job(file, {}, false);
-  for (std::string& warning : findings.warnings) {
-    warning = translate(warning);
+  Diagnostics findings = launch::check_job(file, {}, false);
+  for (Diagnostic& found : findings) {
+    found = {{}, translate(found.text()), found.exit_code};
+    if (!found.is_error()) {
+      put(stderr, fmt::format("spikeloop: warning: {}\n", found.message));
+    }
   }
-  for (launch::Finding& error : findings.errors) {
-    error.text = translate(error.text);
-  }
-  for (const std::string& warning : findings.warnings) {
-    put(stderr, fmt::format("spikeloop: warning: {}\n", warning));
-  }
-  if (!findings.errors.empty()) {
+  if (has_errors(findings)) {
     return refuse(findings, arguments.file);
   }
   const std::string directory = launch::directory_of(arguments.file);

@@ -12,8 +12,6 @@
 
 namespace spikeloop::app {
 
-using experiment::Fault;
-
 namespace {
 
 bool continues(char c) {
@@ -69,21 +67,21 @@ std::string source_line(const Location& where) {
 
 }  // namespace
 
-std::string text_of(const char* kind, const Fault& fault) {
-  return fmt::format("{}: {}\n{}", kind, fault.text, source_line(fault.where));
+std::string text_of(const char* kind, const Diagnostic& fault) {
+  return fmt::format("{}: {}\n{}", kind, fault.text(), source_line(fault.where));
 }
 
-int tell_faults(const std::string& file, const std::vector<Fault>& faults) {
+int tell_faults(const std::string& file, const Diagnostics& faults) {
   constexpr std::size_t kMost = 20;
-  const auto is_error = [](const Fault& fault) { return fault.exit_code != 0; };
-  for (const Fault& fault : faults | std::views::take(kMost)) {
-    put(stderr, text_of(is_error(fault) ? "error" : "warning", fault));
+  for (const Diagnostic& fault : faults | std::views::take(kMost)) {
+    put(stderr, text_of(fault.is_error() ? "error" : "warning", fault));
   }
   if (faults.size() > kMost) {
     put(stderr, fmt::format("... and {} more\n", faults.size() - kMost));
   }
-  const auto errors = static_cast<std::size_t>(std::ranges::count_if(faults, is_error));
-  const auto first = std::ranges::find_if(faults, is_error);
+  const auto errors =
+      static_cast<std::size_t>(std::ranges::count_if(faults, &Diagnostic::is_error));
+  const auto first = std::ranges::find_if(faults, &Diagnostic::is_error);
   put(stderr,
       fmt::format(
           "spikeloop: {}: {}{}\n", file, count_of(errors, "error"),

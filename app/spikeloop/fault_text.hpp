@@ -9,9 +9,9 @@
 namespace spikeloop::app {
 
 /// "error: TEXT", the line of the file, and a caret below the place.
-std::string text_of(const char* kind, const experiment::Fault& fault);
+std::string text_of(const char* kind, const Diagnostic& fault);
 
 /// Prints the first 20. Returns the exit code; 0 when all are code that was not run (--no-code).
-int tell_faults(const std::string& file, const std::vector<experiment::Fault>& faults);
+int tell_faults(const std::string& file, const Diagnostics& faults);
 
 }  // namespace spikeloop::app

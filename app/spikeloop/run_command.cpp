@@ -232,13 +232,13 @@ int run_file(const RunArguments& arguments) {
   return run_experiment(experiment);
 }
 
-int dry_run(const launch::Job& job, const launch::Findings& findings, const std::string& path) {
-  if (!findings.errors.empty()) {
+int dry_run(const launch::Job& job, const Diagnostics& findings, const std::string& path) {
+  if (has_errors(findings)) {
     return refuse(findings, path);
   }
   std::string text;
-  for (const std::string& warning : findings.warnings) {
-    text += fmt::format("# warning: {}\n", warning);
+  for (const Diagnostic& warning : findings) {
+    text += fmt::format("# warning: {}\n", warning.text());
   }
   put_result(text + fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));
   return 0;

@@ -39,8 +39,7 @@ std::string trouble_with(const Simulator& simulator) {
 
 }  // namespace
 
-void check_simulators(const experiment::Experiment& experiment,
-                      std::vector<experiment::Fault>& faults) {
+void check_simulators(const experiment::Experiment& experiment, Diagnostics& faults) {
   std::map<std::string, std::string> known;
   for (const Node& node : experiment.nodes) {
     if (!experiment::is_simulator(node)) {
@@ -51,10 +50,10 @@ void check_simulators(const experiment::Experiment& experiment,
       trouble->second = trouble_with(*experiment::find_simulator(node.kind));
     }
     if (!trouble->second.empty()) {
-      const TransportError error(fmt::format("{}: node '{}': simulator '{}' is not installed: {}",
-                                             node.where.text(), node.name, node.kind,
-                                             trouble->second));
-      faults.push_back({error.what(), node.where, error.exit_code()});
+      faults.push_back({node.where,
+                        fmt::format("node '{}': simulator '{}' is not installed: {}", node.name,
+                                    node.kind, trouble->second),
+                        TransportError::kExitCode});
     }
   }
 }

@@ -9,7 +9,6 @@ namespace spikeloop::app {
 
 /// Adds a fault for every node whose simulator the Python of scripts does not find. Looks for the
 /// module, and does not import it.
-void check_simulators(const experiment::Experiment& experiment,
-                      std::vector<experiment::Fault>& faults);
+void check_simulators(const experiment::Experiment& experiment, Diagnostics& faults);
 
 }  // namespace spikeloop::app

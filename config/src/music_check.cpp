@@ -27,7 +27,7 @@ class Checker {
     }
   }
 
-  std::vector<MusicProblem> run() {
+  Diagnostics run() {
     if (file_.sections.empty()) {
       add({file_.path},
           "the file has no application; write '[label]', np=1, binary=program and its connections");
@@ -77,7 +77,7 @@ class Checker {
       return;
     }
     const auto processes = music_text::read_processes(file_, section);
-    if (const auto* problem = std::get_if<MusicProblem>(&processes)) {
+    if (const auto* problem = std::get_if<Diagnostic>(&processes)) {
       problems_.push_back(*problem);
     }
     const MusicKey* binary = file_.find_key(section, "binary");
@@ -191,12 +191,12 @@ class Checker {
   std::map<PortName, int> outputs_;  // with the line of the first use
   std::map<PortName, int> inputs_;
   std::map<PortName, const MusicConnection*> receivers_;
-  std::vector<MusicProblem> problems_;
+  Diagnostics problems_;
 };
 
 }  // namespace
 
-std::vector<MusicProblem> find_structure_problems(const MusicFile& file) {
+Diagnostics find_structure_problems(const MusicFile& file) {
   return Checker(file).run();
 }
 

@@ -38,20 +38,20 @@ std::optional<int> parse_count(std::string_view text) {
 
 }  // namespace
 
-std::variant<int, MusicProblem> music_text::read_processes(const MusicFile& file,
-                                                           const MusicSection& section) {
+std::variant<int, Diagnostic> music_text::read_processes(const MusicFile& file,
+                                                         const MusicSection& section) {
   const MusicKey* key = file.find_key(section, "np");
   if (key == nullptr) {
-    return MusicProblem{
+    return Diagnostic{
         section.where,
         fmt::format("the section '[{}]' has no np, its number of processes; write np=1",
                     shown(section.label))};
   }
   const auto count = parse_count(key->value);
   if (!count) {
-    return MusicProblem{
-        key->where, fmt::format("np of '[{}]' is '{}', no whole number of at least 1; write np=1",
-                                shown(section.label), shown(key->value))};
+    return Diagnostic{key->where,
+                      fmt::format("np of '[{}]' is '{}', no whole number of at least 1; write np=1",
+                                  shown(section.label), shown(key->value))};
   }
   return *count;
 }
@@ -96,7 +96,7 @@ const MusicKey* MusicFile::find_key(const MusicSection& section, std::string_vie
 
 int MusicFile::processes(const MusicSection& section) const {
   const auto result = music_text::read_processes(*this, section);
-  if (const auto* problem = std::get_if<MusicProblem>(&result)) {
+  if (const auto* problem = std::get_if<Diagnostic>(&result)) {
     throw ConfigurationError(problem->where, problem->message);
   }
   return std::get<int>(result);

@@ -37,6 +37,6 @@ std::string unportable_name(std::string_view kind, std::string_view name);
 std::string no_entry_message(std::string_view line);
 
 /// The number of processes of a section, or what is wrong with it.
-std::variant<int, MusicProblem> read_processes(const MusicFile& file, const MusicSection& section);
+std::variant<int, Diagnostic> read_processes(const MusicFile& file, const MusicSection& section);
 
 }  // namespace spikeloop::music_text

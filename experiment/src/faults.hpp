@@ -23,9 +23,9 @@ namespace spikeloop::experiment {
 
 class Faults {
  public:
-  explicit Faults(std::vector<Fault>& list) : list_(list) {
-    for (const Fault& fault : list) {
-      told_.insert(fault.text);
+  explicit Faults(Diagnostics& list) : list_(list) {
+    for (const Diagnostic& fault : list) {
+      told_.insert(fault.text());
     }
   }
 
@@ -33,7 +33,7 @@ class Faults {
   /// connections.
   void add(const Error& error) {
     if (told_.insert(error.what()).second) {
-      list_.push_back({error.what(), error.where(), error.exit_code()});
+      list_.push_back(diagnostic_of(error));
     }
   }
   void add(const Location& where, const std::string& message) {
@@ -53,7 +53,7 @@ class Faults {
   std::size_t count() const { return list_.size(); }
 
  private:
-  std::vector<Fault>& list_;
+  Diagnostics& list_;
   std::unordered_set<std::string> told_;
 };
 

@@ -11,7 +11,7 @@ namespace spikeloop::experiment {
 namespace {
 
 void add(const Error& error, Loaded& loaded) {
-  loaded.faults.push_back({error.what(), error.where(), error.exit_code()});
+  loaded.faults.push_back(diagnostic_of(error));
 }
 
 /// What a plug-in that is refused would have brought is not said to be unknown.

@@ -322,7 +322,7 @@ std::uint32_t Experiment::width(std::string_view node, std::string_view port) co
 }
 
 Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
-                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot) {
+                   Diagnostics& faults, const LookAtRobot& look_at_robot) {
   Faults all(faults);
   Experiment experiment;
   experiment.path = file.path;
@@ -354,14 +354,14 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     if (all.count() == before) {
       resolve_connections(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
     }
-  } else if (!faults.empty() && std::ranges::all_of(faults, [](const Fault& fault) {
+  } else if (!faults.empty() && std::ranges::all_of(faults, [](const Diagnostic& fault) {
                return fault.exit_code == 0;  // code that was not run
              })) {
     all.add(
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   resolve_layout(keys, file.joined, experiment, all);
-  std::ranges::stable_sort(faults, {}, [](const Fault& fault) {
+  std::ranges::stable_sort(faults, {}, [](const Diagnostic& fault) {
     return std::pair(fault.where.line, fault.where.column);
   });
   return experiment;

@@ -89,18 +89,17 @@ struct Read {
 inline Read read(const Files& files, const experiment::NodeTypes& types,
                  const experiment::Overrides& overrides = {}) {
   Read result;
-  std::vector<experiment::Fault> faults;
+  Diagnostics faults;
   try {
-    const ExperimentFile file =
-        read_experiment_file(files.path(), [&](const ConfigurationError& error) {
-          faults.push_back({error.what(), error.where(), error.exit_code()});
-        });
+    const ExperimentFile file = read_experiment_file(
+        files.path(),
+        [&](const ConfigurationError& error) { faults.push_back(diagnostic_of(error)); });
     result.experiment = experiment::resolve(file, types, overrides, faults);
   } catch (const Error& error) {
-    faults.push_back({error.what(), error.where(), error.exit_code()});
+    faults.push_back(diagnostic_of(error));
   }
-  for (const experiment::Fault& fault : faults) {
-    result.faults.push_back(files.plain(fault.text));
+  for (const Diagnostic& fault : faults) {
+    result.faults.push_back(files.plain(fault.text()));
   }
   return result;
 }

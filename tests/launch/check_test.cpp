@@ -15,12 +15,20 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::vector<std::string> texts(const Findings& findings) {
+std::vector<std::string> texts_of(const Diagnostics& findings, bool errors) {
   std::vector<std::string> result;
-  for (const Finding& finding : findings.errors) {
-    result.push_back(finding.text);
+  for (const Diagnostic& found : findings) {
+    if (found.is_error() == errors) {
+      result.push_back(found.text());
+    }
   }
   return result;
+}
+std::vector<std::string> texts(const Diagnostics& findings) {
+  return texts_of(findings, true);
+}
+std::vector<std::string> warnings(const Diagnostics& findings) {
+  return texts_of(findings, false);
 }
 
 std::vector<std::string> program_problems(const std::string& text, const std::string& directory) {
@@ -50,13 +58,13 @@ TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
 TEST(CheckPrograms, SaysHowToInstallMpirun) {
   const std::string before = getenv("PATH");
   setenv("PATH", "/nowhere", 1);
-  const Findings findings = check_programs(parse_music("[a]\nbinary=/bin/sh\n", "f"), "/");
+  const Diagnostics findings = check_programs(parse_music("[a]\nbinary=/bin/sh\n", "f"), "/");
   setenv("PATH", before.c_str(), 1);
   EXPECT_THAT(
       texts(findings),
       ElementsAre("cannot find 'mpirun' in PATH; install it (Debian: apt install openmpi-bin)",
                   "cannot find 'music' in PATH; install it (Debian: apt install music-bin)"));
-  EXPECT_EQ(findings.errors.front().exit_code, 3);
+  EXPECT_EQ(findings.front().exit_code, 3);
 }
 
 // binary=./x with this text in it.
@@ -96,7 +104,7 @@ TEST(CheckPrograms, AnInterpreterWouldRunTheMusicFile) {
                   "executable (chmod +x)"));
 }
 
-Findings together(const std::string& text, const RunOptions& options = {}) {
+Diagnostics together(const std::string& text, const RunOptions& options = {}) {
   return check_together(make_effective(parse_music(text, "f"), options));
 }
 
@@ -105,7 +113,7 @@ constexpr const char* kTwo =
 
 TEST(CheckTogether, FindsNothingInAGoodFile) {
   EXPECT_THAT(texts(together(kTwo)), IsEmpty());
-  EXPECT_THAT(together(kTwo).warnings, IsEmpty());
+  EXPECT_THAT(warnings(together(kTwo)), IsEmpty());
 }
 
 TEST(CheckTogether, OneTick) {
@@ -120,7 +128,7 @@ TEST(CheckTogether, OneTick) {
 TEST(CheckTogether, OneLength) {
   const std::string text = std::string(kTwo) + "stoptime=2\n";
   EXPECT_THAT(
-      together(text).warnings,
+      warnings(together(text)),
       ElementsAre("f:8:1: 'b' runs for 2 s, but 'a' without end; write one stoptime at the top "
                   "of the file"));
   EXPECT_THAT(texts(together(text)), IsEmpty());
@@ -164,10 +172,10 @@ TEST(CheckTogether, AJobThatHearsItself) {
   const std::string loop =
       "[a]\nnp=1\nbinary=ros_sensor_adapter\nros_topic=cmd_vel\n"
       "[b]\nnp=1\nbinary=cont_ros_adapter\na.out -> b.in [3]\n";
-  EXPECT_THAT(together(loop).warnings,
+  EXPECT_THAT(warnings(together(loop)),
               ElementsAre("f:4:1: 'a' subscribes to /cmd_vel, which 'b' publishes: the job hears "
                           "itself; write another ros_topic in one of them"));
-  EXPECT_THAT(together(loop + "ros_topic=/other\n").warnings, IsEmpty());
+  EXPECT_THAT(warnings(together(loop + "ros_topic=/other\n")), IsEmpty());
 }
 
 TEST(CheckTogether, TwoThatPublishAtOnePlace) {
@@ -175,7 +183,7 @@ TEST(CheckTogether, TwoThatPublishAtOnePlace) {
     return "[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\n" + keys + "[c]\nnp=1\n" + keys +
            "a.out -> b.in [3]\na.out -> c.in [3]\n";
   };
-  EXPECT_THAT(together(two("binary=ros_command_adapter\nros_topic=/go\n")).warnings,
+  EXPECT_THAT(warnings(together(two("binary=ros_command_adapter\nros_topic=/go\n"))),
               ElementsAre("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in turn; "
                           "write another ros_topic in one of them"));
   EXPECT_THAT(texts(together(two("binary=cont_zmq_adapter\n"))),
@@ -216,11 +224,11 @@ TEST(CheckTogether, OneNameANode) {
 }
 
 TEST(CheckTogether, AMisspeltKeyAtTheTop) {
-  EXPECT_THAT(together("stoptim=4\nmine=3\n" + std::string(kTwo)).warnings,
+  EXPECT_THAT(warnings(together("stoptim=4\nmine=3\n" + std::string(kTwo))),
               ElementsAre("f:1:1: unknown key 'stoptim' at the top of the file; did you mean "
                           "'stoptime'?; it is ignored"));
-  EXPECT_THAT(together("stoptim=4\n[a]\nnp=1\nbinary=./x\n[b]\nnp=1\nbinary=./y\na.o -> b.i [3]\n")
-                  .warnings,
+  EXPECT_THAT(warnings(together(
+                  "stoptim=4\n[a]\nnp=1\nbinary=./x\n[b]\nnp=1\nbinary=./y\na.o -> b.i [3]\n")),
               IsEmpty())
       << "others may have such a key";
 }
@@ -248,17 +256,17 @@ TEST(CheckTogether, OneWidthAnOutput) {
 }
 
 TEST(CheckTogether, SeveralSendingProcesses) {
-  EXPECT_THAT(
-      together("[a]\nnp=2\nbinary=./brain\n[b]\nnp=3\nbinary=./sink\na.out -> b.in [3]\n").warnings,
-      ElementsAre("f:2:1: 'a' sends from 2 processes: MUSIC mixes up the ticks of several "
-                  "senders; write np=1, unless the program sends from its "
-                  "first process only"));
+  EXPECT_THAT(warnings(together(
+                  "[a]\nnp=2\nbinary=./brain\n[b]\nnp=3\nbinary=./sink\na.out -> b.in [3]\n")),
+              ElementsAre("f:2:1: 'a' sends from 2 processes: MUSIC mixes up the ticks of several "
+                          "senders; write np=1, unless the program sends from its "
+                          "first process only"));
 }
 
 TEST(CheckTogether, OdditiesOfTheText) {
   const std::string text = std::string(kTwo) + "np=1\n[a]\n";
   EXPECT_THAT(
-      together(text).warnings,
+      warnings(together(text)),
       ElementsAre("f:8:1: duplicate key 'np'; the first is at f:5:1; the last one holds",
                   "f:9:1: the section '[a]' was opened in line 1 already, and MUSIC takes both "
                   "for one; write it once"));
@@ -274,11 +282,10 @@ TEST(CheckTogether, ALoopThatNothingCanClose) {
 }
 
 TEST(FirstError, SaysHowManyMoreThereAre) {
-  Findings findings;
-  findings.add_error({"f", 2, 1}, "bad");
-  EXPECT_EQ(first_error(findings, "f").text, "f:2:1: bad");
-  findings.add_error({}, "worse");
-  EXPECT_EQ(first_error(findings, "f").text, "f:2:1: bad (and 1 more: spikeloop check f)");
+  Diagnostics findings{warning_at({"f", 1, 1}, "odd"), error_at({"f", 2, 1}, "bad")};
+  EXPECT_EQ(first_error(findings, "f").text(), "f:2:1: bad");
+  findings.push_back(error_at({}, "worse"));
+  EXPECT_EQ(first_error(findings, "f").text(), "f:2:1: bad (and 1 more: spikeloop check f)");
 }
 
 }  // namespace

@@ -13,14 +13,13 @@ namespace {
 
 using testing::HasSubstr;
 
-launch::Finding first_error_of(const std::string& path) {
+Diagnostic first_error_of(const std::string& path) {
   try {
     // The programs need not be there: they judge keys and files, on which no row depends.
-    const launch::Findings findings = launch::check_job(read_music_file(path), {}, false);
-    return findings.errors.empty() ? launch::Finding{"no error", 0}
-                                   : launch::first_error(findings, path);
+    const Diagnostics findings = launch::check_job(read_music_file(path), {}, false);
+    return has_errors(findings) ? first_error(findings, path) : warning_at({}, "no error");
   } catch (const Error& error) {
-    return {error.what(), error.exit_code()};
+    return diagnostic_of(error);
   }
 }
 
@@ -31,10 +30,10 @@ TEST_P(WrongTexts, AreExplainedInOneSentence) {
   ASSERT_TRUE(wrong.options.empty());
   const TemporaryDirectory directory;
   write_files(wrong, directory);
-  const launch::Finding found = first_error_of((directory.path() / "loop.music").string());
-  EXPECT_EQ(found.exit_code, wrong.exit_code) << found.text;
-  EXPECT_THAT(found.text, HasSubstr(wrong.words));
-  EXPECT_EQ(found.text.find('\n'), std::string::npos) << found.text;
+  const Diagnostic found = first_error_of((directory.path() / "loop.music").string());
+  EXPECT_EQ(found.exit_code, wrong.exit_code) << found.text();
+  EXPECT_THAT(found.text(), HasSubstr(wrong.words));
+  EXPECT_EQ(found.text().find('\n'), std::string::npos) << found.text();
 }
 
 INSTANTIATE_TEST_SUITE_P(

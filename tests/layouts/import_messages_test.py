@@ -94,6 +94,7 @@ def a_foreign_program(spikeloop, folder):
     assert out == IMPORTED, out
     assert ("error: vehicle.music:12:1: [nest] runs nest_script.py, which is none of Spikeloop's "
             "programs: an experiment cannot start it; keep  spikeloop run vehicle.music\n"
+            "   12 | [nest]\n        ^\n"
             "spikeloop: vehicle.music: 1 error; the experiment is not complete\n") in said, said
     assert "warning: vehicle.music:2:1: 'sensor': a message of another length" in said, said
     # Whole without the script.

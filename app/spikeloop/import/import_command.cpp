@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "../experiment_command.hpp"
+#include "../fault_text.hpp"
 #include "../option_values.hpp"
 #include "../output.hpp"
 #include "music_import.hpp"
@@ -39,12 +40,9 @@ struct ImportArguments {
   bool robot = false;
 };
 
-void tell(const char* kind, const std::vector<MusicProblem>& problems) {
-  for (const MusicProblem& problem : problems) {
-    put(stderr, fmt::format("{}: {}\n", kind,
-                            problem.message.starts_with(problem.where.file + ":")
-                                ? problem.message
-                                : ConfigurationError(problem.where, problem.message).what()));
+void tell(const char* kind, const Diagnostics& list) {
+  for (const Diagnostic& found : list) {
+    put(stderr, text_of(kind, found));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "node_import.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/plugin_path.hpp"
+#include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -52,10 +53,10 @@ class Importer {
 
  private:
   void problem(const Location& where, std::string text) {
-    result_.problems.push_back({where, std::move(text)});
+    result_.problems.push_back(error_at(where, text));
   }
   void note(const Location& where, std::string text) {
-    result_.notes.push_back({where, std::move(text)});
+    result_.notes.push_back(warning_at(where, text));
   }
 
   void import_section(const MusicSection& section) {
@@ -63,7 +64,8 @@ class Importer {
     try {
       node = nodes_.import(section);
     } catch (const Error& error) {
-      problem(section.where, error.what());
+      result_.problems.push_back(diagnostic_of(
+          ConfigurationError(error.located() ? error.where() : section.where, reason_of(error))));
       node.left_out = true;
     }
     node.name = name_of_node(section.label);

@@ -18,8 +18,8 @@ struct ImportOptions {
 struct Imported {
   std::string text;
   /// What an experiment file cannot say: the text has it as a comment.
-  std::vector<MusicProblem> problems;
-  std::vector<MusicProblem> notes;  ///< what is otherwise than in the job
+  Diagnostics problems;
+  Diagnostics notes;  ///< what is otherwise than in the job
 };
 
 /// Sections become nodes, connections lines, with the delays that they have in a job: a tick a

@@ -67,7 +67,7 @@ class NodeImporter {
   Dialect dialect(const MusicSection& section) const;
   void note_unused_keys(const MusicSection& section);
   void note(const Location& where, std::string text) {
-    result_.notes.push_back({where, std::move(text)});
+    result_.notes.push_back(warning_at(where, text));
   }
 
   const MusicFile& file_;

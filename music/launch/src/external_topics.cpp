@@ -49,7 +49,7 @@ class OutsideCheck {
  public:
   OutsideCheck(const MusicFile& file, bool strict) : file_(file), strict_(strict) {}
 
-  Findings run() {
+  Diagnostics run() {
     for (const MusicSection* section : in_written_order(file_)) {
       const Program* program = find_program(file_, *section);
       if (program == nullptr || program->external.key.empty()) {
@@ -128,11 +128,11 @@ class OutsideCheck {
     }
     const auto [first, is_new] = nodes_.emplace(key->value, &section);
     if (!is_new) {
-      findings_.add_error(
+      findings_.push_back(error_at(
           key->where,
           fmt::format("'{}' and '{}' have the ros_node_name {}, and ROS would end the one that "
                       "comes first; write another ros_node_name in one of them",
-                      first->second->label, section.label, key->value));
+                      first->second->label, section.label, key->value)));
     }
   }
 
@@ -146,14 +146,14 @@ class OutsideCheck {
         fmt::format("'{}' and '{}' both publish {}", first->label, section.label,
                     program.ros ? place.name : "at " + place.name);
     if (program.ros) {
-      findings_.add_warning(
+      findings_.push_back(warning_at(
           place.where,
           both + ", and the robot obeys both in turn; write another ros_topic in one of them",
-          strict_);
+          strict_));
     } else {
-      findings_.add_error(
-          place.where,
-          both + ", which only one program can; write another zmq_addr in one of them");
+      findings_.push_back(
+          error_at(place.where,
+                   both + ", which only one program can; write another zmq_addr in one of them"));
     }
   }
 
@@ -163,12 +163,12 @@ class OutsideCheck {
       return;
     }
     const MusicKey* key = file_.find_key(listener, "ros_topic");
-    findings_.add_warning(
+    findings_.push_back(warning_at(
         key == nullptr ? listener.where : key->where,
         fmt::format("'{}' subscribes to {}, which '{}' publishes: the job hears itself; write "
                     "another ros_topic in one of them",
                     listener.label, topic.second, writer->second->label),
-        strict_);
+        strict_));
   }
 
   const MusicFile& file_;
@@ -176,12 +176,12 @@ class OutsideCheck {
   std::map<Key, const MusicSection*> writers_;
   std::map<Key, const MusicSection*> listeners_;
   std::map<std::string, const MusicSection*> nodes_;
-  Findings findings_;
+  Diagnostics findings_;
 };
 
 }  // namespace
 
-Findings check_external_topics(const MusicFile& file, bool strict) {
+Diagnostics check_external_topics(const MusicFile& file, bool strict) {
   return OutsideCheck(file, strict).run();
 }
 

@@ -15,6 +15,6 @@ std::string written_place(const MusicFile& file, const MusicSection& section,
 std::string topic_name(const std::string& written);
 
 /// Two programs that write to one topic or address, and a job that hears itself.
-Findings check_external_topics(const MusicFile& file, bool strict);
+Diagnostics check_external_topics(const MusicFile& file, bool strict);
 
 }  // namespace spikeloop::launch

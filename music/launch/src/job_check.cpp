@@ -34,9 +34,9 @@ class TogetherCheck {
   explicit TogetherCheck(const EffectiveFile& effective)
       : effective_(effective), file_(effective.file), strict_(any_strict(file_)) {}
 
-  Findings run() {
-    for (const MusicProblem& oddity : file_.oddities) {
-      findings_.add_warning(oddity.where, oddity.message, strict_);
+  Diagnostics run() {
+    for (const Diagnostic& oddity : file_.oddities) {
+      findings_.push_back(warning_at(oddity.where, oddity.message, strict_));
     }
     check_globals();
     check_ours();
@@ -44,9 +44,9 @@ class TogetherCheck {
       check_ranks(*section);
     }
     check_connections();
-    findings_.append(check_external_topics(file_, strict_));
+    append(findings_, check_external_topics(file_, strict_));
     for (const std::string& warning : effective_.warnings) {
-      findings_.add_warning({}, warning, strict_ || all_ours(file_));
+      findings_.push_back(warning_at({}, warning, strict_ || all_ours(file_)));
     }
     return std::move(findings_);
   }
@@ -65,11 +65,12 @@ class TogetherCheck {
       const bool is_known = std::ranges::find(known, key.name) != known.end();
       const std::string meant = is_known ? "" : nearest(key.name, known);
       if (all_ours(file_) && !meant.empty()) {
-        findings_.add_warning(key.where,
-                              fmt::format("unknown key '{}' at the top of the file; did you mean "
-                                          "'{}'?; it is ignored",
-                                          key.name, meant),
-                              strict_);
+        findings_.push_back(
+            warning_at(key.where,
+                       fmt::format("unknown key '{}' at the top of the file; did you mean "
+                                   "'{}'?; it is ignored",
+                                   key.name, meant),
+                       strict_));
       }
     }
   }
@@ -100,20 +101,21 @@ class TogetherCheck {
   void check_duration(const MusicSection& section) {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line == 0) {
-      findings_.add_error({}, fmt::format("--duration {} is less than the tick of {}; write a "
-                                          "longer one, or a shorter music_timestep",
-                                          key->value, format_time(tick_of(file_, section))));
+      findings_.push_back(
+          error_at({}, fmt::format("--duration {} is less than the tick of {}; write a "
+                                   "longer one, or a shorter music_timestep",
+                                   key->value, format_time(tick_of(file_, section)))));
     }
   }
 
   void check_length(const MusicSection& section) {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line != 0) {
-      findings_.add_error(
+      findings_.push_back(error_at(
           key->where, fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
                                   "stoptime, or a shorter music_timestep",
                                   section.label, format_time(stop_time(file_, section).value_or(0)),
-                                  format_time(tick_of(file_, section))));
+                                  format_time(tick_of(file_, section)))));
     }
   }
 
@@ -121,12 +123,12 @@ class TogetherCheck {
     const TimeNs tick_a = tick_of(file_, a);
     const TimeNs tick_b = tick_of(file_, b);
     if (tick_a != tick_b) {
-      findings_.add_error(
+      findings_.push_back(error_at(
           where(b, "music_timestep"),
           fmt::format(
               "the tick of '{}' is {}, but that of '{}' is {}; MUSIC exchanges less and less "
               "often between unequal ticks: write one music_timestep at the top of the file",
-              b.label, format_time(tick_b), a.label, format_time(tick_a)));
+              b.label, format_time(tick_b), a.label, format_time(tick_a))));
     }
   }
 
@@ -137,22 +139,22 @@ class TogetherCheck {
     const auto length_a = stop_time(file_, a);
     const auto length_b = stop_time(file_, b);
     if (length_a != length_b) {
-      findings_.add_warning(
+      findings_.push_back(warning_at(
           where(b, "stoptime"),
           fmt::format("'{}' runs {}, but '{}' {}; write one stoptime at the top of the file",
                       b.label, text(length_b), a.label, text(length_a)),
-          strict_);
+          strict_));
     }
   }
 
   void check_barriers(const MusicSection& a, const MusicSection& b) {
     const bool barrier_a = !says(file_, a, "barrier", "false");
     if (barrier_a == says(file_, b, "barrier", "false")) {
-      findings_.add_error(
+      findings_.push_back(error_at(
           where(b, "barrier"),
           fmt::format("'{}' waits at the barrier before the first tick, '{}' does not, and the job "
                       "would hang; write one  barrier=  at the top of the file",
-                      barrier_a ? a.label : b.label, barrier_a ? b.label : a.label));
+                      barrier_a ? a.label : b.label, barrier_a ? b.label : a.label)));
     }
   }
 
@@ -163,13 +165,13 @@ class TogetherCheck {
     }
     const auto sends = [&](const MusicConnection& c) { return c.from_app == section.label; };
     if (std::any_of(file_.connections.begin(), file_.connections.end(), sends)) {
-      findings_.add_warning(
+      findings_.push_back(warning_at(
           where(section, "np"),
           fmt::format("'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
                       "write np=1, unless the program sends from its first "
                       "process only",
                       section.label, file_.processes(section)),
-          strict_);
+          strict_));
     }
   }
 
@@ -182,11 +184,11 @@ class TogetherCheck {
           senders.emplace(connection.from_app + "." + connection.from_port, &connection);
       const Program* sender = find_program(file_, connection.from_app);
       if (!is_new && sender != nullptr && first->second->width != connection.width) {
-        findings_.add_error(
-            connection.where,
-            fmt::format("the output '{}' has another width in line {}; write the same "
-                        "[width] in both",
-                        first->first, first->second->where.line));
+        findings_.push_back(
+            error_at(connection.where,
+                     fmt::format("the output '{}' has another width in line {}; write the same "
+                                 "[width] in both",
+                                 first->first, first->second->where.line)));
       }
     }
   }
@@ -198,8 +200,9 @@ class TogetherCheck {
         connection.to_port != "in" || !from->output || !to->input || from->output == to->input) {
       return;
     }
-    findings_.add_error(connection.where, kinds_differ(connection.from_app + ".out", *from->output,
-                                                       connection.to_app + ".in"));
+    findings_.push_back(error_at(
+        connection.where,
+        kinds_differ(connection.from_app + ".out", *from->output, connection.to_app + ".in")));
   }
 
   /// Width 0 is that of MUSIC's message ports, which none of our programs has.
@@ -207,22 +210,23 @@ class TogetherCheck {
     const bool ours = find_program(file_, connection.from_app) != nullptr ||
                       find_program(file_, connection.to_app) != nullptr;
     if (ours && connection.width == 0U) {
-      findings_.add_error(connection.where,
-                          fmt::format("the connection '{}' has width 0; write at least 1 (0 is for "
-                                      "message ports between other programs)",
-                                      describe(connection)));
+      findings_.push_back(
+          error_at(connection.where,
+                   fmt::format("the connection '{}' has width 0; write at least 1 (0 is for "
+                               "message ports between other programs)",
+                               describe(connection))));
     }
   }
 
   const EffectiveFile& effective_;
   const MusicFile& file_;
   bool strict_;
-  Findings findings_;
+  Diagnostics findings_;
 };
 
 }  // namespace
 
-Findings check_together(const EffectiveFile& effective) {
+Diagnostics check_together(const EffectiveFile& effective) {
   return TogetherCheck(effective).run();
 }
 

@@ -61,7 +61,7 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       state_(effective.file, options.hostfile.empty()),
       receiver_(scratch_.path() + "/status"),
       group_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
-                        [this](int number) { take_signal(number); }}) {
+                         [this](int number) { take_signal(number); }}) {
   write_text(file_, to_text(effective.file));
   write_text(folder_ + "/mpirun.log", "");
   if (!options.versions.empty()) {
@@ -164,17 +164,19 @@ bool JobRun::check() {
   if (!options_.program.empty()) {
     return !outcome_;
   }
-  Findings findings = check_together(effective_);
-  for (const std::string& warning : findings.warnings) {
-    log::warning("{}", translated(warning));
+  Diagnostics findings = check_together(effective_);
+  for (const Diagnostic& warning : findings) {
+    if (!warning.is_error()) {
+      log::warning("{}", translated(warning.text()));
+    }
   }
-  findings.append(check_programs(effective_.file, directory_));
+  append(findings, check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
   SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.path()});
-  findings.append(sections.run([this] { return outcome_.has_value(); }));
-  if (!outcome_ && !findings.errors.empty()) {
-    const Finding first = first_error(findings, effective_.file.path);
-    fail(first.exit_code, first.text);
+  append(findings, sections.run([this] { return outcome_.has_value(); }));
+  if (!outcome_ && has_errors(findings)) {
+    const Diagnostic first = first_error(findings, effective_.file.path);
+    fail(first.exit_code, first.text());
   }
   if (!outcome_) {
     run_folder_.clear();

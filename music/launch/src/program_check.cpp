@@ -42,7 +42,7 @@ class ProgramCheck {
   ProgramCheck(const MusicFile& file, const std::string& directory)
       : file_(file), directory_(directory), path_(program_environment()["PATH"]) {}
 
-  Findings run() {
+  Diagnostics run() {
     need("mpirun", "openmpi-bin");
     need("music", "music-bin");
     for (const MusicSection* section : in_written_order(file_)) {
@@ -56,15 +56,17 @@ class ProgramCheck {
  private:
   void need(const char* program, const char* package) {
     if (find_executable(program, "", path_).empty()) {
-      findings_.errors.push_back(
-          {fmt::format("cannot find '{}' in PATH; install it (Debian: apt install {})", program,
-                       package),
-           TransportError::kExitCode});
+      findings_.push_back({{},
+                           fmt::format("cannot find '{}' in PATH; install it (Debian: apt "
+                                       "install {})",
+                                       program, package),
+                           TransportError::kExitCode});
     }
   }
 
   void add(const MusicSection& section, const MusicKey& key, const std::string& message) {
-    findings_.add_error(key.where, fmt::format("section '{}': {}", section.label, message));
+    findings_.push_back(
+        error_at(key.where, fmt::format("section '{}': {}", section.label, message)));
   }
 
   void check(const MusicSection& section, const MusicKey& binary) {
@@ -155,12 +157,12 @@ class ProgramCheck {
   const MusicFile& file_;
   const std::string& directory_;
   std::string path_;
-  Findings findings_;
+  Diagnostics findings_;
 };
 
 }  // namespace
 
-Findings check_programs(const MusicFile& file, const std::string& directory) {
+Diagnostics check_programs(const MusicFile& file, const std::string& directory) {
   return ProgramCheck(file, directory).run();
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <string_view>
 
@@ -80,53 +81,61 @@ void SectionChecks::start(const MusicSection& section, const Places& places) {
 }
 
 /// What says its place in the file needs no label.
-std::string SectionChecks::labelled(const Section& section, const std::string& text) const {
-  return text.starts_with(file_.path + ":") ? text : fmt::format("{}: {}", section.label, text);
+Diagnostic SectionChecks::diagnostic(const Section& section, std::string text,
+                                     int exit_code) const {
+  Location where{file_.path};
+  int length = 0;
+  const std::string named = file_.path + ":";
+  if (text.starts_with(named) &&
+      std::sscanf(&text[named.size()], "%d:%d: %n", &where.line, &where.column, &length) == 2) {
+    return {where, text.substr(named.size() + static_cast<std::size_t>(length)), exit_code};
+  }
+  return {{}, fmt::format("{}: {}", section.label, text), exit_code};
 }
 
 void SectionChecks::take(Section& section, const OutputLine& line) const {
-  const auto said = [&](std::string_view kind) {
-    return labelled(section, line.text.substr(kind.size()));
+  const auto found = [&](std::string_view kind, int exit_code) {
+    return diagnostic(section, line.text.substr(kind.size()), exit_code);
   };
   if (line.text.starts_with(kWarning)) {
-    section.findings.warnings.push_back(said(kWarning));
+    section.findings.push_back(found(kWarning, 0));
   } else if (line.text.starts_with(kError)) {
-    section.findings.errors.push_back({said(kError)});
+    section.findings.push_back(found(kError, 2));
   } else if (line.error && !line.text.empty()) {
-    section.last_error = said("");
+    section.last_error = found("", 2).text();
   }
 }
 
 void SectionChecks::finish(Section& section) {
-  auto& errors = section.findings.errors;
+  Diagnostics& findings = section.findings;
   if (!section.process->gone()) {
     section.process->tree().kill();
-    errors.push_back(
-        {fmt::format("{}: has not checked its section within {:g} s; see whether one of "
-                     "its files is a pipe or a network drive that does not answer",
-                     section.label, std::chrono::duration<double>(kCheckDeadline).count())});
+    findings.push_back(error_at(
+        {}, fmt::format("{}: has not checked its section within {:g} s; see whether one of "
+                        "its files is a pipe or a network drive that does not answer",
+                        section.label, std::chrono::duration<double>(kCheckDeadline).count())));
     return;
   }
   const int code = exit_code(section.process->tree().status().value_or(0));
   if (code == 0) {
     return;
   }
-  if (errors.empty()) {
-    errors.push_back(
-        {section.last_error.empty()
-             ? fmt::format("{}: its check ended with exit code {}", section.label, code)
-             : section.last_error});
+  if (!has_errors(findings)) {
+    findings.push_back(
+        error_at({}, section.last_error.empty()
+                         ? fmt::format("{}: its check ended with exit code {}", section.label, code)
+                         : section.last_error));
   }
-  errors.front().exit_code = code;
+  std::ranges::find_if(findings, &Diagnostic::is_error)->exit_code = code;
 }
 
-Findings SectionChecks::run(const std::function<bool()>& stopped) {
+Diagnostics SectionChecks::run(const std::function<bool()>& stopped) {
   const auto all_gone = [this] {
     return std::all_of(sections_.begin(), sections_.end(),
                        [](const Section& section) { return section.process->gone(); });
   };
   group_.turn_until([&] { return all_gone() || stopped(); }, kCheckDeadline);
-  Findings findings;
+  Diagnostics findings;
   for (Section& section : sections_) {
     if (stopped()) {
       section.process->tree().kill();
@@ -134,34 +143,28 @@ Findings SectionChecks::run(const std::function<bool()>& stopped) {
       finish(section);
     }
     drop_repeated(section);
-    findings.append(section.findings);
+    append(findings, section.findings);
   }
   return findings;
 }
 
 /// All sections complain of a key at the top of the file: the first one's word is enough.
 void SectionChecks::drop_repeated(Section& section) {
-  const auto repeated = [&](const std::string& text) {
-    return text.starts_with(file_.path + ":") && !said_.insert(text).second;
-  };
-  std::erase_if(section.findings.errors,
-                [&](const Finding& error) { return repeated(error.text); });
-  std::erase_if(section.findings.warnings, repeated);
+  std::erase_if(section.findings, [&](const Diagnostic& found) {
+    return !found.where.file.empty() && !said_.insert(found.text()).second;
+  });
 }
 
-Findings check_job(const MusicFile& file, const RunOptions& options, bool here) {
-  Findings findings;
-  for (const MusicProblem& problem : find_structure_problems(file)) {
-    findings.add_error(problem.where, problem.message);
-  }
-  if (!findings.errors.empty()) {
+Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool here) {
+  Diagnostics findings = find_structure_problems(file);
+  if (!findings.empty()) {
     return findings;
   }
   const EffectiveFile effective = make_effective(file, options);
   const std::string directory = directory_of(file.path);
-  findings.append(check_together(effective));
+  append(findings, check_together(effective));
   if (here) {
-    findings.append(check_programs(effective.file, directory));
+    append(findings, check_programs(effective.file, directory));
   }
   const Scratch scratch;
   const std::string path = scratch.path() + "/effective.music";
@@ -171,9 +174,9 @@ Findings check_job(const MusicFile& file, const RunOptions& options, bool here) 
   ProcessGroup group(receiver,
                      {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
   SectionChecks sections(group, effective.file, {path, directory, scratch.path()});
-  findings.append(sections.run([&signal] { return signal != 0; }));
+  append(findings, sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
-    findings.errors = {{stopped_by(signal), 128 + signal}};
+    return {{{}, stopped_by(signal), 128 + signal}};
   }
   return findings;
 }

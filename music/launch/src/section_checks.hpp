@@ -28,18 +28,18 @@ class SectionChecks {
 
   /// Waits until all have answered, or `stopped()`: then it ends them. One that does not answer is
   /// an error.
-  Findings run(const std::function<bool()>& stopped);
+  Diagnostics run(const std::function<bool()>& stopped);
 
  private:
   struct Section {
     std::string label;
     Process* process = nullptr;
-    Findings findings{};
+    Diagnostics findings{};
     std::string last_error{};  ///< a line without "error: " before it
   };
 
   void start(const MusicSection& section, const Places& places);
-  std::string labelled(const Section& section, const std::string& text) const;
+  Diagnostic diagnostic(const Section& section, std::string text, int exit_code) const;
   void take(Section& section, const OutputLine& line) const;
   /// What its end means.
   static void finish(Section& section);

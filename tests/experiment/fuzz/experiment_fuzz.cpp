@@ -40,10 +40,10 @@ bool has_large_numbers(std::string_view text) {
 
 void check(const ExperimentFile& file, bool whole) {
   static const experiment::NodeTypes types;
-  std::vector<experiment::Fault> faults;
+  spikeloop::Diagnostics faults;
   const experiment::Experiment result = experiment::resolve(file, types, {}, faults);
-  for (const experiment::Fault& fault : faults) {
-    need(!fault.text.empty() && fault.exit_code > 0 && !fault.where.file.empty());
+  for (const spikeloop::Diagnostic& fault : faults) {
+    need(!fault.message.empty() && fault.exit_code > 0 && !fault.where.file.empty());
   }
   if (whole && faults.empty()) {
     need(!result.connections.empty() && result.nodes.size() == file.nodes.size());

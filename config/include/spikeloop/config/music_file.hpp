@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/diagnostic.hpp"
 
 namespace spikeloop {
 
@@ -47,12 +47,6 @@ struct MusicConnection {
   Location where;
 };
 
-/// What is wrong, and where.
-struct MusicProblem {
-  Location where;
-  std::string message;
-};
-
 /// A whole file. Sections in the order in which they were first opened, connections in the order in
 /// which they stand.
 struct MusicFile {
@@ -62,7 +56,7 @@ struct MusicFile {
   std::vector<MusicConnection> connections;
   /// What MUSIC reads without a word, and is hardly meant: a key written twice, a section opened
   /// again.
-  std::vector<MusicProblem> oddities;
+  Diagnostics oddities;
 
   /// Null when there is no such section.
   const MusicSection* find_section(std::string_view label) const;
@@ -118,7 +112,7 @@ void adopt_locations(MusicFile& file, const MusicFile& origin);
 /// used in both directions, two senders to one input, repeated connection, application without
 /// connection, width 0, configuration too large for the environment string that carries it. In the
 /// order of the file.
-std::vector<MusicProblem> find_structure_problems(const MusicFile& file);
+Diagnostics find_structure_problems(const MusicFile& file);
 
 /// @throws ConfigurationError with the first of `find_structure_problems`.
 void check_structure(const MusicFile& file);

@@ -13,6 +13,7 @@
 
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/core/diagnostic.hpp"
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/node_types.hpp"
@@ -127,13 +128,6 @@ struct Experiment {
   std::uint32_t width(std::string_view node, std::string_view port) const;
 };
 
-/// Something that is wrong; `text` begins with its place.
-struct Fault {
-  std::string text;
-  Location where;
-  int exit_code = 2;
-};
-
 /// The messages of a run in place of its robot.
 struct Replay {
   std::string origin;  ///< the file that was run, of which this one is a copy
@@ -166,12 +160,12 @@ using LookAtRobot = std::function<SensorWidth(const Robot&, messages::Dialect)>;
 /// then in the file's order.
 /// @param look_at_robot empty: sensors are not held against the robot
 Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
-                   std::vector<Fault>& faults, const LookAtRobot& look_at_robot = {});
+                   Diagnostics& faults, const LookAtRobot& look_at_robot = {});
 
 /// An experiment with all that it points to, or what is wrong with it.
 struct Loaded {
   NodeTypes types;
-  std::vector<Fault> faults;
+  Diagnostics faults;
   std::optional<Experiment> experiment;  ///< there when the file could be read
 };
 
