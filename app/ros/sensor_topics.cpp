@@ -13,7 +13,7 @@ namespace {
 [[noreturn]] void refuse_sensor(const Parameters& keys, const std::string& text) {
   throw ConfigurationError(
       keys.where("sensor_topics"),
-      fmt::format("sensor_topics: '{}' is no topic with its type and timeout in s; write "
+      fmt::format("sensor_topics: '{}' is not a topic with its type and timeout in s; write "
                   "sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and others behind a comma",
                   text));
 }

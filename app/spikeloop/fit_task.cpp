@@ -129,7 +129,7 @@ WrittenValues written_keys(const std::vector<std::string>& keys) {
     const auto equals = key.find('=');
     if (equals == std::string::npos || equals == 0) {
       throw ConfigurationError(fmt::format(
-          "'{}' is no key of the encoder; write KEY=VALUE, as in max_rate_high=300", key));
+          "'{}' is not a key of the encoder; write KEY=VALUE, as in max_rate_high=300", key));
     }
     written[key.substr(0, equals)] = {key.substr(equals + 1), {}};
   }
@@ -143,7 +143,7 @@ void check_class(const NodeDescription& description) {
                        ports[1].kind == PortKind::spikes && ports[1].direction == Direction::output;
   if (!encodes) {
     throw ConfigurationError(
-        fmt::format("'{}' is no encoder: it does not turn one continuous input into spikes; "
+        fmt::format("'{}' is not an encoder: it does not turn one continuous input into spikes; "
                     "spikeloop describe lists the encoders",
                     description.name));
   }

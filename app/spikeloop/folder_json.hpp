@@ -6,7 +6,7 @@
 
 namespace spikeloop::app {
 
-/// Null when it is no object, no regular file, larger than 100 MB or nested deeper than a run
+/// Null when it is not an object, no regular file, larger than 100 MB or nested deeper than a run
 /// writes it (nlohmann-json prints and compares by recursion).
 nlohmann::json read_folder_json(const std::string& path);
 

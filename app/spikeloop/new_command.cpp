@@ -88,8 +88,8 @@ std::string named_experiment(const std::string& name) {
 int print_new(const std::string& name) {
   const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
   if (name.find_first_not_of(allowed) != std::string::npos) {
-    throw ConfigurationError("'" + name +
-                             "' is no name of an experiment; write letters, digits, '_' and '-'");
+    throw ConfigurationError(
+        "'" + name + "' is not a valid experiment name; write letters, digits, '_' and '-'");
   }
   put_result(named_experiment(name));
   return 0;

@@ -21,7 +21,7 @@ double stall_timeout_s(const std::string& text);
 /// Up to the largest that the programs read.
 std::uint64_t seed(const std::string& text);
 
-/// For an option that names a `what`: an unset variable of a shell is no name.
+/// For an option that names a `what`: an unset variable of a shell is not a name.
 CLI::Validator named(const std::string& what);
 
 }  // namespace spikeloop::app

@@ -52,7 +52,7 @@ double moment_s(const char* option, const std::string& text) {
     // Told below.
   }
   throw ConfigurationError(fmt::format(
-      "{}: '{}' is no moment of a run; write for example 2.5 or \"500 ms\"", option, text));
+      "{}: '{}' is not a moment of a run; write for example 2.5 or \"500 ms\"", option, text));
 }
 
 std::vector<std::string> arguments_of(const PlotArguments& given) {

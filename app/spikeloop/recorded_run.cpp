@@ -46,9 +46,10 @@ void check_kind(const std::string& folder, const json& resolved) {
              "it is the run of a .music file, whose messages are not recorded; its recordings "
              "(record=true) are sources for spike_playback and signal_playback");
     }
-    refuse(folder,
-           "it is no run folder, there is no resolved.json in it; write the folder that  spikeloop "
-           "run FILE.yaml  has named");
+    refuse(
+        folder,
+        "it is not a run folder, there is no resolved.json in it; write the folder that  spikeloop "
+        "run FILE.yaml  has named");
   }
   if (!resolved.contains("recorded") || !resolved.contains("experiment_file")) {
     refuse(folder, fs::exists(path / "experiment.music")

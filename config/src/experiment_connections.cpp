@@ -71,10 +71,10 @@ class Line {
     const auto stations = split({text_, 0}, "->");
     std::vector<ExperimentConnection> arrows;
     if (const auto other = text_.find("=>"); other != std::string::npos) {
-      fail(other, fmt::format("'=>' is no arrow; {}", kExample));
+      fail(other, fmt::format("'=>' is not an arrow; {}", kExample));
     }
     if (stations.size() < 2) {
-      fail(0, fmt::format("'{}' is no connection; {}", text_, kExample));
+      fail(0, fmt::format("'{}' is not a connection; {}", text_, kExample));
     }
     Piece from = end_of(stations.front(), false);
     for (std::size_t i = 1; i < stations.size(); ++i) {
@@ -145,9 +145,10 @@ class Line {
       once(!connection.delay.text.empty());
       const Piece time = trimmed({item.text.substr(kDelay.size()), item.begin + kDelay.size()});
       if (time.text.empty() || time.begin == item.begin + kDelay.size()) {
-        fail(item.begin, fmt::format("'{}' is no delay; write for example  delay 5 ms  or  delay 2 "
-                                     "ticks",
-                                     item.text));
+        fail(item.begin,
+             fmt::format("'{}' is not a delay; write for example  delay 5 ms  or  delay 2 "
+                         "ticks",
+                         item.text));
       }
       connection.delay = {std::string(time.text), place(time.begin)};
       return;
@@ -176,7 +177,7 @@ std::uint32_t read_width(const std::string& text, const Location& where) {
   const auto width = width_of(text);
   if (!width) {
     throw ConfigurationError(
-        where, fmt::format("key 'width': '{}' is no width from 1 to {}; write for example 100",
+        where, fmt::format("key 'width': '{}' is not a width from 1 to {}; write for example 100",
                            text, kMaximumChannels));
   }
   return *width;

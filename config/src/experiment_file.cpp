@@ -115,7 +115,7 @@ class Reader {
   void read_node(const std::string& name, const Location& where, const YAML::Node& node) {
     if (!is_name(name)) {
       throw ConfigurationError(
-          where, fmt::format("'{}' is no name of a node; write letters, digits and '_'", name));
+          where, fmt::format("'{}' is not a valid node name; write letters, digits and '_'", name));
     }
     if (!node.IsMap()) {
       throw ConfigurationError(
@@ -207,7 +207,7 @@ class Reader {
       if (!item.IsScalar() || item.Scalar().empty()) {
         throw ConfigurationError(
             place(file_.path, item),
-            "key 'plugins': an entry is no path of a file; write  plugins: [my_encoder.so]");
+            "key 'plugins': an entry is not a path of a file; write  plugins: [my_encoder.so]");
       }
       file_.plugins.push_back({item.Scalar(), place(file_.path, item)});
     }
@@ -252,7 +252,7 @@ void check_text(std::string_view text, const std::string& path) {
     const std::size_t length = text[at] == '\0' ? 0 : character(text.substr(at));
     if (length == 0) {
       throw ConfigurationError(locate(text, at, path),
-                               fmt::format("the byte 0x{:02X} is no UTF-8 text; save the file as "
+                               fmt::format("the byte 0x{:02X} is not UTF-8 text; save the file as "
                                            "UTF-8 ('spikeloop new' prints an "
                                            "experiment to begin with)",
                                            static_cast<unsigned char>(text[at])));
@@ -269,7 +269,7 @@ YAML::Node load(std::string_view text, const std::string& path) {
         document.IsDefined() && !document.IsNull() ? place(path, document) : Location{path, 0, 0},
         fmt::format("{}; 'spikeloop new' prints one to begin with",
                     document.IsDefined() && !document.IsNull()
-                        ? "this is no experiment: expected lines of  key: value"
+                        ? "this is not an experiment: expected lines of  key: value"
                         : "there is no experiment in this file"));
   }
   return document;

@@ -34,7 +34,7 @@ std::string not_text(std::string_view text) {
   for (std::size_t i = 0; i < std::min(text.size(), kLooked); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);
     if (c < 0x20 && c != '\t' && c != '\n' && c != '\r') {
-      return fmt::format("this is no text file (byte {} is 0x{:02x})", i, c);
+      return fmt::format("this is not a text file (byte {} is 0x{:02x})", i, c);
     }
   }
   return {};
@@ -103,7 +103,7 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   if (!twice.empty()) {
     throw ConfigurationError(
         place == std::string_view::npos ? Location{file} : locate(text, place, file),
-        fmt::format("the key '{}' stands there twice; remove one", music_text::shown(twice)));
+        fmt::format("the key '{}' is given twice; remove one", music_text::shown(twice)));
   }
   return value;
 }

@@ -126,7 +126,7 @@ void Parser::check_bytes() const {
   }
   if (const auto zero = text_.find('\0'); zero != std::string_view::npos) {
     fail(locate(text_, zero, file_.path),
-         "a zero byte: this is no text file; give the path of a .music file");
+         "a zero byte: this is not a text file; give the path of a .music file");
   }
 }
 
@@ -371,7 +371,7 @@ void Parser::check_port(const std::string& port, const Location& where) const {
                                 [](char c) { return is_space(c) || c == '=' || c == ']'; });
   if (odd != port.end()) {
     fail(where,
-         fmt::format("'{}' is no name of a port; write 'A.out -> B.in [width]'", shown(port)));
+         fmt::format("'{}' is not a valid port name; write 'A.out -> B.in [width]'", shown(port)));
   }
   if (const auto reason = music_text::unportable_name("port", port); !reason.empty()) {
     fail(where, reason);
@@ -415,7 +415,7 @@ std::string Parser::read_width(bool& more) {
     } else if (c < '0' || c > '9') {
       const auto rest =
           text_.substr(position_, text_.find_first_of(",]\r\n\f", position_) - position_);
-      fail(where, fmt::format("the width '{}' is no whole number; write '[10]'",
+      fail(where, fmt::format("the width '{}' is not a whole number; write '[10]'",
                               shown(width + c + std::string(rest))));
     } else if (gap) {
       fail(where, fmt::format("two numbers in a width, '{}' and '{}'; write one, '[{}]'",

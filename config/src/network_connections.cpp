@@ -288,8 +288,8 @@ std::uint32_t read_index(const std::string& file, const std::string& what, const
   if (!digits || value > largest) {
     throw ConfigurationError(
         place(file, node),
-        fmt::format("{}: '{}' is no member of '{}'; write a whole number from 0 to {}", what, text,
-                    population.name, largest));
+        fmt::format("{}: '{}' is not a member of '{}'; write a whole number from 0 to {}", what,
+                    text, population.name, largest));
   }
   return static_cast<std::uint32_t>(value);
 }

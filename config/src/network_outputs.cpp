@@ -77,7 +77,7 @@ std::vector<std::uint32_t> read_members(const Section& section,
   if (!list.IsSequence() || list.size() == 0) {
     throw ConfigurationError(
         section.where("V_m"),
-        fmt::format("{}: V_m is no list of members; write  V_m: all  or  V_m: [0]",
+        fmt::format("{}: V_m is not a list of members; write  V_m: all  or  V_m: [0]",
                     section.what()));
   }
   for (const auto& entry : list) {

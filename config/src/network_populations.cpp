@@ -207,7 +207,7 @@ std::vector<TimedValue> read_steps(const Section& section, const std::string& ke
     const Location where = place(section.file(), entry);
     if (!entry.IsSequence() || entry.size() != 2) {
       throw ConfigurationError(
-          where, fmt::format("{}: {}: an entry is no time with its value; write  {}: {}",
+          where, fmt::format("{}: {}: an entry is not a time with its value; write  {}: {}",
                              section.what(), key, key, example));
     }
     const auto number = [&](std::size_t i, const char* in) {

@@ -140,7 +140,7 @@ NpyArray::NpyArray(std::string_view bytes, std::string file) : file_(std::move(f
   const auto header = npy::parse_header(header_text(bytes, file_, begin));
   if (!header) {
     refuse(file_,
-           "the header is no dictionary of 'descr', 'fortran_order' and 'shape'; write the file "
+           "the header is not a dictionary of 'descr', 'fortran_order' and 'shape'; write the file "
            "with numpy.save");
   }
   const ElementType* const type = find_type(header->type);

@@ -210,8 +210,8 @@ std::optional<WeightTable> short_form(const std::string& written) {
   }
   const auto weight = short_form_weight(std::string_view(written).substr(colon + 1));
   if (!weight) {
-    throw ConfigurationError(fmt::format("the weight in '{}' is no finite number; write '{}:0.5'",
-                                         shown(written), name));
+    throw ConfigurationError(fmt::format(
+        "the weight in '{}' is not a finite number; write '{}:0.5'", shown(written), name));
   }
   return form->weighted(*weight);
 }

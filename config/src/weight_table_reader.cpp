@@ -135,7 +135,7 @@ bool WeightTableReader::key(const std::string& name) {
     fail(fmt::format("unknown key '{}'{}", music_text::shown(name), did_you_mean(name, kKeys)));
   }
   if (!keys_.insert(name).second) {
-    fail(fmt::format("the key '{}' stands there twice; remove one", name));
+    fail(fmt::format("the key '{}' is given twice; remove one", name));
   }
   key_ = name;
   return true;

@@ -13,7 +13,7 @@
 namespace spikeloop {
 
 /// The SAX handler of nlohmann-json for both forms of a table. Its functions throw
-/// ConfigurationError for JSON that is no weight table; `parse_error` keeps JSON's own errors.
+/// ConfigurationError for JSON that is not a weight table; `parse_error` keeps JSON's own errors.
 class WeightTableReader {
  public:
   using Json = nlohmann::json;

@@ -15,7 +15,7 @@
 namespace spikeloop::yaml_text {
 
 /// The only document of a text. `what` is what a file holds one of.
-/// @throws ConfigurationError at the place where it is no YAML, or a second document begins.
+/// @throws ConfigurationError at the place where it is not a YAML, or a second document begins.
 YAML::Node load(const std::string& text, const std::string& path, const std::string& what);
 
 /// The place of a YAML node; yaml-cpp counts lines and columns from 0.
@@ -35,7 +35,7 @@ class Section {
   Section(std::string file, std::string what, const YAML::Node& node,
           const std::vector<std::string>& known);
   /// Tells of keys that are not known or stand there twice, and leaves them out.
-  /// @throws ConfigurationError: not a map, a key that is no plain value.
+  /// @throws ConfigurationError: not a map, a key that is not a plain value.
   Section(std::string file, std::string what, const YAML::Node& node,
           const std::vector<std::string>& known, const ErrorHandler& report);
 

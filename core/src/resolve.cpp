@@ -182,12 +182,12 @@ Parameters::Value parse_list(const ParameterDescription& list, const WrittenValu
                              const WeightLoader& load_weights) {
   const ParameterDescription& each = list.inner.front();
   if (written.is_map()) {
-    refuse_shape(list, written, "no list");
+    refuse_shape(list, written, "not a list");
   }
   const auto entries = written.is_list() ? written.entries() : split(written);
   if (entries.empty() || (list.count != 0 && entries.size() != list.count)) {
     refuse_shape(list, written,
-                 list.count == 0 ? "an empty list" : fmt::format("no list of {}", list.count));
+                 list.count == 0 ? "an empty list" : fmt::format("not a list of {}", list.count));
   }
   Parameters::Value result = empty_list(list);
   auto* const numbers = std::get_if<std::vector<double>>(&result);
@@ -217,7 +217,7 @@ Parameters::Value parse_map(const ParameterDescription& map, const WrittenValue&
   } else if (!written.text.empty()) {
     refuse_shape(map, written,
                  map.choices.empty()
-                     ? "no map"
+                     ? "not a map"
                      : fmt::format("neither {} nor a map", fmt::join(map.choices, " nor ")));
   } else {
     return Parameters::Entries{};

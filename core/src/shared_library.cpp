@@ -37,7 +37,7 @@ template <typename Entry>
 const Entry& SharedLibrary::checked_entry(const char* name, const char* remedy) const {
   void* symbol = dlsym(handle_, name);
   if (symbol == nullptr) {
-    refuse(path_, fmt::format("is no Spikeloop plug-in (it has no {}); {}", name, remedy));
+    refuse(path_, fmt::format("is not a Spikeloop plug-in (it has no {}); {}", name, remedy));
   }
   const Entry* entry = reinterpret_cast<const Entry* (*)()>(symbol)();
   if (entry == nullptr) {

@@ -52,7 +52,7 @@ void add_slew(const Parameters& parameters, Json& fields) {
     if (rate <= 0) {
       throw ConfigurationError(
           entry.where,
-          fmt::format("key 'slew': {} of '{}' is no rate of change; write a number above 0, as  "
+          fmt::format("key 'slew': {} of '{}' is not a rate of change; write a number above 0, as  "
                       "{}: 1.0, in units a second",
                       rate, entry.key, entry.key));
     }

@@ -38,7 +38,7 @@ void check_duration(const Location& where, const char* what, const Experiment& e
                                   what, format_time(duration), format_time(experiment.tick)));
   } else if (rest != 0) {
     const TimeNs below = duration - rest;
-    faults.add(where, fmt::format("{}: {} is no whole number of ticks of {}; write {}{}", what,
+    faults.add(where, fmt::format("{}: {} is not a whole number of ticks of {}; write {}{}", what,
                                   format_time(duration), format_time(experiment.tick),
                                   below > 0 ? format_time(below) + " or " : "",
                                   format_time(below + experiment.tick)));
@@ -52,7 +52,7 @@ void check_name(const Parameters& keys, const std::string& name, Faults& faults)
       name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
   if (keys.given("experiment") && (!plain || name.size() > kLongest)) {
     faults.add(keys.where("experiment"),
-               fmt::format("key 'experiment': '{}' is no name of an experiment; write up to {} "
+               fmt::format("key 'experiment': '{}' is not a valid experiment name; write up to {} "
                            "letters, digits, '_' and '-'",
                            name, kLongest));
   }

@@ -45,8 +45,8 @@ std::uint32_t delay_ticks(const WrittenValue& written, TimeNs tick) {
     try {
       ticks = parse_quantity(written.text, "s") / to_seconds(tick);
     } catch (const ConfigurationError& error) {
-      refuse_delay(written,
-                   fmt::format("is no delay: {}; write for example 5 ms or 2 ticks", error.what()));
+      refuse_delay(written, fmt::format("is not a delay: {}; write for example 5 ms or 2 ticks",
+                                        error.what()));
     }
     if (written.text.find_first_not_of("0123456789.+-eE") == std::string::npos) {
       refuse_delay(written, fmt::format("has no unit; write {0} ms or {0} ticks", written.text));

@@ -16,7 +16,7 @@ namespace spikeloop {
 std::vector<PortDescription> encoder_ports();
 /// `initial`, which every encoder has.
 ParameterDescription initial_of_encoder_parameter();
-/// Its value; nothing for `none`. @throws ConfigurationError when it is no number, or outside
+/// Its value; nothing for `none`. @throws ConfigurationError when it is not a number, or outside
 /// [-1, 1] unless `any_value`.
 std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_value);
 /// rate_min, rate_max, initial, out_of_range, not_finite.
@@ -26,7 +26,7 @@ std::vector<ParameterDescription> encoder_parameters();
 /// 2016, eq. 1).
 class EncoderInput {
  public:
-  /// @throws ConfigurationError when `initial` is no number, or outside [-1, 1] unless
+  /// @throws ConfigurationError when `initial` is not a number, or outside [-1, 1] unless
   /// out_of_range = pass.
   explicit EncoderInput(const NodeSetup& setup);
 

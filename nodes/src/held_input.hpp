@@ -14,7 +14,7 @@
 namespace spikeloop {
 
 /// Each channel's last good value, or NaN while it has none: no good value has come yet, or the
-/// input is invalid. A value that is written again is no change, so that a signal gives the same
+/// input is invalid. A value that is written again is not a change, so that a signal gives the same
 /// result whether or not it is revised at every tick.
 class HeldInput {
  public:

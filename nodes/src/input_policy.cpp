@@ -72,7 +72,7 @@ double InputPolicy::treat_not_finite(double value, std::size_t channel) {
   }
   const double shown = std::isnan(value) ? std::fabs(value) : value;  // "nan", never "-nan"
   throw std::runtime_error(
-      fmt::format("input channel {} has the value {}, which is no number to work with; "
+      fmt::format("input channel {} has the value {}, which is not a number to work with; "
                   "mend its source, or write not_finite = hold",
                   channel, shown));
 }

@@ -103,9 +103,10 @@ TimeNs grid_of(const Parameters& given) {
   if (refractory % grid != 0) {
     throw ConfigurationError(
         given.where(given.given("t_ref") ? "t_ref" : "resolution"),
-        fmt::format("key 't_ref': {} is no multiple of the resolution, {}; write another one, or "
-                    "spike_times=interpolated",
-                    format_time(refractory), format_time(grid)));
+        fmt::format(
+            "key 't_ref': {} is not a multiple of the resolution, {}; write another one, or "
+            "spike_times=interpolated",
+            format_time(refractory), format_time(grid)));
   }
   return grid;
 }

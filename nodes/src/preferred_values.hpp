@@ -32,7 +32,7 @@ double spacing(const ValueRange& range, std::uint32_t neurons);
 std::vector<double> preferred_values(const ValueRange& range, std::uint32_t neurons);
 
 /// How many neurons there are for each value. `neurons` and `values` are indices of ports.
-/// @throws ConfigurationError with both widths when the one is no multiple of the other.
+/// @throws ConfigurationError with both widths when the one is not a multiple of the other.
 std::uint32_t neurons_a_value(const NodeSetup& setup, std::size_t neurons, std::size_t values);
 
 }  // namespace spikeloop

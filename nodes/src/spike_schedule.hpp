@@ -3,7 +3,7 @@
 // process (time rescaling, Brown et al. 2002). The rate is piecewise constant, so the time of the
 // next spike is known in closed form from the latest change of rate or spike; between these nothing
 // is computed. What is left of the integral is carried over every change of rate, also to and from
-// 0: no spike is lost, doubled, or due at a time that is no number.
+// 0: no spike is lost, doubled, or due at a time that is not a number.
 #pragma once
 
 #include <algorithm>

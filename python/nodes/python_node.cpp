@@ -12,7 +12,7 @@ namespace py = pybind11;
 
 namespace {
 
-/// An array over memory that is somebody else's. With a base that is no buffer NumPy can neither
+/// An array over memory that is somebody else's. With a base that is not a buffer NumPy can neither
 /// free the memory nor make a read-only array writable again.
 py::array view_of(const py::dtype& type, const void* data, std::uint64_t count, bool writable) {
   py::array view(type, {static_cast<py::ssize_t>(count)},

@@ -191,7 +191,7 @@ class BrianHost(Host):
         self._step_ns = round(step_s * 1e9)
         if abs(step_s * 1e9 - self._step_ns) > 1e-3 or self._step_ns < 1 \
                 or self._tick_ns % self._step_ns:
-            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is no multiple of Brian2's "
+            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is not a multiple of Brian2's "
                             f"step of {step_s * 1e3:g} ms; choose another defaultclock.dt")
         groups = [*self._inputs.values(), *(each.group for each in self._outputs.values())]
         for group in groups:

@@ -201,7 +201,7 @@ class Definition:
         self.text = ((target.__doc__ or "").strip().splitlines() or [""])[0].rstrip(" .")
         self.module, self.line = target.__module__, line
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):
-            raise NodeError(f"'{self.name}' is no name for a node; write one such as my_encoder "
+            raise NodeError(f"'{self.name}' is not a name for a node; write one such as my_encoder "
                             "with @spikeloop.node(name=...)")
         self.inputs = _ports(inputs, "inputs", self.name)
         self.outputs = _ports(outputs, "outputs", self.name)
@@ -227,7 +227,7 @@ class Definition:
             while port.same_as is not None:
                 if port.same_as not in ports:
                     raise NodeError(f"node '{self.name}': port '{name}' is as wide as "
-                                    f"'{port.same_as}', which is no port of it"
+                                    f"'{port.same_as}', which is not a port of it"
                                     f"{did_you_mean(port.same_as, sorted(ports))}")
                 if port.same_as in seen:
                     raise NodeError(f"node '{self.name}': same_as leads from port '{name}' back to "
@@ -280,7 +280,7 @@ def definition_of(target):
     """
     found = vars(target).get("__spikeloop__") if hasattr(target, "__dict__") else None
     if found is None:
-        raise NodeError(f"{getattr(target, '__name__', target)!r} is no node; write "
+        raise NodeError(f"{getattr(target, '__name__', target)!r} is not a node; write "
                         "@spikeloop.node before it")
     return found
 
@@ -323,7 +323,7 @@ def _ports(declared, what, node_name):
     ports = {}
     for name, port in declared.items():
         if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
-            raise NodeError(f"node '{node_name}': {name!r} is no name for a port; write letters, "
+            raise NodeError(f"node '{node_name}': {name!r} is not a name for a port; write letters, "
                             "digits and _, such as 'in'")
         port = {"signal": Signal(), "spikes": Spikes()}.get(port, port) \
             if isinstance(port, str) else port

@@ -214,7 +214,7 @@ class NestHost(Host):
                             "host.advance(tick) be what advances it, in every tick")
         step_ns = round(nest.resolution * 1e6)
         if self._tick_ns % step_ns:
-            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is no multiple of NEST's step "
+            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is not a multiple of NEST's step "
                             f"of {nest.resolution:g} ms; choose another nest.resolution")
 
     def _check_port(self, call, port, kind, is_input):

@@ -126,7 +126,7 @@ class NeuronHost(Host):
                             "before the loop, and leave h.run() and h.continuerun() out")
         steps = self._tick_ns / 1e6 / h.dt
         if not h.CVode().active() and (round(steps) < 1 or abs(steps - round(steps)) > 1e-6):
-            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is no multiple of NEURON's step "
+            raise HostError(f"the tick of {self._tick_ns / 1e6:g} ms is not a multiple of NEURON's step "
                             f"h.dt of {h.dt:g} ms; choose another h.dt, or variable steps: "
                             "h.CVode().active(True)")
         self._context = h.ParallelContext()

@@ -18,7 +18,7 @@ READ_ONLY = ("assignment destination is read-only", "output array is read-only")
 
 
 class LoadError(Exception):
-    """The file is no file of nodes; the text is the whole message."""
+    """The file is not a file of nodes; the text is the whole message."""
 
 
 def begin():

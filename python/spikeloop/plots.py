@@ -61,7 +61,7 @@ def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="pn
     labels: spikes_plot.Labels, the section labels of sensor, network and command.
     begin_s, end_s: the part of the time axis, in seconds of simulated time.
     suffix: of the pictures, one of FORMATS.
-    Raises RunFolderError when `folder` is no run folder.
+    Raises RunFolderError when `folder` is not a run folder.
     """
     from . import parts, spikes_plot, trajectory_plot
     from .run_folder import RunFolder
@@ -100,7 +100,7 @@ def _draw_rest(painter, found, begin_s, end_s):
 def _refuse_other_folders(run):
     from .run_folder import RunFolderError
     if not run.labels and not any((run.path / name).exists() for name in RUN_FILES):
-        raise RunFolderError(f"'{run.path}' is no run folder: it has neither a recording (*.h5) nor "
+        raise RunFolderError(f"'{run.path}' is not a run folder: it has neither a recording (*.h5) nor "
                              f"{', '.join(RUN_FILES[:-1])} or {RUN_FILES[-1]}; name the folder that "
                              "`spikeloop run` wrote")
 

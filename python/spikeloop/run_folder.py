@@ -135,7 +135,7 @@ class RunFolder:
             return {name: table[:, header.index(name)].astype(float)
                     for name in TRAJECTORY_COLUMNS}
         except ValueError as error:
-            raise RunFolderError(f"'{file}' holds something that is no number: {error}") from None
+            raise RunFolderError(f"'{file}' holds something that is not a number: {error}") from None
 
     def world(self):
         """The robot's world as written by the robot: arena and obstacles, in metres."""
@@ -190,7 +190,7 @@ class RunFolder:
         version = opened.attrs.get("spikeloop_format")
         if version is None or version > NEWEST_FORMAT:
             opened.close()
-            raise RunFolderError(f"'{file}' is no recording that this version can read: its "
+            raise RunFolderError(f"'{file}' is not a recording that this version can read: its "
                                  f"spikeloop_format is {version}, up to {NEWEST_FORMAT} is known")
         return opened
 

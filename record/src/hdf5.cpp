@@ -228,7 +228,7 @@ void Attributes::require(const Handle& attribute, H5T_class_t kind, const char* 
   const Handle stored(check(H5Aget_type(attribute.get()), "read", path_));
   if (H5Sget_simple_extent_npoints(space.get()) != 1 || H5Tget_class(stored.get()) != kind) {
     throw FileError(
-        fmt::format("cannot read '{}': damaged: the attribute '{}' is no number", path_, name));
+        fmt::format("cannot read '{}': damaged: the attribute '{}' is not a number", path_, name));
   }
 }
 

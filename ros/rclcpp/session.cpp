@@ -74,7 +74,7 @@ auto translated(Work&& work) {
   }
 }
 
-/// The same for an endpoint; what is no error of rcl's is a type that it does not find.
+/// The same for an endpoint; what is not an error of rcl's is a type that it does not find.
 template <typename Work>
 auto translated(const std::string& type, Work&& work) {
   return translated([&] {

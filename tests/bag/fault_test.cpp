@@ -83,7 +83,7 @@ TEST_F(BagFaults, OtherFiles) {
   for (const char* text : {"", "#ROSBA", "SQLite format 3"}) {
     directory_.write("x.bag", text);
     EXPECT_EQ(reading(), "'" + path() +
-                             "' is no bag of ROS 1: it does not begin with #ROSBAG V; write the "
+                             "' is not a bag of ROS 1: it does not begin with #ROSBAG V; write the "
                              "path of a .bag that 'rosbag info' reads (bags of ROS 2 are not in "
                              "this version)");
   }
@@ -121,7 +121,7 @@ TEST_F(BagFaults, IndexThatLeadsElsewhere) {
   const auto index = bag.find(std::string("\x24\0\0\0", 4), count) + 4;
   for (const auto& [offset, reason] :
        {std::pair{'\x7f', "its index leads outside of a chunk"},
-        std::pair{'\0', "its index leads to something that is no message"}}) {
+        std::pair{'\0', "its index leads to something that is not a message"}}) {
     for (std::size_t i = 8; i < 12; ++i) {
       bag[index + i] = offset;
     }

@@ -58,7 +58,7 @@ def no_runs(replays):
     replays.refused("nowhere", f"cannot read '{scratch}/nowhere': No such file or directory", code=4)
     replays.refused("good.bag", f"cannot read '{scratch}/good.bag': Not a directory", code=4)
     (scratch / "empty").mkdir()
-    replays.cannot("empty", "it is no run folder, there is no resolved.json in it; write the folder "
+    replays.cannot("empty", "it is not a run folder, there is no resolved.json in it; write the folder "
                             "that  spikeloop run FILE.yaml  has named")
     (scratch / "loop.music").write_text(MUSIC)
     (scratch / "net.yaml").write_text(NETWORK)

@@ -57,7 +57,7 @@ def cases(scratch):
 
     yield of("none.bag"), (f"{file}:3:14: key 'bag': there is no bag '{scratch}/none.bag'; write "
                            "its path, from where this file lies")
-    yield of("text.bag"), (f"{file}:3:14: '{scratch}/text.bag' is no bag of ROS 1: it does not "
+    yield of("text.bag"), (f"{file}:3:14: '{scratch}/text.bag' is not a bag of ROS 1: it does not "
                            "begin with #ROSBAG V; write the path of a .bag that 'rosbag info' "
                            "reads (bags of ROS 2 are not in this version)")
     yield of("cut.bag"), f"{file}:3:14: '{scratch}/cut.bag' is damaged: "

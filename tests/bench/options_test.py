@@ -52,10 +52,10 @@ class Options(unittest.TestCase):
     def test_ticks_that_are_no_part_of_the_duration(self):
         with tempfile.TemporaryDirectory() as folder:
             _, error = bench("--ticks", "3", "--duration", "10", "--out", f"{folder}/x", code=2)
-            self.assertEqual(error, "spikeloop: --duration 10 is no whole number of ticks of 3 ms; write "
+            self.assertEqual(error, "spikeloop: --duration 10 is not a whole number of ticks of 3 ms; write "
                                     "another duration, or --ticks that divide it\n")
             _, error = bench("--duration", "0.06", "--part", "a", "--out", f"{folder}/x", code=2)
-            self.assertEqual(error, "spikeloop: --duration 0.06 is no whole number of ticks of 50 ms; "
+            self.assertEqual(error, "spikeloop: --duration 0.06 is not a whole number of ticks of 50 ms; "
                                     "write another duration, or --ticks that divide it\n")
             self.assertFalse(pathlib.Path(f"{folder}/x").exists())
 

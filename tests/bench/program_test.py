@@ -96,7 +96,7 @@ class Program(unittest.TestCase):
         self.assertEqual({point["simulator"] for point in found["points"] if point not in of_b},
                          {"builtin"})
         _, error = bench("--quick", "--part", "d", "--ticks", "3", "--out", self.out, code=2)
-        self.assertIn("--duration 1 is no whole number of ticks of 3 ms", error)
+        self.assertIn("--duration 1 is not a whole number of ticks of 3 ms", error)
 
     def test_what_fails_is_told(self):
         """The readout cannot be reached: an encoder without a first scan sends nothing."""

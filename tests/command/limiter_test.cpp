@@ -50,7 +50,7 @@ TEST(Limiter, slew_is_the_fastest_way_to_a_value) {
   EXPECT_THAT(shape(limiter, {0.5}, 350 * kMs), ElementsAre(0.5));
   EXPECT_THAT(shape(limiter, {-0.5}, 600 * kMs), ElementsAre(0));
   EXPECT_THAT(shape(limiter, {-0.5}, 850 * kMs), ElementsAre(-0.5));
-  EXPECT_EQ(limiter.cuts(), 0U) << "the way is no cut";
+  EXPECT_EQ(limiter.cuts(), 0U) << "the way is not a cut";
 }
 
 TEST(Limiter, after_a_stop_the_way_starts_at_zero) {

@@ -120,7 +120,7 @@ TEST(MappingFile, ASliceStandsForItsElements) {
   EXPECT_EQ(error(twist("{\"data[5:5]\": 0}")),
             "m:1:39: 'mapping.data[5:5]' names no elements, or more than 100000; write the first "
             "one and the one behind the last, as in data[0:3]");
-  // What is no slice is left to those who know the message.
+  // What is not a slice is left to those who know the message.
   EXPECT_EQ(parse_mapping(twist("{\"a[name=x:y]\": 0}"), "m").fields.at(0).field, "a[name=x:y]");
 }
 
@@ -164,7 +164,7 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "m:1:2: unknown key 'message_typ'; did you mean 'message_type'?"},
       {twist("{}"), "m:1:27: 'mapping' is empty; write " + kExample},
       {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample},
-      {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' stands there twice; remove one"},
+      {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' is given twice; remove one"},
       {twist("{\"x\": 0.5}"),
        "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0"},
       {twist("{\"x\": -2}"), "m:1:39: 'mapping.x' is -2, no channel; write a whole number from 0"},

@@ -127,7 +127,7 @@ TEST(MusicParser, TextAfterAWidthIsReadAsANewLine) {
   EXPECT_EQ(file.connections[1].where.column, 13);
   EXPECT_EQ(file.globals.at(0), (MusicKey{"k", "3", {}}));
   EXPECT_EQ(error("A.a->B.b[1] junk"),
-            "f:1:13: 'junk' is no section, no key and no connection; write 'junk=value', or '#' "
+            "f:1:13: 'junk' is not a section, no key and no connection; write 'junk=value', or '#' "
             "before a comment");
 }
 
@@ -146,9 +146,9 @@ struct Case {
 
 TEST(MusicParser, RefusesWhatMusicAbortsFor) {
   const Case cases[] = {
-      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is no whole number; write '[10]'"},
-      {"A.a->B.b[-3]", "f:1:10: the width '-3' is no whole number; write '[10]'"},
-      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is no whole number; write '[10]'"},
+      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is not a whole number; write '[10]'"},
+      {"A.a->B.b[-3]", "f:1:10: the width '-3' is not a whole number; write '[10]'"},
+      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is not a whole number; write '[10]'"},
       {"A.a->B.b[10", "f:1:10: the width '[10' has no ']'; write '[10]'"},
       {"A.a->B.b[\n", "f:1:10: the width '[' has no ']'; write '[10]'"},
       {"A.a->B.b[10 20]", "f:1:10: two numbers in a width, '10' and '2'; write one, '[10]'"},
@@ -199,7 +199,7 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
 }
 
 TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
-  const std::string no = "' is no section, no key and no connection; ";
+  const std::string no = "' is not a section, no key and no connection; ";
   const Case cases[] = {
       {"junk", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
       {"junk # c", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
@@ -214,9 +214,10 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
       {"A.out => B.in", "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->'"},
       {"A.a -> B.b -> C.c [1]",
        "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own"},
-      {"A.out -> B.in 10", "f:1:1: 'in 10' is no name of a port; write 'A.out -> B.in [width]'"},
-      {"A.out -> B.in]", "f:1:1: 'in]' is no name of a port; write 'A.out -> B.in [width]'"},
-      {"A.out -> B.in=3", "f:1:1: 'in=3' is no name of a port; write 'A.out -> B.in [width]'"},
+      {"A.out -> B.in 10",
+       "f:1:1: 'in 10' is not a valid port name; write 'A.out -> B.in [width]'"},
+      {"A.out -> B.in]", "f:1:1: 'in]' is not a valid port name; write 'A.out -> B.in [width]'"},
+      {"A.out -> B.in=3", "f:1:1: 'in=3' is not a valid port name; write 'A.out -> B.in [width]'"},
       {"-> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
       {"A. -> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
       {"A.out ->", "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
@@ -241,7 +242,7 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
       {std::string("\xFF\xFEn\0", 4),
        "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark"},
       {std::string("a=1\nb\0", 6),
-       "f:2:2: a zero byte: this is no text file; give the path of a .music file"},
+       "f:2:2: a zero byte: this is not a text file; give the path of a .music file"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;

@@ -155,9 +155,10 @@ TEST(NpyFile, SaysThatItsHeaderIsBroken) {
         std::string("{'descr': '<f8', 'fortran_order': False, 'form': (1, 1)}"),
         std::string("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1), 'shape': (1, 1)}"),
         std::string("{'descr': '<f8' 'fortran_order': False, 'shape': (1, 1)}")}) {
-    EXPECT_EQ(error(file_with(header, bytes_of({1}))),
-              "w.npy: the header is no dictionary of 'descr', 'fortran_order' and 'shape'; write "
-              "the file with numpy.save")
+    EXPECT_EQ(
+        error(file_with(header, bytes_of({1}))),
+        "w.npy: the header is not a dictionary of 'descr', 'fortran_order' and 'shape'; write "
+        "the file with numpy.save")
         << header;
   }
 }

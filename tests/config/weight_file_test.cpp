@@ -44,7 +44,7 @@ TEST(WeightFile, ReadsShortForms) {
   for (const std::string text :
        {"uniform:", "uniform:x", "uniform:1x", "uniform:nan", "uniform:inf"}) {
     EXPECT_EQ(message_of([&] { read_weights(text); }),
-              "the weight in '" + text + "' is no finite number; write 'uniform:0.5'");
+              "the weight in '" + text + "' is not a finite number; write 'uniform:0.5'");
   }
 }
 
@@ -121,7 +121,7 @@ TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
       {"", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
       {" \n", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
       {std::string("\x89PNG\0", 5),
-       "w: this is no text file (byte 4 is 0x00); write [[0.1, 0.2], [0.3, 0.4]], one row an "
+       "w: this is not a text file (byte 4 is 0x00); write [[0.1, 0.2], [0.3, 0.4]], one row an "
        "output"},
       {"[]", nothing},
       {"[[],[]]", nothing},
@@ -172,7 +172,7 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
        "0.5]]}"},
       {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'?"},
-      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' stands there twice; remove one"},
+      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one"},
       {"{\"rows\": 0}", "w: 'rows' is 0; write a number from 1 to 16777216"},
       {"{\"columns\": 16777217}", "w: 'columns' is 16777217; write a number from 1 to 16777216"},
       {"{\"rows\": 1.5}", "w: 'rows' is the number 1.5; write a whole number"},
@@ -241,7 +241,7 @@ TEST(WeightFile, LoaderLeavesTheKeyToResolve) {
   EXPECT_EQ(table.rows, 2u);
   written["weights"].text = "uniform:";
   EXPECT_EQ(message_of([&] { resolve({parameter}, written, weight_loader({})); }),
-            "f:3:1: key 'weights': the weight in 'uniform:' is no finite number; write "
+            "f:3:1: key 'weights': the weight in 'uniform:' is not a finite number; write "
             "'uniform:0.5'");
 }
 

@@ -162,7 +162,7 @@ TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
             "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
   EXPECT_EQ(
       refusal("empty_plugin.so"),
-      "is no Spikeloop plug-in (it has no spikeloop_plugin_entry); write SPIKELOOP_PLUGIN(...) "
+      "is not a Spikeloop plug-in (it has no spikeloop_plugin_entry); write SPIKELOOP_PLUGIN(...) "
       "in one of its sources");
   EXPECT_TRUE(refusal("missing.so").starts_with("cannot be loaded: "));
 }

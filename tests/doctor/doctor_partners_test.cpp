@@ -93,10 +93,11 @@ TEST(DoctorRos, SaysWhyThereIsNoMaster) {
   EXPECT_EQ(hung.outcome.exit_code, 0) << hung.outcome.out;
   EXPECT_EQ(hung.line("ROS master"),
             "warning | no master answers at " + silent.uri() + kStartMaster);
-  EXPECT_EQ(examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
-            std::string("warning | ROS_MASTER_URI is 'moon', which is no master's address; write "
-                        "http://HOST:PORT, such as http://localhost:11311") +
-                kStartMaster);
+  EXPECT_EQ(
+      examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
+      std::string("warning | ROS_MASTER_URI is 'moon', which is not a master's address; write "
+                  "http://HOST:PORT, such as http://localhost:11311") +
+          kStartMaster);
 }
 
 TEST(DoctorRos, SaysWhichHostHasNoAddress) {
@@ -143,9 +144,10 @@ TEST(DoctorRos, SaysWhereRos2Looks) {
             "ok | domain 7, nobody | ");
   EXPECT_EQ(line({{"ROS_DOMAIN_ID", "7"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SYSTEM_DEFAULT"}}),
             "ok | domain 7, what CYCLONEDDS_URI says | ");
-  EXPECT_EQ(line({{"ROS_DOMAIN_ID", "abc"}}),
-            "warning | ROS_DOMAIN_ID is 'abc', which is no domain of ROS 2; write a whole number "
-            "from 0 to 232 | docs/ros2.md has these variables");
+  EXPECT_EQ(
+      line({{"ROS_DOMAIN_ID", "abc"}}),
+      "warning | ROS_DOMAIN_ID is 'abc', which is not a domain of ROS 2; write a whole number "
+      "from 0 to 232 | docs/ros2.md has these variables");
 }
 
 /// Answers to `import`; $4 is the module.
@@ -220,7 +222,7 @@ TEST(DoctorPython, SaysThatThereIsNone) {
   EXPECT_EQ(seen.outcome.exit_code, 0);
   EXPECT_EQ(
       seen.line("Python"),
-      "missing | PYTHON is '/nowhere/python3', which is no program | set PYTHON to a python3, "
+      "missing | PYTHON is '/nowhere/python3', which is not a program | set PYTHON to a python3, "
       "or unset it");
   EXPECT_EQ(seen.line("NEURON"),
             "missing | there is no Python | apt-get install python3-neuron, or python3 -m pip "

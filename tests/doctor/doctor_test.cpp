@@ -288,7 +288,7 @@ TEST(Doctor, RefusesAProbeOfAStranger) {
   const Outcome outcome = run(doctor({"--probe", "moon"}, {}));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
-            "spikeloop: --probe 'moon' is no probe; leave it out: doctor uses it for its own "
+            "spikeloop: --probe 'moon' is not a probe; leave it out: doctor uses it for its own "
             "children\n");
 }
 

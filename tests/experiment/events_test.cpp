@@ -63,7 +63,7 @@ TEST_F(Events, ARegionSaysTheWidth) {
 TEST_F(Events, WhatIsWrongIsSaid) {
   EXPECT_THAT(
       faults(events(", roi: [0, 0, 4]")),
-      ElementsAre("x.yaml:4:76: key 'roi': '[0,0,4]' is no list of 4; write  roi: [100, 60, "
+      ElementsAre("x.yaml:4:76: key 'roi': '[0,0,4]' is not a list of 4; write  roi: [100, 60, "
                   "128, 128]"));
   EXPECT_THAT(faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
               ElementsAre("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels (polarity=both, "

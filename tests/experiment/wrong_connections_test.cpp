@@ -135,17 +135,19 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"delay without unit",
                   {{"encoder [3]", "encoder [3, delay 5]"}},
                   {"x.yaml:12:31: delay '5' has no unit; write 5 ms or 5 ticks"}},
-        WrongFile{"delay without a time",
-                  {{"encoder [3]", "encoder [3, delay]"}},
-                  {"x.yaml:12:25: 'delay' is no delay; write for example  delay 5 ms  or  delay 2 "
-                   "ticks"}},
-        WrongFile{"another word than delay",
-                  {{"encoder [3]", "encoder [3, delays 2 ticks]"}},
-                  {"x.yaml:12:25: 'delays 2 ticks' is no delay; write for example  delay 5 ms  or  "
-                   "delay 2 ticks"}},
+        WrongFile{
+            "delay without a time",
+            {{"encoder [3]", "encoder [3, delay]"}},
+            {"x.yaml:12:25: 'delay' is not a delay; write for example  delay 5 ms  or  delay 2 "
+             "ticks"}},
+        WrongFile{
+            "another word than delay",
+            {{"encoder [3]", "encoder [3, delays 2 ticks]"}},
+            {"x.yaml:12:25: 'delays 2 ticks' is not a delay; write for example  delay 5 ms  or  "
+             "delay 2 ticks"}},
         WrongFile{"delay of another unit",
                   {{"encoder [3]", "encoder [3, delay 5 Hz]"}},
-                  {"x.yaml:12:31: delay '5 Hz' is no delay: '5 Hz': 'Hz' is not a unit of time "
+                  {"x.yaml:12:31: delay '5 Hz' is not a delay: '5 Hz': 'Hz' is not a unit of time "
                    "here; write one of: ns, us, ms, s, min, h; write for example 5 ms or 2 ticks"}},
         WrongFile{"delay in part of a tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ticks]"}},
@@ -162,12 +164,13 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"no arrow",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan encoder\n"}},
-                  {"x.yaml:12:5: 'scan encoder' is no connection; write for example  scan -> "
+                  {"x.yaml:12:5: 'scan encoder' is not a connection; write for example  scan -> "
                    "encoder [100] -> brain [100, delay 5 ms]"}},
-        WrongFile{"another arrow",
-                  {{"scan -> encoder", "scan => encoder"}},
-                  {"x.yaml:12:10: '=>' is no arrow; write for example  scan -> encoder [100] -> "
-                   "brain [100, delay 5 ms]"}},
+        WrongFile{
+            "another arrow",
+            {{"scan -> encoder", "scan => encoder"}},
+            {"x.yaml:12:10: '=>' is not an arrow; write for example  scan -> encoder [100] -> "
+             "brain [100, delay 5 ms]"}},
         WrongFile{"arrow to nothing",
                   {{"-> wheels [2]", "->"}},
                   {"x.yaml:12:55: a node is missing beside '->'; write for example  scan -> "
@@ -208,11 +211,11 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"wheels [2]", "wheels [delay 1 ms, delay 2 ms]"}},
                   {"x.yaml:12:76: 'delay 2 ms' is the second of its kind here; write one width and "
                    "one delay"}},
-        WrongFile{"node that is no name",
+        WrongFile{"node that is not a name",
                   {{"-> encoder [3]", "-> my encoder [3]"}},
                   {"x.yaml:12:13: 'my encoder' is neither a node nor NODE.PORT; write for example  "
                    "scan -> encoder [100] -> brain [100, delay 5 ms]"}},
-        WrongFile{"port that is no name",
+        WrongFile{"port that is not a name",
                   {{"-> encoder [3]", "-> encoder.in.x [3]"}},
                   {"x.yaml:12:13: 'encoder.in.x' is neither a node nor NODE.PORT; write for "
                    "example  scan -> encoder [100] -> brain [100, delay 5 ms]"}},
@@ -230,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan, to: encoder, width: -1}\n"}},
-                  {"x.yaml:13:38: key 'width': '-1' is no width from 1 to 16777216; write for "
+                  {"x.yaml:13:38: key 'width': '-1' is not a width from 1 to 16777216; write for "
                    "example 100"}},
         WrongFile{"map with a wrong end",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
@@ -244,16 +247,17 @@ INSTANTIATE_TEST_SUITE_P(
                     "encoder]\n"}},
                   {"x.yaml:13:5: a connection is a line or a map, this is a list; write  - scan -> "
                    "encoder [100]"}},
-        WrongFile{"three connections that cannot be read",
-                  {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
-                    "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan\n "
-                    " - scan -> encoder [x]\n  - scan => encoder\n"}},
-                  {"x.yaml:13:5: 'scan' is no connection; write for example  scan -> encoder [100] "
-                   "-> brain [100, delay 5 ms]",
-                   "x.yaml:14:22: 'x' is neither a width from 1 to 16777216 nor a delay; write for "
-                   "example  scan -> encoder [100] -> brain [100, delay 5 ms]",
-                   "x.yaml:15:10: '=>' is no arrow; write for example  scan -> encoder [100] -> "
-                   "brain [100, delay 5 ms]"}},
+        WrongFile{
+            "three connections that cannot be read",
+            {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+              "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan\n "
+              " - scan -> encoder [x]\n  - scan => encoder\n"}},
+            {"x.yaml:13:5: 'scan' is not a connection; write for example  scan -> encoder [100] "
+             "-> brain [100, delay 5 ms]",
+             "x.yaml:14:22: 'x' is neither a width from 1 to 16777216 nor a delay; write for "
+             "example  scan -> encoder [100] -> brain [100, delay 5 ms]",
+             "x.yaml:15:10: '=>' is not an arrow; write for example  scan -> encoder [100] -> "
+             "brain [100, delay 5 ms]"}},
         WrongFile{"faults of a node and of a connection",
                   {{"-> encoder", "-> encodr"},
                    {"200 Hz", "200"},

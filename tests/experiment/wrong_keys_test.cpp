@@ -98,9 +98,10 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"nodes:\n", "nodes:\n  [a]: {node: sigmoid}\n"}},
                   {"x.yaml:6:3: key 'nodes': a list stands where a name has to; write  name: "
                    "value"}},
-        WrongFile{"bad node name",
-                  {{"  encoder:", "  my-encoder:"}},
-                  {"x.yaml:7:3: 'my-encoder' is no name of a node; write letters, digits and '_'"}},
+        WrongFile{
+            "bad node name",
+            {{"  encoder:", "  my-encoder:"}},
+            {"x.yaml:7:3: 'my-encoder' is not a valid node name; write letters, digits and '_'"}},
         WrongFile{"key twice in a node",
                   {{"rate_max: 200 Hz", "rate_max: 200 Hz, rate_max: 100 Hz"}},
                   {"x.yaml:7:51: node 'encoder': duplicate key 'rate_max'; "
@@ -169,16 +170,17 @@ INSTANTIATE_TEST_SUITE_P(
             {{"1 s", "0 s"}},
             {"x.yaml:2:11: key 'duration': a run of 0 s does nothing; write for example 1 ms, "
              "or leave it out: then the run goes on until it is stopped"}},
-        WrongFile{"duration below a tick",
-                  {{"1 s", "0.3 ms"}},
-                  {"x.yaml:2:11: key 'duration': 300 us is no whole number of ticks of 1 ms; write "
-                   "1 ms"}},
+        WrongFile{
+            "duration below a tick",
+            {{"1 s", "0.3 ms"}},
+            {"x.yaml:2:11: key 'duration': 300 us is not a whole number of ticks of 1 ms; write "
+             "1 ms"}},
         WrongFile{"duration between two ticks",
                   {{"1 s", "1 s"}, {"tick: 1 ms", "tick: 7 ms"}},
-                  {"x.yaml:2:11: key 'duration': 1 s is no whole number of ticks of 7 ms; write "
+                  {"x.yaml:2:11: key 'duration': 1 s is not a whole number of ticks of 7 ms; write "
                    "994 ms or 1.001 s"}},
         WrongFile{
-            "seed that is no number",
+            "seed that is not a number",
             {{"tick: 1 ms", "seed: one"}},
             {"x.yaml:3:7: key 'seed': 'one' is not a whole number; write a whole number from 0 "
              "to 9223372036854775807"}},
@@ -201,7 +203,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{
             "a name that is a path",
             {{"experiment: table", "experiment: ../table"}},
-            {"x.yaml:1:13: key 'experiment': '../table' is no name of an experiment; write up "
+            {"x.yaml:1:13: key 'experiment': '../table' is not a valid experiment name; write up "
              "to 100 letters, digits, '_' and '-'"}},
         WrongFile{"two senders to one topic",
                   {{"connections:",
@@ -223,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "ros: 2, or  robot: {simulator: mujoco}",
                    "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
                    " ros: 2, or  robot: {simulator: mujoco}"}},
-        WrongFile{"robot that is no map",
+        WrongFile{"robot that is not a map",
                   {{"{simulator: mujoco}", "mujoco"}},
                   {"x.yaml:4:8: key 'robot': expected a map; write  robot: {simulator: mujoco, "
                    "world: arena.xml}, or leave it out when the robot is somewhere else"}},

@@ -30,10 +30,11 @@ INSTANTIATE_TEST_SUITE_P(
               "topic: /camera/image_raw, message: sensor_msgs/Image"}},
             {"x.yaml:6:35: key 'topic': the robot's camera, which sends /camera/image_raw, is "
              "off; write  robot: {simulator: mujoco, camera: {width: 64, height: 48}}"}},
-        WrongFile{"a camera that is no map",
-                  {{"mujoco}", "mujoco, camera: on}"}},
-                  {"x.yaml:4:36: key 'camera': 'on' is no map; write  camera: {width: 64, height: "
-                   "48}"}},
+        WrongFile{
+            "a camera that is not a map",
+            {{"mujoco}", "mujoco, camera: on}"}},
+            {"x.yaml:4:36: key 'camera': 'on' is not a map; write  camera: {width: 64, height: "
+             "48}"}},
         WrongFile{"a camera's keys",
                   {{"mujoco}", "mujoco, camera: {wdth: 64, fov: 200 deg, rate: 20}}"}},
                   {"x.yaml:4:43: key 'camera': unknown key 'wdth'; did you mean 'width'?"}},
@@ -68,15 +69,15 @@ INSTANTIATE_TEST_SUITE_P(
                    "sensor_msgs/LaserScan has no field 'rangs'; did you mean 'ranges'?"}},
         WrongFile{"fields that are no paths",
                   {{"message: LaserScan", "message: LaserScan, fields: [[3]]"}},
-                  {"x.yaml:6:71: key 'fields': entry 1: '[3]' is no map; write  fields: [{path: "
+                  {"x.yaml:6:71: key 'fields': entry 1: '[3]' is not a map; write  fields: [{path: "
                    "ranges, scale: 2}]"}},
         WrongFile{"fields of a sensor that are a map",
                   {{"message: LaserScan", "message: LaserScan, fields: {ranges: 0}"}},
-                  {"x.yaml:6:70: key 'fields': '{\"ranges\":0}' is no list; write  fields: "
+                  {"x.yaml:6:70: key 'fields': '{\"ranges\":0}' is not a list; write  fields: "
                    "[pose.pose.position.x]"}},
         WrongFile{"fields that are no map",
                   {{"{linear.x: 0, angular.z: 1}", "[linear.x]"}},
-                  {"x.yaml:10:72: key 'fields': '[\"linear.x\"]' is no map; write  fields: "
+                  {"x.yaml:10:72: key 'fields': '[\"linear.x\"]' is not a map; write  fields: "
                    "{linear.x: 0, angular.z: 1}"}},
         WrongFile{"field with an unknown key",
                   {{"linear.x: 0", "linear.x: {chanel: 0}"}},
@@ -100,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "into  fields, too"}},
         WrongFile{"limits that are no pair",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: 1}"}},
-                  {"x.yaml:10:120: key 'limits': 'linear.x': '1' is no list of 2; write  [-0.5, "
+                  {"x.yaml:10:120: key 'limits': 'linear.x': '1' is not a list of 2; write  [-0.5, "
                    "0.5]"}},
         WrongFile{"limits the wrong way round",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
@@ -111,13 +112,13 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:10:118: key 'slew': 'linear.y' is not one of the fields; write it into  "
                    "fields, too"}},
         WrongFile{
-            "slew that is no rate",
+            "slew that is not a rate",
             {{"angular.z: 1}", "angular.z: 1}, slew: {linear.x: 0}"}},
-            {"x.yaml:10:118: key 'slew': 0 of 'linear.x' is no rate of change; write a number "
+            {"x.yaml:10:118: key 'slew': 0 of 'linear.x' is not a rate of change; write a number "
              "above 0, as  linear.x: 1.0, in units a second"}},
-        WrongFile{"slew that is no map",
+        WrongFile{"slew that is not a map",
                   {{"angular.z: 1}", "angular.z: 1}, slew: 1"}},
-                  {"x.yaml:10:107: key 'slew': '1' is no map; write  slew: {linear.x: 1.0}"}},
+                  {"x.yaml:10:107: key 'slew': '1' is not a map; write  slew: {linear.x: 1.0}"}},
         WrongFile{"slew of a field that is none",
                   {{"linear.x: 0,", "linear.x: {channel: 0, slew: -1},"}},
                   {"x.yaml:10:72: 'fields.linear.x.slew' is -1, no rate of change; write a number "
@@ -130,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {timeout: 1}"}},
                   {"x.yaml:10:127: key 'emergency_stop': key 'timeout': 1 has no unit; write for "
                    "example  timeout: 1 s"}},
-        WrongFile{"emergency stop that is no truth value",
+        WrongFile{"emergency stop that is not a truth value",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {required: often}"}},
                   {"x.yaml:10:128: key 'emergency_stop': key 'required': 'often' is not a truth "
                    "value; write true or false"}},
@@ -144,23 +145,23 @@ INSTANTIATE_TEST_SUITE_P(
                    "std_msgs/Bool has no field 'dat'; did you mean 'data'?"}},
         WrongFile{"emergency stop that is a list",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: [/stop]"}},
-                  {"x.yaml:10:117: key 'emergency_stop': '[\"/stop\"]' is no map; write  "
+                  {"x.yaml:10:117: key 'emergency_stop': '[\"/stop\"]' is not a map; write  "
                    "emergency_stop: {topic: /stop, required: true}"}},
         WrongFile{"emergency stop on the commands' topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
                    "themselves; write another one"}},
-        WrongFile{"commands to what is no topic",
+        WrongFile{"commands to what is not a topic",
                   {{"topic: /cmd_vel", "topic: a-b"}},
-                  {"x.yaml:10:38: 'a-b' is no name of a ROS topic; write letters, "
+                  {"x.yaml:10:38: 'a-b' is not a valid ROS topic name; write letters, "
                    "digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
-        WrongFile{"emergency stop on what is no topic",
+        WrongFile{"emergency stop on what is not a topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: \"a b\""}},
-                  {"x.yaml:10:117: 'a b' is no name of a ROS topic; write "
+                  {"x.yaml:10:117: 'a b' is not a valid ROS topic name; write "
                    "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
-        WrongFile{"override on what is no topic",
+        WrongFile{"override on what is not a topic",
                   {{"angular.z: 1}", "angular.z: 1}, override: 1by_hand"}},
-                  {"x.yaml:10:111: '1by_hand' is no name of a ROS topic; write "
+                  {"x.yaml:10:111: '1by_hand' is not a valid ROS topic name; write "
                    "letters, digits, '_' and '/', beginning with a letter or '/', as in /cmd_vel"}},
         WrongFile{"time that no clock has",
                   {{"angular.z: 1}", "angular.z: 1}, sensor_timeout: 1e30 s"}},
@@ -200,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
             {"x.yaml:9:56: key 'weights': the weights have 2 rows and 2 columns, but the ports "
              "have 2 outputs and 3 inputs; write one row an output and one column an input"},
             {{"w.json", "[[1, 0], [0, 1]]"}}},
-        WrongFile{"weights file that is no JSON",
+        WrongFile{"weights file that is not a JSON",
                   {},
                   {"x.yaml:9:56: key 'weights': w.json: the table is the number 1; write an array "
                    "of rows, [[0.1, 0.2], [0.3, 0.4]], one row an output"},
@@ -258,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"brain [3] -> decoder [3]", "brain [3] -> decoder [4]"}},
                   {"x.yaml:12:41: widths differ: 'brain.out' has 3 channels, 'decoder.in' has 4, "
                    "the connection says [4]"}},
-        WrongFile{"tick that is no multiple of the resolution",
+        WrongFile{"tick that is not a multiple of the resolution",
                   {{"tick: 1 ms", "tick: 0.25 ms"}},
                   {"net.yaml: the tick 250 us is not a whole number of the network's resolution "
                    "100 us; write a tick of 200 us or another resolution"}},

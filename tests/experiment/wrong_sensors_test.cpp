@@ -52,8 +52,9 @@ INSTANTIATE_TEST_SUITE_P(
             "picture of a scan", "message: LaserScan, image: {resize: [3, 1]}",
             {"x.yaml:6:69: 'image' is for sensor_msgs/Image and sensor_msgs/CompressedImage, not "
              "for sensor_msgs/LaserScan; write 'fields' with the fields to take"}),
-        sensor("picture that is no map", "message: sensor_msgs/Image, image: small",
-               {"x.yaml:6:77: key 'image': 'small' is no map; write  image: {resize: [40, 30]}"}),
+        sensor(
+            "picture that is not a map", "message: sensor_msgs/Image, image: small",
+            {"x.yaml:6:77: key 'image': 'small' is not a map; write  image: {resize: [40, 30]}"}),
         sensor("type without a rule", "message: sensor_msgs/JointState",
                {"x.yaml:6:51: message type sensor_msgs/JointState has no usual fields; write in "
                 "'fields' the paths of those to take"}),

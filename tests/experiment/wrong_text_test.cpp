@@ -1,5 +1,5 @@
-// Experiment files that are wrong, and every word that is said about them. What is no experiment at
-// all.
+// Experiment files that are wrong, and every word that is said about them. What is not an
+// experiment at all.
 #include "tests/experiment/wrong_file.hpp"
 
 namespace spikeloop::test {
@@ -30,29 +30,33 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"", "# nothing\n"}},
                   {"x.yaml: there is no experiment in this file; 'spikeloop new' prints one to "
                    "begin with"}},
-        WrongFile{"a list",
-                  {{"", "- a\n- b\n"}},
-                  {"x.yaml:1:1: this is no experiment: expected lines of  key: value; 'spikeloop "
-                   "new' prints one to begin with"}},
-        WrongFile{"a word",
-                  {{"", "hello\n"}},
-                  {"x.yaml:1:1: this is no experiment: expected lines of  key: value; 'spikeloop "
-                   "new' prints one to begin with"}},
+        WrongFile{
+            "a list",
+            {{"", "- a\n- b\n"}},
+            {"x.yaml:1:1: this is not an experiment: expected lines of  key: value; 'spikeloop "
+             "new' prints one to begin with"}},
+        WrongFile{
+            "a word",
+            {{"", "hello\n"}},
+            {"x.yaml:1:1: this is not an experiment: expected lines of  key: value; 'spikeloop "
+             "new' prints one to begin with"}},
         WrongFile{"second document",
                   {{"tick: 1 ms", "---\ntick: 1 ms"}},
                   {"x.yaml:4:1: a second document begins; write one experiment a file, without "
                    "'---' inside it"}},
-        WrongFile{"binary bytes",
-                  {{"", std::string("\177ELF\002\001\000\000\000", 9)}},
-                  {"x.yaml:1:7: the byte 0x00 is no UTF-8 text; save the file as UTF-8 ('spikeloop "
-                   "new' prints an experiment to begin with)"}},
-        WrongFile{"not UTF-8",
-                  {{"", "\377\376\200\201: \220"}},
-                  {"x.yaml:1:1: the byte 0xFF is no UTF-8 text; save the file as UTF-8 ('spikeloop "
-                   "new' prints an experiment to begin with)"}},
+        WrongFile{
+            "binary bytes",
+            {{"", std::string("\177ELF\002\001\000\000\000", 9)}},
+            {"x.yaml:1:7: the byte 0x00 is not UTF-8 text; save the file as UTF-8 ('spikeloop "
+             "new' prints an experiment to begin with)"}},
+        WrongFile{
+            "not UTF-8",
+            {{"", "\377\376\200\201: \220"}},
+            {"x.yaml:1:1: the byte 0xFF is not UTF-8 text; save the file as UTF-8 ('spikeloop "
+             "new' prints an experiment to begin with)"}},
         WrongFile{"Latin-1",
                   {{"experiment: table", "experiment: caf\351"}},
-                  {"x.yaml:1:16: the byte 0xE9 is no UTF-8 text; save the file as UTF-8 "
+                  {"x.yaml:1:16: the byte 0xE9 is not UTF-8 text; save the file as UTF-8 "
                    "('spikeloop new' prints an experiment to begin with)"}},
         WrongFile{"surrogate in a list",
                   {{"weights: w.json", "weights: [[\"\\uD800\"]]"}},

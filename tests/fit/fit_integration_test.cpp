@@ -132,11 +132,12 @@ TEST_F(Fit, SaysWhatIsWrong) {
   EXPECT_EQ(error({"nef_encoder", "--picture", "it's.png"}),
             "spikeloop: --picture it's.png: write the name of a .png file without quotes\n");
   EXPECT_THAT(error({"nef_encodr"}), HasSubstr("did you mean 'nef_encoder'?"));
-  EXPECT_EQ(error({"linear_readout"}),
-            "spikeloop: 'linear_readout' is no encoder: it does not turn one continuous input into "
-            "spikes; spikeloop describe lists the encoders\n");
+  EXPECT_EQ(
+      error({"linear_readout"}),
+      "spikeloop: 'linear_readout' is not an encoder: it does not turn one continuous input into "
+      "spikes; spikeloop describe lists the encoders\n");
   EXPECT_EQ(error({"nef_encoder", "gain"}),
-            "spikeloop: 'gain' is no key of the encoder; write KEY=VALUE, as in "
+            "spikeloop: 'gain' is not a key of the encoder; write KEY=VALUE, as in "
             "max_rate_high=300\n");
   EXPECT_THAT(error({"nef_encoder", "max_rate=3"}), HasSubstr("unknown key 'max_rate'"));
   EXPECT_THAT(error({"nef_encoder", "--function", "ln(x0)"}),

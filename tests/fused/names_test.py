@@ -61,7 +61,7 @@ def refused(spikeloop, scratch):
              "--ros-args", "-r", "scan"),
             ("'-r' (behind --ros-args) gives no name", file, "--ros-args", "-r"),
             ("'__log:=/tmp/log' means nothing here", file, "__log:=/tmp/log"),
-            ("'/fr ont' is no name of a ROS 2 topic", file, "/scan:=/fr ont"),
+            ("'/fr ont' is not a valid ROS 2 topic name", file, "/scan:=/fr ont"),
             ("'__name:=brain' names a node, and this run has several; leave it out", file, "--layout", "separate",
              "__name:=brain"),
             ("'/scan:=/front/scan' is for nodes of ROS, and the file has none; leave it out", alone, NAMES[0])):

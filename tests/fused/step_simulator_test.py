@@ -120,7 +120,7 @@ def main():
         with ros.program("/usr/bin/python3", scratch / "simulator.py"):
             with ros.program(BRIDGE, "--step", "500us", "--sensor", "/where=1000Hz"):
                 check_runs(spikeloop, scratch)
-                check_error(spikeloop, scratch, "0.8 ms", "is no multiple of the simulator's step of 500000 ns")
+                check_error(spikeloop, scratch, "0.8 ms", "is not a multiple of the simulator's step of 500000 ns")
             with ros.program(BRIDGE, "--step", "500us"):
                 check_error(spikeloop, scratch, "1 ms", "the rate of /where is not known")
     return 0

@@ -61,7 +61,7 @@ def wrong_robots(spikeloop, file, scratch):
               "time.sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
             (("{" + answer, '{"error": "the battery is empty", ' + answer),
              "the robot cannot begin: the battery is empty"),
-            (("json.dumps({", "str({"), "which is no message of the stepping protocol"),
+            (("json.dumps({", "str({"), "which is not a message of the stepping protocol"),
             (('cart["published"] += 1', 'cart["published"] += 2'),
              "1 of 2 messages on /where of 0 s have not come within 3 s"),
             (("Float64MultiArray, queue_size", "String, queue_size"),

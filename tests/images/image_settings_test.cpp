@@ -49,7 +49,7 @@ TEST(ImageSettings, number_of_values) {
 }
 
 TEST(ImageSettings, what_is_wrong_is_said) {
-  const std::string crop = " is no list of 4; write  crop: [0, 120, 640, 240]";
+  const std::string crop = " is not a list of 4; write  crop: [0, 120, 640, 240]";
   EXPECT_EQ(error_of({{"crop", "[1, 2, 3]"}}), "C: key 'crop': '[1, 2, 3]'" + crop);
   EXPECT_EQ(error_of({{"crop", "middle"}}), "C: key 'crop': 'middle'" + crop);
   EXPECT_EQ(error_of({{"crop", "[1, 2, 0, 4]"}}),
@@ -60,7 +60,7 @@ TEST(ImageSettings, what_is_wrong_is_said) {
             "1000000");
   const std::string size = " is out of bounds; write a whole number from 1 to 4096";
   EXPECT_EQ(error_of({{"resize", "40"}}),
-            "C: key 'resize': '40' is no list of 2; write  resize: [40, 30]");
+            "C: key 'resize': '40' is not a list of 2; write  resize: [40, 30]");
   EXPECT_EQ(error_of({{"resize", "[40, 0]"}}), "C: key 'resize': entry 2: 0" + size);
   EXPECT_EQ(error_of({{"resize", "[5000, 30]"}}), "C: key 'resize': entry 1: 5000" + size);
   EXPECT_EQ(error_of({{"range", "[255, 0]"}}),

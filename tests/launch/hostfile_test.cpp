@@ -38,9 +38,9 @@ TEST(Hostfile, NamesTheLineThatMpirunWouldNotUnderstand) {
             ":1: 'slots=four' is none of Open MPI's options of a host; write a line like  robot "
             "slots=4");
   EXPECT_EQ(problem("{\"hosts\": 3}\n"),
-            ":1: '{\"hosts\":' is no name of a host; write a line like  robot slots=4");
+            ":1: '{\"hosts\":' is not a valid host name; write a line like  robot slots=4");
   EXPECT_EQ(problem("localhost:4\n"),
-            ":1: 'localhost:4' is no name of a host; write a line like  robot slots=4");
+            ":1: 'localhost:4' is not a valid host name; write a line like  robot slots=4");
   EXPECT_EQ(problem("a slots=2\nb\na slots=2\n"),
             ":3: the host 'a' stands in line 1 already; write it once, with all its slots");
   EXPECT_THAT(problem("a slots=2\r\n"),

@@ -29,9 +29,10 @@ TEST(ParseMasterUri, SaysWhatToWrite) {
       parse_master_uri(uri);
       ADD_FAILURE() << uri;
     } catch (const ConfigurationError& error) {
-      EXPECT_EQ(error.what(), std::string("ROS_MASTER_URI is '") + uri +
-                                  "', which is no master's address; write http://HOST:PORT, such "
-                                  "as http://localhost:11311");
+      EXPECT_EQ(error.what(),
+                std::string("ROS_MASTER_URI is '") + uri +
+                    "', which is not a master's address; write http://HOST:PORT, such "
+                    "as http://localhost:11311");
     }
   }
 }

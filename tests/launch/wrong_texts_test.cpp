@@ -41,8 +41,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{"width is a word",
               {{"[3]", "[abc]"}},
-              "loop.music:23:16: the width 'abc' is no whole number"},
-        Wrong{"width is negative", {{"[3]", "[-3]"}}, "the width '-3' is no whole number"},
+              "loop.music:23:16: the width 'abc' is not a whole number"},
+        Wrong{"width is negative", {{"[3]", "[-3]"}}, "the width '-3' is not a whole number"},
         Wrong{"width without bracket", {{"[3]", "[3"}}, "the width '[3' has no ']'; write '[3]'"},
         Wrong{"two numbers", {{"[3]", "[3 4]"}}, "two numbers in a width"},
         Wrong{"a fourth option", {{"[3]", "[3, point-to-point, tree, x]"}}, "a fourth option"},
@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
               {{"", std::string("\x7f"
                                 "ELF\0\0",
                                 6)}},
-              "this is no text file"},
+              "this is not a text file"},
         Wrong{"huge file",
               {{"stoptime", "#" + std::string(5'000'000, 'x') + "\nstoptime"}},
               "more than the 4 MB that a .music file may have"},

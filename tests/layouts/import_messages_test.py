@@ -127,7 +127,7 @@ def messages(spikeloop, folder):
              "x.music:1:1: key 'ros_topic' is missing; write for example  "
              "ros_topic=/dvs/events"),
             (pair("ros_event_sensor_adapter", "linear_decoder", "ros_topic=/e\nroi=1,2\n"), 1,
-             "x.music:5:1: key 'roi': '1,2' is no list of 4"),
+             "x.music:5:1: key 'roi': '1,2' is not a list of 4"),
             (pair("ros_sensor_adapter"), 1,
              "x.music:1:1: key 'ros_topic' is missing; write for example  ros_topic=/scan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/scan\n"), 1,
@@ -175,7 +175,7 @@ def messages(spikeloop, folder):
              "out"),
             (pair("ros_sensor_adapter", keys=sensor).replace("[b]", "[b-1]")
              .replace("b.in", "b-1.in"), 0,
-             "'b-1' is no name of a node, it is called 'b_1': random numbers depend on the name"),
+             "'b-1' is not a valid node name, it is called 'b_1': random numbers depend on the name"),
             (pair("spike_playback", "linear_decoder", "file=r.h5\n", "accept_latency=0.002\n"), 0,
              "the spikes of a.out -> b.in come 2 ticks late in the job, and have their own times"),
             (pair("ros_sensor_adapter", keys="np=x\n"), 2, "x.music:4:1: "),
@@ -193,7 +193,7 @@ def command_line(spikeloop, folder):
             (("none.music",), 4, "none.music"),
             (("x.yaml",), 2, "'x.yaml' is an experiment already; write  spikeloop run x.yaml"),
             (("x.music", "--out", "x.txt"), 2,
-             "--out: 'x.txt' is no name of an experiment file; write one that ends in .yaml"),
+             "--out: 'x.txt' is not a valid experiment file name; write one that ends in .yaml"),
             (("x.music", "--out", "/proc/none/x.yaml"), 4, "/proc/none/x.yaml"),
             ((), 2, "FILE is required")):
         _, said = call(spikeloop, folder, *arguments, code=code)

@@ -68,20 +68,20 @@ TEST(Definition, errors_say_what_to_write) {
               HasSubstr("bounded type 'float64[<=3]' is not part of ROS 1; write it without '<='"));
   EXPECT_THAT(error_of("string<=3 x"), HasSubstr("bounded type 'string<=3' is not part of ROS 1"));
   EXPECT_THAT(error_of("float64[x] x"),
-              HasSubstr("'[x]' is no array length; write [] or [number]"));
-  EXPECT_THAT(error_of("float64[3 x"), HasSubstr("'[3' is no array length"));
+              HasSubstr("'[x]' is not an array length; write [] or [number]"));
+  EXPECT_THAT(error_of("float64[3 x"), HasSubstr("'[3' is not an array length"));
   EXPECT_THAT(error_of("a//b x"),
-              HasSubstr("'a//b' is no type; write a built-in type, Type or package/Type"));
+              HasSubstr("'a//b' is not a type; write a built-in type, Type or package/Type"));
   EXPECT_THAT(error_of("float64 1x"),
-              HasSubstr("'1x' is no name; write a letter followed by letters, digits and '_'"));
-  EXPECT_THAT(error_of("float64 x y"), HasSubstr("'x y' is no name"));
+              HasSubstr("'1x' is not a name; write a letter followed by letters, digits and '_'"));
+  EXPECT_THAT(error_of("float64 x y"), HasSubstr("'x y' is not a name"));
   EXPECT_THAT(error_of("float64 x\nfloat32 x"),
               HasSubstr("my_msgs/Thing.msg:2: field 'x' is there twice; give one of them another "
                         "name"));
   EXPECT_THAT(error_of("time NOW=0"),
               HasSubstr("a constant cannot have type 'time'; write a number type or string"));
   EXPECT_THAT(error_of("int8 N=one"),
-              HasSubstr("constant 'N' has value 'one', which is no number"));
+              HasSubstr("constant 'N' has value 'one', which is not a number"));
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(EventDecoder, evt3_keeps_its_state_from_packet_to_packet) {
 TEST(EventDecoder, evt3_decodes_nothing_before_time_and_row) {
   Evt3Encoder camera;
   camera.word(0x2, 1);
-  camera.word(0x6, 9);  // the lower half alone is no time
+  camera.word(0x6, 9);  // the lower half alone is not a time
   camera.word(0x0, 4);
   camera.word(0x2, 2);
   camera.word(0x5, 0xff);  // a vector that begins nowhere
@@ -426,7 +426,7 @@ TEST(EventDecoder, what_is_wrong_is_said) {
             "its camera has 2049 x 480 pixels; the driver must set width and height, at most 2048 "
             "each with evt3");
   EXPECT_EQ(error_of({480, 640, 0, ~0ULL, "mono", false, {}}),
-            "its time_base is 18446744073709551615, which is no time in nanoseconds");
+            "its time_base is 18446744073709551615, which is not a time in nanoseconds");
   Evt3Encoder camera;
   camera.event(1, 1, 1, true);
   camera.word(0xd, 0x123);

@@ -111,7 +111,7 @@ TEST(FieldPath, errors_say_what_to_write) {
             "field path 'j.x' of my_msgs/All: 'j' is a single value without fields; end the path "
             "there");
   EXPECT_EQ(error_of("j[0]"),
-            "field path 'j[0]' of my_msgs/All: 'j' is no array; write it without '[0]'");
+            "field path 'j[0]' of my_msgs/All: 'j' is not an array; write it without '[0]'");
   EXPECT_EQ(error_of("fixed[x]"),
             "field path 'fixed[x]' of my_msgs/All: '[x]' selects nothing; write [index], "
             "[first:end] or [name=text]");
@@ -126,8 +126,9 @@ TEST(FieldPath, errors_say_what_to_write) {
   EXPECT_EQ(error_of("k.seconds"),
             "field path 'k.seconds' of my_msgs/All: a time has no field 'seconds'; write k.secs, "
             "k.nsecs or k (seconds)");
-  EXPECT_EQ(error_of("m"),
-            "field path 'm' of my_msgs/All: a text is no number; name a field with a number type");
+  EXPECT_EQ(
+      error_of("m"),
+      "field path 'm' of my_msgs/All: a text is not a number; name a field with a number type");
 }
 
 TEST(FieldPath, nobody_reaches_for_more_elements_than_a_port_has_channels) {

@@ -98,12 +98,12 @@ INSTANTIATE_TEST_SUITE_P(
               "texts of type 'wstring' are not read here, and hardly used; write string"},
         Wrong{"string<=x s", "'string<=x' bounds no text; write string<=number"},
         Wrong{"string<=0 s", "'string<=0' bounds no text; write string<=number"},
-        Wrong{"int8<=3 s", "'int8<=3' is no type; write a built-in type, Type or package/Type"},
-        Wrong{"int8[<=0] s", "'[<=0]' is no array length; write [], [number] or [<=number]"},
-        Wrong{"int8[0] s", "'[0]' is no array length; write [], [number] or [<=number]"},
-        Wrong{"int8[3 s", "'[3' is no array length; write [], [number] or [<=number]"},
+        Wrong{"int8<=3 s", "'int8<=3' is not a type; write a built-in type, Type or package/Type"},
+        Wrong{"int8[<=0] s", "'[<=0]' is not an array length; write [], [number] or [<=number]"},
+        Wrong{"int8[0] s", "'[0]' is not an array length; write [], [number] or [<=number]"},
+        Wrong{"int8[3 s", "'[3' is not an array length; write [], [number] or [<=number]"},
         Wrong{"int8[99999999999] s",
-              "'[99999999999]' is no array length; write [], [number] or [<=number]"},
+              "'[99999999999]' is not an array length; write [], [number] or [<=number]"},
         Wrong{
             "int8 x 200",
             "field 'x' has default value '200', which int8 cannot hold; write a whole number from "
@@ -115,11 +115,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"uint64 x 1e99",
               "field 'x' has default value '1e99', which uint64 cannot hold; write a whole number "
               "from 0 to 18446744073709551615"},
-        Wrong{"float64 x one", "field 'x' has default value 'one', which is no number"},
+        Wrong{"float64 x one", "field 'x' has default value 'one', which is not a number"},
         Wrong{"bool x maybe",
               "field 'x' has default value 'maybe', which is neither true nor false"},
         Wrong{"int8[2] x 1",
-              "field 'x' has default value '1', which is no list; write [value, "
+              "field 'x' has default value '1', which is not a list; write [value, "
               "value]"},
         Wrong{"int8[2] x [1]", "field 'x' has default value '[1]', which has 1 elements; write 2"},
         Wrong{"int8[<=2] x [1,2,3]",
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"string A='x",
               "constant 'A' has value ''x', which does not end with its quotation mark"},
         Wrong{"Part A=1", "a constant cannot have type 'Part'; write a number type or string"},
-        Wrong{"int8 =3", "'' is no name; write a letter followed by letters, digits and '_'"}),
+        Wrong{"int8 =3", "'' is not a name; write a letter followed by letters, digits and '_'"}),
     [](const testing::TestParamInfo<Wrong>& each) { return "row" + std::to_string(each.index); });
 
 }  // namespace

@@ -218,7 +218,7 @@ TEST_P(Selectors, bytes_are_of_one_array) {
       "field path 'ranges' of sensor_msgs/LaserScan: it names no array of bytes; name one, as "
       "in data of sensor_msgs/Image");
   EXPECT_EQ(error_of([&] { TextField(catalog(), "sensor_msgs/Image", "height"); }),
-            "field path 'height' of sensor_msgs/Image: a number is no text; name a field of type "
+            "field path 'height' of sensor_msgs/Image: a number is not text; name a field of type "
             "string");
   Catalog own = catalog();
   own.add("my_msgs/Film", "sensor_msgs/CompressedImage[] pictures\n");

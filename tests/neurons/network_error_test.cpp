@@ -67,11 +67,10 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{
             "unknown_key", "popullations: {}\n",
             "net.yaml:1:1: network file: unknown key 'popullations'; did you mean 'populations'?"},
-        NetworkCase{
-            "twice", "output: [a]\noutput: [a]\n",
-            "net.yaml:2:1: network file: duplicate key 'output'; the first "
-            "is "
-            "at net.yaml:1:1"},
+        NetworkCase{"twice", "output: [a]\noutput: [a]\n",
+                    "net.yaml:2:1: network file: duplicate key 'output'; the first "
+                    "is "
+                    "at net.yaml:1:1"},
         NetworkCase{
             "no_populations", "output: [a]\n",
             "net.yaml:1:1: network file: key 'populations' is missing; write  populations: {relay: "
@@ -294,12 +293,14 @@ INSTANTIATE_TEST_SUITE_P(
             "pair_short", with_cell("rule: pairs, pairs: [[0]], delay: 1 ms, weight: 3 pA"),
             "net.yaml:5:50: pairs: an entry is not a pair; write [source, target] or [source, "
             "target, factor], for example [0, 1] or [0, 1, -0.5]"},
-        NetworkCase{
-            "pair_range", with_cell("rule: pairs, pairs: [[0, 2]], delay: 1 ms, weight: 3 pA"),
-            "net.yaml:5:54: pairs: '2' is no member of 'cell'; write a whole number from 0 to 1"},
-        NetworkCase{
-            "pair_negative", with_cell("rule: pairs, pairs: [[-1, 0]], delay: 1 ms, weight: 3 pA"),
-            "net.yaml:5:51: pairs: '-1' is no member of 'input'; write a whole number from 0 to 1"},
+        NetworkCase{"pair_range",
+                    with_cell("rule: pairs, pairs: [[0, 2]], delay: 1 ms, weight: 3 pA"),
+                    "net.yaml:5:54: pairs: '2' is not a member of 'cell'; write a whole number "
+                    "from 0 to 1"},
+        NetworkCase{"pair_negative",
+                    with_cell("rule: pairs, pairs: [[-1, 0]], delay: 1 ms, weight: 3 pA"),
+                    "net.yaml:5:51: pairs: '-1' is not a member of 'input'; write a whole number "
+                    "from 0 to 1"},
         NetworkCase{"pair_factor",
                     with_cell("rule: pairs, pairs: [[0, 1, x]], delay: 1 ms, weight: 3 pA"),
                     "net.yaml:5:57: pairs: 'x' is not a number; write for example 0.5"},

@@ -51,10 +51,11 @@ INSTANTIATE_TEST_SUITE_P(
             "rate_unit", alone("{model: poisson, size: 1, parameters: {rate: 3 ms}}"),
             "net.yaml:2:51: population 'a': parameters: key 'rate': '3 ms': 'ms' is not a unit of "
             "frequency here; write one of: Hz, kHz, MHz"},
-        NetworkCase{
-            "steps_entry", alone("{model: poisson, size: 1, parameters: {rate: [[0, 1], 5]}}"),
-            "net.yaml:2:60: population 'a': parameters: rate: an entry is no time with its value; "
-            "write  rate: [[0 ms, 10 Hz], [100 ms, 20 Hz]]"},
+        NetworkCase{"steps_entry",
+                    alone("{model: poisson, size: 1, parameters: {rate: [[0, 1], 5]}}"),
+                    "net.yaml:2:60: population 'a': parameters: rate: an entry is not a time with "
+                    "its value; "
+                    "write  rate: [[0 ms, 10 Hz], [100 ms, 20 Hz]]"},
         NetworkCase{
             "steps_value", alone("{model: poisson, size: 1, parameters: {rate: [[0, x]]}}"),
             "net.yaml:2:56: population 'a': parameters: rate: 'x' is not a number; write for "
@@ -158,11 +159,11 @@ INSTANTIATE_TEST_SUITE_P(
             "write a population of model iaf_psc_delta or iaf_psc_exp"},
         NetworkCase{
             "record_members", kPopulations + std::string("record: {cell: {V_m: 0}}\n"),
-            "net.yaml:7:22: record of 'cell': V_m is no list of members; write  V_m: all  or  "
+            "net.yaml:7:22: record of 'cell': V_m is not a list of members; write  V_m: all  or  "
             "V_m: [0]"},
         NetworkCase{
             "record_member", kPopulations + std::string("record: {cell: {V_m: [0, 2]}}\n"),
-            "net.yaml:7:26: record of 'cell': V_m: '2' is no member of 'cell'; write a whole "
+            "net.yaml:7:26: record of 'cell': V_m: '2' is not a member of 'cell'; write a whole "
             "number from 0 to 1"},
         NetworkCase{
             "record_interval",

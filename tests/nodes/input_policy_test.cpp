@@ -90,7 +90,7 @@ TEST(InputPolicy, ErrorsNameChannelAndValue) {
               "node, or write out_of_range = clip");
     EXPECT_EQ(
         failure("not_finite", kNan, node_class),
-        "input channel 2 has the value nan, which is no number to work with; mend its source, "
+        "input channel 2 has the value nan, which is not a number to work with; mend its source, "
         "or write not_finite = hold");
   }
 }

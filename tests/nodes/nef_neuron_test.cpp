@@ -248,10 +248,10 @@ TEST(NefEncoderKeys, SaysWhatIsWrong) {
       "test.yaml:7:3: key 'max_rate_low': 1 Hz are too slow for a membrane of 0.02 s; write at "
       "least 2.01 Hz, or a longer tau_m");
   EXPECT_EQ(error({{"t_ref", "0.0015"}}),
-            "test.yaml:7:3: key 't_ref': 1.5 ms is no multiple of the resolution, 1 ms; write "
+            "test.yaml:7:3: key 't_ref': 1.5 ms is not a multiple of the resolution, 1 ms; write "
             "another one, or spike_times=interpolated");
   EXPECT_EQ(error({{"resolution", "0.0015"}}),
-            "test.yaml:7:3: key 't_ref': 2 ms is no multiple of the resolution, 1.5 ms; write "
+            "test.yaml:7:3: key 't_ref': 2 ms is not a multiple of the resolution, 1.5 ms; write "
             "another one, or spike_times=interpolated");
 }
 

@@ -200,7 +200,7 @@ TEST(FilmWords, ViewsAndSizes) {
       EXPECT_EQ(
           std::string(error.what()),
           "'" + std::string(wrong) +
-              "' is no size of a picture; write WIDTHxHEIGHT in pixels, at most 4096 each, as "
+              "' is not a size of a picture; write WIDTHxHEIGHT in pixels, at most 4096 each, as "
               "960x720");
     }
   }

@@ -77,11 +77,11 @@ def errors(spikeloop, folder, drive):
     (fake / "__init__.py").write_text("raise ModuleNotFoundError('gone', name='matplotlib')\n")
     for arguments, environment, code, expected in (
             ((folder / "none",), {}, 4, "none' is not a folder; name the folder"),
-            ((empty,), {}, 4, "is no run folder: it has neither a recording"),
+            ((empty,), {}, 4, "is not a run folder: it has neither a recording"),
             ((drive, "--from", "2", "--to", "1"), {}, 2,
              "--from 2 is not before --to 1; exchange them"),
-            ((drive, "--from", "soon"), {}, 2, "--from: 'soon' is no moment of a run; write"),
-            ((drive, "--to", "-1"), {}, 2, "--to: '-1' is no moment of a run; write"),
+            ((drive, "--from", "soon"), {}, 2, "--from: 'soon' is not a moment of a run; write"),
+            ((drive, "--to", "-1"), {}, 2, "--to: '-1' is not a moment of a run; write"),
             ((drive, "--format", "gif"), {}, 2, "--format"),
             ((), {}, 2, "RUN is required"),
             ((drive, "--out", "/proc/none"), {}, 4, "cannot make '/proc/none'"),

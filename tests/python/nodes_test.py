@@ -144,9 +144,9 @@ class RunnerTest(Says):
         self.says("input 'in' got 3 values; write 2", runner.set, "in", [1, 2, 3])
         self.says("there is no signal 'out' among the inputs; known: in", runner.set, "out", 1)
         self.says("there is no port of spikes 'out' among the outputs", runner.spikes, "out")
-        self.says("'f' is no node; write @spikeloop.node before it", NodeRunner,
+        self.says("'f' is not a node; write @spikeloop.node before it", NodeRunner,
                   type("f", (), {}))
-        self.says("'More' is no node; write @spikeloop.node before it", NodeRunner,
+        self.says("'More' is not a node; write @spikeloop.node before it", NodeRunner,
                   type("More", (Counting,), {}))
 
         @node(inputs={"in": Signal(width=1)}, must=Parameter(unit="s"))
@@ -195,14 +195,14 @@ class DeclarationTest(Says):
                   self.declare, outputs={})
         self.says("node 'it': an input and an output are both named 'out'; give one another name",
                   self.declare, inputs={"out": Signal()})
-        self.says("node 'it': port 'out' is as wide as 'inn', which is no port of it; did you mean "
+        self.says("node 'it': port 'out' is as wide as 'inn', which is not a port of it; did you mean "
                   "'in'?", self.declare, inputs={"in": Signal()},
                   outputs={"out": Signal(same_as="inn")})
         self.says("node 'it': same_as leads from port 'a' back to 'a'; leave it out of one of them",
                   self.declare, outputs={"a": Signal(same_as="b"), "b": Signal(same_as="a")})
         self.says("node 'it': inputs is ['in']; write a dict such as {\"in\": spikeloop.Signal()}",
                   self.declare, inputs=["in"])
-        self.says("node 'it': 'a b' is no name for a port; write letters, digits and _, such as "
+        self.says("node 'it': 'a b' is not a name for a port; write letters, digits and _, such as "
                   "'in'", self.declare, inputs={"a b": Signal()})
         self.says("node 'it': port 'in' is 3; write spikeloop.Signal() or spikeloop.Spikes()",
                   self.declare, inputs={"in": 3})
@@ -233,7 +233,7 @@ class DeclarationTest(Says):
                   "the class", node(inputs={}), type("It", (), {}))
         self.says("class It has no step; write  def step(self, step): ...", node,
                   type("It", (), {}))
-        self.says("'3d' is no name for a node; write one such as my_encoder with "
+        self.says("'3d' is not a name for a node; write one such as my_encoder with "
                   "@spikeloop.node(name=...)", node(name="3d", outputs={"o": "signal"}),
                   lambda step: None)
         self.says("wrong_name() takes (step, gian), but its node has (step, gain); write  def "

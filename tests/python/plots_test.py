@@ -121,7 +121,7 @@ class IncompleteTest(Folder):
     def test_an_empty_folder(self):
         code, out, err = run_main(self.folder)
         self.assertEqual((code, out), (4, ""))
-        self.assertEqual(err, f"spikeloop: '{self.folder}' is no run folder: it has neither a "
+        self.assertEqual(err, f"spikeloop: '{self.folder}' is not a run folder: it has neither a "
                          "recording (*.h5) nor resolved.json, effective.music, summary.json, "
                          "trajectory.csv or world.json; name the folder that `spikeloop run` "
                          "wrote\n")

@@ -138,7 +138,7 @@ class ErrorTest(Folder):
         self.says(lambda: run.signal("sensor", "outt"), "'FOLDER/sensor.h5' has no signal 'outt'; "
                   "did you mean 'out'?")
         self.says(lambda: run.signal("network"), "'FOLDER/network.h5' has no signal")
-        self.says(lambda: run.spikes("future"), "'FOLDER/future.h5' is no recording that this "
+        self.says(lambda: run.spikes("future"), "'FOLDER/future.h5' is not a recording that this "
                   "version can read: its spikeloop_format is 2, up to 1 is known")
 
     def test_no_hdf5(self):
@@ -155,7 +155,7 @@ class ErrorTest(Folder):
         self.says(run.trajectory, "'FOLDER/trajectory.csv' has no column 'y_m'; its first line "
                   "must be t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions")
         file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,0,0,0,0,zero,0\n")
-        self.says(run.trajectory, "'FOLDER/trajectory.csv' holds something that is no number: "
+        self.says(run.trajectory, "'FOLDER/trajectory.csv' holds something that is not a number: "
                   "could not convert string to float: 'zero'")
         file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,1,2,3,4,5,0\n0.1,1,")
         self.assertEqual({name: list(column) for name, column in run.trajectory().items()},

@@ -61,9 +61,10 @@ TEST(RobotPictures, WrongWordsAreRefusedBeforeAnythingElse) {
     EXPECT_EQ(outcome.exit_code, 2);
     return outcome.err;
   };
-  EXPECT_EQ(refusal({"--camera", "64"}),
-            "spikeloop-robot: '64' is no size of a picture; write WIDTHxHEIGHT in pixels, at most "
-            "4096 each, as 960x720\n");
+  EXPECT_EQ(
+      refusal({"--camera", "64"}),
+      "spikeloop-robot: '64' is not a size of a picture; write WIDTHxHEIGHT in pixels, at most "
+      "4096 each, as 960x720\n");
   EXPECT_EQ(refusal({"--render", "a", "--render-view", "front"}),
             "spikeloop-robot: unknown view 'front'; write above, chase, camera, or several of them "
             "as above+chase\n");

@@ -173,7 +173,7 @@ TEST(RobotErrors, AMalformedMaster) {
   job.set_master("elsewhere");
   expect_failure(
       job, {}, 2,
-      "ROS_MASTER_URI is 'elsewhere', which is no address; write http://HOST:PORT, as in "
+      "ROS_MASTER_URI is 'elsewhere', which is not an address; write http://HOST:PORT, as in "
       "http://localhost:11311");
 }
 
@@ -181,13 +181,14 @@ TEST(RobotErrors, Names) {
   RobotJob job;
   job.start_core();
   expect_failure(job, {"--scan-topic", "/my scan"}, 2,
-                 "'/my scan' is no name of a ROS topic; write letters, digits, '_' and '/', "
+                 "'/my scan' is not a valid ROS topic name; write letters, digits, '_' and '/', "
                  "beginning with a letter or '/', as in /cmd_vel");
-  expect_failure(job, {"--cmd-topic", "a-b"}, 2,
-                 "'/a-b' is no name of a ROS topic; write letters, digits, '_' and '/', beginning "
-                 "with a letter or '/', as in /cmd_vel");
+  expect_failure(
+      job, {"--cmd-topic", "a-b"}, 2,
+      "'/a-b' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning "
+      "with a letter or '/', as in /cmd_vel");
   const std::string node =
-      "'a/b' is no name of a ROS node; write a letter followed by letters, digits and '_'";
+      "'a/b' is not a valid ROS node name; write a letter followed by letters, digits and '_'";
   expect_failure(job, {"--node-name", "a/b"}, 2, node);
   expect_failure(job, {"__name:=a/b"}, 2, node);
   expect_failure(job, {"/my scan:=/scan"}, 2,

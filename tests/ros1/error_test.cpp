@@ -76,11 +76,11 @@ TEST_F(ErrorTest, what_stops_the_robot) {
   EXPECT_THAT(said("emergency_stop_message=std_msgs/Bol"),
               HasSubstr("unknown message type 'std_msgs/Bol'"));
   EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twist"),
-              HasSubstr("sensor_topics: '/in:geometry_msgs/Twist' is no topic with its type and "
+              HasSubstr("sensor_topics: '/in:geometry_msgs/Twist' is not a topic with its type and "
                         "timeout in s; write sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and "
                         "others behind a comma"));
   EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twist:0"),
-              HasSubstr("is no topic with its type"));
+              HasSubstr("is not a topic with its type"));
   EXPECT_THAT(said("sensor_topics=/in:geometry_msgs/Twits:1"), HasSubstr("Twits"));
 }
 

@@ -270,7 +270,7 @@ TEST_F(EventErrorTest, sections_are_checked_without_ros) {
   };
   EXPECT_EQ(error("sensor_update_rate=100\nlatency=20 ms", 48), "");
   EXPECT_THAT(error("roi=0,0,4", 48),
-              HasSubstr("check.music:6:1: key 'roi': '0,0,4' is no list of 4; write  roi: [100, "
+              HasSubstr("check.music:6:1: key 'roi': '0,0,4' is not a list of 4; write  roi: [100, "
                         "60, 128, 128]"));
   EXPECT_THAT(error("roi=0,0,4,4\ndownsample=2", 48),
               HasSubstr("a region of 4 x 4 pixels makes 4 channels (polarity=both, downsample=2), "

@@ -32,9 +32,10 @@ TEST(Master, address) {
   EXPECT_EQ(parse_master_uri("http://robot:11311/").port, 11311);
   for (const std::string uri : {"", "robot:11311", "http://robot", "http://:11311", "http://r:0",
                                 "http://r:99999", "http://r:x", "https://robot:11311"}) {
-    EXPECT_EQ(error_of<Error>([&] { parse_master_uri(uri); }),
-              "ROS_MASTER_URI is '" + uri +
-                  "', which is no address; write http://HOST:PORT, as in http://localhost:11311");
+    EXPECT_EQ(
+        error_of<Error>([&] { parse_master_uri(uri); }),
+        "ROS_MASTER_URI is '" + uri +
+            "', which is not an address; write http://HOST:PORT, as in http://localhost:11311");
   }
 }
 
@@ -120,7 +121,7 @@ TEST(Session, names) {
   for (const std::string name : {"", "1robot", "a/b", "a b", "~a"}) {
     const std::string text =
         "'" + name +
-        "' is no name of a ROS node; write a letter followed by letters, digits and '_'";
+        "' is not a valid ROS node name; write a letter followed by letters, digits and '_'";
     EXPECT_EQ(error_of<Error>([&] { Session(test::node_at(core.uri(), name)); }), text);
     SessionSettings with_argument = test::node_at(core.uri(), "robot");
     with_argument.arguments = {{"__name", name}};

@@ -139,10 +139,10 @@ TEST_F(RawTopicTest, messages_with_a_header_are_numbered) {
 
 TEST_F(RawTopicTest, errors) {
   for (const std::string topic : {"", "1a", "a b", "~a"}) {
-    const std::string text =
-        "'" + topic +
-        "' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with a letter "
-        "or '/', as in /cmd_vel";
+    const std::string text = "'" + topic +
+                             "' is not a valid ROS topic name; write letters, digits, '_' and '/', "
+                             "beginning with a letter "
+                             "or '/', as in /cmd_vel";
     const auto error_of = [](auto action) -> std::string {
       try {
         action();

@@ -46,21 +46,21 @@ TEST(Ros2Names, a_rule_may_be_for_one_node) {
 TEST(Ros2Names, says_what_is_no_name) {
   EXPECT_EQ(
       error_of([] { node_identity("my node", {}); }),
-      "'my node' is no name of a ROS node; write a letter followed by letters, digits and '_'");
+      "'my node' is not a valid ROS node name; write a letter followed by letters, digits and '_'");
   EXPECT_EQ(error_of([] {
               node_identity("brain", {{"__ns", "/a//b"}});
             }),
-            "'/a//b' is no namespace of ROS 2; write letters, digits, '_' and '/', as in "
+            "'/a//b' is not a namespace of ROS 2; write letters, digits, '_' and '/', as in "
             "__ns:=/arena/left");
   EXPECT_THAT(error_of([] {
                 whole("scan", {{"sc an", "/front"}});
               }),
-              HasSubstr("'sc an' is no name of a ROS 2 topic"));
+              HasSubstr("'sc an' is not a valid ROS 2 topic name"));
   EXPECT_THAT(error_of([] {
                 whole("scan", {{"scan", "1"}});
               }),
-              HasSubstr("'1' is no name of a ROS 2 topic"));
-  EXPECT_THAT(error_of([] { whole("~scan", {}); }), HasSubstr("'~scan' is no name"));
+              HasSubstr("'1' is not a valid ROS 2 topic name"));
+  EXPECT_THAT(error_of([] { whole("~scan", {}); }), HasSubstr("'~scan' is not a valid ROS 2 topic name"));
 }
 
 TEST(Ros2Names, a_topic_in_dds_has_a_prefix) {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs an experiment again and again, each time with a random fault: a signal to a random process (the launcher,
 mpirun, the guard, a program, the script) while the run starts, while the robot is driven, or while the run ends; in
-every layout, over ROS 1 and ROS 2. The robot is no part of Spikeloop, as in time_to_zero.py.
+every layout, over ROS 1 and ROS 2. The robot is not a part of Spikeloop, as in time_to_zero.py.
 
 Each run must end in time and name the cause; leave no process and no file behind; and the last command that the robot
 gets must be zero. A robot that is driven must stand within the time of docs/safety.md and 200 ms.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""From a fault to the zero command, as a subscriber of /cmd_vel sees it that is no part of Spikeloop: rospy
+"""From a fault to the zero command, as a subscriber of /cmd_vel sees it that is not a part of Spikeloop: rospy
 over ROS 1, Fast DDS over ROS 2.
 
 Scans come from it at 50 Hz; a script stands in the simulator's place; the command's timeouts are

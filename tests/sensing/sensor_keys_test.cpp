@@ -103,10 +103,10 @@ TEST(SensorKeys, image) {
 TEST(SensorKeys, wrong_fields_are_explained) {
   const std::string at = "x.yaml:3:5: key 'fields': ";
   EXPECT_EQ(error_of(R"({"path": "a"})"),
-            at + R"('{"path":"a"}' is no list; write  fields: [pose.pose.position.x])");
+            at + R"('{"path":"a"}' is not a list; write  fields: [pose.pose.position.x])");
   EXPECT_EQ(error_of("[]"), at + "'[]' is an empty list; write  fields: [pose.pose.position.x]");
   EXPECT_EQ(error_of("[[7]]"),
-            at + "entry 1: '[7]' is no map; write  fields: [{path: ranges, scale: 2}]");
+            at + "entry 1: '[7]' is not a map; write  fields: [{path: ranges, scale: 2}]");
   EXPECT_EQ(error_of(R"([{"scale": 2}])"),
             at + "entry 1: key 'path' is missing (Path of the field); write  fields: [{path: "
                  "ranges, scale: 2}]");
@@ -117,7 +117,7 @@ TEST(SensorKeys, wrong_fields_are_explained) {
   EXPECT_EQ(error_of(R"([{"path": "a", "min": 2, "max": 1}])"),
             at + "'min' is 2 and 'max' is 1; write a minimum that is not above the maximum");
   EXPECT_EQ(error_of(R"([{"path": "a", "range": [4]}])"),
-            at + "entry 1: key 'range': '[4]' is no list of 2; write  range: [0, 4]");
+            at + "entry 1: key 'range': '[4]' is not a list of 2; write  range: [0, 4]");
   EXPECT_EQ(error_of(R"([{"path": "a", "range": [4, 0]}])"),
             at + "the range [4, 0] has no least and greatest value; write  range: [0, 4]");
   EXPECT_EQ(error_of(R"([{"path": "a", "range": [0, 4], "max": 1}])"),
@@ -131,14 +131,14 @@ TEST(SensorKeys, wrong_fields_are_explained) {
 
 TEST(SensorKeys, wrong_images_are_explained) {
   const std::string at = "x.yaml:4:5: key 'image': ";
-  EXPECT_EQ(error_of("", "small"), at + "'small' is no map; write  image: {resize: [40, 30]}");
+  EXPECT_EQ(error_of("", "small"), at + "'small' is not a map; write  image: {resize: [40, 30]}");
   EXPECT_EQ(error_of("", R"({"resiz": [40, 30]})"),
             at + "unknown key 'resiz'; did you mean 'resize'?");
   EXPECT_EQ(error_of("", R"({"channel": "gray"})"),
             at + "key 'channel': 'gray' is not a choice; did you mean 'grey'?; write one of: grey, "
                  "red, green, blue, rgb");
   EXPECT_EQ(error_of("", R"({"resize": 40})"),
-            at + "key 'resize': '40' is no list of 2; write  resize: [40, 30]");
+            at + "key 'resize': '40' is not a list of 2; write  resize: [40, 30]");
   EXPECT_EQ(error_of("height", "{}"),
             at + "a picture and fields are not taken at once; leave 'image' or 'fields' out, and "
                  "write a second sensor");

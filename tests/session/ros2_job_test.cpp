@@ -304,7 +304,7 @@ TEST_F(Ros2Job, silence_and_names) {
                                        domain_.place().at("ROS_DOMAIN_ID")));
   const auto wrong = run(launched(scan_to_twist("stoptime=1", "", "/front/2nd")));
   EXPECT_EQ(wrong.exit_code, 2) << wrong.text();
-  EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is no name of a ROS 2 topic"));
+  EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is not a valid ROS 2 topic name"));
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ class SimulatorFaults(unittest.TestCase):
             text = script(body, prepare="from neuron import h; " + prepare, module=".neuron")
             self.check(text, message, code=5)
 
-        check("h.dt = 0.3; h.finitialize()", "the tick of 1 ms is no multiple of NEURON's step h.dt "
+        check("h.dt = 0.3; h.finitialize()", "the tick of 1 ms is not a multiple of NEURON's step h.dt "
               "of 0.3 ms; choose another h.dt, or variable steps")
         check("h.finitialize(); h.t = 5", "NEURON's time is 5 ms at the first tick; call "
               "h.finitialize() before the loop")
@@ -279,7 +279,7 @@ class SimulatorFaults(unittest.TestCase):
                "but the port has 4 channels; write as many, as in group[:4]"),
               (group + "host.output('out', g); host.output('out', g)",
                "host.output('out', ...) has been called before"),
-              ("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is no multiple of "
+              ("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is not a multiple of "
                "Brian2's step of 0.3 ms; choose another defaultclock.dt"))
         check(("g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
                "host.output('out', g); host.run()", "'slow' has steps of 0.2 ms, but defaultclock.dt "

@@ -59,7 +59,7 @@ TEST(Protocol, Answers) {
 TEST(Protocol, WhatIsNoMessageOfItIsNamed) {
   const auto wrong = [](const char* topic, const std::string& text) {
     return AllOf(StartsWith(std::string("topic ") + topic + " has brought '" + text +
-                            "', which is no message of the stepping protocol ("),
+                            "', which is not a message of the stepping protocol ("),
                  EndsWith("); docs/stepping.md has them"));
   };
   for (const std::string text : {"", "{", "[]", "7", R"({"to_ns": "1"})", R"({"to_ns": 1})",

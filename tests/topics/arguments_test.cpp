@@ -63,7 +63,7 @@ TEST(RosArguments, are_written_and_read_back) {
   EXPECT_EQ(read_ros_arguments(" " + to_text(arguments) + "\n"), arguments);
   EXPECT_THAT(read_ros_arguments(""), IsEmpty());
   EXPECT_EQ(test::error_of([] { read_ros_arguments("a:=b c"); }),
-            "'c' is no argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan");
+            "'c' is not an argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan");
 }
 
 std::string error_of_names(messages::Dialect ros, const char* text) {
@@ -77,10 +77,11 @@ TEST(RosArguments, have_names_of_their_ros) {
     EXPECT_EQ(error_of_names(ros, "__log:=/tmp"),
               "'__log:=/tmp' means nothing here: topics have other names by NAME:=VALUE, as "
               "/scan:=/front/scan, and the node by __ns and __name; leave it out");
-    EXPECT_THAT(error_of_names(ros, "__name:=a/b"), HasSubstr("'a/b' is no name of a ROS node"));
-    EXPECT_THAT(error_of_names(ros, "__ns:=a-b"), HasSubstr("'/a-b' is no name of a ROS"));
-    EXPECT_THAT(error_of_names(ros, "/scan:=/a-b"), HasSubstr("'/a-b' is no name of a ROS"));
-    EXPECT_THAT(error_of_names(ros, "a-b:=/scan"), HasSubstr("'a-b' is no name of a ROS"));
+    EXPECT_THAT(error_of_names(ros, "__name:=a/b"),
+                HasSubstr("'a/b' is not a valid ROS node name"));
+    EXPECT_THAT(error_of_names(ros, "__ns:=a-b"), HasSubstr("'/a-b' is not a valid ROS"));
+    EXPECT_THAT(error_of_names(ros, "/scan:=/a-b"), HasSubstr("'/a-b' is not a valid ROS"));
+    EXPECT_THAT(error_of_names(ros, "a-b:=/scan"), HasSubstr("'a-b' is not a valid ROS"));
   }
   // A rule for one node alone.
   check_ros_arguments(Dialect::ros2, read_ros_arguments("brain:scan:=/front/scan"));

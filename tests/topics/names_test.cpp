@@ -24,10 +24,11 @@ TEST(Names, topics_of_both) {
 
 TEST(Names, topics_of_ros1) {
   for (const std::string topic : {"", "1a", "_a", "a b", "~a", "/a-b", "/b\xc3\xbc"}) {
-    EXPECT_EQ(error_of([&] { check_topic(Dialect::ros1, topic); }),
-              "'" + topic +
-                  "' is no name of a ROS topic; write letters, digits, '_' and '/', beginning with "
-                  "a letter or '/', as in /cmd_vel");
+    EXPECT_EQ(
+        error_of([&] { check_topic(Dialect::ros1, topic); }),
+        "'" + topic +
+            "' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning with "
+            "a letter or '/', as in /cmd_vel");
   }
   EXPECT_EQ(error_of([] { check_topic(Dialect::ros1, "/a/1b"); }), "no error");
 }
@@ -38,7 +39,7 @@ TEST(Names, topics_of_ros2) {
   for (const std::string topic : {"", "/", "~", "~a", "1a", "/a/1b", "/a//b", "/a/", "a b", "a~"}) {
     EXPECT_EQ(error_of([&] { check_topic(Dialect::ros2, topic); }),
               "'" + topic +
-                  "' is no name of a ROS 2 topic; write letters, digits, '_' and '/', no part "
+                  "' is not a valid ROS 2 topic name; write letters, digits, '_' and '/', no part "
                   "beginning with a digit, as in /cmd_vel or ~/cmd_vel");
   }
 }
@@ -48,10 +49,11 @@ TEST(Names, nodes) {
   EXPECT_EQ(error_of([] { check_node_name(Dialect::ros2, "_a"); }), "no error");
   for (const Dialect ros : {Dialect::ros1, Dialect::ros2}) {
     for (const std::string name : {"", "1a", "a/b", "~a", "a b"}) {
-      EXPECT_EQ(error_of([&] { check_node_name(ros, name); }),
-                "'" + name +
-                    "' is no name of a ROS node; write a letter followed by letters, digits and "
-                    "'_'");
+      EXPECT_EQ(
+          error_of([&] { check_node_name(ros, name); }),
+          "'" + name +
+              "' is not a valid ROS node name; write a letter followed by letters, digits and "
+              "'_'");
     }
   }
 }

@@ -55,7 +55,7 @@ TEST_P(PublisherTest, errors) {
     return std::string("no error");
   };
   EXPECT_THAT(error_of("a b", "geometry_msgs/Twist", "linear.x"),
-              testing::StartsWith("'a b' is no name of a ROS"));
+              testing::StartsWith("'a b' is not a valid ROS"));
   EXPECT_EQ(error_of("/a", "geometry_msgs/Twist", "linear.w"),
             "field path 'linear.w' of geometry_msgs/Twist: geometry_msgs/Vector3 has no field 'w'; "
             "did you mean 'x'?");

@@ -157,7 +157,7 @@ TEST_P(SensorTest, impossible_topic) {
     Sensor source(session_, {.topic = "my topic", .message_type = "Twist", .width = 2});
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith("'my topic' is no name of a ROS"));
+    EXPECT_THAT(error.what(), testing::StartsWith("'my topic' is not a valid ROS"));
   }
 }
 

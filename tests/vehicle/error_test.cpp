@@ -140,7 +140,8 @@ TEST(WorldErrors, TheArenasOutline) {
 
 TEST(WorldErrors, Obstacles) {
   const std::string shapes =
-      "obstacle 'obstacle_a' has a geom that is no upright box or cylinder; write type=\"box\" or "
+      "obstacle 'obstacle_a' has a geom that is not an upright box or cylinder; write type=\"box\" "
+      "or "
       "type=\"cylinder\" and turn it about z only";
   const auto of = [](const std::string& body) { return complaint(kArena, kFloor + body); };
   EXPECT_EQ(of(R"(<body name="obstacle_a"><geom type="sphere" size="0.2"/></body>)"), shapes);

@@ -29,12 +29,12 @@ TEST(Publisher, NeedsAnAddress) {
   EXPECT_EQ(message_of([] {
               Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
             }),
-            "zmq_addr 'tcp://*:99999' is no address; write tcp://HOST:PORT, or "
+            "zmq_addr 'tcp://*:99999' is not an address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
   EXPECT_EQ(message_of([] {
               Publisher({"5555", "FloatArray", 0, 0, 1});
             }),
-            "zmq_addr '5555' is no address; write tcp://HOST:PORT, or "
+            "zmq_addr '5555' is not an address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
 }
 
@@ -46,9 +46,9 @@ TEST(Publisher, NeedsAPlaceOfItsOwn) {
       "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 to publish "
       "on every interface";
   EXPECT_EQ(problem("tcp://localhost:5599"),
-            "zmq_addr 'tcp://localhost:5599' is no address to publish at; " + remedy);
+            "zmq_addr 'tcp://localhost:5599' is not an address to publish at; " + remedy);
   EXPECT_EQ(problem("tcp://[::1]:5599"),
-            "zmq_addr 'tcp://[::1]:5599' is no address to publish at; " + remedy);
+            "zmq_addr 'tcp://[::1]:5599' is not an address to publish at; " + remedy);
   EXPECT_NO_THROW(Publisher({"tcp://lo:*", "FloatArray", 0, 0, 1}));
   const std::string far = "ipc:///" + std::string(107, 'x');
   EXPECT_EQ(problem(far),
@@ -107,7 +107,7 @@ TEST(Subscriber, NeedsAnAddress) {
   EXPECT_EQ(message_of([] {
               Subscriber({"localhost:5555", "FloatArray", 1});
             }),
-            "zmq_addr 'localhost:5555' is no address; write tcp://HOST:PORT, or "
+            "zmq_addr 'localhost:5555' is not an address; write tcp://HOST:PORT, or "
             "tcp://*:PORT to publish on every interface");
   EXPECT_EQ(message_of([] {
               Subscriber({"tcp://*:5555", "FloatArray", 1});

@@ -56,7 +56,7 @@ TEST(ObservationReader, AnEntryThatIsNoReadingKeepsItsChannel) {
   EXPECT_EQ(reader.counts().invalid_readings, 6u);
   EXPECT_EQ(
       reader.take_warning(),
-      R"(entry 0 is no reading: {"max":1,"min":1,"value":1}; an observation has 'value', and )"
+      R"(entry 0 is not a reading: {"max":1,"min":1,"value":1}; an observation has 'value', and )"
       "'min' below 'max'");
 }
 
@@ -68,7 +68,7 @@ TEST(ObservationReader, AMessageThatIsNoArrayChangesNothing) {
   }
   EXPECT_EQ(channels(reader), std::vector<double>{1});
   EXPECT_EQ(reader.counts().malformed, 6u);
-  EXPECT_EQ(reader.take_warning(), "a message that is no JSON array was left out: ''");
+  EXPECT_EQ(reader.take_warning(), "a message that is not a JSON array was left out: ''");
 }
 
 TEST(ObservationReader, MessagesThatDoNotFitAreCroppedWithOneWarningOrRefused) {

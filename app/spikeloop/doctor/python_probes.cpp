@@ -101,7 +101,7 @@ Probe interpreter_probe() {
     const char* const named = std::getenv("PYTHON");
     return fact("Python", false, [name = std::string(named == nullptr ? "" : named)] {
       return name.empty() ? missing("no /usr/bin/python3", "apt-get install python3, or set PYTHON")
-                          : missing(fmt::format("PYTHON is '{}', which is no program", name),
+                          : missing(fmt::format("PYTHON is '{}', which is not a program", name),
                                     "set PYTHON to a python3, or unset it");
     });
   }

@@ -27,7 +27,7 @@ Finding look(const std::vector<std::string>& what) {
     return look_at_cyclone();
   }
   throw ConfigurationError(
-      fmt::format("--probe '{}' is no probe; leave it out: doctor uses it for its own children",
+      fmt::format("--probe '{}' is not a probe; leave it out: doctor uses it for its own children",
                   what.empty() ? "" : what[0]));
 }
 

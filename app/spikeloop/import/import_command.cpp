@@ -52,8 +52,9 @@ void check(const ImportArguments& given) {
         fmt::format("'{0}' is an experiment already; write  spikeloop run {0}", given.file));
   }
   if (!given.out.empty() && !is_experiment(given.out)) {
-    throw ConfigurationError(fmt::format(
-        "--out: '{}' is no name of an experiment file; write one that ends in .yaml", given.out));
+    throw ConfigurationError(
+        fmt::format("--out: '{}' is not a valid experiment file name; write one that ends in .yaml",
+                    given.out));
   }
 }
 

@@ -71,9 +71,10 @@ class Importer {
     node.name = name_of_node(section.label);
     if (node.name != section.label) {
       note(section.where,
-           fmt::format("'{}' is no name of a node, it is called '{}': random numbers depend on the "
-                       "name",
-                       section.label, node.name));
+           fmt::format(
+               "'{}' is not a valid node name, it is called '{}': random numbers depend on the "
+               "name",
+               section.label, node.name));
     }
     imported_[section.label] = order_.size();
     order_.push_back(std::move(node));

@@ -14,7 +14,7 @@ ODOMETRY_PERIOD_S = 0.02
 
 
 def limited(value, limit):
-    """`value` between -limit and limit; 0 when it is no finite number."""
+    """`value` between -limit and limit; 0 when it is not a finite number."""
     return max(-limit, min(limit, value)) if math.isfinite(value) else 0.0
 
 

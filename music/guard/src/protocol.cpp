@@ -85,7 +85,7 @@ Received receive_packet(int fd) {
   if (received <= 0) {
     return {.closed = true};
   }
-  // What is no CBOR becomes a packet without a type.
+  // What is not CBOR becomes a packet without a type.
   return {.packet = json::from_cbor(bytes, true, false)};
 }
 

@@ -80,7 +80,8 @@ std::string check_line(const std::string& line, const Location& where) {
   std::istringstream words(line);
   std::string host;
   if (words >> host && !is_host(host)) {
-    throw ConfigurationError(where, fmt::format("'{}' is no name of a host; {}", host, kExample));
+    throw ConfigurationError(where,
+                             fmt::format("'{}' is not a valid host name; {}", host, kExample));
   }
   for (std::string word; words >> word;) {
     if (!is_option(word)) {

@@ -132,9 +132,10 @@ std::string text_value(std::string_view text) {
 
 MasterAddress parse_master_uri(std::string_view uri) {
   const auto fail = [uri]() -> ConfigurationError {
-    return ConfigurationError(fmt::format(
-        "ROS_MASTER_URI is '{}', which is no master's address; write http://HOST:PORT, such as {}",
-        uri, kDefaultMasterUri));
+    return ConfigurationError(
+        fmt::format("ROS_MASTER_URI is '{}', which is not a master's address; write "
+                    "http://HOST:PORT, such as {}",
+                    uri, kDefaultMasterUri));
   };
   constexpr std::string_view kScheme = "http://";
   std::string_view rest = uri;

@@ -108,7 +108,7 @@ def _refuse_parts_of_ticks(given, plan):
         ticks = plan.duration_s * 1000 / tick_ms
         if abs(ticks - round(ticks)) > 1e-6:
             raise ResultsError(
-                f"--duration {plan.duration_s:g} is no whole number of ticks of {tick_ms:g} ms; write "
+                f"--duration {plan.duration_s:g} is not a whole number of ticks of {tick_ms:g} ms; write "
                 "another duration, or --ticks that divide it", 2)
 
 

@@ -32,7 +32,7 @@ void check_magic(const std::string& path) {
   }
   if (first != kMagic) {
     throw FileError(fmt::format(
-        "'{}' is no bag of ROS 1: it does not begin with {}; write the path of a .bag that "
+        "'{}' is not a bag of ROS 1: it does not begin with {}; write the path of a .bag that "
         "'rosbag info' reads (bags of ROS 2 are not in this version)",
         path, kMagic));
   }

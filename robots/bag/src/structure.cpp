@@ -138,7 +138,7 @@ void check_index(const Record& index, const Record& chunk) {
     if (plain && seen.insert(offset).second) {
       Cursor cursor(chunk.data.substr(offset));
       if (next_record(cursor).kind() != kMessage) {
-        throw std::runtime_error("its index leads to something that is no message");
+        throw std::runtime_error("its index leads to something that is not a message");
       }
     }
   }

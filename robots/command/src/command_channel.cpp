@@ -145,7 +145,7 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   }
 }
 
-/// What is no number is a zero, and not the least value that the limits allow.
+/// What is not a number is a zero, and not the least value that the limits allow.
 TimeNs CommandChannel::drive_by_hand(TimeNs now) {
   return override_stops_ ? repeat_zero(now) : drive(override_, now);
 }

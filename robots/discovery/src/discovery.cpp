@@ -53,10 +53,10 @@ std::uint32_t parse_domain(const std::string& text) {
   std::uint32_t domain = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
   if (error != std::errc{} || end != text.data() + text.size() || domain > kHighestDomain) {
-    throw ConfigurationError(
-        fmt::format("ROS_DOMAIN_ID is '{}', which is no domain of ROS 2; write a whole number from "
-                    "0 to {}",
-                    text, kHighestDomain));
+    throw ConfigurationError(fmt::format(
+        "ROS_DOMAIN_ID is '{}', which is not a domain of ROS 2; write a whole number from "
+        "0 to {}",
+        text, kHighestDomain));
   }
   return domain;
 }
@@ -95,7 +95,7 @@ std::vector<std::string> parse_peers(const std::string& text) {
     }
     if (peer.find_first_of(" \t\n,<>&\"'") != std::string::npos) {
       throw ConfigurationError(
-          fmt::format("ROS_STATIC_PEERS has '{}', which is no address; write host names or IP "
+          fmt::format("ROS_STATIC_PEERS has '{}', which is not an address; write host names or IP "
                       "addresses with ';' between them",
                       peer));
     }

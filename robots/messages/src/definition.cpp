@@ -69,7 +69,7 @@ bool is_number(Primitive primitive) {
   return primitive < Primitive::text;
 }
 
-/// Reads the whole of `digits`; 0: it is no positive number of 32 bits.
+/// Reads the whole of `digits`; 0: it is not a positive number of 32 bits.
 std::uint32_t positive_number(std::string_view digits) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -127,7 +127,7 @@ class Parser {
     const std::string_view name = rest.substr(0, name_end);
     const std::string_view behind = trim(rest.substr(name_end));
     if (behind.starts_with('=')) {
-      // In ROS 1 a constant text runs to the end of its line; a '#' in it is no comment.
+      // In ROS 1 a constant text runs to the end of its line; a '#' in it is not a comment.
       const bool to_the_end = dialect_ == Dialect::ros1 && type == "string";
       parse_constant(
           type, name,
@@ -166,7 +166,7 @@ class Parser {
     }
     if (dialect_ == Dialect::ros1 && !otherwise.empty()) {
       fail(
-          fmt::format("'{} {}' is no name, and ROS 1 has no default values; write a letter "
+          fmt::format("'{} {}' is not a name, and ROS 1 has no default values; write a letter "
                       "followed by letters, digits and '_'",
                       name, otherwise));
     }
@@ -198,7 +198,7 @@ class Parser {
       base = base.substr(0, kBoundedText.find('<'));
     }
     if (!is_type(base)) {
-      fail(fmt::format("'{}' is no type; write a built-in type, Type or package/Type", written));
+      fail(fmt::format("'{}' is not a type; write a built-in type, Type or package/Type", written));
     }
     if (base == "wstring") {
       fail("texts of type 'wstring' are not read here, and hardly used; write string");
@@ -231,7 +231,7 @@ class Parser {
     const bool none = dialect_ == Dialect::ros1 && inside == "0";
     if (field.count == 0 && !none) {
       fail(
-          fmt::format("'{}' is no array length; write {}", brackets,
+          fmt::format("'{}' is not an array length; write {}", brackets,
                       dialect_ == Dialect::ros1 ? "[] or [number]" : "[], [number] or [<=number]"));
     }
   }
@@ -273,8 +273,8 @@ class Parser {
 
   void require_name(std::string_view name) const {
     if (!is_name(name)) {
-      fail(
-          fmt::format("'{}' is no name; write a letter followed by letters, digits and '_'", name));
+      fail(fmt::format("'{}' is not a name; write a letter followed by letters, digits and '_'",
+                       name));
     }
   }
 

@@ -38,7 +38,7 @@ std::vector<std::int32_t> block_table(std::uint32_t all, std::uint32_t begin, st
 Polarity polarity_named(std::string_view name) {
   const auto* const found = std::ranges::find(kPolarityNames, name);
   if (found == std::end(kPolarityNames)) {
-    throw std::logic_error(fmt::format("'{}' is no polarity", name));
+    throw std::logic_error(fmt::format("'{}' is not a polarity", name));
   }
   return static_cast<Polarity>(found - std::begin(kPolarityNames));
 }

@@ -108,7 +108,7 @@ void EventDecoder::decode_mono(const EventPacket& packet, std::vector<CameraEven
   check_camera(packet, kMostPixels, sizeof(std::uint64_t));
   if (packet.time_base > kLatest) {
     throw TransportError(
-        fmt::format("its time_base is {}, which is no time in nanoseconds", packet.time_base));
+        fmt::format("its time_base is {}, which is not a time in nanoseconds", packet.time_base));
   }
   events.reserve(packet.events.size() / sizeof(std::uint64_t));
   for (std::size_t at = 0; at < packet.events.size(); at += sizeof(std::uint64_t)) {

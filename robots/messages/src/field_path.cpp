@@ -88,7 +88,8 @@ class Compiler {
     step.field = static_cast<std::size_t>(found - type.fields.begin());
     if (bracket != std::string_view::npos) {
       if (found->array == ArrayKind::none) {
-        fail(fmt::format("'{}' is no array; write it without '{}'", name, part.substr(bracket)));
+        fail(
+            fmt::format("'{}' is not an array; write it without '{}'", name, part.substr(bracket)));
       }
       parse_brackets(type, *found, part.substr(bracket), step);
     }
@@ -243,7 +244,7 @@ FieldReader::FieldReader(const Catalog& catalog, std::string_view type, std::str
     : path_(compile_path(catalog, type, path)) {
   if (path_.is_text()) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: a text is no number; name a field "
+        fmt::format("field path '{}' of {}: a text is not a number; name a field "
                     "with a number type",
                     path_.text, path_.type->name));
   }

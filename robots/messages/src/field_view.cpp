@@ -41,7 +41,7 @@ TextField::TextField(const Catalog& catalog, std::string_view type, std::string_
     : path_(compile_path(catalog, type, path)) {
   if (!path_.is_text()) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: a number is no text; name a field of type string",
+        fmt::format("field path '{}' of {}: a number is not text; name a field of type string",
                     path_.text, path_.type->name));
   }
 }

@@ -59,7 +59,7 @@ double whole_number(std::string_view text, std::string_view type) {
                     "to {}",
                     type, std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max()));
   }
-  throw std::invalid_argument("which is no number");
+  throw std::invalid_argument("which is not a number");
 }
 
 double truth(std::string_view text) {
@@ -76,7 +76,7 @@ double real_number(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size()) {
-    throw std::invalid_argument("which is no number");
+    throw std::invalid_argument("which is not a number");
   }
   return number;
 }
@@ -145,7 +145,7 @@ std::string parse_text_literal(std::string_view text) {
 
 std::vector<std::string_view> split_list_literal(std::string_view text) {
   if (text.size() < 2 || text.front() != '[' || text.back() != ']') {
-    throw std::invalid_argument("which is no list; write [value, value]");
+    throw std::invalid_argument("which is not a list; write [value, value]");
   }
   std::string_view rest = text.substr(1, text.size() - 2);
   std::vector<std::string_view> elements;

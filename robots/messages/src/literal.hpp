@@ -13,7 +13,7 @@ namespace spikeloop::messages {
 std::string_view trim(std::string_view text);
 
 /// The value of a number type, "-3", "0.5", "true".
-/// @throws std::invalid_argument that says what is wrong with it, as in "is no number".
+/// @throws std::invalid_argument that says what is wrong with it, as in "is not a number".
 double parse_number_literal(std::string_view text, Primitive primitive);
 
 /// Takes ROS 2's quotation marks off, '...' or "...", and the backslash before one; a text without

@@ -216,7 +216,7 @@ void MessageWriter::check_numbers(const FieldPath& path, const FieldValue& value
   if (!value.bytes.empty() &&
       (path.target().primitive != Primitive::uint8 || path.target().array != ArrayKind::variable ||
        path.steps.back().first != 0 || path.steps.back().last != PathStep::kEnd)) {
-    throw std::logic_error("MessageWriter::write needs numbers for what is no whole uint8[]");
+    throw std::logic_error("MessageWriter::write needs numbers for what is not a whole uint8[]");
   }
   const auto width = path.width();
   if (width && *width != count) {

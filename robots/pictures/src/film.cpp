@@ -73,9 +73,10 @@ std::uint32_t pixels(std::string_view text, std::string_view whole) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < 1 || value > kLargest) {
-    throw ConfigurationError(fmt::format(
-        "'{}' is no size of a picture; write WIDTHxHEIGHT in pixels, at most {} each, as 960x720",
-        whole, kLargest));
+    throw ConfigurationError(
+        fmt::format("'{}' is not a size of a picture; write WIDTHxHEIGHT in pixels, at most {} "
+                    "each, as 960x720",
+                    whole, kLargest));
   }
   return value;
 }

@@ -195,10 +195,10 @@ MasterAddress parse_master_uri(const std::string& uri) {
            address.port != 0;
   }
   if (!good) {
-    throw ConfigurationError(
-        fmt::format("ROS_MASTER_URI is '{}', which is no address; write http://HOST:PORT, as in "
-                    "http://localhost:11311",
-                    uri));
+    throw ConfigurationError(fmt::format(
+        "ROS_MASTER_URI is '{}', which is not an address; write http://HOST:PORT, as in "
+        "http://localhost:11311",
+        uri));
   }
   return address;
 }

@@ -27,7 +27,7 @@ std::string checked_space(const std::string& written) {
     }
   } catch (const ConfigurationError&) {
     throw ConfigurationError(
-        fmt::format("'{}' is no namespace of ROS 2; write letters, digits, '_' and '/', as in "
+        fmt::format("'{}' is not a namespace of ROS 2; write letters, digits, '_' and '/', as in "
                     "__ns:=/arena/left",
                     written));
   }

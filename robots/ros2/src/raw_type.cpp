@@ -25,7 +25,7 @@ const RawData& raw(const ddsi_serdata* data) {
 }
 
 /// The sender may have said how many bytes at the end only fill up (XTypes 1.3, 7.6.3.1.2). A size
-/// that is no multiple of four has none of them, as some senders of fragments have it.
+/// that is not a multiple of four has none of them, as some senders of fragments have it.
 void drop_filling(RawData& data) {
   const auto filling = std::to_integer<std::uint32_t>(data.bytes[kEncodingBytes - 1]) & 3U;
   if (data.size % 4 == 0 && data.size >= kEncodingBytes + filling) {

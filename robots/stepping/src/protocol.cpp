@@ -21,7 +21,7 @@ auto read_json(const char* topic, std::string_view text, Read&& read) {
     return read(json::parse(text));
   } catch (const json::exception& error) {
     throw TransportError(fmt::format(
-        "topic {} has brought '{}{}', which is no message of the stepping protocol ({}); "
+        "topic {} has brought '{}{}', which is not a message of the stepping protocol ({}); "
         "docs/stepping.md has them",
         topic, text.substr(0, kShown), text.size() > kShown ? "..." : "", error.what()));
   }

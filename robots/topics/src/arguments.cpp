@@ -122,7 +122,7 @@ RosArguments read_ros_arguments(const std::string& text) {
   for (std::string word; words >> word;) {
     if (!add_name(word, arguments)) {
       throw ConfigurationError(fmt::format(
-          "'{}' is no argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan", word));
+          "'{}' is not an argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan", word));
     }
   }
   return arguments;

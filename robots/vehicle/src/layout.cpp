@@ -51,7 +51,7 @@ double footprint_radius(const mjModel& model, int geom, const Names& names) {
       !is_upright(model.body_quat + 4 * body)) {
     throw ConfigurationError(
         Location{names.path()},
-        fmt::format("obstacle '{}' has a geom that is no upright box or cylinder; write "
+        fmt::format("obstacle '{}' has a geom that is not an upright box or cylinder; write "
                     "type=\"box\" or type=\"cylinder\" and turn it about z only",
                     names.body(body)));
   }

@@ -16,7 +16,7 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
 
 /// Puts the mocap body `cue` at the one of the numerics `cue_place_1`, `cue_place_2`, ... (x, y,
 /// heading) that the seed draws, and says which; 0: there is no cue.
-/// @throws ConfigurationError: a cue without places, or one that is no mocap body.
+/// @throws ConfigurationError: a cue without places, or one that is not a mocap body.
 int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed);
 
 /// Reads numeric `arena`.

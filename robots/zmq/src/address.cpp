@@ -34,7 +34,7 @@ void check_address(const std::string& address) {
     return;
   }
   constexpr const char* kRemedy =
-      "is no address; write tcp://HOST:PORT, or tcp://*:PORT to publish on every interface";
+      "is not an address; write tcp://HOST:PORT, or tcp://*:PORT to publish on every interface";
   const auto colon = address.rfind(':');
   if (!address.starts_with(kNetwork) || colon <= kNetwork.size()) {
     refuse(address, kRemedy);
@@ -75,7 +75,7 @@ void check_bind_address(const std::string& address) {
   if (!host.empty() && host != "*" && ::inet_pton(AF_INET, host.c_str(), &ignored) != 1 &&
       ::if_nametoindex(host.c_str()) == 0) {
     refuse(address,
-           "is no address to publish at; write an IP address of this machine, as in "
+           "is not an address to publish at; write an IP address of this machine, as in "
            "tcp://127.0.0.1:5556, or tcp://*:5556 to publish on every interface");
   }
 }

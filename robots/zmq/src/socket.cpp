@@ -23,10 +23,10 @@ constexpr int kLingerMs = 100;
     throw TransportError(fmt::format("cannot bind {}: {}; write another {} in zmq_addr", address,
                                      reason, is_file ? "path" : "port"));
   }
-  throw ConfigurationError(
-      fmt::format("zmq_addr '{}' is no address of this machine ({}); write tcp://*:PORT to publish "
-                  "on every interface",
-                  address, reason));
+  throw ConfigurationError(fmt::format(
+      "zmq_addr '{}' is not an address of this machine ({}); write tcp://*:PORT to publish "
+      "on every interface",
+      address, reason));
 }
 
 /// ZeroMQ takes over the file of an ipc:// address that another program is bound to.

@@ -66,7 +66,7 @@ bool ObservationReader::read(std::string_view message, double now_unix_s) {
   const json parsed = json::parse(message, nullptr, false);
   if (!parsed.is_array()) {
     if (++counts_.malformed == 1) {
-      warning_ = fmt::format("a message that is no JSON array was left out: '{}'{}",
+      warning_ = fmt::format("a message that is not a JSON array was left out: '{}'{}",
                              message.substr(0, 60), message.size() > 60 ? " ..." : "");
     }
     return false;
@@ -80,7 +80,7 @@ bool ObservationReader::read(std::string_view message, double now_unix_s) {
       channels_[i] = *value;
     } else if (++counts_.invalid_readings == 1) {
       warning_ = fmt::format(
-          "entry {} is no reading: {}; {}", i, parsed[i].dump().substr(0, 60),
+          "entry {} is not a reading: {}; {}", i, parsed[i].dump().substr(0, 60),
           gym_ ? "an observation has 'value', and 'min' below 'max'" : "a FloatArray has numbers");
     }
   }

@@ -8,7 +8,8 @@
 namespace spikeloop {
 
 /// A pipe would be waited for, and a device has no end.
-/// @throws FileError: there is none, or it is no regular file; `kind` says what to write ("world").
+/// @throws FileError: there is none, or it is not a regular file; `kind` says what to write
+/// ("world").
 void require_regular_file(const std::string& path, std::string_view kind);
 
 /// The whole of a regular file.

@@ -90,7 +90,7 @@ class ExportedClass {
     } catch (const std::exception& exception) {
       write_error(exception.what(), error, error_size);
     } catch (...) {
-      write_error("it threw something that is no std::exception", error, error_size);
+      write_error("it threw something that is not a std::exception", error, error_size);
     }
     return nullptr;
   }
@@ -102,7 +102,7 @@ class ExportedClass {
     } catch (const std::exception& exception) {
       write_error(exception.what(), error, error_size);
     } catch (...) {
-      write_error("it threw something that is no std::exception", error, error_size);
+      write_error("it threw something that is not a std::exception", error, error_size);
     }
     return 1;
   }
@@ -116,7 +116,7 @@ class ExportedClass {
       write_error(exception.what(), error, error_size);
       return SPIKELOOP_FAILED;
     } catch (...) {
-      write_error("it threw something that is no std::exception", error, error_size);
+      write_error("it threw something that is not a std::exception", error, error_size);
       return SPIKELOOP_FAILED;
     }
     const auto count = std::min<std::size_t>(held.counters.size(), capacity);

@@ -31,11 +31,11 @@ class Registry {
 
   /// Loads a shared library, or a *.py file, and adds its node classes; returns their names. Size,
   /// ABI version and build of a library are checked before anything in it is called. Of a file that
-  /// is no library the classes are made by a library of ours, which is looked for in
+  /// is not a library the classes are made by a library of ours, which is looked for in
   /// SPIKELOOP_LIBRARY_PATH, beside the program, and in ../lib/spikeloop of it. A path without '/'
   /// is seen from the working directory, like any other.
-  /// @throws ConfigurationError with the path and the reason: cannot be loaded, is no plug-in, was
-  /// built for another version, names a class that is already there, malformed description.
+  /// @throws ConfigurationError with the path and the reason: cannot be loaded, is not a plug-in,
+  /// was built for another version, names a class that is already there, malformed description.
   std::vector<std::string> load_plugin(const std::string& path);
   /// Loads every *.so in the directories of a ':'-separated list (SPIKELOOP_PLUGIN_PATH), and every
   /// *.py that defines nodes: one with a line that begins with @spikeloop.node or another @...node.

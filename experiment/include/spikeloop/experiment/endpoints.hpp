@@ -24,7 +24,7 @@ messages::SensorRule sensor_rule(const Parameters& parameters);
 /// and when `initial` is neither a number nor none.
 topics::SensorSettings sensor_settings(const Parameters& parameters);
 /// What a ros_event_sensor takes; port and place are left to the caller. @throws
-/// ConfigurationError: `roi` is no region, `message` has no events.
+/// ConfigurationError: `roi` is not a region, `message` has no events.
 messages::EventSettings event_settings(const Parameters& parameters);
 /// A ros_event_sensor; port and place are left to the caller. @throws as event_settings.
 topics::EventSensorSettings event_sensor_settings(const Parameters& parameters);

@@ -40,11 +40,11 @@ struct Hello {
 };
 
 nlohmann::json to_packet(const Hello& hello);
-/// Nothing when the packet is no hello, or of another protocol that says it in another way.
+/// Nothing when the packet is not a hello, or of another protocol that says it in another way.
 std::optional<Hello> read_hello(const nlohmann::json& packet);
 
 nlohmann::json make_packet(std::string_view type);
-/// Empty for what is no packet of ours.
+/// Empty for what is not a packet of ours.
 std::string type_of(const nlohmann::json& packet);
 /// Empty when there is none.
 std::string text_of(const nlohmann::json& packet, const char* key);

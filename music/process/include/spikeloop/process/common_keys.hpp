@@ -46,9 +46,9 @@ struct CommonKeys {
 std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaults = {});
 
 /// `programs` are those of the job, which decide what dialect=auto means.
-/// @throws ConfigurationError as resolve(), and for a tick that is no whole number of nanoseconds,
-/// a negative stoptime, a `sync` that this version does not have, and a dialect=auto that cannot
-/// choose.
+/// @throws ConfigurationError as resolve(), and for a tick that is not a whole number of
+/// nanoseconds, a negative stoptime, a `sync` that this version does not have, and a dialect=auto
+/// that cannot choose.
 CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults& defaults = {},
                              const std::vector<std::string>& programs = {});
 

@@ -110,7 +110,7 @@ class CommandChannel {
   std::optional<StopReason> network_stop_ = StopReason::no_value;
   std::optional<StopReason> held_;
   std::vector<double> override_;  ///< the newest manual command
-  bool override_stops_ = false;   ///< it is no number
+  bool override_stops_ = false;   ///< it is not a number
   TimeNs override_timeout_;
   TimeNs override_until_ = 0;
   bool overridden_ = false;

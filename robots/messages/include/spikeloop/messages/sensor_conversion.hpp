@@ -27,7 +27,7 @@ class Reading;
 /// | sensor_msgs/Image, CompressedImage | see images::ImageConversion; without a rule its grey  |
 ///
 /// A beam nearer than range_min, -inf too, is -1 (too close); one beyond range_max, +inf too, is 1
-/// (nothing there), as REP 117 says. NaN is no reading, and so is 0, which many drivers send
+/// (nothing there), as REP 117 says. NaN is not a reading, and so is 0, which many drivers send
 /// instead: the beam keeps its last value (NaN before the first).
 /// So does a pixel without a reading. With `fields`, any type: the numbers of these paths one after
 /// the other. Elements that a path names and the message does not have are no reading: their

@@ -21,7 +21,7 @@ struct MasterAddress {
 /// The argument __master, ROS_MASTER_URI, or http://localhost:11311 as everywhere in ROS 1.
 std::string master_uri(const topics::RosArguments& arguments = {});
 
-/// @throws ConfigurationError when it is no http://host:port.
+/// @throws ConfigurationError when it is not a http://host:port.
 MasterAddress parse_master_uri(const std::string& uri);
 
 /// Asks the master for its process id until it answers, once at least. roscpp itself would wait for

@@ -26,7 +26,7 @@ CommandLine split_command_line(int argc, const char* const* argv);
 
 /// "/scan:=/front/scan __ns:=/arena", as split_command_line() takes it.
 std::string to_text(const RosArguments& arguments);
-/// The other way round. @throws ConfigurationError for a word that is no NAME:=VALUE.
+/// The other way round. @throws ConfigurationError for a word that is not a NAME:=VALUE.
 RosArguments read_ros_arguments(const std::string& text);
 
 /// @throws ConfigurationError for names that are none, and for what is neither a topic nor `__ns`

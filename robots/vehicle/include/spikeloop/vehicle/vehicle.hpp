@@ -123,7 +123,7 @@ struct Options {
 /// the wheels at (x, y) with rim speed u: h = u / w = sum(x^2 + y^2) / sum(|y|).
 class Vehicle {
  public:
-  /// @throws FileError when the world cannot be read; ConfigurationError when it is no MJCF, lacks
+  /// @throws FileError when the world cannot be read; ConfigurationError when it is not MJCF, lacks
   /// one of the things above, or cannot be laid out.
   explicit Vehicle(const Options& options);
   ~Vehicle();

@@ -16,7 +16,7 @@ struct PublisherSettings {
   std::uint32_t width = 0;
 };
 
-/// Port: `in` [width]. Nothing is sent before the first value, nor a value that is no finite
+/// Port: `in` [width]. Nothing is sent before the first value, nor a value that is not a finite
 /// number. The values are sent as they are; those outside the range are counted.
 ///
 /// Counters: messages, not_finite, outside_range.

@@ -15,7 +15,7 @@ namespace spikeloop::zmq {
 
 /// From a message to the channels of a port. A FloatArray is taken as it is; a value of a
 /// GymObservation as 2 (v - min) / (max - min) - 1, limited to [-1, 1].
-/// An entry without a finite value in a finite, non-empty range is no reading: the channel keeps
+/// An entry without a finite value in a finite, non-empty range is not a reading: the channel keeps
 /// what it had (NaN before the first).
 class ObservationReader {
  public:
