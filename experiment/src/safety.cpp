@@ -117,6 +117,11 @@ Parameter override_parameter() {
 
 command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros) {
   const Parameters& keys = command.parameters.map("emergency_stop");
+  if (keys.text("topic").empty()) {
+    throw ConfigurationError(
+        keys.where("topic"),
+        "key 'emergency_stop': there is no topic; write  /emergency_stop, or none");
+  }
   command::EmergencyStop result{.topic = topic_of(command, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
                                 .field = keys.text("field"),

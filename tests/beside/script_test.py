@@ -49,10 +49,10 @@ def main():
         assert "b: got 10" in said(scratch, "run")
         for command in ("check", "run"):
             printed = said(scratch, command, "script=c.py", 2)
-            assert "a: job.music:5:3: key 'script': there is no script 'c.py', seen from " in printed \
+            assert "job.music:5:3: key 'script': there is no script 'c.py', seen from " in printed \
                 and "; write its path from there" in printed, printed
             printed = said(scratch, command, "seed=1", 2)
-            assert "a: job.music:2:1: key 'script' is missing: a file in Python that " \
+            assert "job.music:2:1: key 'script' is missing: a file in Python that " \
                 "spikeloop-script runs; write  script=brain.py" in printed, printed
         printed = said(scratch, "run", code=3, PYTHON="/nowhere/python3")
         assert "cannot start '/nowhere/python3': No such file or directory; install it (Debian: apt " \

@@ -9,6 +9,7 @@
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/config/message_type.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
@@ -222,7 +223,7 @@ void NodeImporter::add_topic_key(const MusicSection& section, const RosProgram& 
   if (key.parameter == "command_rate") {
     written = command_rate(section, program);
   }
-  if (written == nullptr && !declared.default_value) {
+  if ((written == nullptr || written->value.empty()) && !declared.default_value) {
     throw ConfigurationError(section.where, missing_key(declared, "="));
   }
   const std::string name(key.parameter);
@@ -233,10 +234,13 @@ void NodeImporter::add_topic_key(const MusicSection& section, const RosProgram& 
   }
   const std::string& text = written == nullptr ? *declared.default_value : written->value;
   const Location& where = written == nullptr ? section.where : written->where;
-  if (name == "message") {
+  if (name == "message" && is_definition_file(text)) {
+    add(name, path(section, text, where, "message definition"));
+  } else if (name == "message") {
+    const auto ros = launch::ros_version(file_, section) == 2 ? messages::Dialect::ros2
+                                                              : messages::Dialect::ros1;
     add(name, yaml_text(located_at(where, [&] {
-          return experiment::whole_message_type(text, launch::directory_of(file_.path),
-                                                messages::Dialect::ros1);
+          return experiment::whole_message_type(text, launch::directory_of(file_.path), ros);
         })));
   } else {
     add(name, yaml_value(declared, text, where));

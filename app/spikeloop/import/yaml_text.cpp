@@ -91,6 +91,9 @@ std::string yaml_value(const ParameterDescription& parameter, const std::string&
   if (parameter.type == ParameterType::number) {
     return with_unit(text, parameter.unit);
   }
+  if (parameter.type == ParameterType::boolean) {
+    return text;
+  }
   if (parameter.type != ParameterType::list) {
     return yaml_text(text);
   }
