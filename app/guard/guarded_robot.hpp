@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "robots.hpp"
-#include "spikeloop/guard/protocol.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
+#include "spikeloop/guard/protocol.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::guard {

@@ -8,7 +8,7 @@ namespace spikeloop::guard {
 
 struct Options {
   std::string socket;
-  int owner = -1;  ///< a descriptor: the socket to the launcher that started us
+  int owner = -1;       ///< a descriptor: the socket to the launcher that started us
   std::string scratch;  ///< the launcher's folder, removed when that was killed; empty: none
 };
 

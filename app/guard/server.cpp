@@ -128,7 +128,8 @@ bool Server::owner_gone() const {
 }
 
 bool Server::needed() const {
-  return std::ranges::any_of(guarded_, [](const GuardedRobot& guarded) { return guarded.needed(); });
+  return std::ranges::any_of(guarded_,
+                             [](const GuardedRobot& guarded) { return guarded.needed(); });
 }
 
 }  // namespace spikeloop::guard

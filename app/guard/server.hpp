@@ -6,9 +6,9 @@
 #include <list>
 #include <memory>
 
+#include "guarded_robot.hpp"
 #include "options.hpp"
 #include "robots.hpp"
-#include "guarded_robot.hpp"
 
 namespace spikeloop::guard {
 

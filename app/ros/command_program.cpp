@@ -131,7 +131,7 @@ command::CommandSettings command_settings(const music::Process& process, const S
       command::command_settings(parameters, map, parameters.number("command_rate"),
                                 {common.music_timestep, common.rtf}, with_pace);
   experiment::add_bounds(section.node, settings);
-  experiment::add_people(section.node, section.ros.ros, settings);
+  experiment::add_operator_input(section.node, section.ros.ros, settings);
   for (const SensorTopic& sensor : sensors) {
     settings.sensors.push_back(sensor.sensor);
   }
@@ -158,13 +158,13 @@ music::ProgramText command_text(const RosProgram& program) {
   text.notes =
       "A command that has moved by more than the deadband leaves at once. A zero command leaves "
       "when\n"
-      "the run ends in whatever way, when no tick comes, when data are too old (needs the port "
-      "pace),\nand instead of a\n"
-      "command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it "
-      "when\n"
-      "this program cannot: killed by SIGKILL, or stopped by SIGSTOP. The topics emergency_stop "
-      "and\n"
-      "override are heard the moment a message comes. docs/safety.md has all of it.\n";
+      "the run ends in whatever way, when no tick comes, when data are too old (this needs the "
+      "port\n"
+      "pace), and instead of a command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH,\n"
+      "spikeloop-guard sends it when this program cannot: killed by SIGKILL, or stopped by "
+      "SIGSTOP.\n"
+      "The topics emergency_stop and override are read the moment a message comes. docs/safety.md\n"
+      "has all of it.\n";
   return text;
 }
 

@@ -73,7 +73,9 @@ std::string text_of(const char* kind, const Diagnostic& fault) {
 
 int tell_faults(const std::string& file, const Diagnostics& faults) {
   constexpr std::size_t kMost = 20;
-  for (const Diagnostic& fault : faults | std::views::take(kMost)) {
+  Diagnostics errors_first = faults;
+  std::ranges::stable_partition(errors_first, &Diagnostic::is_error);
+  for (const Diagnostic& fault : errors_first | std::views::take(kMost)) {
     put(stderr, text_of(fault.is_error() ? "error" : "warning", fault));
   }
   if (faults.size() > kMost) {

@@ -78,7 +78,7 @@ class Reader {
   }
 
  private:
-  /// Whether `work` had nothing to report about.
+  /// Whether `work` had nothing to report.
   template <typename Work>
   bool attempt(Work&& work) {
     try {

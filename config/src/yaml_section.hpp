@@ -15,7 +15,7 @@
 namespace spikeloop::yaml_text {
 
 /// The only document of a text. `what` is what a file holds one of.
-/// @throws ConfigurationError at the place where it is not a YAML, or a second document begins.
+/// @throws ConfigurationError at the place where it is not YAML, or a second document begins.
 YAML::Node load(const std::string& text, const std::string& path, const std::string& what);
 
 /// The place of a YAML node; yaml-cpp counts lines and columns from 0.

@@ -150,10 +150,12 @@ NodeDescription ros_command() {
       number("command_rate", "Hz", "20 Hz", 0, "Commands are sent again that often; 0: never"),
       number("deadband", "1", "0.01", 0,
              "Part of its range by which a field must move to be sent at once"),
-      number("min_interval", "s", "10 ms", 0,
-             "Least time between two commands; in lockstep 1 ms unless written"),
+      number(
+          "min_interval", "s", "10 ms", 0,
+          "Least time between two commands; not given: one tick, at least 10 ms; in lockstep 1 ms"),
       number("watchdog", "s", "100 ms", 1e-3,
-             "Wall time without a tick after which a zero is sent, at least 3 ticks"),
+             "Wall time without a tick after which a zero is sent; not given: 3 ticks, at least "
+             "100 ms"),
       number("max_age", "s", "1 s", 0, "Data older than that stop the robot; 0: never"),
       number("sensor_timeout", "s", "1 s", 0,
              "A sensor on the way here that is silent for longer stops the robot; 0: never; not "

@@ -35,8 +35,9 @@ std::string topic_of(const Node& node, const char* key, const Parameters& keys,
   if (topic == node.parameters.text("topic")) {
     throw ConfigurationError(
         node.parameters.where(key),
-        fmt::format("key '{}': {} is the topic of the commands themselves; write another one", key,
-                    topic));
+        fmt::format(
+            "key '{}': {} is the topic of the commands themselves; write another one, or none", key,
+            topic));
   }
   return topic;
 }
@@ -104,8 +105,7 @@ Parameter override_parameter() {
           "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
       .inner = {text("topic", "",
                      "Topic of commands by hand, in place of the network's; not given: that of the "
-                     "commands "
-                     "with _manual behind it; none"),
+                     "commands with _manual behind it; none"),
                 {.name = "timeout",
                  .unit = "s",
                  .default_value = "500 ms",
@@ -128,6 +128,9 @@ command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros
                                 .latched = keys.boolean("latched"),
                                 .required = keys.boolean("required"),
                                 .timeout = from_seconds(keys.number("timeout"))};
+  if (result.topic.empty()) {
+    return {};
+  }
   try {
     const auto& catalog = messages::Catalog::for_type(ros, result.message_type);
     if (!is_definition_file(result.message_type)) {
@@ -150,13 +153,15 @@ command::Override manual_override(const Node& command) {
   if (!topic.empty() && topic == emergency_topic(command)) {
     throw ConfigurationError(
         command.parameters.where("override"),
-        fmt::format("key 'override': {} is the topic of the emergency stop; write another one",
-                    topic));
+        fmt::format(
+            "key 'override': {} is the topic of the emergency stop; write another one, or none",
+            topic));
   }
   return {.topic = topic, .timeout = from_seconds(keys.number("timeout"))};
 }
 
-void add_people(const Node& command, messages::Dialect ros, command::CommandSettings& settings) {
+void add_operator_input(const Node& command, messages::Dialect ros,
+                        command::CommandSettings& settings) {
   settings.emergency_stop = emergency_stop(command, ros);
   settings.manual = manual_override(command);
 }

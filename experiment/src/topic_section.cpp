@@ -1,8 +1,6 @@
 #include "spikeloop/experiment/topic_section.hpp"
 
 #include <algorithm>
-#include <iterator>
-#include <map>
 #include <string>
 
 #include "spikeloop/experiment/node_types.hpp"
@@ -48,17 +46,15 @@ const ParameterDescription& declaration(const std::vector<ParameterDescription>&
   return *std::ranges::find(parameters, name, &ParameterDescription::name);
 }
 
-/// What the older program took.
-void set_default(const RosProgram& program, const SectionKey& key,
-                 ParameterDescription& parameter) {
-  const std::map<std::string_view, std::string_view> defaults{
-      {"topic", program.topic},
-      {"message", program.message},
-      {"command_rate", program.command_rate}};
-  if (const auto own = defaults.find(key.parameter);
-      key.inner.empty() && own != defaults.end() && !own->second.empty()) {
-    parameter.default_value = own->second;
+/// What the older program took for a parameter; empty: what the class takes.
+std::string_view older_default(const RosProgram& program, const SectionKey& key) {
+  if (!key.inner.empty()) {
+    return "";
   }
+  return key.parameter == "topic"          ? program.topic
+         : key.parameter == "message"      ? program.message
+         : key.parameter == "command_rate" ? program.command_rate
+                                           : "";
 }
 
 void copy(const Parameters& from, const std::string& name, Parameters& to, const std::string& as) {
@@ -111,26 +107,26 @@ std::vector<ParameterDescription> section_parameters(const RosProgram& program) 
       parameter = declaration(inner, key.inner);
     }
     parameter.name = key.name;
-    set_default(program, key, parameter);
+    if (const auto older = older_default(program, key); !older.empty()) {
+      parameter.default_value = older;
+    }
     result.push_back(std::move(parameter));
   }
   return result;
 }
 
 Parameters class_parameters(const RosProgram& program, const Parameters& section) {
-  std::vector<ParameterDescription> declared = parameters_of(program);
-  for (ParameterDescription& parameter : declared) {
-    if (!parameter.default_value) {
-      parameter.default_value = "";
-    }
-  }
-  Parameters result = resolve(declared, {}, {});
   const auto keys = section_keys(program.node_class);
-  for (const SectionKey& key : keys) {
-    if (key.inner.empty()) {
-      copy(section, std::string(key.name), result, std::string(key.parameter));
+  Parameters result;
+  for (ParameterDescription parameter : parameters_of(program)) {
+    const auto key = std::ranges::find(keys, parameter.name, &SectionKey::parameter);
+    if (key == keys.end()) {
+      parameter.default_value = parameter.default_value.value_or("");
+      copy(spikeloop::resolve({parameter}, {}, {}), parameter.name, result, parameter.name);
+    } else if (key->inner.empty()) {
+      copy(section, std::string(key->name), result, parameter.name);
     } else {
-      add_map(std::string(key.parameter), section, keys, result);
+      add_map(parameter.name, section, keys, result);
     }
   }
   return result;

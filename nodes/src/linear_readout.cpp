@@ -101,7 +101,7 @@ class LinearReadout final : public Node {
         share_(setup.share),
         first_(share_.begin(setup.widths[1])),
         weights_(port_weights(setup, setup.widths[1], setup.widths[0]), first_,
-             share_.end(setup.widths[1])),
+                 share_.end(setup.widths[1])),
         sum_(weights_.sums(), tau_) {}
 
   void step(const Step& step) override {

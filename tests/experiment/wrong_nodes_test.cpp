@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"emergency stop on the commands' topic",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
-                   "themselves; write another one"}},
+                   "themselves; write another one, or none"}},
         WrongFile{"commands to what is not a topic",
                   {{"topic: /cmd_vel", "topic: a-b"}},
                   {"x.yaml:10:38: 'a-b' is not a valid ROS topic name; write letters, "
@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"override on the topic of the emergency stop",
                   {{"angular.z: 1}", "angular.z: 1}, override: /emergency_stop"}},
                   {"x.yaml:10:111: key 'override': /emergency_stop is the topic of the emergency "
-                   "stop; write another one"}},
+                   "stop; write another one, or none"}},
         WrongFile{"override without time",
                   {{"angular.z: 1}", "angular.z: 1}, override: {timeout: 0 s}"}},
                   {"x.yaml:10:121: key 'override': key 'timeout': 0 is out of bounds; write a "
@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
             {"x.yaml:9:56: key 'weights': the weights have 2 rows and 2 columns, but the ports "
              "have 2 outputs and 3 inputs; write one row an output and one column an input"},
             {{"w.json", "[[1, 0], [0, 1]]"}}},
-        WrongFile{"weights file that is not a JSON",
+        WrongFile{"weights file that is not JSON",
                   {},
                   {"x.yaml:9:56: key 'weights': w.json: the table is the number 1; write an array "
                    "of rows, [[0.1, 0.2], [0.3, 0.4]], one row an output"},

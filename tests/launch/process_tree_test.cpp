@@ -53,7 +53,7 @@ TEST(ProcessTree, RunsAProgramWithItsEnvironmentInItsDirectory) {
   EXPECT_EQ(exit_code(tree.status().value()), 7);
 }
 
-TEST(ProcessTree, EndsThoughItsKeeperWasStopped) {
+TEST(ProcessTree, EndsThoughItsSubreaperWasStopped) {
   ProcessTree tree(shell("sleep 100"));
   std::ifstream status(fmt::format("/proc/{}/status", tree.pid()));
   pid_t subreaper = 0;

@@ -65,13 +65,13 @@ TEST_F(ErrorTest, what_stops_the_robot) {
   };
   EXPECT_THAT(said("emergency_stop=/cmd_vel"),
               HasSubstr("key 'emergency_stop': /cmd_vel is the topic of the commands themselves; "
-                        "write another one"));
+                        "write another one, or none"));
   EXPECT_THAT(said("override=/cmd_vel"),
               HasSubstr("key 'override': /cmd_vel is the topic of the commands themselves; write "
-                        "another one"));
+                        "another one, or none"));
   EXPECT_THAT(said("override=/emergency_stop"),
               HasSubstr("key 'override': /emergency_stop is the topic of the emergency stop; "
-                        "write another one"));
+                        "write another one, or none"));
   EXPECT_THAT(said("emergency_stop_field=dat"), HasSubstr("did you mean 'data'?"));
   EXPECT_THAT(said("emergency_stop_message=std_msgs/Bol"),
               HasSubstr("unknown message type 'std_msgs/Bol'"));

@@ -60,7 +60,8 @@ TEST(Ros2Names, says_what_is_no_name) {
                 whole("scan", {{"scan", "1"}});
               }),
               HasSubstr("'1' is not a valid ROS 2 topic name"));
-  EXPECT_THAT(error_of([] { whole("~scan", {}); }), HasSubstr("'~scan' is not a valid ROS 2 topic name"));
+  EXPECT_THAT(error_of([] { whole("~scan", {}); }),
+              HasSubstr("'~scan' is not a valid ROS 2 topic name"));
 }
 
 TEST(Ros2Names, a_topic_in_dds_has_a_prefix) {

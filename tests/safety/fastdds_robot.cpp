@@ -117,7 +117,8 @@ int run(int argc, char** argv) {
   if (argc != 2) {
     throw std::runtime_error("write fastdds_robot DOMAIN");
   }
-  spikeloop::run_before_others();  // what it hears late on a busy machine would look like a late stop
+  spikeloop::run_before_others();  // what it hears late on a busy machine would look like a late
+                                   // stop
   Wheels wheels;
   Button button;
   Listener<DiagnosticArray> monitor(say_diagnosis);

@@ -64,7 +64,8 @@ std::string in_path(const std::string& program);
 /// How much of it is free in a directory that jobs share memory in.
 Finding shared_memory(const std::string& directory);
 
-// All probes, module by module. `scratch`: a directory for what programs leave behind; may be empty.
+// All probes, module by module. `scratch`: a directory for what programs leave behind; may be
+// empty.
 std::vector<Probe> own_probes();
 std::vector<Probe> mpi_probes(const std::string& scratch);
 std::vector<Probe> plugin_probes();

@@ -45,9 +45,9 @@ struct Place {
 /// The version of ROS, and a topic; 0, and an address.
 using Key = std::pair<int, std::string>;
 
-class OutsideCheck {
+class ExternalTopicsCheck {
  public:
-  OutsideCheck(const MusicFile& file, bool strict) : file_(file), strict_(strict) {}
+  ExternalTopicsCheck(const MusicFile& file, bool strict) : file_(file), strict_(strict) {}
 
   Diagnostics run() {
     for (const MusicSection* section : in_written_order(file_)) {
@@ -182,7 +182,7 @@ class OutsideCheck {
 }  // namespace
 
 Diagnostics check_external_topics(const MusicFile& file, bool strict) {
-  return OutsideCheck(file, strict).run();
+  return ExternalTopicsCheck(file, strict).run();
 }
 
 }  // namespace spikeloop::launch

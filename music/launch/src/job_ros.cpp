@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "job_run.hpp"
 #include "external_topics.hpp"
+#include "job_run.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/effective_file.hpp"
@@ -179,8 +179,8 @@ bool JobRun::start_rosmaster() {
     rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
       log_ << "rosmaster: " << line.text << std::endl;
     });
-    group_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
-                     kRosStart);
+    group_.turn_until(
+        [&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); }, kRosStart);
     if (outcome_) {
       return false;
     }
@@ -241,7 +241,7 @@ bool JobRun::start_robot() {
   start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
                          options_.robot_arguments.end());
   robot_ = &group_.start(with_environment(start),
-                        [this](const OutputLine& line) { take_line("robot", line); });
+                         [this](const OutputLine& line) { take_line("robot", line); });
   const auto drives = [this] { return state_.has_ticked("robot"); };
   group_.turn_until([&] { return outcome_ || robot_->gone() || drives(); }, kRosStart);
   if (const auto& failure = state_.failure()) {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "process_group.hpp"
 #include "job_state.hpp"
+#include "process_group.hpp"
 #include "run_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"

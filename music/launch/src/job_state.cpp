@@ -153,9 +153,9 @@ void JobState::take(const OutputLine& line) {
   }
   diagnosis_.read(line.text);
   // What ssh says of a host is the cause; Open MPI's guesses follow.
-  const bool cause_known = last_words_of_mpirun_.starts_with(kSsh);
+  const bool cause_known = last_line_of_mpirun_.starts_with(kSsh);
   if (!cause_known && line.text.find_first_not_of("- ") != std::string::npos) {
-    last_words_of_mpirun_ = line.text;
+    last_line_of_mpirun_ = line.text;
   }
 }
 
@@ -244,14 +244,14 @@ Failure JobState::explain(const MpirunEnd& end) const {
                 ? killed_text(who, number)
                 : fmt::format("{} ended before MUSIC's Setup, with exit code {}", who, otherwise)};
   }
-  if (!rank && last_words_of_mpirun_.starts_with(kSsh)) {
-    return {3, "a host of the job cannot be reached; " + last_words_of_mpirun_};
+  if (!rank && last_line_of_mpirun_.starts_with(kSsh)) {
+    return {3, "a host of the job cannot be reached; " + last_line_of_mpirun_};
   }
   if (!rank) {
     return {otherwise,
             fmt::format(
                 "{} ended with exit code {}{}", end.program, end.exit_code,
-                last_words_of_mpirun_.empty() ? "" : "; its last line: " + last_words_of_mpirun_)};
+                last_line_of_mpirun_.empty() ? "" : "; its last line: " + last_line_of_mpirun_)};
   }
   const auto words = error_tail_.find(*rank);
   const std::string last = words == error_tail_.end() ? "" : kLastLine + words->second;

@@ -119,7 +119,7 @@ class JobState {
   bool pacer_heard_ = false;
   std::optional<Failure> failure_;
   std::string music_error_;
-  std::string last_words_of_mpirun_;
+  std::string last_line_of_mpirun_;
   std::map<int, std::string> error_tail_;  ///< by rank, of standard error
   MpirunDiagnosis diagnosis_;
   std::string terminated_;      ///< label of the first that SIGTERM has ended

@@ -11,8 +11,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "subreaper.hpp"
 #include "spikeloop/core/error.hpp"
+#include "subreaper.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -57,17 +57,17 @@ ProcessTree::ProcessTree(const ProgramStart& start) {
   Pair subreaper = make_socket_pair(start);
   Pair out = make_pipe(start);
   Pair err = make_pipe(start);
-  keeper_pid_ = fork();
-  if (keeper_pid_ == 0) {
+  subreaper_pid_ = fork();
+  if (subreaper_pid_ == 0) {
     keep(start, {subreaper.theirs.get(), out.theirs.get(), err.theirs.get()});
   }
-  if (keeper_pid_ < 0) {
+  if (subreaper_pid_ < 0) {
     fail(start, errno);
   }
   subreaper.theirs.reset();
   const SubreaperNews news = first_news(subreaper.ours.get());
   if (news.kind != SubreaperNews::Kind::started) {
-    waitpid(keeper_pid_, nullptr, 0);
+    waitpid(subreaper_pid_, nullptr, 0);
     fail(start, news.value);
   }
   pid_ = news.value;
@@ -93,7 +93,7 @@ void ProcessTree::signal(int number) const {
 void ProcessTree::order(char command) const {
   if (subreaper_.get() >= 0) {
     send(subreaper_.get(), &command, 1, MSG_NOSIGNAL);
-    ::kill(keeper_pid_, SIGCONT);  // one that was stopped would not obey
+    ::kill(subreaper_pid_, SIGCONT);  // one that was stopped would not obey
   }
 }
 
@@ -116,7 +116,7 @@ bool ProcessTree::gone() {
       status_ = news.value;
     } else {
       subreaper_.reset();
-      waitpid(keeper_pid_, nullptr, 0);
+      waitpid(subreaper_pid_, nullptr, 0);
     }
   }
   return true;

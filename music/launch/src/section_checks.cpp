@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <filesystem>
 #include <string_view>
 
@@ -84,11 +84,19 @@ void SectionChecks::start(const MusicSection& section, const Places& places) {
 Diagnostic SectionChecks::diagnostic(const Section& section, std::string text,
                                      int exit_code) const {
   Location where{file_.path};
-  int length = 0;
+  std::string_view rest = text;
+  const auto take_number = [&rest](int& number) {
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+    if (error == std::errc()) {
+      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()) + 1);  // and the colon
+    }
+  };
   const std::string named = file_.path + ":";
-  if (text.starts_with(named) &&
-      std::sscanf(&text[named.size()], "%d:%d: %n", &where.line, &where.column, &length) == 2) {
-    return {where, text.substr(named.size() + static_cast<std::size_t>(length)), exit_code};
+  if (text.starts_with(named)) {
+    rest.remove_prefix(named.size());
+    take_number(where.line);
+    take_number(where.column);
+    return {where, std::string(rest.substr(std::min<std::size_t>(1, rest.size()))), exit_code};
   }
   return {{}, fmt::format("{}: {}", section.label, text), exit_code};
 }
@@ -148,7 +156,7 @@ Diagnostics SectionChecks::run(const std::function<bool()>& stopped) {
   return findings;
 }
 
-/// All sections complain of a key at the top of the file: the first one's word is enough.
+/// Every section reports a key at the top of the file: once is enough.
 void SectionChecks::drop_repeated(Section& section) {
   std::erase_if(section.findings, [&](const Diagnostic& found) {
     return !found.where.file.empty() && !said_.insert(found.text()).second;

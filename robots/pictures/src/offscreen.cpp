@@ -16,9 +16,8 @@ constexpr const char* kRemedy =
     "install Mesa's drivers:  apt-get install libegl1 libgl1 libgl1-mesa-dri";
 
 [[noreturn]] void refuse_egl(const char* step, EGLint error) {
-  throw TransportError(
-      fmt::format("cannot draw without a display: {} failed with EGL error {:#x}; {}", step, error,
-                  kRemedy));
+  throw TransportError(fmt::format(
+      "cannot draw without a display: {} failed with EGL error {:#x}; {}", step, error, kRemedy));
 }
 
 }  // namespace

@@ -56,17 +56,16 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       sink_(settings, transport()),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
                                               settings, sink_)),
-      on_termination_(session.local()
-                          ? nullptr
-                          : std::make_unique<status::TerminationHook>(
-                                [this] { sink_.stop(command::StopReason::terminated); })) {}
+      on_termination_(session.local() ? nullptr : std::make_unique<status::TerminationHook>([this] {
+        sink_.stop(command::StopReason::terminated);
+      })) {}
 
 CommandEndpoint::~CommandEndpoint() = default;
 
 command::CommandSink::Transport CommandEndpoint::transport() {
   command::CommandSink::Transport transport{.publish = [this](auto values) { publish(values); },
-                                        .finish = [this] { finish(); },
-                                        .watched = !session_.local()};
+                                            .finish = [this] { finish(); },
+                                            .watched = !session_.local()};
   if (!session_.local()) {
     transport.interrupted = [] { ::kill(::getpid(), SIGTERM); };
     transport.beat = [this](TimeNs now) { return beat(now); };

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <mutex>
 
-#include "topic_reader.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/event_playback.hpp"
 #include "spikeloop/topics/names.hpp"
+#include "topic_reader.hpp"
 
 namespace spikeloop::topics {
 namespace {

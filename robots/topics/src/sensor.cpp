@@ -4,11 +4,11 @@
 #include <atomic>
 #include <mutex>
 
-#include "topic_reader.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/topics/names.hpp"
+#include "topic_reader.hpp"
 
 namespace spikeloop::topics {
 namespace {

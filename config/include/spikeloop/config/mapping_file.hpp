@@ -46,7 +46,7 @@ struct MappingOptions {
   /// lies.
   std::filesystem::path base_directory{};
   /// False reads as the older programs did, with a warning in the log: a missing file or one that
-  /// is not a JSON gives a Float64MultiArray of all channels; unknown keys and fields with channel
+  /// is not JSON gives a Float64MultiArray of all channels; unknown keys and fields with channel
   /// -1 are left out; a message without mapping is all zero.
   bool strict = true;
   Location named_in{};  ///< where the file is named, for warnings

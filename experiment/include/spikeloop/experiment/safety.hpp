@@ -25,7 +25,8 @@ command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros
 /// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
 command::Override manual_override(const Node& command);
 /// Puts the two into a command's settings.
-void add_people(const Node& command, messages::Dialect ros, command::CommandSettings& settings);
+void add_operator_input(const Node& command, messages::Dialect ros,
+                        command::CommandSettings& settings);
 /// The fields of a ros_command, with the default bounds of those without any unless its `limits`
 /// are `none`.
 void add_bounds(const Node& command, command::CommandSettings& settings);
@@ -37,7 +38,7 @@ TimeNs spike_timeout(const Node& command);
 /// `timeout`.
 std::vector<command::WatchedSensor> watched_sensors(const Experiment& experiment,
                                                     const Node& command);
-/// The parts that they are.
+/// The sensors themselves.
 std::vector<const Node*> sensors_behind(const Experiment& experiment, const std::string& node);
 /// The connections on which the last spikes on the way to a node travel, in the file's order.
 std::vector<const Connection*> spikes_behind(const Experiment& experiment, const std::string& node);

@@ -59,7 +59,7 @@ class ProcessTree {
   void order(char command) const;
 
   pid_t pid_ = -1;
-  pid_t keeper_pid_ = -1;
+  pid_t subreaper_pid_ = -1;
   std::optional<int> status_;
   Descriptor subreaper_;
   Descriptor out_;

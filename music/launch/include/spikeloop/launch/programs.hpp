@@ -27,7 +27,7 @@ struct Program {
   bool ros = false;                  ///< speaks ROS, of the version in its key `ros`
   bool tells_age = false;            ///< has the output `pace`
   bool measures_age = false;         ///< has the input `pace`
-  ExternalAddress external{};                 ///< has no key: meets nobody
+  ExternalAddress external{};        ///< has no key: meets nobody
   bool commands_robot = false;       ///< whatever its ports are
   bool any_class = false;            ///< runs a class that the launcher does not know: any ports
   bool script = false;               ///< a user's, that takes part by our Python package

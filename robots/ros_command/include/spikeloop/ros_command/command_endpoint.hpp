@@ -33,7 +33,7 @@ struct Address {
 };
 
 /// Ports as command::CommandSink. On a local session the robot is stepped by the loop itself: there
-/// is not a guard, and the end of the process ends the robot, too.
+/// is no guard, and the end of the process ends the robot, too.
 class CommandEndpoint : public Sink {
  public:
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
