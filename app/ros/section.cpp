@@ -48,6 +48,20 @@ session::Settings session_settings(const Parameters& keys) {
   return settings;
 }
 
+/// An empty value of a list, or of a key that must be given, is none.
+Parameters read_keys(const music::Process& process,
+                     const std::vector<ParameterDescription>& declared) {
+  WrittenValues written = process.written(names_of(declared));
+  for (const ParameterDescription& parameter : declared) {
+    const auto value = written.find(parameter.name);
+    const bool may_be_empty = parameter.type != ParameterType::list && parameter.default_value;
+    if (value != written.end() && value->second.text.empty() && !may_be_empty) {
+      written.erase(value);
+    }
+  }
+  return resolve(declared, written, {});
+}
+
 }  // namespace
 
 std::vector<ParameterDescription> program_parameters(const RosProgram& program,
@@ -69,7 +83,7 @@ ParameterDescription update_rate_parameter() {
 Section read_section(const music::Process& process, const RosProgram& program,
                      const std::vector<ParameterDescription>& declared) {
   Section section;
-  section.keys = process.read(declared);
+  section.keys = read_keys(process, declared);
   section.ros = session_settings(section.keys);
   section.node.name = process.label();
   section.node.kind = program.node_class;

@@ -76,6 +76,8 @@ music::ProgramText sensor_text(const RosProgram& program) {
       "value.\n"
       "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: as it is. Odometry:\n"
       "x[, y[, z]] in metres. Image, CompressedImage: grey, -1 to 1.\n"
+      "Older names of types: Laserscan, Twist, FloatArray, Odom.\n"
+      "fields=PATH,PATH takes other fields than the type's usual ones, their numbers as they are.\n"
       "A mapping file holds  {\"fields\": [\"PATH\", {\"path\": \"PATH\", \"scale\": 2}]}  or\n"
       "{\"image\": {\"resize\": [40, 30]}}  (docs/images.md).\n";
   text.defaults.pace = true;

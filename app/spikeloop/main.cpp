@@ -25,7 +25,7 @@ int fail(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-/// The first argument is not an option and no command; empty when all is well.
+/// The first argument is neither an option nor a command; empty when all is well.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   std::vector<std::string> known;

@@ -17,7 +17,7 @@ ParameterDescription number_or_word_parameter(std::string name, std::string word
 std::optional<double> number_or_word(const Parameters& given, const std::string& name,
                                      std::string_view word, std::string_view remedy) {
   const std::string& text = given.text(name);
-  if (text == word) {
+  if (text.empty() || text == word) {
     return std::nullopt;
   }
   try {

@@ -147,7 +147,8 @@ NodeDescription ros_command() {
       command_fields(),
       limits(),
       slew(),
-      number("command_rate", "Hz", "20 Hz", 0, "Commands are sent again that often; 0: never"),
+      number("command_rate", "Hz", "20 Hz", 0,
+             "Commands are sent again that often, times the real-time factor; 0: never"),
       number("deadband", "1", "0.01", 0,
              "Part of its range by which a field must move to be sent at once"),
       number(

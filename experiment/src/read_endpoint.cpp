@@ -107,7 +107,9 @@ CommandMapping command_mapping(const Parameters& parameters) {
 
 /// @throws ConfigurationError at the field that the message does not have.
 void check_command_fields(const CommandMapping& mapping, messages::Dialect ros) {
-  const auto& catalog = messages::Catalog::for_type(ros, mapping.message_type);
+  const Location first = mapping.fields.empty() ? Location{} : mapping.fields.front().where;
+  const messages::Catalog& catalog =
+      *located_at(first, [&] { return &messages::Catalog::for_type(ros, mapping.message_type); });
   for (const CommandField& field : mapping.fields) {
     located_at(field.where, [&] {
       return messages::MessageWriter(catalog, mapping.message_type, {field.field}), 0;

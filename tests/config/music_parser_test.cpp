@@ -126,9 +126,10 @@ TEST(MusicParser, TextAfterAWidthIsReadAsANewLine) {
   EXPECT_EQ(file.connections.size(), 2u);
   EXPECT_EQ(file.connections[1].where.column, 13);
   EXPECT_EQ(file.globals.at(0), (MusicKey{"k", "3", {}}));
-  EXPECT_EQ(error("A.a->B.b[1] junk"),
-            "f:1:13: 'junk' is not a section, no key and no connection; write 'junk=value', or '#' "
-            "before a comment");
+  EXPECT_EQ(
+      error("A.a->B.b[1] junk"),
+      "f:1:13: 'junk' is neither a section nor a key nor a connection; write 'junk=value', or '#' "
+      "before a comment");
 }
 
 TEST(MusicParser, ColumnsCountCharacters) {
@@ -199,7 +200,7 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
 }
 
 TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
-  const std::string no = "' is not a section, no key and no connection; ";
+  const std::string no = "' is neither a section nor a key nor a connection; ";
   const Case cases[] = {
       {"junk", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
       {"junk # c", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},

@@ -151,6 +151,11 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: /cmd_vel"}},
                   {"x.yaml:10:117: key 'emergency_stop': /cmd_vel is the topic of the commands "
                    "themselves; write another one, or none"}},
+        WrongFile{
+            "emergency stop without a topic",
+            {{"angular.z: 1}", "angular.z: 1}, emergency_stop: \"\""}},
+            {"x.yaml:10:117: node 'wheels': key 'emergency_stop' has no value; write one value "
+             "behind it, or leave the key out"}},
         WrongFile{"commands to what is not a topic",
                   {{"topic: /cmd_vel", "topic: a-b"}},
                   {"x.yaml:10:38: 'a-b' is not a valid ROS topic name; write letters, "

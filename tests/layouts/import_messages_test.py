@@ -170,6 +170,9 @@ def messages(spikeloop, folder):
             (pair("ros_sensor_adapter", "ros_command_adapter", sensor,
                   "message_mapping_filename=twist.dat\nros_topic=/cmd_vel\nros=2\n"), 1,
              "section 'b' speaks ROS 2, another one ROS 1: an experiment has one version; write  ros=1  in all"),
+            (pair("ros_sensor_adapter", "ros_command_adapter", sensor,
+                  "ros_topic=/c\nsensor_mapping_filename=none.json\n"), 0,
+             "key 'sensor_mapping_filename' has no counterpart in an experiment"),
             (pair("ros_sensor_adapter", keys=sensor, more="rate_mox=3\n"), 0,
              "warning: x.music:9:1: key 'rate_mox' has no counterpart in an experiment and is left "
              "out"),

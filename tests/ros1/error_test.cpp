@@ -63,6 +63,7 @@ TEST_F(ErrorTest, what_stops_the_robot) {
     EXPECT_EQ(outcome.exit_code, 2) << keys;
     return outcome.text();
   };
+  EXPECT_THAT(said("emergency_stop="), HasSubstr("key 'emergency_stop': there is no topic"));
   EXPECT_THAT(said("emergency_stop=/cmd_vel"),
               HasSubstr("key 'emergency_stop': /cmd_vel is the topic of the commands themselves; "
                         "write another one, or none"));

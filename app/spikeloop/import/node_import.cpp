@@ -212,7 +212,9 @@ void NodeImporter::import_topic(const MusicSection& section, const RosProgram& p
     }
   }
   add_maps(section, keys, declared);
-  add_mapping_file(section);
+  if (node_.description->name == experiment::kRosSensor) {
+    add_mapping_file(section);
+  }
   note_differences(section);
 }
 
@@ -223,10 +225,15 @@ void NodeImporter::add_topic_key(const MusicSection& section, const RosProgram& 
   if (key.parameter == "command_rate") {
     written = command_rate(section, program);
   }
-  if ((written == nullptr || written->value.empty()) && !declared.default_value) {
+  const std::string name(key.parameter);
+  const bool empty = written != nullptr && written->value.empty();
+  const bool needed = name == "topic" || name == "message";
+  if ((written == nullptr && !declared.default_value) || (empty && needed)) {
     throw ConfigurationError(section.where, missing_key(declared, "="));
   }
-  const std::string name(key.parameter);
+  if (empty && declared.type == ParameterType::list) {
+    return;
+  }
   const auto of_class =
       std::ranges::find(node_.description->parameters, key.parameter, &ParameterDescription::name);
   if (written == nullptr && declared.default_value == of_class->default_value) {
@@ -237,13 +244,24 @@ void NodeImporter::add_topic_key(const MusicSection& section, const RosProgram& 
   if (name == "message" && is_definition_file(text)) {
     add(name, path(section, text, where, "message definition"));
   } else if (name == "message") {
-    const auto ros = launch::ros_version(file_, section) == 2 ? messages::Dialect::ros2
-                                                              : messages::Dialect::ros1;
-    add(name, yaml_text(located_at(where, [&] {
-          return experiment::whole_message_type(text, launch::directory_of(file_.path), ros);
-        })));
+    add(name, yaml_text(message_type(section, text, where)));
   } else {
     add(name, yaml_value(declared, text, where));
+  }
+}
+
+/// With its package. One that is not installed here stays as it is: whoever runs it may have it.
+std::string NodeImporter::message_type(const MusicSection& section, const std::string& text,
+                                       const Location& where) const {
+  const auto ros =
+      launch::ros_version(file_, section) == 2 ? messages::Dialect::ros2 : messages::Dialect::ros1;
+  try {
+    return experiment::whole_message_type(text, launch::directory_of(file_.path), ros);
+  } catch (const ConfigurationError& error) {
+    if (text.find('/') != std::string::npos) {
+      return text;
+    }
+    throw_located(error, where);
   }
 }
 
@@ -296,7 +314,8 @@ void NodeImporter::note_differences(const MusicSection& section) {
                      "the program leaves out values, or keeps old ones",
                      section.label));
   }
-  if (find(section, "sensor_topics") != nullptr) {
+  if (node_.description->name == experiment::kRosCommand &&
+      find(section, "sensor_topics") != nullptr) {
     note(section.where, fmt::format("'{}': an experiment watches the sensors on the way to a "
                                     "command itself; write timeout into those of sensor_topics",
                                     section.label));

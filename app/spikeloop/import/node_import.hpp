@@ -46,6 +46,8 @@ class NodeImporter {
                      const ParameterDescription& parameter);
   void add_topic_key(const MusicSection& section, const RosProgram& program,
                      const experiment::SectionKey& key, const ParameterDescription& declared);
+  std::string message_type(const MusicSection& section, const std::string& text,
+                           const Location& where) const;
   const MusicKey* command_rate(const MusicSection& section, const RosProgram& program);
   void add_maps(const MusicSection& section, std::span<const experiment::SectionKey> keys,
                 const std::vector<ParameterDescription>& declared);
