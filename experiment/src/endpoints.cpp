@@ -11,14 +11,10 @@
 #include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
-messages::SensorRule sensor_rule(const Parameters& parameters) {
-  return sensing::sensor_rule(parameters);
-}
-
 topics::SensorSettings sensor_settings(const Parameters& parameters) {
   return {.topic = parameters.text("topic"),
           .message_type = parameters.text("message"),
-          .rule = sensor_rule(parameters),
+          .rule = sensing::sensor_rule(parameters),
           .initial = number_or_word(parameters, "initial", "none", "write for example 0")};
 }
 
@@ -51,7 +47,7 @@ std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
   try {
     const std::string& type = parameters.text("message");
     return messages::SensorConversion::count(messages::Catalog::for_type(ros, type), type,
-                                             sensor_rule(parameters), message);
+                                             sensing::sensor_rule(parameters), message);
   } catch (const Error&) {
     return 0;  // told elsewhere
   }

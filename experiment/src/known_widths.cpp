@@ -4,6 +4,7 @@
 
 #include "faults.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -30,7 +31,7 @@ std::uint32_t table_width(const Node& node, Direction direction) {
 
 /// A picture of a size that is written says its width.
 std::uint32_t sensor_width(const Node& node, const Trial& trial) {
-  const messages::SensorRule rule = sensor_rule(node.parameters);
+  const messages::SensorRule rule = sensing::sensor_rule(node.parameters);
   if (rule.image && rule.image->values()) {
     return *rule.image->values();
   }

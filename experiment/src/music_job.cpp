@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,8 @@
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/experiment/topic_section.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -125,12 +128,26 @@ class Writer : JobWriter {
     }
   }
 
+  /// Numbers and choices that a section has as the experiment has them.
+  void write_plain_keys(const Node& node) {
+    for (const ParameterDescription& parameter : node.node_class->description.parameters) {
+      const auto keys = section_keys(node.kind);
+      const bool is_key = std::ranges::find(keys, parameter.name, &SectionKey::name) != keys.end();
+      const bool is_plain = parameter.type != ParameterType::text &&
+                            parameter.type != ParameterType::list &&
+                            parameter.type != ParameterType::map;
+      if (is_key && is_plain && node.parameters.given(parameter.name)) {
+        add(node, parameter.name.c_str(), node.written.at(parameter.name).text);
+      }
+    }
+  }
+
   void write_sensor(const Node& node) {
     add(node, "binary", "ros_sensor_adapter");
     add(node, "ros", name_of(experiment_.ros));
     add(node, "ros_topic", node.parameters.text("topic"), "topic");
     add(node, "message_type", node.parameters.text("message"), "message");
-    const messages::SensorRule rule = sensor_rule(node.parameters);
+    const messages::SensorRule rule = sensing::sensor_rule(node.parameters);
     const auto written = node.written.find("fields");
     const bool options = written != node.written.end() &&
                          written->second.text.find_first_of("{=") != std::string::npos;
@@ -152,11 +169,7 @@ class Writer : JobWriter {
     add(node, "ros", name_of(experiment_.ros));
     add(node, "ros_topic", node.parameters.text("topic"), "topic");
     add(node, "message_type", node.parameters.text("message"), "message");
-    for (const char* key : {"polarity", "downsample", "latency", "refractory"}) {
-      if (node.parameters.given(key)) {
-        add(node, key, node.written.at(key).text);
-      }
-    }
+    write_plain_keys(node);
     if (const auto roi = event_settings(node.parameters).region) {
       add(node, "roi", fmt::format("{},{},{},{}", roi->x, roi->y, roi->width, roi->height));
     }
@@ -168,11 +181,7 @@ class Writer : JobWriter {
     add(node, "ros_topic", node.parameters.text("topic"), "topic");
     const std::string mapping = mapping_text(node.mapping);
     add(node, "message_mapping_filename", as_file(node, "mapping", mapping, "json"), "fields");
-    for (const char* key : {"command_rate", "deadband", "min_interval", "watchdog", "max_age"}) {
-      if (node.parameters.given(key)) {
-        add(node, key, node.written.at(key).text);
-      }
-    }
+    write_plain_keys(node);
     add(node, "default_limits", node.parameters.word("limits") == kNoLimits ? "false" : "true",
         "limits");
     write_people(node);

@@ -11,6 +11,7 @@
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -178,7 +179,7 @@ void check_node(const Node& node, const Experiment& experiment, const SensorWidt
     located_at(node.parameters.where(key), [&] {
       const std::string& type = node.parameters.text("message");
       messages::SensorConversion(messages::Catalog::for_type(dialect_of(experiment.ros), type),
-                                 type, sensor_rule(node.parameters),
+                                 type, sensing::sensor_rule(node.parameters),
                                  experiment.width(node.name, "out"), true);
       return 0;
     });

@@ -88,7 +88,8 @@ Diagnostic SectionChecks::diagnostic(const Section& section, std::string text,
   const auto take_number = [&rest](int& number) {
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
     if (error == std::errc()) {
-      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()) + 1);  // and the colon
+      const auto length = static_cast<std::size_t>(end - rest.data()) + 1;  // with the colon
+      rest.remove_prefix(std::min(length, rest.size()));
     }
   };
   const std::string named = file_.path + ":";

@@ -12,15 +12,13 @@
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
-#include "spikeloop/messages/sensor_rule.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop::experiment {
 
-/// `fields` and `image` of a ros_sensor. @throws ConfigurationError as sensing::sensor_rule.
-messages::SensorRule sensor_rule(const Parameters& parameters);
-/// A ros_sensor; the port's width is left to the caller. @throws ConfigurationError as sensor_rule,
+/// A ros_sensor; the port's width is left to the caller. @throws ConfigurationError as
+/// sensing::sensor_rule,
 /// and when `initial` is neither a number nor none.
 topics::SensorSettings sensor_settings(const Parameters& parameters);
 /// What a ros_event_sensor takes; port and place are left to the caller. @throws
