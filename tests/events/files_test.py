@@ -40,9 +40,9 @@ EYE = """  eye:
     message: event_camera_msgs/EventPacket
     polarity: split
     downsample: 4
+    roi: [100, 60, 128, 128]
     latency: 30 ms
     refractory: 1 ms
-    roi: [100, 60, 128, 128]
 """
 USUAL = """[eye]
 np=1
