@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -88,7 +89,8 @@ class ClockPacer : public Pacer {
 
   void refuse_jump_back() const {
     if (went_back_) {
-      throw TransportError(fmt::format(
+      throw TransportError(with_code(
+          Code::partner_failed,
           "{} went back from {} to {}: the simulator was set back, or two programs publish it "
           "('{} info {}'); run the experiment again from the simulator's new beginning",
           kTopic, format_time(newest_), format_time(back_to_),
@@ -101,10 +103,11 @@ class ClockPacer : public Pacer {
     const TimeNs patience = waiting_.patience();
     if (newest_ != kNone && patience > 0 && waited > patience && !subscriber_->has_publishers()) {
       throw TransportError(
-          fmt::format("{} stands still at {} for {}, and nobody publishes it any more: the "
-                      "simulator has ended, or the node that sends it; start it again, then the "
-                      "experiment",
-                      kTopic, format_time(newest_), format_time(patience)));
+          with_code(Code::partner_failed,
+                    "{} stands still at {} for {}, and nobody publishes it any more: the "
+                    "simulator has ended, or the node that sends it; start it again, then the "
+                    "experiment",
+                    kTopic, format_time(newest_), format_time(patience)));
     }
   }
 

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -106,7 +107,8 @@ bool SteppingLink::meet() {
         require_sound();
         const std::string missing = missing_connections();
         if (!missing.empty() && waiting_.patience() != 0 && waited > waiting_.patience()) {
-          throw TransportError(fmt::format(
+          throw TransportError(with_code(
+              Code::partner_missing,
               "no robot has come that can be stepped: for {} there has not been {}; start "
               "spikeloop-robot --step, or a robot that speaks the protocol of docs/stepping.md, or "
               "write  sync: realtime",
@@ -157,10 +159,12 @@ void SteppingLink::check(const Answer& answer) const {
   if (!answer.error.empty()) {
     const std::string what =
         asked_for_ == 0 ? "begin" : fmt::format("step to {}", format_time(asked_for_));
-    throw TransportError(fmt::format("the robot cannot {}: {}", what, answer.error));
+    throw TransportError(
+        with_code(Code::partner_failed, "the robot cannot {}: {}", what, answer.error));
   }
   if (answer.time != asked_for_) {
-    throw TransportError(fmt::format(
+    throw TransportError(with_code(
+        Code::partner_failed,
         "the robot stands at {} ns instead of {} ns; it has to advance exactly to to_ns, and one "
         "robot alone answers on {} (docs/stepping.md)",
         answer.time, asked_for_, stepping::kSteppedTopic));
@@ -168,13 +172,15 @@ void SteppingLink::check(const Answer& answer) const {
   for (const SteppedTopic& topic : sensors_) {
     const auto published = answer.published.find(topic.name);
     if (published == answer.published.end()) {
-      throw TransportError(fmt::format(
+      throw TransportError(with_code(
+          Code::partner_failed,
           "the robot's answer does not count the messages on {}; write it into 'published', with 0 "
           "as long as there is none (docs/stepping.md)",
           topic.name));
     }
     if (topic.count() > published->second && !answer.at_least) {
-      throw TransportError(fmt::format(
+      throw TransportError(with_code(
+          Code::partner_failed,
           "{} has brought {} messages, but the robot has published {}: does somebody else publish "
           "it? '{} info {}' shows it",
           topic.name, topic.count(), published->second, topics::topic_command(session_.dialect()),
@@ -204,8 +210,9 @@ void SteppingLink::ask(const Request& request) {
     const auto come = answer();
     throw TransportError(
         come
-            ? fmt::format("{} of {} have not come within {}", missing_messages(*come),
-                          format_time(asked_for_), format_time(waiting_.patience()))
+            ? with_code(Code::partner_missing, "{} of {} have not come within {}",
+                        missing_messages(*come), format_time(asked_for_),
+                        format_time(waiting_.patience()))
             : fmt::format("the robot has not answered on {} within {} when it was to advance to {}",
                           stepping::kSteppedTopic, format_time(waiting_.patience()),
                           format_time(asked_for_)));

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "check.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/process/node_program.hpp"
@@ -72,15 +73,16 @@ void check_width(const music::Process& process, const std::string& port, std::ui
   if (wanted == 0) {
     throw ConfigurationError(
         process.where(port),
-        fmt::format("'{}.{}' is connected, but the network {} has no {}", process.label(), port,
-                    network.path, lacking(port, width)));
+        with_code(Code::unknown_port, "'{}.{}' is connected, but the network {} has no {}",
+                  process.label(), port, network.path, lacking(port, width)));
   }
   if (width != wanted) {
     throw ConfigurationError(
         process.where(port),
-        fmt::format("the connection of '{}.{}' has the width {}, but the network {} has {} "
-                    "channels there; write [{}]",
-                    process.label(), port, width, network.path, wanted, wanted));
+        with_code(Code::widths_differ,
+                  "the connection of '{}.{}' has the width {}, but the network {} has {} "
+                  "channels there; write [{}]",
+                  process.label(), port, width, network.path, wanted, wanted));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/parameter_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/nodes/register.hpp"
 #include "spikeloop/process/node_program.hpp"
@@ -105,8 +106,9 @@ void take_older_spelling(const music::Process& process, WrittenValues& written,
   const WrittenValue& value = older.begin()->second;
   if (written.contains(key)) {
     throw ConfigurationError(
-        value.where, fmt::format("'{0}' and '{1}' are two spellings of one key; leave out '{1}'",
-                                 key, older_key));
+        value.where,
+        with_code(Code::duplicate_key,
+                  "'{0}' and '{1}' are two spellings of one key; leave out '{1}'", key, older_key));
   }
   written[key] = value;
 }

@@ -11,6 +11,7 @@
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -57,13 +58,14 @@ double command_rate(const Parameters& parameters, const RosProgram& program, boo
     return parameters.number(other);
   }
   if (parameters.given(own) && parameters.given(other)) {
-    const std::string text = fmt::format(
+    const std::string text = with_code(
+        Code::duplicate_key,
         "'command_rate' and 'command_update_rate' are two spellings of one key; leave out '{}'",
         other);
     if (strict) {
       throw ConfigurationError(parameters.where(other), text);
     }
-    log::warning("{}, which {} ignores", text, program.name);
+    log::warning("{}", lengthened(text, fmt::format(", which {} ignores", program.name)));
   }
   return parameters.number(own);
 }
@@ -85,14 +87,15 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   const std::string& type = parameters.text("message_type");
   const bool plain = !type.empty() && canonical_message_type(type) == "std_msgs/Float64MultiArray";
   if (!plain) {
-    const std::string text = fmt::format(
+    const std::string text = with_code(
+        Code::missing_key,
         "section '{}' has no message_mapping_filename, which says which channel goes to which "
         "field; write it, or message_type=FloatArray to send all channels",
         process.label());
     if (strict) {
       throw ConfigurationError(text);
     }
-    log::warning("{}; a Float64MultiArray of all channels is sent", text);
+    log::warning("{}", lengthened(text, "; a Float64MultiArray of all channels is sent"));
   }
   return all_channels();
 }

@@ -5,6 +5,7 @@
 
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 namespace {
@@ -43,10 +44,11 @@ music::ProgramText text_of(const RosProgram* program) {
 int run(music::Process& process) {
   const RosProgram* const program = find_ros_program(process.program());
   if (program == nullptr) {
-    throw ConfigurationError(fmt::format(
-        "binary={} does not say which way messages go; write binary=ros_sensor_adapter, "
-        "ros_event_sensor_adapter or ros_command_adapter",
-        process.program()));
+    throw ConfigurationError(
+        with_code(Code::music_job,
+                  "binary={} does not say which way messages go; write binary=ros_sensor_adapter, "
+                  "ros_event_sensor_adapter or ros_command_adapter",
+                  process.program()));
   }
   return adapter_of(*program).run(process, *program);
 }

@@ -6,6 +6,7 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 #include "spikeloop/topics/sensor.hpp"
@@ -36,7 +37,9 @@ void read_mapping_file(const music::Process& process, const Parameters& keys,
   if (keys.given("fields")) {
     throw ConfigurationError(
         where,
-        "'fields' and 'sensor_mapping_filename' both say what to take; leave one of them out");
+        with_code(
+            Code::conflicting_keys,
+            "'fields' and 'sensor_mapping_filename' both say what to take; leave one of them out"));
   }
   const WrittenValues written =
       located_at(where, [&] { return read_sensor_mapping(file, process.file_directory()); });

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -13,9 +14,10 @@ namespace {
 [[noreturn]] void refuse_sensor(const Parameters& keys, const std::string& text) {
   throw ConfigurationError(
       keys.where("sensor_topics"),
-      fmt::format("sensor_topics: '{}' is not a topic with its type and timeout in s; write "
-                  "sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and others behind a comma",
-                  text));
+      with_code(Code::wrong_shape,
+                "sensor_topics: '{}' is not a topic with its type and timeout in s; write "
+                "sensor_topics=/scan:sensor_msgs/LaserScan:0.5, and others behind a comma",
+                text));
 }
 
 SensorTopic sensor_topic(const Parameters& keys, const std::string& text) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/status/status.hpp"
 
@@ -61,16 +62,18 @@ std::string script_of(const std::string& file, const std::string& label) {
   const MusicKey* script = job.find_key(section, "script");
   if (script == nullptr) {
     throw ConfigurationError(section.where,
-                             fmt::format("key 'script' is missing: a file in Python that {} runs; "
-                                         "write  script=brain.py",
-                                         kName));
+                             with_code(Code::missing_key,
+                                       "key 'script' is missing: a file in Python that {} runs; "
+                                       "write  script=brain.py",
+                                       kName));
   }
   if (!fs::is_regular_file(script->value)) {
     throw ConfigurationError(
         script->where,
-        fmt::format("key 'script': there is no script '{}', seen from '{}'; write its path from "
-                    "there",
-                    script->value, fs::current_path().string()));
+        with_code(Code::missing_file,
+                  "key 'script': there is no script '{}', seen from '{}'; write its path from "
+                  "there",
+                  script->value, fs::current_path().string()));
   }
   return script->value;
 }
@@ -87,9 +90,10 @@ std::string script_of(const std::string& file, const std::string& label) {
   pointers.push_back(nullptr);
   ::execvp(python.c_str(), pointers.data());
   throw TransportError(
-      fmt::format("cannot start '{}': {}; install it (Debian: apt install python3), or set PYTHON "
-                  "to another one",
-                  python, std::strerror(errno)));
+      with_code(Code::program,
+                "cannot start '{}': {}; install it (Debian: apt install python3), or set PYTHON "
+                "to another one",
+                python, std::strerror(errno)));
 }
 
 int refuse(const std::string& text) {

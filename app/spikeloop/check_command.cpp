@@ -32,6 +32,8 @@ other people's programs are not judged. `spikeloop run` makes the same checks.
 Loads the plug-ins that FILE names and runs its networks in Python (network: brain.py): both can do
 whatever you can. For a stranger's file write --no-code: all else is checked, and what is not, told.
 
+`spikeloop explain SL0103` explains the code at the end of an error.
+
 Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read,
 130 Ctrl-C)";
 

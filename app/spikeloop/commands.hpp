@@ -33,6 +33,9 @@ void add(CLI::App& app, Action& action);
 namespace doctor_command {
 void add(CLI::App& app, Action& action);
 }
+namespace explain_command {
+void add(CLI::App& app, Action& action);
+}
 namespace export_command {
 void add(CLI::App& app, Action& action);
 }

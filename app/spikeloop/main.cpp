@@ -101,6 +101,7 @@ int run(int argc, char** argv) {
   fit_command::add(app, action);
   bench_command::add(app, action);
   describe_command::add(app, action);
+  explain_command::add(app, action);
   doctor_command::add(app, action);
   completion_command::add(app, action);
   schema_command::add(app, action);

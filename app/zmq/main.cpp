@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "programs.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace {
 
@@ -25,9 +26,10 @@ int run(music::Process& process) {
     return run_zmq_command(process);
   }
   throw ConfigurationError(
-      fmt::format("binary={} does not say which way messages go; write binary=zmq_cont_adapter or "
-                  "binary=cont_zmq_adapter",
-                  process.program()));
+      with_code(Code::music_job,
+                "binary={} does not say which way messages go; write binary=zmq_cont_adapter or "
+                "binary=cont_zmq_adapter",
+                process.program()));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/number_or_word.hpp"
 #include "spikeloop/zmq/address.hpp"
@@ -35,13 +36,14 @@ const std::string& required_type(const music::Process& process, const Parameters
   const std::string& type = parameters.text("message_type");
   const std::string remedy = fmt::format("write message_type={}", fmt::join(choices, " or "));
   if (type.empty()) {
-    throw ConfigurationError(
-        parameters.where("message_type"),
-        fmt::format("section '{}' has no message_type; {}", process.label(), remedy));
+    throw ConfigurationError(parameters.where("message_type"),
+                             with_code(Code::missing_key, "section '{}' has no message_type; {}",
+                                       process.label(), remedy));
   }
   if (std::ranges::find(choices, type) == choices.end()) {
-    throw ConfigurationError(parameters.where("message_type"),
-                             fmt::format("message_type '{}' is not known; {}", type, remedy));
+    throw ConfigurationError(
+        parameters.where("message_type"),
+        with_code(Code::unknown_message, "message_type '{}' is not known; {}", type, remedy));
   }
   return type;
 }

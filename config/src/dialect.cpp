@@ -1,4 +1,5 @@
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +45,8 @@ Dialect dialect_of_job(const std::vector<std::string>& programs) {
   const std::string rma = first_of(programs, kOnlyRma);
   const std::string ma = first_of(programs, kOnlyMa);
   if (!rma.empty() && !ma.empty()) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::unknown_choice,
         "dialect=auto cannot choose: {} is a program of dialect rma, and {} one of dialect ma; "
         "write dialect=rma or dialect=ma",
         rma, ma));

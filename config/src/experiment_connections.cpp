@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop::experiment_text {
 namespace {
@@ -71,10 +72,10 @@ class Line {
     const auto stations = split({text_, 0}, "->");
     std::vector<ExperimentConnection> arrows;
     if (const auto other = text_.find("=>"); other != std::string::npos) {
-      fail(other, fmt::format("'=>' is not an arrow; {}", kExample));
+      fail(other, with_code(Code::syntax, "'=>' is not an arrow; {}", kExample));
     }
     if (stations.size() < 2) {
-      fail(0, fmt::format("'{}' is not a connection; {}", text_, kExample));
+      fail(0, with_code(Code::syntax, "'{}' is not a connection; {}", text_, kExample));
     }
     Piece from = end_of(stations.front(), false);
     for (std::size_t i = 1; i < stations.size(); ++i) {
@@ -103,15 +104,16 @@ class Line {
     const auto bracket = station.text.find('[');
     if (bracket != std::string_view::npos && !may_have_brackets) {
       fail(station.begin + bracket,
-           fmt::format("the first node of a connection has no width; {}", kExample));
+           with_code(Code::unknown_width, "the first node of a connection has no width; {}",
+                     kExample));
     }
     const Piece name = trimmed({station.text.substr(0, bracket), station.begin});
     if (name.text.empty()) {
-      fail(station.begin, fmt::format("a node is missing beside '->'; {}", kExample));
+      fail(station.begin, with_code(Code::syntax, "a node is missing beside '->'; {}", kExample));
     }
     if (!is_end(name.text)) {
-      fail(name.begin,
-           fmt::format("'{}' is neither a node nor NODE.PORT; {}", name.text, kExample));
+      fail(name.begin, with_code(Code::unknown_node, "'{}' is neither a node nor NODE.PORT; {}",
+                                 name.text, kExample));
     }
     return name;
   }
@@ -122,8 +124,9 @@ class Line {
       return;
     }
     if (station.text.back() != ']') {
-      fail(station.begin + open, fmt::format("'{}' has no closing bracket at its end; {}",
-                                             station.text.substr(open), kExample));
+      fail(station.begin + open,
+           with_code(Code::syntax, "'{}' has no closing bracket at its end; {}",
+                     station.text.substr(open), kExample));
     }
     const Piece inside{station.text.substr(open + 1, station.text.size() - open - 2),
                        station.begin + open + 1};
@@ -136,9 +139,10 @@ class Line {
     constexpr std::string_view kDelay = "delay";
     const auto once = [&](bool before) {
       if (before) {
-        fail(item.begin, fmt::format("'{}' is the second of its kind here; write one width and one "
-                                     "delay",
-                                     item.text));
+        fail(item.begin, with_code(Code::duplicate_key,
+                                   "'{}' is the second of its kind here; write one width and one "
+                                   "delay",
+                                   item.text));
       }
     };
     if (item.text.starts_with(kDelay)) {
@@ -146,17 +150,19 @@ class Line {
       const Piece time = trimmed({item.text.substr(kDelay.size()), item.begin + kDelay.size()});
       if (time.text.empty() || time.begin == item.begin + kDelay.size()) {
         fail(item.begin,
-             fmt::format("'{}' is not a delay; write for example  delay 5 ms  or  delay 2 "
-                         "ticks",
-                         item.text));
+             with_code(Code::delay,
+                       "'{}' is not a delay; write for example  delay 5 ms  or  delay 2 "
+                       "ticks",
+                       item.text));
       }
       connection.delay = {std::string(time.text), place(time.begin)};
       return;
     }
     const auto width = width_of(item.text);
     if (!width) {
-      fail(item.begin, fmt::format("'{}' is neither a width from 1 to {} nor a delay; {}",
-                                   item.text, kMaximumChannels, kExample));
+      fail(item.begin,
+           with_code(Code::unknown_width, "'{}' is neither a width from 1 to {} nor a delay; {}",
+                     item.text, kMaximumChannels, kExample));
     }
     once(connection.width != 0);
     connection.width = *width;
@@ -177,8 +183,9 @@ std::uint32_t read_width(const std::string& text, const Location& where) {
   const auto width = width_of(text);
   if (!width) {
     throw ConfigurationError(
-        where, fmt::format("key 'width': '{}' is not a width from 1 to {}; write for example 100",
-                           text, kMaximumChannels));
+        where, with_code(Code::unknown_width,
+                         "key 'width': '{}' is not a width from 1 to {}; write for example 100",
+                         text, kMaximumChannels));
   }
   return *width;
 }
@@ -187,7 +194,8 @@ void check_end(const std::string& text, const Location& where) {
   if (!is_end(text)) {
     throw ConfigurationError(
         where,
-        fmt::format("'{}' is neither a node nor NODE.PORT; write for example  encoder.out", text));
+        with_code(Code::unknown_node,
+                  "'{}' is neither a node nor NODE.PORT; write for example  encoder.out", text));
   }
 }
 

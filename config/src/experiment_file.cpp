@@ -1,4 +1,5 @@
 #include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -27,11 +28,12 @@ std::string one_value(const Section& section, const std::string& key) {
   if (!node.IsScalar() || node.Scalar().empty()) {
     throw ConfigurationError(
         section.where(key),
-        fmt::format("{}: key '{}' has {}; write one value behind it, or leave the key out",
-                    section.what(), key,
-                    node.IsMap()        ? "a map"
-                    : node.IsSequence() ? "a list"
-                                        : "no value"));
+        with_code(Code::wrong_shape,
+                  "{}: key '{}' has {}; write one value behind it, or leave the key out",
+                  section.what(), key,
+                  node.IsMap()        ? "a map"
+                  : node.IsSequence() ? "a list"
+                                      : "no value"));
   }
   return node.Scalar();
 }
@@ -93,9 +95,10 @@ class Reader {
   static void refuse_more(std::size_t count, const char* what, const Location& where) {
     if (count > kMostParts) {
       throw ConfigurationError(
-          where, fmt::format("key '{}': there are {} {}; an experiment has at most {}: write one "
-                             "node of more channels in place of many",
-                             what, count, what, kMostParts));
+          where, with_code(Code::out_of_bounds,
+                           "key '{}': there are {} {}; an experiment has at most {}: write one "
+                           "node of more channels in place of many",
+                           what, count, what, kMostParts));
     }
   }
 
@@ -115,11 +118,13 @@ class Reader {
   void read_node(const std::string& name, const Location& where, const YAML::Node& node) {
     if (!is_name(name)) {
       throw ConfigurationError(
-          where, fmt::format("'{}' is not a valid node name; write letters, digits and '_'", name));
+          where, with_code(Code::invalid_name,
+                           "'{}' is not a valid node name; write letters, digits and '_'", name));
     }
     if (!node.IsMap()) {
       throw ConfigurationError(
-          where, fmt::format("node '{0}' has no keys; write  {0}: {{node: rate_encoder}}", name));
+          where, with_code(Code::missing_key,
+                           "node '{0}' has no keys; write  {0}: {{node: rate_encoder}}", name));
     }
     file_.nodes.push_back(read_keys(fmt::format("node '{}'", name), name, where, node));
   }
@@ -132,8 +137,8 @@ class Reader {
     if (empty || !map.IsMap()) {
       throw ConfigurationError(
           file_.where_nodes,
-          fmt::format("key 'nodes': {}; write  nodes: {}",
-                      empty ? "there are no nodes" : "expected a map of nodes", kExample));
+          with_code(Code::wrong_shape, "key 'nodes': {}; write  nodes: {}",
+                    empty ? "there are no nodes" : "expected a map of nodes", kExample));
     }
     refuse_more(map.size(), "nodes", file_.where_nodes);
     const Section nodes(file_.path, "key 'nodes'", map, {}, report_);
@@ -167,8 +172,9 @@ class Reader {
     } else if (!item.IsScalar()) {
       throw ConfigurationError(
           place(file_.path, item),
-          fmt::format("a connection is a line or a map, this is {}; write  - scan -> encoder [100]",
-                      item.IsSequence() ? "a list" : "nothing"));
+          with_code(Code::wrong_shape,
+                    "a connection is a line or a map, this is {}; write  - scan -> encoder [100]",
+                    item.IsSequence() ? "a list" : "nothing"));
     } else {
       experiment_text::read_connections(yaml_text::scalar(file_.path, "connections", item),
                                         yaml_text::text_place(file_.path, item), file_.connections);
@@ -181,7 +187,8 @@ class Reader {
     if (!list.IsSequence() || list.size() == 0) {
       throw ConfigurationError(
           file_.where_connections,
-          fmt::format(
+          with_code(
+              Code::wrong_shape,
               "key 'connections': {}; write lines of  - scan -> encoder [100] -> brain",
               list.IsNull() || list.IsSequence() ? "there are no connections" : "expected a list"));
     }
@@ -201,13 +208,15 @@ class Reader {
     if (!list.IsSequence()) {
       throw ConfigurationError(
           root.where("plugins"),
-          "key 'plugins': expected a list of files; write  plugins: [my_encoder.so]");
+          with_code(Code::wrong_shape,
+                    "key 'plugins': expected a list of files; write  plugins: [my_encoder.so]"));
     }
     for (const YAML::Node& item : list) {
       if (!item.IsScalar() || item.Scalar().empty()) {
-        throw ConfigurationError(
-            place(file_.path, item),
-            "key 'plugins': an entry is not a path of a file; write  plugins: [my_encoder.so]");
+        throw ConfigurationError(place(file_.path, item),
+                                 with_code(Code::wrong_shape,
+                                           "key 'plugins': an entry is not a path of a file; write "
+                                           " plugins: [my_encoder.so]"));
       }
       file_.plugins.push_back({item.Scalar(), place(file_.path, item)});
     }
@@ -221,10 +230,11 @@ class Reader {
     if (!robot.IsMap()) {
       // There is one all the same: topics are not said to lead nowhere.
       file_.robot = {"robot", {}, root.where("robot"), {"simulator"}, {}};
-      throw ConfigurationError(
-          root.where("robot"),
-          "key 'robot': expected a map; write  robot: {simulator: mujoco, world: arena.xml}, or "
-          "leave it out when the robot is somewhere else");
+      throw ConfigurationError(root.where("robot"),
+                               with_code(Code::wrong_shape,
+                                         "key 'robot': expected a map; write  robot: {simulator: "
+                                         "mujoco, world: arena.xml}, or "
+                                         "leave it out when the robot is somewhere else"));
     }
     file_.robot = read_keys("robot", "robot", root.where_name("robot"), robot);
   }
@@ -252,10 +262,11 @@ void check_text(std::string_view text, const std::string& path) {
     const std::size_t length = text[at] == '\0' ? 0 : character(text.substr(at));
     if (length == 0) {
       throw ConfigurationError(locate(text, at, path),
-                               fmt::format("the byte 0x{:02X} is not UTF-8 text; save the file as "
-                                           "UTF-8 ('spikeloop new' prints an "
-                                           "experiment to begin with)",
-                                           static_cast<unsigned char>(text[at])));
+                               with_code(Code::syntax,
+                                         "the byte 0x{:02X} is not UTF-8 text; save the file as "
+                                         "UTF-8 ('spikeloop new' prints an "
+                                         "experiment to begin with)",
+                                         static_cast<unsigned char>(text[at])));
     }
     at += length;
   }
@@ -267,10 +278,10 @@ YAML::Node load(std::string_view text, const std::string& path) {
   if (!document.IsMap()) {
     throw ConfigurationError(
         document.IsDefined() && !document.IsNull() ? place(path, document) : Location{path, 0, 0},
-        fmt::format("{}; 'spikeloop new' prints one to begin with",
-                    document.IsDefined() && !document.IsNull()
-                        ? "this is not an experiment: expected lines of  key: value"
-                        : "there is no experiment in this file"));
+        with_code(Code::wrong_shape, "{}; 'spikeloop new' prints one to begin with",
+                  document.IsDefined() && !document.IsNull()
+                      ? "this is not an experiment: expected lines of  key: value"
+                      : "there is no experiment in this file"));
   }
   return document;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "music_text.hpp"
+#include "spikeloop/core/code.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop::json_text {
@@ -70,7 +71,8 @@ class Reading {
 nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   using json = nlohmann::ordered_json;
   if (const auto problem = not_text(text); !problem.empty()) {
-    throw ConfigurationError(Location{file}, problem + "; write a JSON object");
+    throw ConfigurationError(Location{file},
+                             with_code(Code::syntax, "{}; write a JSON object", problem));
   }
   std::vector<std::set<std::string>> keys;
   std::string twice;
@@ -96,9 +98,9 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
     value = json::parse(Reading(text.data(), &seen), Reading(end, &seen), watch, true, true);
   } catch (const json::parse_error& error) {
     throw ConfigurationError(locate(text, error.byte == 0 ? 0 : error.byte - 1, file),
-                             reason(error.what()));
+                             with_code(Code::syntax, reason(error.what())));
   } catch (const json::exception& error) {
-    throw ConfigurationError(Location{file}, reason(error.what()));
+    throw ConfigurationError(Location{file}, with_code(Code::syntax, reason(error.what())));
   }
   if (!twice.empty()) {
     throw ConfigurationError(

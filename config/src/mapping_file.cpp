@@ -10,6 +10,7 @@
 #include "json_text.hpp"
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "text_file.hpp"
@@ -62,7 +63,8 @@ class MappingReader {
 
   CommandMapping read() {
     if (!json_.is_object()) {
-      fail(fmt::format("the file holds {}, no object; write {}", shown_json(json_), kExample));
+      fail(with_code(Code::wrong_shape, "the file holds {}, no object; write {}", shown_json(json_),
+                     kExample));
     }
     check_keys(json_, {"message_type", "mapping", "min", "max"}, {});
     read_message_type();
@@ -72,7 +74,8 @@ class MappingReader {
     } else if (mapping_.message_type == kArray) {
       read_all_channels();
     } else {
-      complain(fmt::format("'mapping' is missing; write {}", kExample), "every field is 0");
+      complain(with_code(Code::missing_key, "'mapping' is missing; write {}", kExample),
+               "every field is 0");
     }
     return std::move(mapping_);
   }
@@ -101,14 +104,15 @@ class MappingReader {
     if (strict_) {
       fail(message, path);
     }
-    log::warning("{}: {}; {}", where(path).text(), message, consequence);
+    log::warning("{}: {}", where(path).text(), lengthened(message, "; " + consequence));
   }
 
   void check_keys(const Json& object, const std::vector<std::string>& known, const Path& of) const {
     for (const auto& item : object.items()) {
       if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
         const Path path = below(of, item.key());
-        complain(fmt::format("unknown key '{}'{}", name_of(path), did_you_mean(item.key(), known)),
+        complain(with_code(Code::unknown_key, "unknown key '{}'{}", name_of(path),
+                           did_you_mean(item.key(), known)),
                  "it is ignored", path);
       }
     }
@@ -116,11 +120,12 @@ class MappingReader {
 
   void read_message_type() {
     if (!json_.contains("message_type")) {
-      fail(fmt::format("'message_type' is missing; write {}", kExample));
+      fail(with_code(Code::missing_key, "'message_type' is missing; write {}", kExample));
     }
     const Json& type = json_["message_type"];
     if (!type.is_string()) {
-      fail(fmt::format("'message_type' is {}, no text; write {}", shown_json(type), kExample),
+      fail(with_code(Code::wrong_shape, "'message_type' is {}, no text; write {}", shown_json(type),
+                     kExample),
            {"message_type"});
     }
     try {
@@ -134,8 +139,8 @@ class MappingReader {
     const Json& value = object[key];
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
       const Path path = below(of, key);
-      fail(fmt::format("'{}' is {}, no finite number; write a number", name_of(path),
-                       shown_json(value)),
+      fail(with_code(Code::not_a_number, "'{}' is {}, no finite number; write a number",
+                     name_of(path), shown_json(value)),
            path);
     }
     return value.get<double>();
@@ -150,8 +155,9 @@ class MappingReader {
       maximum = number(object, "max", of);
     }
     if (minimum && maximum && *minimum > *maximum) {
-      fail(fmt::format("'{}' is {} and '{}' is {}; write a minimum that is not above the maximum",
-                       name_of(below(of, "min")), *minimum, name_of(below(of, "max")), *maximum),
+      fail(with_code(Code::wrong_order,
+                     "'{}' is {} and '{}' is {}; write a minimum that is not above the maximum",
+                     name_of(below(of, "min")), *minimum, name_of(below(of, "max")), *maximum),
            below(of, object.contains("max") ? "max" : "min"));
     }
   }
@@ -162,8 +168,9 @@ class MappingReader {
     }
     slew = number(object, "slew", of);
     if (*slew <= 0) {
-      fail(fmt::format("'{}' is {}, no rate of change; write a number above 0, or leave it out",
-                       name_of(below(of, "slew")), *slew),
+      fail(with_code(Code::out_of_bounds,
+                     "'{}' is {}, no rate of change; write a number above 0, or leave it out",
+                     name_of(below(of, "slew")), *slew),
            below(of, "slew"));
     }
   }
@@ -181,7 +188,8 @@ class MappingReader {
 
   void read_fields(const Json& fields) {
     if (!fields.is_object()) {
-      fail(fmt::format("'mapping' is {}, no object; write {}", shown_json(fields), kExample),
+      fail(with_code(Code::wrong_shape, "'mapping' is {}, no object; write {}", shown_json(fields),
+                     kExample),
            {"mapping"});
     }
     if (mapping_.message_type == kArray && !strict_) {
@@ -191,8 +199,8 @@ class MappingReader {
       return;
     }
     if (fields.empty()) {
-      complain(fmt::format("'mapping' is empty; write {}", kExample), "every field is 0",
-               {"mapping"});
+      complain(with_code(Code::wrong_shape, "'mapping' is empty; write {}", kExample),
+               "every field is 0", {"mapping"});
     }
     for (const auto& item : fields.items()) {
       read_field(item.key(), item.value());
@@ -216,7 +224,9 @@ class MappingReader {
     }
     check_keys(value, {"channel", "scale", "offset", "min", "max", "slew"}, path);
     if (!value.contains("channel")) {
-      fail(fmt::format("'{}' has no channel; write {{\"channel\": 0}}", name_of(path)), path);
+      fail(with_code(Code::missing_key, "'{}' has no channel; write {{\"channel\": 0}}",
+                     name_of(path)),
+           path);
     }
     field.scale = value.contains("scale") ? number(value, "scale", path) : 1.0;
     field.offset = value.contains("offset") ? number(value, "offset", path) : 0.0;
@@ -237,9 +247,10 @@ class MappingReader {
       return;
     }
     if (slice->last <= slice->first || slice->last - slice->first > kMostElements) {
-      fail(fmt::format("'{}' names no elements, or more than {}; write the first one and the one "
-                       "behind the last, as in data[0:3]",
-                       name_of(path), kMostElements),
+      fail(with_code(Code::field_path,
+                     "'{}' names no elements, or more than {}; write the first one and the one "
+                     "behind the last, as in data[0:3]",
+                     name_of(path), kMostElements),
            path);
     }
     for (std::uint32_t i = slice->first; i < slice->last; ++i) {
@@ -253,13 +264,14 @@ class MappingReader {
   std::optional<std::uint32_t> read_channel(const Json& value, const Path& path) const {
     const double number = value.is_number() ? value.get<double>() : std::nan("");
     if (number == -1.0) {
-      complain(fmt::format("'{}' is -1, no channel; remove the field", name_of(path)),
-               "the field is 0", path);
+      complain(
+          with_code(Code::fields_differ, "'{}' is -1, no channel; remove the field", name_of(path)),
+          "the field is 0", path);
       return std::nullopt;
     }
     if (!(number >= 0 && number <= 2147483647.0 && number == std::floor(number))) {
-      fail(fmt::format("'{}' is {}, no channel; write a whole number from 0", name_of(path),
-                       shown_json(value)),
+      fail(with_code(Code::fields_differ, "'{}' is {}, no channel; write a whole number from 0",
+                     name_of(path), shown_json(value)),
            path);
     }
     return static_cast<std::uint32_t>(number);
@@ -276,8 +288,8 @@ class MappingReader {
 
 CommandMapping array_instead(const std::string& file, const std::string& reason,
                              const MappingOptions& options) {
-  log::warning("{}; all channels are sent as a Float64MultiArray",
-               ConfigurationError(options.named_in, reason).what());
+  log::warning("{}", lengthened(ConfigurationError(options.named_in, reason).what(),
+                                "; all channels are sent as a Float64MultiArray"));
   return {file, kArray, true};
 }
 
@@ -301,8 +313,8 @@ CommandMapping read_mapping(const std::string& name, const MappingOptions& optio
   const auto path = find_data_file(name, options.base_directory);
   if (!path) {
     const std::string message =
-        fmt::format("there is no mapping file '{}' in {}; write its path", music_text::shown(name),
-                    data_file_places(options.base_directory));
+        with_code(Code::missing_file, "there is no mapping file '{}' in {}; write its path",
+                  music_text::shown(name), data_file_places(options.base_directory));
     if (options.strict) {
       throw ConfigurationError(message);
     }
@@ -326,10 +338,11 @@ void check_channels(const CommandMapping& mapping, std::uint32_t width) {
     if (field.channel >= width) {
       throw ConfigurationError(
           field.where,
-          fmt::format("'mapping.{}' reads channel {}, but the port has {} (0 to {}); write one of "
-                      "these or widen the connection",
-                      music_text::shown(field.field), field.channel, width,
-                      width == 0 ? 0 : width - 1));
+          with_code(Code::fields_differ,
+                    "'mapping.{}' reads channel {}, but the port has {} (0 to {}); write one of "
+                    "these or widen the connection",
+                    music_text::shown(field.field), field.channel, width,
+                    width == 0 ? 0 : width - 1));
     }
   }
 }

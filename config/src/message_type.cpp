@@ -6,6 +6,7 @@
 
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
@@ -26,9 +27,9 @@ constexpr MessageName kNames[] = {{"sensor_msgs", "LaserScan", "Laserscan"},
 std::string definition_file(const std::string& written, const std::filesystem::path& base) {
   const auto file = find_data_file(written, base);
   if (!file) {
-    throw ConfigurationError(
-        fmt::format("there is no message definition '{}' in {}; write its path",
-                    music_text::shown(written), data_file_places(base)));
+    throw ConfigurationError(with_code(Code::unknown_message,
+                                       "there is no message definition '{}' in {}; write its path",
+                                       music_text::shown(written), data_file_places(base)));
   }
   return std::filesystem::absolute(*file).lexically_normal().string();
 }
@@ -55,10 +56,10 @@ std::string canonical_message_type(std::string_view text, const std::filesystem:
     return type;
   }
   const std::string meant = nearest(text, candidates);
-  throw ConfigurationError(fmt::format("unknown message type '{}'; {}", music_text::shown(text),
-                                       meant.empty()
-                                           ? "write package/Type, or the path of a .msg file"
-                                           : fmt::format("did you mean '{}'?", meant)));
+  throw ConfigurationError(
+      with_code(Code::unknown_message, "unknown message type '{}'; {}", music_text::shown(text),
+                meant.empty() ? "write package/Type, or the path of a .msg file"
+                              : fmt::format("did you mean '{}'?", meant)));
 }
 
 bool is_definition_file(std::string_view type) {

@@ -8,6 +8,7 @@
 
 #include "music_text.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/connection_faults.hpp"
 
 namespace spikeloop {
@@ -29,15 +30,17 @@ class Checker {
 
   Diagnostics run() {
     if (file_.sections.empty()) {
-      add({file_.path},
-          "the file has no application; write '[label]', np=1, binary=program and its connections");
+      add({file_.path}, with_code(Code::missing_key,
+                                  "the file has no application; write '[label]', np=1, "
+                                  "binary=program and its connections"));
       return std::move(problems_);
     }
     constexpr std::size_t kMost = 10'000;  // MUSIC can pass on fewer
     if (std::max(file_.sections.size(), file_.connections.size()) > kMost) {
-      add({file_.path}, fmt::format("the file has {} sections and {} connections; write at most {} "
-                                    "of each",
-                                    file_.sections.size(), file_.connections.size(), kMost));
+      add({file_.path}, with_code(Code::out_of_bounds,
+                                  "the file has {} sections and {} connections; write at most {} "
+                                  "of each",
+                                  file_.sections.size(), file_.connections.size(), kMost));
       return std::move(problems_);
     }
     for (const auto& section : file_.sections) {
@@ -64,16 +67,18 @@ class Checker {
     const std::string label = shown(section.label);
     if (section.label.find_first_not_of("0123456789") == std::string::npos &&
         file_.find_key(section, "binary") == nullptr) {
-      add(section.where, fmt::format("'[{0}]' on a line of its own is a section for MUSIC; write a "
-                                     "width on the connection's line: 'A.out -> B.in [{0}]'",
-                                     label));
+      add(section.where, with_code(Code::syntax,
+                                   "'[{0}]' on a line of its own is a section for MUSIC; write a "
+                                   "width on the connection's line: 'A.out -> B.in [{0}]'",
+                                   label));
       return;
     }
     if (section.keys.empty()) {  // global keys do not count for MUSIC's assertion
       add(section.where,
-          fmt::format("the section '[{}]' has no key of its own, and MUSIC would abort; "
-                      "write np=1 and binary=program",
-                      label));
+          with_code(Code::missing_key,
+                    "the section '[{}]' has no key of its own, and MUSIC would abort; "
+                    "write np=1 and binary=program",
+                    label));
       return;
     }
     const auto processes = music_text::read_processes(file_, section);
@@ -83,15 +88,17 @@ class Checker {
     const MusicKey* binary = file_.find_key(section, "binary");
     if (binary == nullptr) {
       add(section.where,
-          fmt::format("the section '[{}]' has no binary; write binary=program", label));
+          with_code(Code::missing_key, "the section '[{}]' has no binary; write binary=program",
+                    label));
     } else if (binary->value.empty()) {
-      add(binary->where, fmt::format("binary of '[{}]' is empty; write binary=program", label));
+      add(binary->where,
+          with_code(Code::missing_key, "binary of '[{}]' is empty; write binary=program", label));
     }
     if (!connected_.contains(section.label)) {
-      add(section.where,
-          fmt::format("the application '{0}' has no connection, and MUSIC would hang; "
-                      "write '{0}.out -> B.in [width]' or remove the section",
-                      label));
+      add(section.where, with_code(Code::not_connected,
+                                   "the application '{0}' has no connection, and MUSIC would hang; "
+                                   "write '{0}.out -> B.in [width]' or remove the section",
+                                   label));
     }
   }
 
@@ -102,9 +109,10 @@ class Checker {
       return;
     }
     if (c.from_app == c.to_app) {
-      add(c.where, fmt::format("the connection '{}' joins an application to itself, which MUSIC "
-                               "refuses; write two applications",
-                               shown(describe(c))));
+      add(c.where, with_code(Code::music_job,
+                             "the connection '{}' joins an application to itself, which MUSIC "
+                             "refuses; write two applications",
+                             shown(describe(c))));
       return;
     }
     check_directions(c);
@@ -126,9 +134,10 @@ class Checker {
     inputs_.emplace(to, c.where.line);
     for (const auto& [port, others] : {std::pair{from, &inputs_}, std::pair{to, &outputs_}}) {
       if (const auto other = others->find(port); other != others->end()) {
-        add(c.where, fmt::format("the port '{}.{}' is both an output and an input (line {}); write "
-                                 "two ports",
-                                 shown(port.first), shown(port.second), other->second));
+        add(c.where, with_code(Code::music_job,
+                               "the port '{}.{}' is both an output and an input (line {}); write "
+                               "two ports",
+                               shown(port.first), shown(port.second), other->second));
       }
     }
   }
@@ -175,10 +184,11 @@ class Checker {
                                music_environment(file_, section.label).size() + 1;
       if (size > kEnvironmentLimit) {
         add(section.where,
-            fmt::format("the configuration of '{}' has {} bytes, but MUSIC passes it on in one "
-                        "environment string of at most {}; write long values to files and name "
-                        "the files",
-                        shown(section.label), size, kEnvironmentLimit));
+            with_code(Code::out_of_bounds,
+                      "the configuration of '{}' has {} bytes, but MUSIC passes it on in one "
+                      "environment string of at most {}; write long values to files and name "
+                      "the files",
+                      shown(section.label), size, kEnvironmentLimit));
         return;
       }
     }

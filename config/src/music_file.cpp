@@ -1,4 +1,5 @@
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -42,16 +43,17 @@ std::variant<int, Diagnostic> music_text::read_processes(const MusicFile& file,
                                                          const MusicSection& section) {
   const MusicKey* key = file.find_key(section, "np");
   if (key == nullptr) {
-    return Diagnostic{
-        section.where,
-        fmt::format("the section '[{}]' has no np, its number of processes; write np=1",
-                    shown(section.label))};
+    return Diagnostic{section.where,
+                      with_code(Code::missing_key,
+                                "the section '[{}]' has no np, its number of processes; write np=1",
+                                shown(section.label))};
   }
   const auto count = parse_count(key->value);
   if (!count) {
     return Diagnostic{key->where,
-                      fmt::format("np of '[{}]' is '{}', no whole number of at least 1; write np=1",
-                                  shown(section.label), shown(key->value))};
+                      with_code(Code::not_whole,
+                                "np of '[{}]' is '{}', no whole number of at least 1; write np=1",
+                                shown(section.label), shown(key->value))};
   }
   return *count;
 }
@@ -70,8 +72,8 @@ const MusicSection& MusicFile::section(std::string_view label) const {
   const MusicSection* found = find_section(label);
   if (found == nullptr) {
     throw ConfigurationError(Location{path},
-                             fmt::format("there is no section '[{}]'{}", music_text::shown(label),
-                                         did_you_mean(label, labels())));
+                             with_code(Code::unknown_node, "there is no section '[{}]'{}",
+                                       music_text::shown(label), did_you_mean(label, labels())));
   }
   return *found;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::music_text {
@@ -19,10 +20,10 @@ std::string unportable_name(std::string_view kind, std::string_view name) {
   if (found == std::string_view::npos) {
     return {};
   }
-  return fmt::format(
-      "the {} '{}' contains '{}', which MUSIC loses on the way to the program; "
-      "write letters, digits and '_'",
-      kind, shown(name), name[found]);
+  return with_code(Code::invalid_name,
+                   "the {} '{}' contains '{}', which MUSIC loses on the way to the program; "
+                   "write letters, digits and '_'",
+                   kind, shown(name), name[found]);
 }
 
 std::string no_entry_message(std::string_view line) {
@@ -39,8 +40,8 @@ std::string no_entry_message(std::string_view line) {
     remedy = fmt::format("write '{}={}', or '#' before a comment", shown(line.substr(0, blank)),
                          shown(line.substr(line.find_first_not_of(" \t", blank))));
   }
-  return fmt::format("'{}' is neither a section nor a key nor a connection; {}", shown(line),
-                     remedy);
+  return with_code(Code::syntax, "'{}' is neither a section nor a key nor a connection; {}",
+                   shown(line), remedy);
 }
 
 }  // namespace spikeloop::music_text

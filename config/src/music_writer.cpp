@@ -6,6 +6,7 @@
 
 #include "music_text.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -23,10 +24,10 @@ bool has_line_end_or_zero(std::string_view text) {
 void check_name(std::string_view kind, std::string_view name, const Location& where) {
   if (name.empty() || has_line_end_or_zero(name) || is_space(name.back())) {
     throw ConfigurationError(
-        where,
-        fmt::format("the {} '{}' cannot be written in a .music file; use a name without line "
-                    "ends and without blanks at its end",
-                    kind, shown(name)));
+        where, with_code(Code::invalid_name,
+                         "the {} '{}' cannot be written in a .music file; use a name without line "
+                         "ends and without blanks at its end",
+                         kind, shown(name)));
   }
   if (const auto reason = music_text::unportable_name(kind, name); !reason.empty()) {
     throw ConfigurationError(where, reason);
@@ -80,9 +81,10 @@ std::string value_text(std::string_view value) {
 void append_key(const MusicKey& key, std::string& text) {
   check_name("key", key.name, key.where);
   if (key.value.find('\0') != std::string::npos) {
-    throw ConfigurationError(key.where, fmt::format("the value of '{}' contains a zero byte, which "
-                                                    "no .music file can hold; remove it",
-                                                    shown(key.name)));
+    throw ConfigurationError(key.where, with_code(Code::syntax,
+                                                  "the value of '{}' contains a zero byte, which "
+                                                  "no .music file can hold; remove it",
+                                                  shown(key.name)));
   }
   text += fmt::format("{}={}\n", escaped_left(key.name), value_text(key.value));
 }
@@ -135,9 +137,10 @@ Form choose_form(const MusicConnection& c) {
       std::find_if(forms.begin(), forms.end(), [&](const Form& form) { return fits(c, form); });
   if (found == forms.end()) {
     throw ConfigurationError(
-        c.where, fmt::format("the connection '{}' cannot be written in a .music file; use labels "
-                             "and ports of letters, digits and '_'",
-                             shown(describe(c))));
+        c.where, with_code(Code::invalid_name,
+                           "the connection '{}' cannot be written in a .music file; use labels "
+                           "and ports of letters, digits and '_'",
+                           shown(describe(c))));
   }
   return *found;
 }

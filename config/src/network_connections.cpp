@@ -8,6 +8,7 @@
 
 #include "network_plasticity.hpp"
 #include "network_populations.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop::yaml_text {
 
@@ -33,9 +34,10 @@ struct Ends {
 void check_repeater_weight(const Ends& ends, double weight, const Location& where) {
   if (ends.to.model == NeuronModel::repeater && weight != 1.0) {
     throw ConfigurationError(
-        where, fmt::format("weight {} into repeater '{}': a repeater repeats every spike once, "
-                           "whatever its weight; write 1 or leave the weight out",
-                           weight, ends.to.name));
+        where, with_code(Code::network,
+                         "weight {} into repeater '{}': a repeater repeats every spike once, "
+                         "whatever its weight; write 1 or leave the weight out",
+                         weight, ends.to.name));
   }
 }
 
@@ -58,8 +60,8 @@ TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
     if (section.has("delay")) {
       throw ConfigurationError(
           section.where("delay"),
-          fmt::format("{}: the current of '{}' acts at once; leave the delay out", section.what(),
-                      ends.from.name));
+          with_code(Code::delay, "{}: the current of '{}' acts at once; leave the delay out",
+                    section.what(), ends.from.name));
     }
     return 0;
   }
@@ -73,9 +75,10 @@ TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
   if (steps > kMostBufferEntries / wide) {
     throw ConfigurationError(
         section.where("delay"),
-        fmt::format("delay {} is {} steps of {} for each of {} targets, too much to buffer; write "
-                    "a shorter delay or a coarser resolution{}",
-                    format_time(delay), steps, format_time(resolution), ends.to.size, kElsewhere));
+        with_code(Code::delay,
+                  "delay {} is {} steps of {} for each of {} targets, too much to buffer; write "
+                  "a shorter delay or a coarser resolution{}",
+                  format_time(delay), steps, format_time(resolution), ends.to.size, kElsewhere));
   }
   return delay;
 }
@@ -85,9 +88,10 @@ void check_target(const Section& section, const Ends& ends) {
     throw ConfigurationError(
         section.where("to"),
         ends.to.model == NeuronModel::input
-            ? fmt::format("{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
-                          "population of neurons or repeaters",
-                          section.what(), ends.to.name)
+            ? with_code(Code::network,
+                        "{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
+                        "population of neurons or repeaters",
+                        section.what(), ends.to.name)
             : fmt::format("{}: '{}' is a {}, nothing can be connected to it; write a population "
                           "of neurons or repeaters",
                           section.what(), ends.to.name, model_name(ends.to.model)));
@@ -95,26 +99,29 @@ void check_target(const Section& section, const Ends& ends) {
   if (is_current(ends.from.model) && !has_membrane(ends.to.model)) {
     throw ConfigurationError(
         section.where("to"),
-        fmt::format("{}: '{}' is a {}, which takes no current; write a population of model "
-                    "iaf_psc_delta or iaf_psc_exp",
-                    section.what(), ends.to.name, model_name(ends.to.model)));
+        with_code(Code::network,
+                  "{}: '{}' is a {}, which takes no current; write a population of model "
+                  "iaf_psc_delta or iaf_psc_exp",
+                  section.what(), ends.to.name, model_name(ends.to.model)));
   }
 }
 
 void check_count(std::uint64_t synapses, const Location& where) {
   if (synapses > kMostSynapses) {
     throw ConfigurationError(
-        where, fmt::format("{} synapses are more than the {} this network takes{}", synapses,
-                           kMostSynapses, kElsewhere));
+        where,
+        with_code(Code::out_of_bounds, "{} synapses are more than the {} this network takes{}",
+                  synapses, kMostSynapses, kElsewhere));
   }
 }
 
 std::vector<Synapse> one_to_one(const Ends& ends, double weight, const Location& where) {
   if (ends.from.size != ends.to.size) {
     throw ConfigurationError(
-        where, fmt::format("rule one_to_one needs populations of one size, but '{}' has {} and "
-                           "'{}' has {}; write all_to_all, pairs or a weight file",
-                           ends.from.name, ends.from.size, ends.to.name, ends.to.size));
+        where, with_code(Code::weights_differ,
+                         "rule one_to_one needs populations of one size, but '{}' has {} and "
+                         "'{}' has {}; write all_to_all, pairs or a weight file",
+                         ends.from.name, ends.from.size, ends.to.name, ends.to.size));
   }
   std::vector<Synapse> synapses(ends.from.size);
   for (std::uint32_t i = 0; i < ends.from.size; ++i) {
@@ -138,9 +145,11 @@ std::vector<Synapse> all_to_all(const Ends& ends, double weight, const Location&
 Synapse read_pair(const std::string& file, const YAML::Node& node, const Ends& ends,
                   double weight) {
   if (!node.IsSequence() || node.size() < 2 || node.size() > 3) {
-    throw ConfigurationError(place(file, node),
-                             "pairs: an entry is not a pair; write [source, target] or [source, "
-                             "target, factor], for example [0, 1] or [0, 1, -0.5]");
+    throw ConfigurationError(
+        place(file, node),
+        with_code(Code::wrong_shape,
+                  "pairs: an entry is not a pair; write [source, target] or [source, "
+                  "target, factor], for example [0, 1] or [0, 1, -0.5]"));
   }
   Synapse synapse{read_index(file, "pairs", node[0], ends.from),
                   read_index(file, "pairs", node[1], ends.to), weight};
@@ -159,8 +168,10 @@ Synapse read_pair(const std::string& file, const YAML::Node& node, const Ends& e
 std::vector<Synapse> pairs(const Section& section, const Ends& ends, double weight) {
   const YAML::Node& list = section.at("pairs", "[[0, 0], [1, 0]]");
   if (!list.IsSequence()) {
-    throw ConfigurationError(section.where("pairs"),
-                             "key 'pairs': expected a list; write  pairs: [[0, 0], [1, 0]]");
+    throw ConfigurationError(
+        section.where("pairs"),
+        with_code(Code::wrong_shape,
+                  "key 'pairs': expected a list; write  pairs: [[0, 0], [1, 0]]"));
   }
   std::vector<Synapse> synapses;
   for (const auto& entry : list) {
@@ -188,10 +199,11 @@ std::vector<Synapse> from_file(const std::string& rule, const Section& section, 
                     (table.columns == 0 || table.columns == ends.from.size);
   if (!fits) {
     throw ConfigurationError(
-        where, fmt::format("'{}' has {} rows and {} columns, but '{}' has {} neurons and '{}' has "
-                           "{}; write one row a target and one column a source",
-                           rule, table.rows, table.columns, ends.to.name, ends.to.size,
-                           ends.from.name, ends.from.size));
+        where, with_code(Code::weights_differ,
+                         "'{}' has {} rows and {} columns, but '{}' has {} neurons and '{}' has "
+                         "{}; write one row a target and one column a source",
+                         rule, table.rows, table.columns, ends.to.name, ends.to.size,
+                         ends.from.name, ends.from.size));
   }
   table = table.resized(ends.to.size, ends.from.size).compressed();
   check_count(table.column.size(), where);
@@ -213,9 +225,10 @@ std::vector<Synapse> apply_rule(const std::string& rule, const Section& section,
   if (rule != "pairs" && section.has("pairs")) {
     throw ConfigurationError(
         section.where("pairs"),
-        fmt::format("key 'pairs' is read with rule pairs only, but the rule is '{}'; write  rule: "
-                    "pairs",
-                    rule));
+        with_code(Code::network,
+                  "key 'pairs' is read with rule pairs only, but the rule is '{}'; write  rule: "
+                  "pairs",
+                  rule));
   }
   if (rule == "one_to_one") {
     return one_to_one(ends, weight, where);
@@ -230,9 +243,10 @@ std::vector<Synapse> apply_rule(const std::string& rule, const Section& section,
     return from_file(rule, section, ends, weight, load_weights);
   }
   throw ConfigurationError(
-      where, fmt::format("unknown rule '{}'{}; write one_to_one, all_to_all, pairs or a weight "
-                         "file that ends in .json or .npy",
-                         rule, did_you_mean(rule, {"one_to_one", "all_to_all", "pairs"})));
+      where, with_code(Code::unknown_choice,
+                       "unknown rule '{}'{}; write one_to_one, all_to_all, pairs or a weight "
+                       "file that ends in .json or .npy",
+                       rule, did_you_mean(rule, {"one_to_one", "all_to_all", "pairs"})));
 }
 
 // A counting sort by source; the order of one source's synapses stays.
@@ -270,8 +284,8 @@ std::string unit_of_weight(NeuronModel target) {
 void check_delay(const std::string& what, TimeNs delay, TimeNs resolution, const Location& where) {
   if (delay < resolution) {
     throw ConfigurationError(
-        where, fmt::format("{} {} is below the resolution {}; write at least {}", what,
-                           format_time(delay), format_time(resolution), format_time(resolution)));
+        where, with_code(Code::delay, "{} {} is below the resolution {}; write at least {}", what,
+                         format_time(delay), format_time(resolution), format_time(resolution)));
   }
   check_on_grid(what, delay, resolution, where);
 }
@@ -288,8 +302,9 @@ std::uint32_t read_index(const std::string& file, const std::string& what, const
   if (!digits || value > largest) {
     throw ConfigurationError(
         place(file, node),
-        fmt::format("{}: '{}' is not a member of '{}'; write a whole number from 0 to {}", what,
-                    text, population.name, largest));
+        with_code(Code::network,
+                  "{}: '{}' is not a member of '{}'; write a whole number from 0 to {}", what, text,
+                  population.name, largest));
   }
   return static_cast<std::uint32_t>(value);
 }
@@ -303,8 +318,8 @@ std::size_t find_population(const NetworkFile& network, const std::string& name,
     }
     names.push_back(network.populations[i].name);
   }
-  throw ConfigurationError(
-      where, fmt::format("{}: unknown population '{}'{}", what, name, did_you_mean(name, names)));
+  throw ConfigurationError(where, with_code(Code::unknown_choice, "{}: unknown population '{}'{}",
+                                            what, name, did_you_mean(name, names)));
 }
 
 NetworkProjection read_connection(const NetworkFile& network, std::size_t index,

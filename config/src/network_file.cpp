@@ -1,4 +1,5 @@
 #include "spikeloop/config/network_file.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -36,9 +37,10 @@ void check_total(const NetworkFile& network, const Section& populations) {
   if (total > kMostNeurons) {
     throw ConfigurationError(
         populations.where(),
-        fmt::format("{} have {:.0f} members together, more than the {:.0f} this network takes; "
-                    "larger models belong in NEST, NEURON or Brian2",
-                    populations.what(), total, kMostNeurons));
+        with_code(Code::out_of_bounds,
+                  "{} have {:.0f} members together, more than the {:.0f} this network takes; "
+                  "larger models belong in NEST, NEURON or Brian2",
+                  populations.what(), total, kMostNeurons));
   }
 }
 
@@ -52,9 +54,9 @@ void check_save(const NetworkFile& network) {
     if (!saved(last).empty() && saved(last) == saved(network.projections[i])) {
       throw ConfigurationError(
           last.plasticity->where,
-          fmt::format(
-              "connections {} and {} save their weights as '{}'; write another name for one", i + 1,
-              network.projections.size(), saved(last)));
+          with_code(Code::network,
+                    "connections {} and {} save their weights as '{}'; write another name for one",
+                    i + 1, network.projections.size(), saved(last)));
     }
   }
 }
@@ -97,11 +99,11 @@ void NetworkFile::check_grid(TimeNs time) const {
   if (resolution != 0 && time % resolution != 0) {
     const TimeNs below = time / resolution * resolution;
     throw ConfigurationError(
-        resolution_where,
-        fmt::format("the tick {} is not a whole number of the network's resolution "
-                    "{}; write a tick of {} or another resolution",
-                    format_time(time), format_time(resolution),
-                    format_time(below == 0 ? resolution : below)));
+        resolution_where, with_code(Code::off_grid,
+                                    "the tick {} is not a whole number of the network's resolution "
+                                    "{}; write a tick of {} or another resolution",
+                                    format_time(time), format_time(resolution),
+                                    format_time(below == 0 ? resolution : below)));
   }
 }
 
@@ -111,10 +113,11 @@ void NetworkFile::check_tick(TimeNs tick) const {
     if (entry.interval % tick != 0) {
       throw ConfigurationError(
           entry.where,
-          fmt::format("record of '{}': the interval {} is not a whole number of ticks of {}; write "
-                      "{}, or another tick",
-                      populations[entry.population].name, format_time(entry.interval),
-                      format_time(tick), format_time((entry.interval / tick + 1) * tick)));
+          with_code(Code::off_grid,
+                    "record of '{}': the interval {} is not a whole number of ticks of {}; write "
+                    "{}, or another tick",
+                    populations[entry.population].name, format_time(entry.interval),
+                    format_time(tick), format_time((entry.interval / tick + 1) * tick)));
     }
   }
 }
@@ -138,9 +141,11 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
   if (file.has("connections")) {
     const YAML::Node& list = file.at("connections", "");
     if (!list.IsSequence()) {
-      throw ConfigurationError(file.where("connections"),
-                               "key 'connections': expected a list; write lines of  - {from: a, "
-                               "to: b, rule: one_to_one, weight: 1, delay: 1 ms}");
+      throw ConfigurationError(
+          file.where("connections"),
+          with_code(Code::wrong_shape,
+                    "key 'connections': expected a list; write lines of  - {from: a, "
+                    "to: b, rule: one_to_one, weight: 1, delay: 1 ms}"));
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       network.projections.push_back(yaml_text::read_connection(network, i, list[i], load_weights));

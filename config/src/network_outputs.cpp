@@ -7,6 +7,7 @@
 
 #include "network_connections.hpp"
 #include "network_populations.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop::yaml_text {
 
@@ -15,15 +16,17 @@ namespace {
 void check_spikes(const NetworkPopulation& population, const std::string& what,
                   const Location& where) {
   if (population.model == NeuronModel::input) {
-    throw ConfigurationError(where, fmt::format("{}: '{}' is an input; connect it to a repeater "
-                                                "and write the repeater's name",
-                                                what, population.name));
+    throw ConfigurationError(where, with_code(Code::network,
+                                              "{}: '{}' is an input; connect it to a repeater "
+                                              "and write the repeater's name",
+                                              what, population.name));
   }
   if (is_current(population.model)) {
     throw ConfigurationError(
-        where, fmt::format("{}: '{}' is a {}, which has no spikes; write a population of neurons, "
-                           "repeaters or a poisson",
-                           what, population.name, model_name(population.model)));
+        where, with_code(Code::network,
+                         "{}: '{}' is a {}, which has no spikes; write a population of neurons, "
+                         "repeaters or a poisson",
+                         what, population.name, model_name(population.model)));
   }
 }
 
@@ -31,9 +34,10 @@ void check_potential(const NetworkPopulation& population, const std::string& wha
                      const Location& where) {
   if (!has_membrane(population.model)) {
     throw ConfigurationError(
-        where, fmt::format("{}: '{}' is a {}, which has no membrane potential; write a population "
-                           "of model iaf_psc_delta or iaf_psc_exp",
-                           what, population.name, model_name(population.model)));
+        where, with_code(Code::network,
+                         "{}: '{}' is a {}, which has no membrane potential; write a population "
+                         "of model iaf_psc_delta or iaf_psc_exp",
+                         what, population.name, model_name(population.model)));
   }
 }
 
@@ -45,7 +49,8 @@ std::vector<std::size_t> read_list(const Section& file, const char* key, const N
   if (!list.IsSequence() || list.size() == 0) {
     throw ConfigurationError(
         place(network.path, list),
-        fmt::format("{}: expected a list of populations; write  {}: [name]", what, key));
+        with_code(Code::wrong_shape, "{}: expected a list of populations; write  {}: [name]", what,
+                  key));
   }
   std::vector<std::size_t> result;
   for (const auto& entry : list) {
@@ -55,7 +60,8 @@ std::vector<std::size_t> read_list(const Section& file, const char* key, const N
     check(network.populations[index], what, where);
     if (std::find(result.begin(), result.end(), index) != result.end()) {
       throw ConfigurationError(
-          where, fmt::format("{}: population '{}' is named twice; write it once", what, name));
+          where, with_code(Code::duplicate_key, "{}: population '{}' is named twice; write it once",
+                           what, name));
     }
     result.push_back(index);
   }
@@ -77,8 +83,9 @@ std::vector<std::uint32_t> read_members(const Section& section,
   if (!list.IsSequence() || list.size() == 0) {
     throw ConfigurationError(
         section.where("V_m"),
-        fmt::format("{}: V_m is not a list of members; write  V_m: all  or  V_m: [0]",
-                    section.what()));
+        with_code(Code::wrong_shape,
+                  "{}: V_m is not a list of members; write  V_m: all  or  V_m: [0]",
+                  section.what()));
   }
   for (const auto& entry : list) {
     members.push_back(read_index(section.file(), section.what() + ": V_m", entry, population));
@@ -94,10 +101,10 @@ NetworkRecord read_record(const NetworkFile& network, const Section& list,
                            [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; })) {
     throw ConfigurationError(
         list.where_name(name),
-        fmt::format(
-            "key 'record': '{}' names ports, so it is made of letters, digits and '_'; give "
-            "the population another name",
-            name));
+        with_code(Code::invalid_name,
+                  "key 'record': '{}' names ports, so it is made of letters, digits and '_'; give "
+                  "the population another name",
+                  name));
   }
   const Section section(network.path, fmt::format("record of '{}'", name),
                         list.at(name, "{spikes: true}"), {"spikes", "V_m", "interval"});
@@ -108,9 +115,10 @@ NetworkRecord read_record(const NetworkFile& network, const Section& list,
     const std::string text = section.text("spikes", "true");
     if (text != "true" && text != "false") {
       throw ConfigurationError(section.where("spikes"),
-                               fmt::format("{}: spikes '{}' is neither true nor false; write one "
-                                           "of them",
-                                           section.what(), text));
+                               with_code(Code::unknown_choice,
+                                         "{}: spikes '{}' is neither true nor false; write one "
+                                         "of them",
+                                         section.what(), text));
     }
     record.spikes = text == "true";
   }
@@ -124,16 +132,18 @@ NetworkRecord read_record(const NetworkFile& network, const Section& list,
   if (section.has("interval")) {
     if (record.potential.empty()) {
       throw ConfigurationError(section.where("interval"),
-                               fmt::format("{}: 'interval' is that of V_m, which is not there; "
-                                           "write  V_m: all, too",
-                                           section.what()));
+                               with_code(Code::network,
+                                         "{}: 'interval' is that of V_m, which is not there; "
+                                         "write  V_m: all, too",
+                                         section.what()));
     }
     record.interval = section.time("interval", "10 ms");
   }
   if (!record.spikes && record.potential.empty()) {
     throw ConfigurationError(
         section.where(),
-        fmt::format("{} has nothing to record; write  spikes: true  or  V_m: all", section.what()));
+        with_code(Code::network, "{} has nothing to record; write  spikes: true  or  V_m: all",
+                  section.what()));
   }
   return record;
 }

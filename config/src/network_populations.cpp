@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -123,9 +124,9 @@ NeuronModel read_model(const Section& section) {
     }
     names.emplace_back(model_name(model));
   }
-  throw ConfigurationError(
-      section.where("model"),
-      fmt::format("{}: unknown model '{}'{}", section.what(), name, did_you_mean(name, names)));
+  throw ConfigurationError(section.where("model"),
+                           with_code(Code::unknown_choice, "{}: unknown model '{}'{}",
+                                     section.what(), name, did_you_mean(name, names)));
 }
 
 std::uint32_t read_size(const Section& section) {
@@ -133,9 +134,10 @@ std::uint32_t read_size(const Section& section) {
   if (size < 1 || size > kMostNeurons || size != std::floor(size)) {
     throw ConfigurationError(
         section.where("size"),
-        fmt::format("{}: size {} is not a whole number from 1 to {:.0f}; larger models belong in "
-                    "NEST, NEURON or Brian2",
-                    section.what(), section.text("size", "100"), kMostNeurons));
+        with_code(Code::out_of_bounds,
+                  "{}: size {} is not a whole number from 1 to {:.0f}; larger models belong in "
+                  "NEST, NEURON or Brian2",
+                  section.what(), section.text("size", "100"), kMostNeurons));
   }
   return static_cast<std::uint32_t>(size);
 }
@@ -147,14 +149,16 @@ void check_potentials(const Parameters& given, const NeuronParameters& p, const 
   };
   if (p.V_reset >= p.V_th) {
     refuse(given.given("V_reset") ? "V_reset" : "V_th",
-           fmt::format("V_reset {} mV is not below V_th {} mV, so the neuron would never stop "
-                       "firing; write a V_reset below V_th",
-                       p.V_reset, p.V_th));
+           with_code(Code::wrong_order,
+                     "V_reset {} mV is not below V_th {} mV, so the neuron would never stop "
+                     "firing; write a V_reset below V_th",
+                     p.V_reset, p.V_th));
   }
   if (p.V_min > p.V_reset) {
-    refuse("V_min", fmt::format("V_min {} mV is above V_reset {} mV; write a V_min at or below "
-                                "V_reset",
-                                p.V_min, p.V_reset));
+    refuse("V_min", with_code(Code::wrong_order,
+                              "V_min {} mV is above V_reset {} mV; write a V_min at or below "
+                              "V_reset",
+                              p.V_min, p.V_reset));
   }
 }
 
@@ -207,8 +211,9 @@ std::vector<TimedValue> read_steps(const Section& section, const std::string& ke
     const Location where = place(section.file(), entry);
     if (!entry.IsSequence() || entry.size() != 2) {
       throw ConfigurationError(
-          where, fmt::format("{}: {}: an entry is not a time with its value; write  {}: {}",
-                             section.what(), key, key, example));
+          where, with_code(Code::wrong_shape,
+                           "{}: {}: an entry is not a time with its value; write  {}: {}",
+                           section.what(), key, key, example));
     }
     const auto number = [&](std::size_t i, const char* in) {
       try {
@@ -226,22 +231,24 @@ std::vector<TimedValue> read_steps(const Section& section, const std::string& ke
     const TimeNs time = in_range ? std::llround(ms * 1e6) : 0;
     if (!in_range || std::abs(ms * 1e6 - static_cast<double>(time)) > 1e-3) {
       throw ConfigurationError(
-          where, fmt::format("{}: {}: the time {} ms is not a whole number of nanoseconds from 0 "
-                             "to 1e9 ms; write  {}: {}",
-                             section.what(), key, ms, key, example));
+          where, with_code(Code::off_grid,
+                           "{}: {}: the time {} ms is not a whole number of nanoseconds from 0 "
+                           "to 1e9 ms; write  {}: {}",
+                           section.what(), key, ms, key, example));
     }
     check_on_grid(fmt::format("{}: {}: the time", section.what(), key), time, resolution, where);
     if (!steps.empty() && time <= steps.back().time) {
       throw ConfigurationError(
-          where,
-          fmt::format("{}: {}: {} does not come after {}; write the times in their order",
-                      section.what(), key, format_time(time), format_time(steps.back().time)));
+          where, with_code(Code::wrong_order,
+                           "{}: {}: {} does not come after {}; write the times in their order",
+                           section.what(), key, format_time(time), format_time(steps.back().time)));
     }
     steps.push_back({time, number(1, unit.c_str())});
   }
   if (steps.empty()) {
-    throw ConfigurationError(section.where(key), fmt::format("{}: {} is empty; write  {}: {}",
-                                                             section.what(), key, key, example));
+    throw ConfigurationError(section.where(key),
+                             with_code(Code::network, "{}: {} is empty; write  {}: {}",
+                                       section.what(), key, key, example));
   }
   return steps;
 }
@@ -252,8 +259,9 @@ void check_rates(const Section& section, const std::vector<TimedValue>& rates) {
     if (rate.value < 0 || rate.value > kMostHz) {
       throw ConfigurationError(
           section.where("rate"),
-          fmt::format("{}: rate {} Hz is not from 0 to {:.0f} Hz; write for example  rate: 10 Hz",
-                      section.what(), rate.value, kMostHz));
+          with_code(Code::out_of_bounds,
+                    "{}: rate {} Hz is not from 0 to {:.0f} Hz; write for example  rate: 10 Hz",
+                    section.what(), rate.value, kMostHz));
     }
   }
 }
@@ -262,8 +270,8 @@ void refuse_parameters(const Section& section, NeuronModel model) {
   if (section.has("parameters")) {
     throw ConfigurationError(
         section.where("parameters"),
-        fmt::format("{}: model {} has no parameters; leave the key 'parameters' out",
-                    section.what(), model_name(model)));
+        with_code(Code::network, "{}: model {} has no parameters; leave the key 'parameters' out",
+                  section.what(), model_name(model)));
   }
 }
 
@@ -273,10 +281,10 @@ void check_on_grid(const std::string& what, TimeNs time, TimeNs resolution, cons
   if (resolution != 0 && time % resolution != 0) {
     const TimeNs below = time / resolution * resolution;
     throw ConfigurationError(
-        where, fmt::format("{} {} is not a multiple of the resolution {}; write {}{}", what,
-                           format_time(time), format_time(resolution),
-                           below == 0 ? "" : format_time(below) + " or ",
-                           format_time(below + resolution)));
+        where,
+        with_code(Code::off_grid, "{} {} is not a multiple of the resolution {}; write {}{}", what,
+                  format_time(time), format_time(resolution),
+                  below == 0 ? "" : format_time(below) + " or ", format_time(below + resolution)));
   }
 }
 
@@ -324,9 +332,10 @@ NetworkPopulation read_population(const NetworkFile& network, const Section& pop
   if (network.resolution == 0 && (model == NeuronModel::iaf_psc_exp || is_current(model))) {
     throw ConfigurationError(
         section.where("model"),
-        fmt::format("{}: model {} is computed on a grid, but the resolution is off; write  "
-                    "resolution: 0.1 ms",
-                    section.what(), model_name(model)));
+        with_code(Code::off_grid,
+                  "{}: model {} is computed on a grid, but the resolution is off; write  "
+                  "resolution: 0.1 ms",
+                  section.what(), model_name(model)));
   }
   if (has_membrane(model)) {
     population.parameters = read_membrane(section, model);

@@ -12,6 +12,7 @@
 #include "python_process.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/reason.hpp"
 #include "text_file.hpp"
@@ -60,9 +61,10 @@ std::string python() {
   const fs::path fault = folder.file("fault");
   if (!fs::exists(fault)) {
     throw ConfigurationError(
-        {file, 0, 0}, fmt::format("Python ended with exit code {} before the function '{}' was "
-                                  "over; what it said stands above",
-                                  exit_code, function));
+        {file, 0, 0}, with_code(Code::script,
+                                "Python ended with exit code {} before the function '{}' was "
+                                "over; what it said stands above",
+                                exit_code, function));
   }
   const FilesRead unnoted;
   std::istringstream told(read_text_file(fault.string(), kMostScriptBytes, "fault"));
@@ -70,7 +72,7 @@ std::string python() {
   std::string text;
   told >> line >> std::ws;
   std::getline(told, text, '\0');
-  throw ConfigurationError({file, line, line > 0 ? 1 : 0}, text);
+  throw ConfigurationError({file, line, line > 0 ? 1 : 0}, with_code(Code::script, text));
 }
 
 // The line of the user's file behind each line of the network file that Python wrote.

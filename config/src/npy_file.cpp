@@ -13,6 +13,7 @@
 
 #include "music_text.hpp"
 #include "npy_header.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
@@ -91,7 +92,7 @@ std::size_t header_length(std::string_view bytes, std::size_t digits) {
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& message) {
-  throw ConfigurationError(Location{file}, message);
+  throw ConfigurationError(Location{file}, with_code(Code::weight_file, message));
 }
 
 /// The text of the header; `begin` of the data behind it.

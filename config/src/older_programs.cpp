@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 
 namespace spikeloop {
@@ -119,7 +120,8 @@ std::optional<WeightTable> uneven_one_to_one(std::uint32_t inputs, std::uint32_t
   const std::string widths =
       fmt::format("port 'in' has {} channels and port 'out' {}", inputs, outputs);
   if (strict) {
-    throw ConfigurationError(widths + "; make both connections equally wide");
+    throw ConfigurationError(
+        with_code(Code::widths_differ, "{}; make both connections equally wide", widths));
   }
   log::warning("{}: {} from channel {} on {}; make both connections equally wide", widths,
                inputs < outputs ? "outputs" : "inputs", common,

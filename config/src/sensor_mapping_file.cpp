@@ -8,6 +8,7 @@
 #include "json_text.hpp"
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "text_file.hpp"
 
@@ -18,8 +19,9 @@ WrittenValues read_sensor_mapping(const std::string& name, const std::filesystem
   constexpr const char* kExample = R"({"fields": [{"path": "ranges", "scale": 2}]})";
   const auto path = find_data_file(name, base);
   if (!path) {
-    throw ConfigurationError(fmt::format("there is no mapping file '{}' in {}; write its path",
-                                         music_text::shown(name), data_file_places(base)));
+    throw ConfigurationError(with_code(Code::missing_file,
+                                       "there is no mapping file '{}' in {}; write its path",
+                                       music_text::shown(name), data_file_places(base)));
   }
   const std::string text = read_text_file(*path, kLimit, "mapping file");
   const auto json = json_text::parse(text, path->string());
@@ -27,18 +29,18 @@ WrittenValues read_sensor_mapping(const std::string& name, const std::filesystem
     return json_text::locate_key(text, keys, path->string());
   };
   if (!json.is_object() || json.empty()) {
-    throw ConfigurationError(place({}),
-                             fmt::format("the file holds {}, no object with keys; write {}",
-                                         json_text::shown_json(json), kExample));
+    throw ConfigurationError(
+        place({}), with_code(Code::wrong_shape, "the file holds {}, no object with keys; write {}",
+                             json_text::shown_json(json), kExample));
   }
   const std::vector<std::string> known = {"fields", "image"};
   WrittenValues keys;
   for (const auto& item : json.items()) {
     const Location where = place({item.key()});
     if (std::ranges::find(known, item.key()) == known.end()) {
-      throw ConfigurationError(where,
-                               fmt::format("unknown key '{}'{}", music_text::shown(item.key()),
-                                           did_you_mean(item.key(), known)));
+      throw ConfigurationError(
+          where, with_code(Code::unknown_key, "unknown key '{}'{}", music_text::shown(item.key()),
+                           did_you_mean(item.key(), known)));
     }
     keys[item.key()] = json_text::written_value(item.value(), where);
   }

@@ -13,6 +13,7 @@
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/npy_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "text_file.hpp"
 #include "weight_table_reader.hpp"
@@ -25,8 +26,8 @@ using music_text::shown;
 
 /// Not strict: what the older programs take when they cannot read the file.
 WeightTable uniform_instead(const std::string& reason, const WeightOptions& options) {
-  log::warning("{}; every weight is 1 / inputs",
-               ConfigurationError(options.named_in, reason).what());
+  log::warning("{}", lengthened(ConfigurationError(options.named_in, reason).what(),
+                                "; every weight is 1 / inputs"));
   return WeightTable::uniform();
 }
 
@@ -43,10 +44,10 @@ void check_even(const std::vector<std::uint64_t>& row_begin, const std::string& 
     const auto length = row_begin[i] - row_begin[i - 1];
     if (length != row_begin[1]) {
       throw ConfigurationError(
-          Location{file},
-          fmt::format("row {} has {} weights, but row 0 has {}; write one weight an "
-                      "input in every row",
-                      i - 1, length, row_begin[1]));
+          Location{file}, with_code(Code::weight_file,
+                                    "row {} has {} weights, but row 0 has {}; write one weight an "
+                                    "input in every row",
+                                    i - 1, length, row_begin[1]));
     }
   }
 }
@@ -77,15 +78,18 @@ WeightTable fitted(const std::vector<double>& values, const std::vector<std::uin
 
 void check_size(std::uint64_t rows, std::uint64_t columns, const std::string& file) {
   if (rows == 0 || columns == 0) {
-    throw ConfigurationError(Location{file},
-                             "the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an "
-                             "output, or 'uniform' in place of the file");
+    throw ConfigurationError(
+        Location{file},
+        with_code(Code::weight_file,
+                  "the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an "
+                  "output, or 'uniform' in place of the file"));
   }
   if (rows > kMaximumChannels || columns > kMaximumChannels) {
     throw ConfigurationError(Location{file},
-                             fmt::format("the table has {} rows of up to {} weights; at most {} "
-                                         "of each are possible",
-                                         rows, columns, kMaximumChannels));
+                             with_code(Code::weight_file,
+                                       "the table has {} rows of up to {} weights; at most {} "
+                                       "of each are possible",
+                                       rows, columns, kMaximumChannels));
   }
 }
 
@@ -110,7 +114,8 @@ std::optional<std::vector<double>> read_values(const NpyArray& array, const std:
   if (array.surplus() != 0) {
     const std::string text = fmt::format("{} bytes follow the array", array.surplus());
     if (options.strict) {
-      problem = ConfigurationError(Location{file}, text + "; write one array a file");
+      problem = ConfigurationError(
+          Location{file}, with_code(Code::weight_file, "{}; write one array a file", text));
       return std::nullopt;
     }
     log::warning("{}: {} and are left out", file, text);
@@ -150,8 +155,10 @@ std::optional<WeightTable> read_json(std::string_view text, const std::string& f
                                      const WeightOptions& options, ConfigurationError& problem) {
   const std::string not_text = json_text::not_text(text);
   if (!not_text.empty()) {
-    problem = ConfigurationError(Location{file},
-                                 not_text + "; write [[0.1, 0.2], [0.3, 0.4]], one row an output");
+    problem = ConfigurationError(
+        Location{file},
+        with_code(Code::weight_file, "{}; write [[0.1, 0.2], [0.3, 0.4]], one row an output",
+                  not_text));
     return std::nullopt;
   }
   WeightTableReader reader(text, file);
@@ -159,7 +166,7 @@ std::optional<WeightTable> read_json(std::string_view text, const std::string& f
                             true, true);
   if (!reader.error().reason.empty()) {
     const Location where = locate(text, reader.error().offset, file);
-    problem = ConfigurationError(where, reader.error().reason);
+    problem = ConfigurationError(where, with_code(Code::weight_file, reader.error().reason));
     if (options.strict || !reader.finished()) {
       return std::nullopt;
     }
@@ -210,8 +217,9 @@ std::optional<WeightTable> short_form(const std::string& written) {
   }
   const auto weight = short_form_weight(std::string_view(written).substr(colon + 1));
   if (!weight) {
-    throw ConfigurationError(fmt::format(
-        "the weight in '{}' is not a finite number; write '{}:0.5'", shown(written), name));
+    throw ConfigurationError(with_code(Code::not_a_number,
+                                       "the weight in '{}' is not a finite number; write '{}:0.5'",
+                                       shown(written), name));
   }
   return form->weighted(*weight);
 }
@@ -219,10 +227,10 @@ std::optional<WeightTable> short_form(const std::string& written) {
 std::string missing_text(const std::string& written, const WeightOptions& options) {
   const std::string slip =
       options.short_forms ? nearest(written, {"uniform", "one_to_one", "blocks"}) : std::string();
-  return fmt::format("there is no {} '{}' in {}; write its path{}{}", options.what, shown(written),
-                     data_file_places(options.base_directory),
-                     options.short_forms ? ", 'uniform', 'one_to_one' or 'blocks'" : "",
-                     slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
+  return with_code(Code::missing_file, "there is no {} '{}' in {}; write its path{}{}",
+                   options.what, shown(written), data_file_places(options.base_directory),
+                   options.short_forms ? ", 'uniform', 'one_to_one' or 'blocks'" : "",
+                   slip.empty() ? "" : fmt::format("; did you mean '{}'?", slip));
 }
 
 }  // namespace

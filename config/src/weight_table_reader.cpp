@@ -9,6 +9,7 @@
 #include "json_text.hpp"
 #include "music_text.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
@@ -21,7 +22,7 @@ constexpr std::string_view kDenseForm = "[[0.1, 0.2], [0.3, 0.4]], one row an ou
 }  // namespace
 
 void WeightTableReader::fail(const std::string& message) const {
-  throw ConfigurationError(Location{file_}, message);
+  throw ConfigurationError(Location{file_}, with_code(Code::weight_file, message));
 }
 
 /// "row 1, column 2": where the next number would stand.

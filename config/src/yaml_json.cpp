@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "spikeloop/core/code.hpp"
 #include "yaml_section.hpp"
 
 namespace spikeloop::yaml_text {
@@ -24,8 +25,9 @@ class Converter {
     if (depth > kDeepest || ++values_ > kMostValues) {
       throw ConfigurationError(
           place(file_, node),
-          fmt::format("there are more than {} values or {} levels here; write them into a file",
-                      kMostValues, kDeepest));
+          with_code(Code::out_of_bounds,
+                    "there are more than {} values or {} levels here; write them into a file",
+                    kMostValues, kDeepest));
     }
     if (node.IsSequence()) {
       Json list = Json::array();
@@ -43,7 +45,8 @@ class Converter {
     for (const auto& entry : node) {
       const std::string key = scalar(file_, "key", entry.first);
       if (object.contains(key)) {
-        throw ConfigurationError(place(file_, entry.first), fmt::format("duplicate key '{}'", key));
+        throw ConfigurationError(place(file_, entry.first),
+                                 with_code(Code::duplicate_key, "duplicate key '{}'", key));
       }
       object[key] = convert(entry.second, depth + 1);
     }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <sstream>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop::yaml_text {
 
@@ -111,8 +112,9 @@ void refuse_depth(const std::string& text, const std::string& path) {
     where.column = c == '\n' ? 0 : where.column + 1;
     depth += c == '[' || c == '{' ? 1 : (c == ']' || c == '}') && depth > 0 ? -1 : 0;
     if (depth > kMostOpen) {
-      throw ConfigurationError(where,
-                               "this is not YAML: it is nested too deeply; close its brackets");
+      throw ConfigurationError(
+          where,
+          with_code(Code::syntax, "this is not YAML: it is nested too deeply; close its brackets"));
     }
   }
 }
@@ -138,19 +140,22 @@ YAML::Node load(const std::string& text, const std::string& path, const std::str
   try {
     const std::vector<YAML::Mark> begins = first_documents(text);
     if (begins.size() > 1 && begins[0].pos == begins[1].pos) {
-      throw ConfigurationError(where(begins[0]),
-                               "this is not YAML: nothing can begin like this; write  key: value");
+      throw ConfigurationError(
+          where(begins[0]),
+          with_code(Code::syntax,
+                    "this is not YAML: nothing can begin like this; write  key: value"));
     }
     if (begins.size() > 1) {
       throw ConfigurationError(
           where(begins[1]),
-          fmt::format("a second document begins; write one {} a file, without '---' inside it",
-                      what));
+          with_code(Code::syntax,
+                    "a second document begins; write one {} a file, without '---' inside it",
+                    what));
     }
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigurationError(where(error.mark),
-                             fmt::format("this is not YAML: {}", reason_of(error, text)));
+    throw ConfigurationError(
+        where(error.mark), with_code(Code::syntax, "this is not YAML: {}", reason_of(error, text)));
   }
 }
 
@@ -168,11 +173,12 @@ Location text_place(const std::string& file, const YAML::Node& node) {
 
 std::string scalar(const std::string& file, const std::string& key, const YAML::Node& node) {
   if (!node.IsScalar() || node.Scalar().empty()) {
-    throw ConfigurationError(place(file, node),
-                             fmt::format("key '{}': expected one value, found {}", key,
-                                         node.IsMap()        ? "a map"
-                                         : node.IsSequence() ? "a list"
-                                                             : "nothing"));
+    throw ConfigurationError(
+        place(file, node),
+        with_code(Code::wrong_shape, "key '{}': expected one value, found {}", key,
+                  node.IsMap()        ? "a map"
+                  : node.IsSequence() ? "a list"
+                                      : "nothing"));
   }
   return node.Scalar();
 }
@@ -187,33 +193,37 @@ Section::Section(std::string file, std::string what, const YAML::Node& node,
     : file_(std::move(file)), what_(std::move(what)), where_(place(file_, node)) {
   if (!node.IsMap()) {
     throw ConfigurationError(
-        where_, fmt::format("{} must be a map; write  key: value  lines, for example  {}: ...",
-                            what_, known.empty() ? "name" : known.front()));
+        where_, with_code(Code::wrong_shape,
+                          "{} must be a map; write  key: value  lines, for example  {}: ...", what_,
+                          known.empty() ? "name" : known.front()));
   }
   for (const auto& entry : node) {
     const Location here = place(file_, entry.first);
     if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
       report(ConfigurationError(
-          here, fmt::format("{}: {} stands where a name has to; write  name: value", what_,
-                            entry.first.IsMap()        ? "a map"
-                            : entry.first.IsSequence() ? "a list"
-                                                       : "nothing")));
+          here, with_code(Code::wrong_shape,
+                          "{}: {} stands where a name has to; write  name: value", what_,
+                          entry.first.IsMap()        ? "a map"
+                          : entry.first.IsSequence() ? "a list"
+                                                     : "nothing")));
       continue;
     }
     const std::string& key = entry.first.Scalar();
     if (key == "<<") {  // another YAML reader would merge a map here
       throw ConfigurationError(
-          here, fmt::format("{}: '<<' is not read; write the other map's keys themselves", what_));
+          here, with_code(Code::wrong_shape,
+                          "{}: '<<' is not read; write the other map's keys themselves", what_));
     }
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-      report(ConfigurationError(
-          here, fmt::format("{}: unknown key '{}'{}", what_, key, did_you_mean(key, known))));
+      report(ConfigurationError(here, with_code(Code::unknown_key, "{}: unknown key '{}'{}", what_,
+                                                key, did_you_mean(key, known))));
       continue;
     }
     if (!entries_.emplace(key, entry.second).second) {
-      report(ConfigurationError(here, fmt::format("{}: duplicate key '{}'; "
-                                                  "the first is at {}",
-                                                  what_, key, key_places_[key].text())));
+      report(ConfigurationError(here, with_code(Code::duplicate_key,
+                                                "{}: duplicate key '{}'; "
+                                                "the first is at {}",
+                                                what_, key, key_places_[key].text())));
       continue;
     }
     keys_.push_back(key);
@@ -225,7 +235,8 @@ const YAML::Node& Section::at(const std::string& key, const std::string& example
   const auto found = entries_.find(key);
   if (found == entries_.end()) {
     throw ConfigurationError(
-        where_, fmt::format("{}: key '{}' is missing; write  {}: {}", what_, key, key, example));
+        where_, with_code(Code::missing_key, "{}: key '{}' is missing; write  {}: {}", what_, key,
+                          key, example));
   }
   return found->second;
 }
@@ -233,8 +244,9 @@ const YAML::Node& Section::at(const std::string& key, const std::string& example
 std::string Section::text(const std::string& key, const std::string& example) const {
   const YAML::Node& node = at(key, example);
   if (node.IsNull()) {
-    throw ConfigurationError(where(key), fmt::format("{}: key '{}' has no value; write  {}: {}",
-                                                     what_, key, key, example));
+    throw ConfigurationError(
+        where(key), with_code(Code::missing_key, "{}: key '{}' has no value; write  {}: {}", what_,
+                              key, key, example));
   }
   return scalar(file_, key, node);
 }
@@ -255,9 +267,10 @@ TimeNs Section::time(const std::string& key, const std::string& example) const {
   const bool whole = std::abs(nanoseconds - std::round(nanoseconds)) < 1e-3;
   if (!whole || nanoseconds < 1.0 || nanoseconds > kLongestMs * 1e6) {
     throw ConfigurationError(where(key),
-                             fmt::format("{}: {} '{}' is not a whole number of nanoseconds from "
-                                         "1 ns to 1e9 ms; write for example {}",
-                                         what_, key, entries_.at(key).Scalar(), example));
+                             with_code(Code::off_grid,
+                                       "{}: {} '{}' is not a whole number of nanoseconds from "
+                                       "1 ns to 1e9 ms; write for example {}",
+                                       what_, key, entries_.at(key).Scalar(), example));
   }
   return std::llround(nanoseconds);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/reason.hpp"
 
 namespace spikeloop {
@@ -35,7 +36,8 @@ bool has_errors(const Diagnostics& list) {
 Diagnostic first_error(const Diagnostics& list, const std::string& file) {
   Diagnostic first = *std::ranges::find_if(list, &Diagnostic::is_error);
   if (const auto more = std::ranges::count_if(list, &Diagnostic::is_error) - 1; more > 0) {
-    first.message += fmt::format(" (and {} more: spikeloop check {})", more, file);
+    first.message = lengthened(first.message,
+                               fmt::format(" (and {} more: spikeloop check {})", more, file));
   }
   return first;
 }

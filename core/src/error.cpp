@@ -1,4 +1,5 @@
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -75,11 +76,11 @@ Error::Error(const Location& where, std::string_view message)
       where_(where.text().empty() ? nullptr : std::make_shared<const Location>(where)) {}
 
 FileError::FileError(std::string_view action, std::string_view path, int error_number)
-    : Error(fmt::format("cannot {} '{}': {}", action, path,
-                        std::generic_category().message(error_number))) {}
+    : Error(with_code(Code::no_access, "cannot {} '{}': {}", action, path,
+                      std::generic_category().message(error_number))) {}
 
 NodeError::NodeError(std::string_view node, std::string_view message)
-    : Error(fmt::format("node '{}': {}", node, message)) {}
+    : Error(with_code(Code::node_failed, "node '{}': {}", node, message)) {}
 
 void require_code_may_run(std::string_view what) {
   if (std::getenv(kNoCode) != nullptr) {

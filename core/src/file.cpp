@@ -1,4 +1,5 @@
 #include "spikeloop/core/file.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -30,8 +31,9 @@ void require_regular_file(const std::string& path, std::string_view kind) {
     throw FileError("open", path, error ? error.value() : ENOENT);
   }
   if (!fs::is_regular_file(status)) {
-    throw FileError(
-        fmt::format("cannot read '{}': not a regular file; write the path of a {}", path, kind));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': not a regular file; write the path of a {}", path,
+                              kind));
   }
 }
 
@@ -45,9 +47,10 @@ std::string read_file(const std::string& path, std::string_view kind, std::uint6
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
   if (!error && size > limit) {
-    throw ConfigurationError(Location{path},
-                             fmt::format("the file has {}, more than the {} that a {} may have",
-                                         size_text(size), size_text(limit), kind));
+    throw ConfigurationError(
+        Location{path},
+        with_code(Code::out_of_bounds, "the file has {}, more than the {} that a {} may have",
+                  size_text(size), size_text(limit), kind));
   }
   std::string text(error ? 0 : size, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plugin_text.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -144,7 +145,7 @@ class ForeignNode : public Node {
     const PlainSetup plain(class_, description, setup);
     node_ = class_.create(&plain.plain(), error.data(), error.size());
     if (node_ == nullptr) {
-      throw ConfigurationError(reason(error, path_));
+      throw ConfigurationError(with_code(Code::plug_in, reason(error, path_)));
     }
   }
   ~ForeignNode() override { class_.destroy(node_); }

@@ -1,4 +1,5 @@
 #include "spikeloop/core/graph_plan.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -51,7 +52,8 @@ std::vector<PlannedElement> planned_elements(const GraphDescription& description
     if (!seen.insert(element.name).second) {
       throw ConfigurationError(
           element.where,
-          fmt::format("two nodes are named '{}'; give each its own name", element.name));
+          with_code(Code::duplicate_name, "two nodes are named '{}'; give each its own name",
+                    element.name));
     }
   }
   return elements;
@@ -86,15 +88,16 @@ PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
   }
   if (candidates.empty()) {
     throw ConfigurationError(
-        where, fmt::format("'{}' has no {} port; turn the connection round or leave it out",
-                           element.name, direction_text));
+        where, with_code(Code::unknown_port,
+                         "'{}' has no {} port; turn the connection round or leave it out",
+                         element.name, direction_text));
   }
   if (dot == std::string::npos) {
     if (candidates.size() > 1) {
       throw ConfigurationError(
-          where,
-          fmt::format("'{}' has several {} ports; write one of: {}.{}", written, direction_text,
-                      element.name, fmt::join(names, fmt::format(", {}.", element.name))));
+          where, with_code(Code::unknown_port, "'{}' has several {} ports; write one of: {}.{}",
+                           written, direction_text, element.name,
+                           fmt::join(names, fmt::format(", {}.", element.name))));
     }
     return {index, candidates.front()};
   }
@@ -157,13 +160,14 @@ void check_connection_widths(const GraphPlan& plan, const GraphDescription& desc
     if (from != to || (written != 0 && written != from)) {
       report(ConfigurationError(
           connection.where,
-          fmt::format("widths differ: '{}' has {} channels, '{}' has {}{}",
-                      plan.text(connection.from), from, plan.text(connection.to), to,
-                      written != 0 ? fmt::format(", the connection says [{}]", written) : "")));
+          with_code(Code::widths_differ, "widths differ: '{}' has {} channels, '{}' has {}{}",
+                    plan.text(connection.from), from, plan.text(connection.to), to,
+                    written != 0 ? fmt::format(", the connection says [{}]", written) : "")));
     } else if (from == 0) {
       report(ConfigurationError(
-          connection.where, fmt::format("the width of '{}' -> '{}' is unknown; write it as [10]",
-                                        plan.text(connection.from), plan.text(connection.to))));
+          connection.where,
+          with_code(Code::unknown_width, "the width of '{}' -> '{}' is unknown; write it as [10]",
+                    plan.text(connection.from), plan.text(connection.to))));
     }
   }
 }
@@ -177,11 +181,12 @@ void check_node_widths(const GraphPlan& plan, const ErrorHandler& report) {
           fixed ? port.rule.value : (same ? element.ports[port.rule.value].width : port.width);
       if (port.width != wanted) {
         report(ConfigurationError(
-            element.where, fmt::format("port '{}.{}' has {} channels but must have {}{}",
-                                       element.name, port.name, port.width, wanted,
-                                       same ? fmt::format(", as many as '{}.{}'", element.name,
-                                                          element.ports[port.rule.value].name)
-                                            : "")));
+            element.where,
+            with_code(Code::widths_differ, "port '{}.{}' has {} channels but must have {}{}",
+                      element.name, port.name, port.width, wanted,
+                      same ? fmt::format(", as many as '{}.{}'", element.name,
+                                         element.ports[port.rule.value].name)
+                           : "")));
       }
     }
   }
@@ -314,8 +319,9 @@ std::string GraphPlan::text(const PlannedPortAddress& address) const {
 
 GraphPlan plan(const GraphDescription& description, const ErrorHandler& report) {
   if (description.tick < 1) {
-    throw ConfigurationError(
-        fmt::format("a tick of {} ns cannot be run; write for example 1 ms", description.tick));
+    throw ConfigurationError(with_code(Code::out_of_bounds,
+                                       "a tick of {} ns cannot be run; write for example 1 ms",
+                                       description.tick));
   }
   bool good = true;
   const ErrorHandler tell = [&](const ConfigurationError& error) {

@@ -1,4 +1,5 @@
 #include "spikeloop/core/number_or_word.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -25,7 +26,8 @@ std::optional<double> number_or_word(const Parameters& given, const std::string&
   } catch (const ConfigurationError&) {
     throw ConfigurationError(
         given.where(name),
-        fmt::format("key '{}': '{}' is neither a number nor '{}'; {}", name, text, word, remedy));
+        with_code(Code::not_a_number, "key '{}': '{}' is neither a number nor '{}'; {}", name, text,
+                  word, remedy));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 #include <time.h>
@@ -82,7 +83,8 @@ class RealtimePacer : public UnpacedPacer {
 
 std::unique_ptr<Pacer> make_realtime_pacer(double factor, TimeNs tick) {
   if (!std::isfinite(factor) || factor <= 0) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::out_of_bounds,
         "a real-time factor of {} cannot be kept; write a number above 0, 1 is real time", factor));
   }
   return std::make_unique<RealtimePacer>(factor, tick);

@@ -1,4 +1,5 @@
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -104,10 +105,11 @@ std::vector<std::string> names_of(const std::vector<ParameterDescription>& param
 std::string missing_key(const ParameterDescription& parameter, std::string_view equals) {
   const std::string example =
       parameter.choices.empty() ? parameter.example : parameter.choices.front();
-  return example.empty() ? fmt::format("key '{0}' is missing ({1}); write  {0}{2}...",
-                                       parameter.name, parameter.text, equals)
-                         : fmt::format("key '{0}' is missing; write for example  {0}{1}{2}",
-                                       parameter.name, equals, example);
+  return example.empty()
+             ? with_code(Code::missing_key, "key '{0}' is missing ({1}); write  {0}{2}...",
+                         parameter.name, parameter.text, equals)
+             : with_code(Code::missing_key, "key '{0}' is missing; write for example  {0}{1}{2}",
+                         parameter.name, equals, example);
 }
 
 }  // namespace spikeloop

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "shared_library.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/plugin_path.hpp"
@@ -61,10 +62,11 @@ const spikeloop_loader& open_loader(const Loader& loader, const std::string& pat
     }
   }
   throw ConfigurationError(
-      fmt::format("plug-in '{}': *{} files need {}, which is not in {}; install Spikeloop with it, "
-                  "or write its "
-                  "directory into SPIKELOOP_LIBRARY_PATH",
-                  path, loader.extension, loader.library, fmt::join(searched, ", ")));
+      with_code(Code::plug_in,
+                "plug-in '{}': *{} files need {}, which is not in {}; install Spikeloop with it, "
+                "or write its "
+                "directory into SPIKELOOP_LIBRARY_PATH",
+                path, loader.extension, loader.library, fmt::join(searched, ", ")));
 }
 
 void log_line(std::uint32_t level, const char* line) {
@@ -90,7 +92,7 @@ const spikeloop_plugin& load_by_loader(const std::string& path) {
       loader.load(path.c_str(), &kHost, message.data(), message.size());
   if (plugin == nullptr) {
     message.back() = '\0';
-    throw ConfigurationError(message.data());
+    throw ConfigurationError(with_code(Code::plug_in, message.data()));
   }
   return *plugin;
 }

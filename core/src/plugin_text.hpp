@@ -5,12 +5,13 @@
 
 #include <string>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
 
 [[noreturn]] inline void refuse(const std::string& path, const std::string& reason) {
-  throw ConfigurationError(fmt::format("plug-in '{}': {}", path, reason));
+  throw ConfigurationError(with_code(Code::plug_in, "plug-in '{}': {}", path, reason));
 }
 
 inline std::string text_or_empty(const char* text) {

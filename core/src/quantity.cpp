@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/units.hpp"
 
@@ -83,11 +84,11 @@ double parse_quantity(std::string_view text, std::string_view unit) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (body.empty() || error == std::errc::invalid_argument) {
     throw ConfigurationError(
-        fmt::format("'{}' is not a number; write for example {}", text, example));
+        with_code(Code::not_a_number, "'{}' is not a number; write for example {}", text, example));
   }
   if (error != std::errc() || !std::isfinite(value)) {
-    throw ConfigurationError(
-        fmt::format("'{}' is not a finite number; write for example {}", text, example));
+    throw ConfigurationError(with_code(
+        Code::not_a_number, "'{}' is not a finite number; write for example {}", text, example));
   }
   const std::string_view given =
       trimmed(digits.substr(static_cast<std::size_t>(end - digits.data())));
@@ -99,13 +100,14 @@ double parse_quantity(std::string_view text, std::string_view unit) {
   if (plain || to == nullptr || from == nullptr ||
       std::string_view(from->dimension) != to->dimension) {
     throw ConfigurationError(
-        plain ? fmt::format("'{}': this number has no unit, '{}' cannot stand behind it; write {}",
-                            text, given, value)
-              : fmt::format("'{}': '{}' is not a unit of {} here; write one of: {}", text, given,
-                            to == nullptr ? wanted : to->dimension,
-                            to == nullptr
-                                ? std::string(wanted)
-                                : fmt::format("{}", fmt::join(units_of(to->dimension), ", "))));
+        plain ? with_code(Code::wrong_unit,
+                          "'{}': this number has no unit, '{}' cannot stand behind it; write {}",
+                          text, given, value)
+              : with_code(Code::wrong_unit, "'{}': '{}' is not a unit of {} here; write one of: {}",
+                          text, given, to == nullptr ? wanted : to->dimension,
+                          to == nullptr
+                              ? std::string(wanted)
+                              : fmt::format("{}", fmt::join(units_of(to->dimension), ", "))));
   }
   // Divide where the ratio is whole (30 ms = 30 / 1000 s), so that "30 ms" is the double 0.03.
   const double ratio = to->factor / from->factor;

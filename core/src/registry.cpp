@@ -1,4 +1,5 @@
 #include "spikeloop/core/registry.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -27,15 +28,16 @@ void Registry::add(NodeClass node_class) {
   const std::string name = node_class.description.name;
   if (!impl_->classes.emplace(name, std::move(node_class)).second) {
     throw ConfigurationError(
-        fmt::format("there is already a node class '{}'; give the second one another name", name));
+        with_code(Code::duplicate_name,
+                  "there is already a node class '{}'; give the second one another name", name));
   }
 }
 
 const NodeClass& Registry::find(std::string_view name) const {
   const auto found = impl_->classes.find(name);
   if (found == impl_->classes.end()) {
-    throw ConfigurationError(
-        fmt::format("unknown node class '{}'{}", name, did_you_mean(name, names())));
+    throw ConfigurationError(with_code(Code::unknown_class, "unknown node class '{}'{}", name,
+                                       did_you_mean(name, names())));
   }
   return found->second;
 }
@@ -85,7 +87,8 @@ std::vector<std::string> Registry::add_classes(const std::string& path,
   for (const NodeClass& node_class : loaded) {
     const std::string& name = node_class.description.name;
     if (contains(name) || std::ranges::find(added, name) != added.end()) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::duplicate_name,
           "plug-in '{}': there is already a node class '{}'; give it another name", path, name));
     }
     added.push_back(name);

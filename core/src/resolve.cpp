@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/unit_demand.hpp"
@@ -41,7 +42,8 @@ std::string integer_bounds_text(const ParameterDescription& parameter) {
 
 void check_bounds(const ParameterDescription& parameter, double value) {
   if (value < parameter.minimum || value > parameter.maximum) {
-    throw ConfigurationError(fmt::format("{} is out of bounds; {}", value, bounds_text(parameter)));
+    throw ConfigurationError(
+        with_code(Code::out_of_bounds, "{} is out of bounds; {}", value, bounds_text(parameter)));
   }
 }
 
@@ -51,13 +53,13 @@ std::int64_t parse_integer(const ParameterDescription& parameter, std::string_vi
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (digits.empty() || error == std::errc::invalid_argument ||
       end != digits.data() + digits.size()) {
-    throw ConfigurationError(
-        fmt::format("'{}' is not a whole number; {}", text, integer_bounds_text(parameter)));
+    throw ConfigurationError(with_code(Code::not_whole, "'{}' is not a whole number; {}", text,
+                                       integer_bounds_text(parameter)));
   }
   const auto real = static_cast<double>(value);
   if (error != std::errc() || real < parameter.minimum || real > parameter.maximum) {
-    throw ConfigurationError(
-        fmt::format("{} is out of bounds; {}", text, integer_bounds_text(parameter)));
+    throw ConfigurationError(with_code(Code::out_of_bounds, "{} is out of bounds; {}", text,
+                                       integer_bounds_text(parameter)));
   }
   return value;
 }
@@ -66,16 +68,17 @@ bool parse_boolean(std::string_view text) {
   if (text == "true" || text == "false") {
     return text == "true";
   }
-  throw ConfigurationError(fmt::format("'{}' is not a truth value; write true or false", text));
+  throw ConfigurationError(
+      with_code(Code::unknown_choice, "'{}' is not a truth value; write true or false", text));
 }
 
 std::string parse_choice(const ParameterDescription& parameter, const std::string& text) {
   const auto& choices = parameter.choices;
   if (std::ranges::find(choices, text) == choices.end()) {
     throw ConfigurationError(
-        fmt::format("'{}' is not a choice{}; write one of: {}", text,
-                    nearest(text, choices).empty() ? "" : did_you_mean(text, choices),
-                    fmt::join(choices, ", ")));
+        with_code(Code::unknown_choice, "'{}' is not a choice{}; write one of: {}", text,
+                  nearest(text, choices).empty() ? "" : did_you_mean(text, choices),
+                  fmt::join(choices, ", ")));
   }
   return text;
 }
@@ -105,8 +108,8 @@ std::string example_of(const ParameterDescription& parameter) {
 
 [[noreturn]] void refuse_shape(const ParameterDescription& parameter, const WrittenValue& written,
                                const std::string& shape) {
-  throw ConfigurationError(
-      fmt::format("'{}' is {}; write  {}", written.text, shape, example_of(parameter)));
+  throw ConfigurationError(with_code(Code::wrong_shape, "'{}' is {}; write  {}", written.text,
+                                     shape, example_of(parameter)));
 }
 
 /// "[1, 2]" and "1, 2", where lists are plain texts.
@@ -134,8 +137,8 @@ void check_names(const std::vector<ParameterDescription>& declared, const Writte
     const bool known = std::find(names.begin(), names.end(), name) != names.end() ||
                        std::find(ignored.begin(), ignored.end(), name) != ignored.end();
     if (!known) {
-      throw ConfigurationError(value.where,
-                               fmt::format("unknown key '{}'{}", name, did_you_mean(name, names)));
+      throw ConfigurationError(value.where, with_code(Code::unknown_key, "unknown key '{}'{}", name,
+                                                      did_you_mean(name, names)));
     }
   }
 }
@@ -153,8 +156,8 @@ Parameters parse_keys(const ParameterDescription& map, const std::vector<Written
     if (value != written.end()) {
       demand_unit("", declared, value->second);
     } else if (!declared.default_value) {
-      throw ConfigurationError(fmt::format("key '{}' is missing ({}); write  {}", declared.name,
-                                           declared.text, example_of(map)));
+      throw ConfigurationError(with_code(Code::missing_key, "key '{}' is missing ({}); write  {}",
+                                         declared.name, declared.text, example_of(map)));
     }
   }
   return resolve(map.inner, written, load_weights);

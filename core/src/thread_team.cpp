@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 #include <vector>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -167,9 +168,10 @@ void check(const NodeClass& node_class, const NodeSetup& setup, unsigned threads
     const PortDescription& port = node_class.description.ports[i];
     if (port.direction == Direction::output && setup.widths[i] < parts) {
       throw ConfigurationError(
-          fmt::format("port '{}' has {} channels, too few for {} parts (np times threads); write "
-                      "smaller ones",
-                      port.name, setup.widths[i], parts));
+          with_code(Code::music_job,
+                    "port '{}' has {} channels, too few for {} parts (np times threads); write "
+                    "smaller ones",
+                    port.name, setup.widths[i], parts));
     }
   }
 }

@@ -1,4 +1,5 @@
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,8 @@ constexpr double kLargestSeconds = 9.0e9;  // 285 years: below the range of int6
 
 TimeNs from_seconds(double seconds) {
   if (!std::isfinite(seconds) || std::abs(seconds) > kLargestSeconds) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::out_of_bounds,
         "a time of {} s cannot be represented; write a finite number of seconds below {:g}",
         seconds, kLargestSeconds));
   }
@@ -27,9 +29,10 @@ TimeNs tick_from_seconds(double seconds) {
   const double error_ns = std::abs(seconds * 1e9 - static_cast<double>(tick));
   if (tick < 1 || error_ns > 1e-3) {
     throw ConfigurationError(
-        fmt::format("a tick of {} s is not a whole number of nanoseconds above 0; write for "
-                    "example {} s",
-                    seconds, tick < 1 ? 0.001 : to_seconds(tick)));
+        with_code(Code::off_grid,
+                  "a tick of {} s is not a whole number of nanoseconds above 0; write for "
+                  "example {} s",
+                  seconds, tick < 1 ? 0.001 : to_seconds(tick)));
   }
   return tick;
 }

@@ -1,4 +1,5 @@
 #include "spikeloop/core/trial.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -118,10 +119,11 @@ int end_of(pid_t child, std::uint64_t seconds) {
 
 void refuse(const std::string& path, std::string_view library, int status, const Limits& limits) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == kTooLarge) {
-    throw ConfigurationError(
-        Location{path}, fmt::format("{} needs more than {} GB of memory for it; look for a size "
-                                    "that is too large",
-                                    library, limits.memory / 1'000'000'000));
+    throw ConfigurationError(Location{path},
+                             with_code(Code::out_of_bounds,
+                                       "{} needs more than {} GB of memory for it; look for a size "
+                                       "that is too large",
+                                       library, limits.memory / 1'000'000'000));
   }
   const int number = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   constexpr std::array kAsked{0, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1};
@@ -129,17 +131,18 @@ void refuse(const std::string& path, std::string_view library, int status, const
     return;  // Ctrl-C is everybody's
   }
   if (number == SIGKILL) {
-    throw FileError(fmt::format(
-        "cannot read '{}': {} was killed; see whether there is enough memory", path, library));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': {} was killed; see whether there is enough memory",
+                              path, library));
   }
   if (number == SIGXCPU) {
-    throw FileError(
-        fmt::format("cannot read '{}': {} takes longer than {} s; see whether it, or "
-                    "a file that it names, is damaged or a pipe",
-                    path, library, limits.seconds));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': {} takes longer than {} s; see whether it, or "
+                              "a file that it names, is damaged or a pipe",
+                              path, library, limits.seconds));
   }
-  throw FileError(
-      fmt::format("cannot read '{}': damaged: {} crashes ({})", path, library, strsignal(number)));
+  throw FileError(with_code(Code::no_access, "cannot read '{}': damaged: {} crashes ({})", path,
+                            library, strsignal(number)));
 }
 
 /// The same for the same contents.

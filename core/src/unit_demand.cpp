@@ -1,4 +1,5 @@
 #include "spikeloop/core/unit_demand.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -23,8 +24,9 @@ void demand_unit(const std::string& what, const ParameterDescription& parameter,
   if (bare && number != 0 && has_unit(parameter)) {
     throw ConfigurationError(
         written.where,
-        fmt::format("{0}key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
-                    what.empty() ? "" : what + ": ", parameter.name, text, parameter.unit));
+        with_code(Code::wrong_unit,
+                  "{0}key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
+                  what.empty() ? "" : what + ": ", parameter.name, text, parameter.unit));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "spikeloop/core/weights.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -49,9 +50,10 @@ namespace {
 WeightTable sparse_blocks(double weight, std::uint32_t rows, std::uint32_t columns) {
   if (rows == 0 || columns % rows != 0) {
     throw ConfigurationError(
-        fmt::format("blocks need a number of inputs that is a multiple of the outputs, but there "
-                    "are {} inputs and {} outputs; write such widths, or a weight file",
-                    columns, rows));
+        with_code(Code::weights_differ,
+                  "blocks need a number of inputs that is a multiple of the outputs, but there "
+                  "are {} inputs and {} outputs; write such widths, or a weight file",
+                  columns, rows));
   }
   const std::uint32_t length = columns / rows;
   WeightTable table;
@@ -81,21 +83,24 @@ bool WeightTable::is_even() const {
 
 WeightTable WeightTable::resized(std::uint32_t output_width, std::uint32_t input_width) const {
   if (is_even()) {
-    throw ConfigurationError(
-        "'even' stands for no weights here; write a weight file, 'uniform' or 'one_to_one'");
+    throw ConfigurationError(with_code(
+        Code::weights_differ,
+        "'even' stands for no weights here; write a weight file, 'uniform' or 'one_to_one'"));
   }
   const bool fits = (rows == 0 || rows == output_width) && (columns == 0 || columns == input_width);
   if (!fits) {
     throw ConfigurationError(
-        fmt::format("the weights have {} rows and {} columns, but the ports have {} outputs and {} "
-                    "inputs; write one row an output and one column an input",
-                    rows, columns, output_width, input_width));
+        with_code(Code::weights_differ,
+                  "the weights have {} rows and {} columns, but the ports have {} outputs and {} "
+                  "inputs; write one row an output and one column an input",
+                  rows, columns, output_width, input_width));
   }
   if (kind == Kind::one_to_one && output_width != input_width) {
     throw ConfigurationError(
-        fmt::format("one-to-one weights need ports of one width, but there are {} outputs and {} "
-                    "inputs; write a weight file instead",
-                    output_width, input_width));
+        with_code(Code::weights_differ,
+                  "one-to-one weights need ports of one width, but there are {} outputs and {} "
+                  "inputs; write a weight file instead",
+                  output_width, input_width));
   }
   if (kind == Kind::blocks) {
     return sparse_blocks(values.empty() ? 1.0 : values[0], output_width, input_width);

@@ -5,6 +5,7 @@
 
 #include "faults.hpp"
 #include "spikeloop/bag/reader.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -37,14 +38,16 @@ void check_type(const Node& node, const bag::Connection& connection) {
   if (connection.type != type) {
     throw ConfigurationError(
         where,
-        fmt::format("key 'message': the bag's topic {0} carries {1}, not {2}; write  message: {1}",
-                    connection.topic, connection.type, type));
+        with_code(Code::wrong_message,
+                  "key 'message': the bag's topic {0} carries {1}, not {2}; write  message: {1}",
+                  connection.topic, connection.type, type));
   }
   if (const std::string md5 = catalog.md5(type); connection.md5 != md5) {
     throw ConfigurationError(
-        where, fmt::format("key 'message': the bag's topic {} carries another version of {} (md5 "
-                           "sum {}, ours is {}); 'rosbag fix' makes it the version of ROS Noetic",
-                           connection.topic, type, connection.md5, md5));
+        where, with_code(Code::wrong_message,
+                         "key 'message': the bag's topic {} carries another version of {} (md5 "
+                         "sum {}, ours is {}); 'rosbag fix' makes it the version of ROS Noetic",
+                         connection.topic, type, connection.md5, md5));
   }
 }
 
@@ -63,9 +66,9 @@ void check_topic(const Node& node, const bag::Reader& reader) {
     const std::string meant = nearest(topic, topics);
     throw ConfigurationError(
         node.parameters.where("topic"),
-        fmt::format("key 'topic': the bag has no topic {}{}; it has {}", topic,
-                    meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
-                    topics_in(reader)));
+        with_code(Code::no_such_topic, "key 'topic': the bag has no topic {}{}; it has {}", topic,
+                  meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
+                  topics_in(reader)));
   }
 }
 
@@ -96,9 +99,10 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
       declared.push_back(parameter);
     } else if (written.erase(parameter.name) > 0) {
       faults.add(robot.places.at(parameter.name),
-                 fmt::format("robot: key '{}' is for a robot that is simulated, and the bag stands "
-                             "in its place; leave one of the two out",
-                             parameter.name));
+                 with_code(Code::conflicting_keys,
+                           "robot: key '{}' is for a robot that is simulated, and the bag stands "
+                           "in its place; leave one of the two out",
+                           parameter.name));
     }
   }
   resolve_keys(declared, {written, "robot", robot.where, robot.unread, robot.places}, {}, faults);

@@ -1,4 +1,5 @@
 #include "spikeloop/experiment/layout.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -183,13 +184,14 @@ Experiment with_layout_delays(const Experiment& experiment) {
                                                                : "";
       throw ConfigurationError(
           connection.where,
-          fmt::format("{} from '{}' to '{}' take at least {} {}, and here it is {}; write  delay "
-                      "{}, {}leave it out{}",
-                      connection.kind == PortKind::spikes ? "spikes" : "continuous values",
-                      connection.from, connection.to, format_ticks(least),
-                      fused ? "in the fused layout" : "between processes",
-                      format_ticks(*connection.delay_ticks), format_ticks(least),
-                      *instead == '\0' ? "or " : "", instead));
+          with_code(Code::delay,
+                    "{} from '{}' to '{}' take at least {} {}, and here it is {}; write  delay "
+                    "{}, {}leave it out{}",
+                    connection.kind == PortKind::spikes ? "spikes" : "continuous values",
+                    connection.from, connection.to, format_ticks(least),
+                    fused ? "in the fused layout" : "between processes",
+                    format_ticks(*connection.delay_ticks), format_ticks(least),
+                    *instead == '\0' ? "or " : "", instead));
     }
     connection.delay_ticks = connection.delay_ticks.value_or(usual_delay(experiment, connection));
   }

@@ -1,4 +1,5 @@
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -189,8 +190,10 @@ class Writer : JobWriter {
     if (spike_timeout(node) != 0) {
       throw ConfigurationError(
           node.parameters.where("spike_timeout"),
-          "key 'spike_timeout': the separate layout has none, because no spike reaches the "
-          "command's process; leave it out, or use the fused layout");
+          with_code(
+              Code::layout,
+              "key 'spike_timeout': the separate layout has none, because no spike reaches the "
+              "command's process; leave it out, or use the fused layout"));
     }
   }
 
@@ -241,9 +244,10 @@ class Writer : JobWriter {
           ticks(*first) != ticks(connection)) {
         throw ConfigurationError(
             connection.where,
-            fmt::format("the inputs '{}' and '{}' have different delays, which the separate layout "
-                        "does not have; write one delay, or use the fused layout",
-                        first->to, connection.to));
+            with_code(Code::layout,
+                      "the inputs '{}' and '{}' have different delays, which the separate layout "
+                      "does not have; write one delay, or use the fused layout",
+                      first->to, connection.to));
       }
       first = &connection;
       const std::uint32_t delay = ticks(connection);
@@ -260,10 +264,11 @@ class Writer : JobWriter {
     if (connection.kind == PortKind::signal && connection.delay_ticks == 0U) {
       throw ConfigurationError(
           connection.where,
-          fmt::format("the continuous connection '{}' -> '{}' has the delay 0, but "
-                      "between processes it takes a tick; write a delay of at least 1 "
-                      "tick, leave it out, or use the fused layout",
-                      connection.from, connection.to));
+          with_code(Code::delay,
+                    "the continuous connection '{}' -> '{}' has the delay 0, but "
+                    "between processes it takes a tick; write a delay of at least 1 "
+                    "tick, leave it out, or use the fused layout",
+                    connection.from, connection.to));
     }
   }
   static std::uint32_t ticks(const Connection& connection) {
@@ -294,10 +299,11 @@ void check_ends(const Experiment& experiment) {
         [](const auto& parameter) { return parameter.type == ParameterType::weights; });
     if (by_weights && !sends) {
       throw ConfigurationError(
-          node.where, fmt::format("nothing is connected to an output of '{}', and the separate "
-                                  "layout knows its width from a connection alone; connect it, or "
-                                  "use the fused layout",
-                                  node.name));
+          node.where, with_code(Code::not_connected,
+                                "nothing is connected to an output of '{}', and the separate "
+                                "layout knows its width from a connection alone; connect it, or "
+                                "use the fused layout",
+                                node.name));
     }
   }
 }
@@ -308,19 +314,24 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
   if (experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time) {
     throw ConfigurationError(
         experiment.sync_where,
-        fmt::format("key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
-                    "the fused layout",
-                    name_of(experiment.sync)));
+        with_code(Code::layout,
+                  "key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
+                  "the fused layout",
+                  name_of(experiment.sync)));
   }
   if (experiment.robot && !experiment.robot->bag.empty()) {
-    throw ConfigurationError(experiment.robot->where,
-                             "a bag in the robot's place needs the fused layout; in the separate "
-                             "one write  ros: 1, and play it by  rosbag play");
+    throw ConfigurationError(
+        experiment.robot->where,
+        with_code(Code::layout,
+                  "a bag in the robot's place needs the fused layout; in the separate "
+                  "one write  ros: 1, and play it by  rosbag play"));
   }
   if (experiment.robot && experiment.ros == Ros::none) {
-    throw ConfigurationError(experiment.robot->where,
-                             "in the separate layout the robot is reached over ROS; write  ros: 2, "
-                             "or use the fused layout");
+    throw ConfigurationError(
+        experiment.robot->where,
+        with_code(Code::layout,
+                  "in the separate layout the robot is reached over ROS; write  ros: 2, "
+                  "or use the fused layout"));
   }
   check_ends(experiment);
   return Writer(experiment, folder).write();

@@ -1,4 +1,5 @@
 #include "spikeloop/experiment/node_types.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -216,7 +217,8 @@ const NodeClass& NodeTypes::find(std::string_view name) const {
     return registry_.find(name);
   }
   const std::string written(name);
-  throw ConfigurationError("unknown node class '" + written + "'" + did_you_mean(written, names()));
+  throw ConfigurationError(with_code(Code::unknown_class, "unknown node class '{}'{}", written,
+                                     did_you_mean(written, names())));
 }
 
 Role NodeTypes::role(std::string_view name) const {

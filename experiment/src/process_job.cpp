@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "job_writer.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
@@ -118,9 +119,10 @@ class ProcessWriter : JobWriter {
     const std::string name = process_port(end);
     if (const auto known = ports_.emplace(name, end).first; known->second != end) {
       throw ConfigurationError(
-          edge.where, fmt::format("'{}' and '{}' would be one port of MUSIC's, {}; give one of the "
-                                  "nodes a name without '__'",
-                                  known->second, end, name));
+          edge.where, with_code(Code::layout,
+                                "'{}' and '{}' would be one port of MUSIC's, {}; give one of the "
+                                "nodes a name without '__'",
+                                known->second, end, name));
     }
     job_.file.connections.push_back(
         {from,
@@ -147,9 +149,10 @@ class ProcessWriter : JobWriter {
     const Connection* first = from_simulator(experiment_, node_of(connection.to), connection.kind);
     throw ConfigurationError(
         connection.where,
-        fmt::format("the inputs '{}' and '{}' have different delays, and a simulator waits for all "
-                    "of its inputs as long as for those from another one; write {}[delay {}]",
-                    first->to, connection.to, waits ? "at least " : "", format_ticks(least)));
+        with_code(Code::delay,
+                  "the inputs '{}' and '{}' have different delays, and a simulator waits for all "
+                  "of its inputs as long as for those from another one; write {}[delay {}]",
+                  first->to, connection.to, waits ? "at least " : "", format_ticks(least)));
   }
 
   void check_joined() const {
@@ -164,14 +167,17 @@ class ProcessWriter : JobWriter {
     if (experiment_.layout.kind == Layout::Kind::written) {
       throw ConfigurationError(
           experiment_.layout.where,
-          fmt::format("no connection joins process '{}' with another one, and MUSIC would wait for "
-                      "ever; connect its nodes, or put them into another process",
-                      process));
+          with_code(Code::not_connected,
+                    "no connection joins process '{}' with another one, and MUSIC would wait for "
+                    "ever; connect its nodes, or put them into another process",
+                    process));
     }
     throw ConfigurationError(
         experiment_.nodes.front().where,
-        "no connection joins the simulators with the other nodes, which one process has in the "
-        "fused layout, and MUSIC would wait for ever; connect them, or use --layout separate");
+        with_code(
+            Code::not_connected,
+            "no connection joins the simulators with the other nodes, which one process has in the "
+            "fused layout, and MUSIC would wait for ever; connect them, or use --layout separate"));
   }
 
   std::set<std::pair<std::string, std::string>> taken_;  ///< an output, and the process it goes to

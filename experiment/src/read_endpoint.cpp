@@ -7,6 +7,7 @@
 #include "faults.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/message_type.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -22,9 +23,10 @@ using Json = nlohmann::ordered_json;
 Json& field_of(Json& fields, const Parameters::Entry& entry, const char* key) {
   if (!fields.contains(entry.key)) {
     throw ConfigurationError(
-        entry.where, fmt::format("key '{}': '{}' is not one of the fields; write it into  fields, "
-                                 "too",
-                                 key, entry.key));
+        entry.where, with_code(Code::field_path,
+                               "key '{}': '{}' is not one of the fields; write it into  fields, "
+                               "too",
+                               key, entry.key));
   }
   return fields[entry.key];
 }
@@ -35,9 +37,10 @@ void add_limits(const Parameters& parameters, Json& fields) {
     const auto& range = entry.values.numbers(kAnyKey);
     if (range[0] > range[1]) {
       throw ConfigurationError(
-          entry.where, fmt::format("key 'limits': [{}, {}] of '{}' is no least and greatest value; "
-                                   "write  {}: [-0.5, 0.5]",
-                                   range[0], range[1], entry.key, entry.key));
+          entry.where, with_code(Code::wrong_order,
+                                 "key 'limits': [{}, {}] of '{}' is no least and greatest value; "
+                                 "write  {}: [-0.5, 0.5]",
+                                 range[0], range[1], entry.key, entry.key));
     }
     Json& field = field_of(fields, entry, "limits");
     field["min"] = range[0];
@@ -52,9 +55,10 @@ void add_slew(const Parameters& parameters, Json& fields) {
     if (rate <= 0) {
       throw ConfigurationError(
           entry.where,
-          fmt::format("key 'slew': {} of '{}' is not a rate of change; write a number above 0, as  "
-                      "{}: 1.0, in units a second",
-                      rate, entry.key, entry.key));
+          with_code(Code::out_of_bounds,
+                    "key 'slew': {} of '{}' is not a rate of change; write a number above 0, as  "
+                    "{}: 1.0, in units a second",
+                    rate, entry.key, entry.key));
     }
     field_of(fields, entry, "slew")["slew"] = rate;
   }
@@ -85,9 +89,10 @@ CommandMapping command_mapping(const Parameters& parameters) {
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
     throw ConfigurationError(
         parameters.where("message"),
-        fmt::format("key 'fields' is missing: a {} has to know which channel is which; write for "
-                    "example  fields: {{linear.x: 0, angular.z: 1}}",
-                    parameters.text("message")));
+        with_code(Code::missing_key,
+                  "key 'fields' is missing: a {} has to know which channel is which; write for "
+                  "example  fields: {{linear.x: 0, angular.z: 1}}",
+                  parameters.text("message")));
   }
   const bool about_fields = parameters.given("fields");
   const Location& where = parameters.where(about_fields ? "fields" : "message");

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "faults.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
@@ -33,15 +34,17 @@ void check_duration(const Location& where, const char* what, const Experiment& e
   const TimeNs duration = experiment.duration.value_or(experiment.tick);
   const TimeNs rest = duration % experiment.tick;
   if (duration <= 0) {
-    faults.add(where, fmt::format("{}: a run of {} does nothing; write for example {}, or leave "
-                                  "it out: then the run goes on until it is stopped",
-                                  what, format_time(duration), format_time(experiment.tick)));
+    faults.add(where, with_code(Code::out_of_bounds,
+                                "{}: a run of {} does nothing; write for example {}, or leave "
+                                "it out: then the run goes on until it is stopped",
+                                what, format_time(duration), format_time(experiment.tick)));
   } else if (rest != 0) {
     const TimeNs below = duration - rest;
-    faults.add(where, fmt::format("{}: {} is not a whole number of ticks of {}; write {}{}", what,
-                                  format_time(duration), format_time(experiment.tick),
-                                  below > 0 ? format_time(below) + " or " : "",
-                                  format_time(below + experiment.tick)));
+    faults.add(where,
+               with_code(Code::off_grid, "{}: {} is not a whole number of ticks of {}; write {}{}",
+                         what, format_time(duration), format_time(experiment.tick),
+                         below > 0 ? format_time(below) + " or " : "",
+                         format_time(below + experiment.tick)));
   }
 }
 
@@ -52,9 +55,10 @@ void check_name(const Parameters& keys, const std::string& name, Faults& faults)
       name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
   if (keys.given("experiment") && (!plain || name.size() > kLongest)) {
     faults.add(keys.where("experiment"),
-               fmt::format("key 'experiment': '{}' is not a valid experiment name; write up to {} "
-                           "letters, digits, '_' and '-'",
-                           name, kLongest));
+               with_code(Code::invalid_name,
+                         "key 'experiment': '{}' is not a valid experiment name; write up to {} "
+                         "letters, digits, '_' and '-'",
+                         name, kLongest));
   }
 }
 
@@ -184,9 +188,10 @@ constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserS
 void check_robot_topic(const Node& node, const Experiment& experiment) {
   if (!experiment.robot) {
     throw ConfigurationError(
-        node.where, fmt::format("node '{}': nobody is at the other end of topic {}; write  ros: 2, "
-                                "or  robot: {{simulator: mujoco}}",
-                                node.name, node.parameters.text("topic")));
+        node.where, with_code(Code::no_such_topic,
+                              "node '{}': nobody is at the other end of topic {}; write  ros: 2, "
+                              "or  robot: {{simulator: mujoco}}",
+                              node.name, node.parameters.text("topic")));
   }
   if (!experiment.robot->bag.empty()) {
     return;  // check_bag()
@@ -195,10 +200,11 @@ void check_robot_topic(const Node& node, const Experiment& experiment) {
   if (node.kind == kRosEventSensor) {
     throw ConfigurationError(
         node.parameters.where("topic"),
-        fmt::format("key 'topic': the robot in this process has no event camera that sends {}; "
-                    "write  ros: 2  for one that has, or take the changes of its pictures "
-                    "(docs/images.md, \"Events from frames\")",
-                    topic));
+        with_code(Code::no_such_topic,
+                  "key 'topic': the robot in this process has no event camera that sends {}; "
+                  "write  ros: 2  for one that has, or take the changes of its pictures "
+                  "(docs/images.md, \"Events from frames\")",
+                  topic));
   }
   std::vector<std::string> known;
   for (const RobotTopic& robot : kRobotTopics) {
@@ -212,9 +218,10 @@ void check_robot_topic(const Node& node, const Experiment& experiment) {
     if ((topic == kImageTopic || topic == kInfoTopic) && !experiment.robot->camera) {
       throw ConfigurationError(
           node.parameters.where("topic"),
-          fmt::format("key 'topic': the robot's camera, which sends {}, is off; write  robot: "
-                      "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
-                      topic));
+          with_code(Code::no_such_topic,
+                    "key 'topic': the robot's camera, which sends {}, is off; write  robot: "
+                    "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
+                    topic));
     }
     const std::string& message = node.parameters.text("message");
     if (message == robot.message) {
@@ -222,13 +229,15 @@ void check_robot_topic(const Node& node, const Experiment& experiment) {
     }
     throw ConfigurationError(
         node.parameters.where("message"),
-        fmt::format("key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
-                    topic, robot.message, message, robot.message));
+        with_code(Code::wrong_message,
+                  "key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
+                  topic, robot.message, message, robot.message));
   }
   throw ConfigurationError(node.parameters.where("topic"),
-                           fmt::format("key 'topic': the robot has no topic {} there{}; with  ros: "
-                                       "2  any topic is possible",
-                                       topic, did_you_mean(topic, known)));
+                           with_code(Code::no_such_topic,
+                                     "key 'topic': the robot has no topic {} there{}; with  ros: "
+                                     "2  any topic is possible",
+                                     topic, did_you_mean(topic, known)));
 }
 
 /// The robot would obey both in turn.
@@ -243,9 +252,10 @@ void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::
     const auto [sender, is_new] = senders.emplace(topic, node.name);
     if (!is_new) {
       faults.add(node.parameters.where("topic"),
-                 fmt::format("key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
-                             "both in turn; write one node with all fields, or another topic",
-                             sender->second, node.name, topic));
+                 with_code(Code::topic_conflict,
+                           "key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
+                           "both in turn; write one node with all fields, or another topic",
+                           sender->second, node.name, topic));
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "faults.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -19,7 +20,8 @@ namespace {
 constexpr std::uint32_t kMostTicks = 1'000'000;
 
 [[noreturn]] void refuse_delay(const WrittenValue& written, const std::string& reason) {
-  throw ConfigurationError(written.where, fmt::format("delay '{}' {}", written.text, reason));
+  throw ConfigurationError(written.where,
+                           with_code(Code::delay, "delay '{}' {}", written.text, reason));
 }
 
 /// "2 ticks", "1 tick", "2ticks"; not a number: something else than a count stands before the unit.
@@ -88,9 +90,10 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
   const auto lonely = lonely_nodes(file, experiment);
   for (const Node& node : experiment.nodes) {
     if (lonely.contains(node.name)) {
-      faults.add(node.where, fmt::format("node '{0}' is not connected; write it into "
-                                         "'connections', or leave it out",
-                                         node.name));
+      faults.add(node.where, with_code(Code::not_connected,
+                                       "node '{0}' is not connected; write it into "
+                                       "'connections', or leave it out",
+                                       node.name));
     } else {
       description.nodes.push_back({node.name, node.node_class, node.parameters, node.where});
     }
@@ -136,17 +139,19 @@ void check_against_robot(const Node& node, const Experiment& experiment,
     // The topic is one of the robot's, with the right message: check_robot_topic().
     throw ConfigurationError(
         node.parameters.where("topic"),
-        fmt::format("key 'topic': the robot sends nothing on {} in this world, which has no lamps; "
-                    "write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
-                    "(docs/robot.md)",
-                    node.parameters.text("topic")));
+        with_code(Code::no_such_topic,
+                  "key 'topic': the robot sends nothing on {} in this world, which has no lamps; "
+                  "write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
+                  "(docs/robot.md)",
+                  node.parameters.text("topic")));
   }
   const std::uint32_t values = known.value_or(0);
   for (const Connection& connection : experiment.connections) {
     if (node_of(connection.from) == node.name && values != 0 && values != connection.width) {
       throw ConfigurationError(
           connection.where,
-          fmt::format(
+          with_code(
+              Code::fields_differ,
               "node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
               "channels; write [{}] in its connection{}",
               node.name, experiment.robot->bag.empty() ? "robot" : "bag",
@@ -191,8 +196,9 @@ void check_node(const Node& node, const Experiment& experiment, const SensorWidt
     if (spike_timeout(node) != 0 && spikes_behind(experiment, node.name).empty()) {
       throw ConfigurationError(
           node.parameters.where("spike_timeout"),
-          fmt::format("key 'spike_timeout': no spikes are on the way to '{}'; leave it out",
-                      node.name));
+          with_code(Code::conflicting_keys,
+                    "key 'spike_timeout': no spikes are on the way to '{}'; leave it out",
+                    node.name));
     }
   }
 }
@@ -206,10 +212,10 @@ void try_node(const Node& node, const PlannedElement& element, std::uint64_t see
   for (const PlannedPort& port : element.ports) {
     if (port.width == 0) {
       throw ConfigurationError(
-          node.where,
-          fmt::format("nothing is connected to the output '{}.{}', and nothing else says "
-                      "how wide it is; connect it, or leave the node out",
-                      node.name, port.name));
+          node.where, with_code(Code::not_connected,
+                                "nothing is connected to the output '{}.{}', and nothing else says "
+                                "how wide it is; connect it, or leave the node out",
+                                node.name, port.name));
     }
     setup.widths.push_back(port.width);
   }

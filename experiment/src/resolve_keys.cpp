@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "faults.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/unit_demand.hpp"
 
 namespace spikeloop::experiment {
@@ -28,9 +29,9 @@ class KeyReader {
     for (const auto& [name, value] : keyed_.written) {
       if (std::ranges::find(names, name) == names.end()) {
         const auto place = keyed_.places.find(name);
-        faults_.add(
-            place == keyed_.places.end() ? value.where : place->second,
-            fmt::format("{}: unknown key '{}'{}", keyed_.what, name, did_you_mean(name, names)));
+        faults_.add(place == keyed_.places.end() ? value.where : place->second,
+                    with_code(Code::unknown_key, "{}: unknown key '{}'{}", keyed_.what, name,
+                              did_you_mean(name, names)));
         meant_.push_back(nearest(name, names));
       }
     }
@@ -46,8 +47,9 @@ class KeyReader {
     try {
       keep(parameter, spikeloop::resolve({parameter}, {*value}, load_weights_));
     } catch (const FileError& error) {
-      throw FileError(value->second.where, fmt::format("key '{}': {}; write the path of a file",
-                                                       parameter.name, error.what()));
+      throw FileError(value->second.where,
+                      with_code(Code::missing_file, "key '{}': {}; write the path of a file",
+                                parameter.name, error.what()));
     }
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "faults.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
@@ -23,19 +24,23 @@ void check_process(const std::string& name, const Location& where, const Experim
       std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
   if (!plain || name.empty()) {
     throw ConfigurationError(
-        where, fmt::format("key 'layout': '{}' is not the name of a process; write letters, digits "
-                           "and '_'",
-                           name));
+        where, with_code(Code::invalid_name,
+                         "key 'layout': '{}' is not the name of a process; write letters, digits "
+                         "and '_'",
+                         name));
   }
   if (name == kRobotLabel) {
     throw ConfigurationError(
-        where, "key 'layout': 'robot' is the process of the robot; give this one another name");
+        where,
+        with_code(Code::layout,
+                  "key 'layout': 'robot' is the process of the robot; give this one another name"));
   }
   if (is_simulator_end(experiment, name)) {
     throw ConfigurationError(
-        where, fmt::format("key 'layout': '{}' is a simulator, which has a process of its own; "
-                           "give this process another name",
-                           name));
+        where, with_code(Code::layout,
+                         "key 'layout': '{}' is a simulator, which has a process of its own; "
+                         "give this process another name",
+                         name));
   }
 }
 
@@ -45,22 +50,24 @@ void check_node(const std::string& name, const Location& where, const Experiment
     names.push_back(node.name);
   }
   if (std::ranges::find(names, name) == names.end()) {
-    throw ConfigurationError(where, fmt::format("key 'layout': there is no node '{}'{}", name,
-                                                did_you_mean(name, names)));
+    throw ConfigurationError(
+        where, with_code(Code::unknown_node, "key 'layout': there is no node '{}'{}", name,
+                         did_you_mean(name, names)));
   }
   if (is_simulator_end(experiment, name)) {
     throw ConfigurationError(
         where,
-        fmt::format("key 'layout': the simulator '{}' has a process of its own; leave it out",
-                    name));
+        with_code(Code::layout,
+                  "key 'layout': the simulator '{}' has a process of its own; leave it out", name));
   }
   if (const auto in = std::ranges::find_if(
           experiment.layout.processes,
           [&](const Process& process) { return process.nodes.contains(name); });
       in != experiment.layout.processes.end()) {
     throw ConfigurationError(
-        where, fmt::format("key 'layout': node '{}' is in process '{}' already; write it once",
-                           name, in->name));
+        where, with_code(Code::duplicate_name,
+                         "key 'layout': node '{}' is in process '{}' already; write it once", name,
+                         in->name));
   }
 }
 
@@ -73,8 +80,8 @@ void check_whole(const Experiment& experiment) {
     if (!listed && !is_simulator(node)) {
       throw ConfigurationError(
           experiment.layout.where,
-          fmt::format("key 'layout': node '{}' is in no process; add it to one of them",
-                      node.name));
+          with_code(Code::layout, "key 'layout': node '{}' is in no process; add it to one of them",
+                    node.name));
     }
   }
 }
@@ -85,11 +92,12 @@ void check_robot(const Experiment& experiment) {
   if ((experiment.ros == Ros::none || in_steps) && !one_meets_robot(experiment)) {
     throw ConfigurationError(
         experiment.layout.where,
-        fmt::format("key 'layout': {} needs all sensors and commands in one process; put them "
-                    "together, or write  {}",
-                    experiment.ros == Ros::none ? std::string("a robot without ROS")
-                                                : fmt::format("sync: {}", name_of(experiment.sync)),
-                    experiment.ros == Ros::none ? "ros: 2" : "sync: realtime"));
+        with_code(Code::layout,
+                  "key 'layout': {} needs all sensors and commands in one process; put them "
+                  "together, or write  {}",
+                  experiment.ros == Ros::none ? std::string("a robot without ROS")
+                                              : fmt::format("sync: {}", name_of(experiment.sync)),
+                  experiment.ros == Ros::none ? "ros: 2" : "sync: realtime"));
   }
 }
 

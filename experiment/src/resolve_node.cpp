@@ -7,6 +7,7 @@
 #include "spikeloop/config/network_file.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/record/reader.hpp"
@@ -95,10 +96,11 @@ std::string kind_of(const ExperimentNode& entry, Node& node) {
   if (entry.keys.contains("node") == entry.keys.contains("simulator")) {
     throw ConfigurationError(
         entry.where,
-        fmt::format("node '{}' says {}; write  node: rate_encoder, or  simulator: builtin",
-                    entry.name,
-                    entry.keys.contains("node") ? "both 'node' and 'simulator'"
-                                                : "neither 'node' nor 'simulator'"));
+        with_code(Code::missing_key,
+                  "node '{}' says {}; write  node: rate_encoder, or  simulator: builtin",
+                  entry.name,
+                  entry.keys.contains("node") ? "both 'node' and 'simulator'"
+                                              : "neither 'node' nor 'simulator'"));
   }
   if (entry.keys.contains("node")) {
     return take("node").text;
@@ -116,8 +118,9 @@ std::string in_directory(const std::string& directory, const std::string& path) 
 void refuse_file(const char* key, const Location& where, const char* what,
                  const std::string& path) {
   throw ConfigurationError(
-      where, fmt::format("key '{}': there is no {} '{}'; write its path, from where this file lies",
-                         key, what, path));
+      where, with_code(Code::missing_file,
+                       "key '{}': there is no {} '{}'; write its path, from where this file lies",
+                       key, what, path));
 }
 
 Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,

@@ -9,6 +9,7 @@
 #include "faults.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/script_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
 namespace spikeloop::experiment {
@@ -28,9 +29,10 @@ ScriptHost host_of(const std::string& path, const Location& where) {
   try {
     return host_in_script(path);
   } catch (const FileError& error) {
-    throw FileError(where, fmt::format("key 'script': {}; write the path of a file that you can "
-                                       "read, or let yourself read it (chmod u+r)",
-                                       error.what()));
+    throw FileError(where, with_code(Code::script,
+                                     "key 'script': {}; write the path of a file that you can "
+                                     "read, or let yourself read it (chmod u+r)",
+                                     error.what()));
   }
 }
 
@@ -43,15 +45,17 @@ void read_script(Node& node, const Simulator& simulator, const std::string& dire
   const ScriptHost host = host_of(path, where);
   if (host == ScriptHost::nest && node.kind != kRounding) {
     throw ConfigurationError(
-        where, fmt::format("key 'script': '{}' imports spikeloop.nest, whose times are rounded; "
-                           "write  simulator: {}",
-                           path, kRounding));
+        where, with_code(Code::script,
+                         "key 'script': '{}' imports spikeloop.nest, whose times are rounded; "
+                         "write  simulator: {}",
+                         path, kRounding));
   }
   if (host == ScriptHost::none) {
     throw ConfigurationError(
-        where, fmt::format("key 'script': '{}' does not take part in an experiment; write  import "
-                           "{}  into it (docs/simulators.md)",
-                           path, simulator.host));
+        where, with_code(Code::script,
+                         "key 'script': '{}' does not take part in an experiment; write  import "
+                         "{}  into it (docs/simulators.md)",
+                         path, simulator.host));
   }
   FilesRead::note(path);
   node.parameters.set(kScript, path, true, where);
@@ -66,9 +70,10 @@ void take_parameters(const ExperimentNode& entry, Node& node, Faults& faults) {
     const auto place = entry.places.find(name);
     if (std::ranges::find(reserved_keys(), std::string_view(name)) != reserved_keys().end()) {
       faults.add(place == entry.places.end() ? value.where : place->second,
-                 fmt::format("node '{}': '{}' is the name of a key of every program, and no "
-                             "parameter of a script; give it another name",
-                             node.name, name));
+                 with_code(Code::invalid_name,
+                           "node '{}': '{}' is the name of a key of every program, and no "
+                           "parameter of a script; give it another name",
+                           node.name, name));
     }
     node.parameters.set(name, value.text, true, value.where);
   }
@@ -123,10 +128,11 @@ class PortFinder {
           {name, beyond == nullptr ? PortKind::spikes : beyond->kind, direction, {}, ""});
       unknown_ = beyond == nullptr;
     } else if (known->direction != direction) {
-      faults_.add(where, fmt::format("'{0}.{1}' is an input here and an output there, and MUSIC "
-                                     "has one port of a name; give the script's two ports two "
-                                     "names",
-                                     node.name, name));
+      faults_.add(where, with_code(Code::script,
+                                   "'{0}.{1}' is an input here and an output there, and MUSIC "
+                                   "has one port of a name; give the script's two ports two "
+                                   "names",
+                                   node.name, name));
     } else if (unknown_ && beyond != nullptr) {
       known->kind = beyond->kind;
     }
@@ -154,9 +160,10 @@ void refuse_itself(ExperimentConnection& connection, const Experiment& experimen
     return;
   }
   faults.add(connection.where,
-             fmt::format("'{}' is connected to '{}' of the same script; connect its cells within "
-                         "the script, or put another node between its ports",
-                         connection.from, connection.to));
+             with_code(Code::script,
+                       "'{}' is connected to '{}' of the same script; connect its cells within "
+                       "the script, or put another node between its ports",
+                       connection.from, connection.to));
   if (connection.delay.text.empty()) {
     connection.delay = {"1 tick", connection.where};  // not told once more, as a cycle without
   }
@@ -177,8 +184,8 @@ std::string simulator_kind(const ExperimentNode& entry, const WrittenValue& writ
     names.emplace_back(simulator.name);
   }
   throw ConfigurationError(
-      written.where, fmt::format("node '{}': simulator '{}' is unknown{}", entry.name, written.text,
-                                 did_you_mean(written.text, names)));
+      written.where, with_code(Code::unknown_simulator, "node '{}': simulator '{}' is unknown{}",
+                               entry.name, written.text, did_you_mean(written.text, names)));
 }
 
 Checked resolve_simulator(const ExperimentNode& entry, Node node, const std::string& directory,
@@ -198,9 +205,10 @@ Checked resolve_simulator(const ExperimentNode& entry, Node node, const std::str
   }
   if (node.parameters.integer(kProcesses) > 1 && node.kind != kParallel) {
     faults.add(node.parameters.where(kProcesses),
-               fmt::format("key 'np': {} processes are for NEURON's ParallelContext; a script with "
-                           "simulator: {} has one: leave the key out",
-                           node.parameters.integer(kProcesses), node.kind));
+               with_code(Code::out_of_bounds,
+                         "key 'np': {} processes are for NEURON's ParallelContext; a script with "
+                         "simulator: {} has one: leave the key out",
+                         node.parameters.integer(kProcesses), node.kind));
   }
   take_parameters(entry, node, faults);
   const bool good = faults.count() == before && entry.unread.empty();

@@ -1,4 +1,5 @@
 #include "spikeloop/experiment/safety.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -35,7 +36,8 @@ std::string topic_of(const Node& node, const char* key, const Parameters& keys,
   if (topic == node.parameters.text("topic")) {
     throw ConfigurationError(
         node.parameters.where(key),
-        fmt::format(
+        with_code(
+            Code::topic_conflict,
             "key '{}': {} is the topic of the commands themselves; write another one, or none", key,
             topic));
   }
@@ -120,7 +122,8 @@ command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros
   if (keys.text("topic").empty()) {
     throw ConfigurationError(
         keys.where("topic"),
-        "key 'emergency_stop': there is no topic; write  /emergency_stop, or none");
+        with_code(Code::missing_key,
+                  "key 'emergency_stop': there is no topic; write  /emergency_stop, or none"));
   }
   command::EmergencyStop result{.topic = topic_of(command, "emergency_stop", keys, ""),
                                 .message_type = keys.text("message"),
@@ -153,7 +156,8 @@ command::Override manual_override(const Node& command) {
   if (!topic.empty() && topic == emergency_topic(command)) {
     throw ConfigurationError(
         command.parameters.where("override"),
-        fmt::format(
+        with_code(
+            Code::topic_conflict,
             "key 'override': {} is the topic of the emergency stop; write another one, or none",
             topic));
   }

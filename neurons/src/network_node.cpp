@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "simulation.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/neurons/network.hpp"
 
 namespace spikeloop {
@@ -157,9 +158,10 @@ void check_width(const char* port, const char* listed, std::uint32_t width, std:
                  const std::string& path) {
   if (width != wanted) {
     throw ConfigurationError(
-        {path, 0, 0}, fmt::format("port '{}' has {} channels, but the {} have {} together; write "
-                                  "the same number in the connection and in the network file",
-                                  port, width, listed, wanted));
+        {path, 0, 0}, with_code(Code::widths_differ,
+                                "port '{}' has {} channels, but the {} have {} together; write "
+                                "the same number in the connection and in the network file",
+                                port, width, listed, wanted));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "signal_function.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -16,9 +17,10 @@ class Argmax final : public SignalFunction {
   explicit Argmax(const NodeSetup& setup) : SignalFunction(setup) {
     if (setup.widths[1] != 1) {
       throw ConfigurationError(
-          fmt::format("port 'out' has {} channels, but there is one result; write [1] in its "
-                      "connection",
-                      setup.widths[1]));
+          with_code(Code::widths_differ,
+                    "port 'out' has {} channels, but there is one result; write [1] in its "
+                    "connection",
+                    setup.widths[1]));
     }
   }
 

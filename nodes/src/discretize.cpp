@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "signal_function.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -33,9 +34,10 @@ class Discretize final : public SignalFunction {
     if (table.kind != WeightTable::Kind::dense || table.rows != cells ||
         table.columns != 2 * dimensions) {
       throw ConfigurationError(
-          fmt::format("the grid has {} rows of {} numbers, but {} outputs and {} inputs need {} "
-                      "rows of {}: a row a place cell, its centre and then its widths (sigma)",
-                      table.rows, table.columns, cells, dimensions, cells, 2 * dimensions));
+          with_code(Code::weights_differ,
+                    "the grid has {} rows of {} numbers, but {} outputs and {} inputs need {} "
+                    "rows of {}: a row a place cell, its centre and then its widths (sigma)",
+                    table.rows, table.columns, cells, dimensions, cells, 2 * dimensions));
     }
     for (std::uint32_t i = 0; i < cells; ++i) {
       for (std::uint32_t j = 0; j < dimensions; ++j) {
@@ -43,9 +45,10 @@ class Discretize final : public SignalFunction {
         const auto& [centre, sigma] = axes_.back();
         if (!std::isfinite(centre) || !std::isfinite(sigma) || sigma <= 0) {
           throw ConfigurationError(
-              fmt::format("row {} has centre {} and sigma {} on axis {}; write finite numbers, and "
-                          "sigma above 0",
-                          i, centre, sigma, j));
+              with_code(Code::weights_differ,
+                        "row {} has centre {} and sigma {} on axis {}; write finite numbers, and "
+                        "sigma above 0",
+                        i, centre, sigma, j));
         }
       }
     }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/number_or_word.hpp"
 
 namespace spikeloop {
@@ -28,9 +29,10 @@ std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_
   if (value && !any_value && std::fabs(*value) > 1.0) {
     throw ConfigurationError(
         parameters.where("initial"),
-        fmt::format("key 'initial': {} is out of bounds; write a value from -1 to 1, or none for "
-                    "silence until the first input",
-                    *value));
+        with_code(Code::out_of_bounds,
+                  "key 'initial': {} is out of bounds; write a value from -1 to 1, or none for "
+                  "silence until the first input",
+                  *value));
   }
   return value;
 }

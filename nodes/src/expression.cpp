@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop {
@@ -57,7 +58,7 @@ class Reader {
   [[noreturn]] void fail(std::size_t place, const std::string& what) const {
     const auto begin = static_cast<std::size_t>(part_.data() - whole_.data());
     throw ConfigurationError(
-        fmt::format("'{}', character {}: {}", whole_, begin + place + 1, what));
+        with_code(Code::expression, "'{}', character {}: {}", whole_, begin + place + 1, what));
   }
 
   void check_characters() const {

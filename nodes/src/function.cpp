@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "held_input.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/nodes/expression.hpp"
 
 namespace spikeloop {
@@ -22,9 +23,10 @@ Expressions expressions_of(const NodeSetup& setup) {
     Expressions expressions(given.text("function"), setup.widths[0]);
     if (expressions.outputs() != setup.widths[1]) {
       throw ConfigurationError(
-          fmt::format("there are {} expressions, but port 'out' has {} channels; write one an "
-                      "output, separated by ';'",
-                      expressions.outputs(), setup.widths[1]));
+          with_code(Code::expression,
+                    "there are {} expressions, but port 'out' has {} channels; write one an "
+                    "output, separated by ';'",
+                    expressions.outputs(), setup.widths[1]));
     }
     return expressions;
   } catch (const ConfigurationError& error) {

@@ -10,6 +10,7 @@
 
 #include "encoder_input.hpp"
 #include "parameter_checks.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -47,9 +48,10 @@ double number(const Parameters& given, const char* key) {
 
 void check_order(const Parameters& given, const char* low, const char* high) {
   if (number(given, low) > number(given, high)) {
-    throw ConfigurationError(given.where(given.given(low) ? low : high),
-                             fmt::format("key '{0}': {1} is above {2}, {3}; write {0} at most {2}",
-                                         low, number(given, low), high, number(given, high)));
+    throw ConfigurationError(
+        given.where(given.given(low) ? low : high),
+        with_code(Code::wrong_order, "key '{0}': {1} is above {2}, {3}; write {0} at most {2}", low,
+                  number(given, low), high, number(given, high)));
   }
 }
 
@@ -59,9 +61,10 @@ void check_keys(const Parameters& given) {
     if (given.given(key)) {
       throw ConfigurationError(
           given.where(key),
-          nengo ? fmt::format("key '{}' is of the presets rma and ma; write preset=rma, or "
-                              "max_rate_low, max_rate_high, intercept_low and intercept_high",
-                              key)
+          nengo ? with_code(Code::conflicting_keys,
+                            "key '{}' is of the presets rma and ma; write preset=rma, or "
+                            "max_rate_low, max_rate_high, intercept_low and intercept_high",
+                            key)
                 : fmt::format("key '{}' is of the preset nengo; write preset=nengo, or gain_min, "
                               "gain_max, bias_min and bias_max",
                               key));
@@ -80,16 +83,18 @@ void check_rates(const Parameters& given) {
   if ((1 / lowest - t_ref) / tau_m > kMostTaus) {
     throw ConfigurationError(
         given.where(given.given("max_rate_low") ? "max_rate_low" : "tau_m"),
-        fmt::format("key 'max_rate_low': {} Hz are too slow for a membrane of {} s; write at least "
-                    "{:.3g} Hz, or a longer tau_m",
-                    lowest, tau_m, 1.01 / (t_ref + kMostTaus * tau_m)));
+        with_code(Code::out_of_bounds,
+                  "key 'max_rate_low': {} Hz are too slow for a membrane of {} s; write at least "
+                  "{:.3g} Hz, or a longer tau_m",
+                  lowest, tau_m, 1.01 / (t_ref + kMostTaus * tau_m)));
   }
   if (!(1 / highest - t_ref >= kLeast_s)) {
     throw ConfigurationError(
         given.where(given.given("max_rate_high") ? "max_rate_high" : "t_ref"),
-        fmt::format("key 'max_rate_high': {} Hz leaves no time between refractory periods of {} s; "
-                    "write less than {:g} Hz",
-                    highest, t_ref, 1 / (t_ref + kLeast_s)));
+        with_code(Code::out_of_bounds,
+                  "key 'max_rate_high': {} Hz leaves no time between refractory periods of {} s; "
+                  "write less than {:g} Hz",
+                  highest, t_ref, 1 / (t_ref + kLeast_s)));
   }
 }
 
@@ -103,10 +108,10 @@ TimeNs grid_of(const Parameters& given) {
   if (refractory % grid != 0) {
     throw ConfigurationError(
         given.where(given.given("t_ref") ? "t_ref" : "resolution"),
-        fmt::format(
-            "key 't_ref': {} is not a multiple of the resolution, {}; write another one, or "
-            "spike_times=interpolated",
-            format_time(refractory), format_time(grid)));
+        with_code(Code::off_grid,
+                  "key 't_ref': {} is not a multiple of the resolution, {}; write another one, or "
+                  "spike_times=interpolated",
+                  format_time(refractory), format_time(grid)));
   }
   return grid;
 }

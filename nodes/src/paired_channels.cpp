@@ -1,6 +1,7 @@
 #include "paired_channels.hpp"
 
 #include <fmt/format.h>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -17,9 +18,10 @@ void require_paired_channels(const NodeSetup& setup) {
   const std::uint64_t wanted = std::uint64_t{2} * setup.widths[0];
   if (setup.widths[1] != wanted) {
     throw ConfigurationError(
-        fmt::format("port 'in' has {} channels and port 'out' {}; write [{}] in the connection of "
-                    "'out': up and down of each value",
-                    setup.widths[0], setup.widths[1], wanted));
+        with_code(Code::widths_differ,
+                  "port 'in' has {} channels and port 'out' {}; write [{}] in the connection of "
+                  "'out': up and down of each value",
+                  setup.widths[0], setup.widths[1], wanted));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <utility>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -29,16 +30,17 @@ void require_below(const Parameters& given, const char* low, const char* high) {
   if (given.number(low) >= given.number(high)) {
     throw ConfigurationError(
         where_written(given, low, high),
-        fmt::format("key '{0}': {1} is not below {2}, {3}; write {0} below {2}", low,
-                    given.number(low), high, given.number(high)));
+        with_code(Code::wrong_order, "key '{0}': {1} is not below {2}, {3}; write {0} below {2}",
+                  low, given.number(low), high, given.number(high)));
   }
 }
 
 void require_at_most(const Parameters& given, const char* low, const char* high) {
   if (given.number(low) > given.number(high)) {
-    throw ConfigurationError(where_written(given, low, high),
-                             fmt::format("key '{0}': {1} is above {2}, {3}; write {0} at most {2}",
-                                         low, given.number(low), high, given.number(high)));
+    throw ConfigurationError(
+        where_written(given, low, high),
+        with_code(Code::wrong_order, "key '{0}': {1} is above {2}, {3}; write {0} at most {2}", low,
+                  given.number(low), high, given.number(high)));
   }
 }
 

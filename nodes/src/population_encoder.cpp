@@ -12,6 +12,7 @@
 #include "preferred_values.hpp"
 #include "spike_schedule.hpp"
 #include "spike_thresholds.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -30,8 +31,9 @@ double width_of_fields(const Parameters& given, const ValueRange& range, std::ui
   if (*written < 1e-9) {
     throw ConfigurationError(
         given.where("sigma"),
-        fmt::format("key 'sigma': {} is out of bounds; write a number of at least 1e-09, or auto",
-                    *written));
+        with_code(Code::out_of_bounds,
+                  "key 'sigma': {} is out of bounds; write a number of at least 1e-09, or auto",
+                  *written));
   }
   return *written;
 }

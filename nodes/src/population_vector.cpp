@@ -13,6 +13,7 @@
 #include "port_weights.hpp"
 #include "preferred_values.hpp"
 #include "spike_moments.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -71,8 +72,8 @@ WeightTable written_directions(const NodeSetup& setup) {
   }
   for (const double value : table.values) {
     if (std::fabs(value) > kLargest) {
-      refuse(fmt::format("{} is out of bounds; write values from {} to {}", value, -kLargest,
-                         kLargest));
+      refuse(with_code(Code::out_of_bounds, "{} is out of bounds; write values from {} to {}",
+                       value, -kLargest, kLargest));
     }
   }
   return table;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -12,7 +13,8 @@ namespace {
 void check_dense(const WeightTable& table) {
   const std::size_t needed = std::size_t{table.rows} * table.columns;
   if (table.values.size() != needed) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::weights_differ,
         "the weights hold {} numbers, but {} rows of {} columns need {}; write one row an output",
         table.values.size(), table.rows, table.columns, needed));
   }
@@ -26,16 +28,18 @@ void check_sparse(const WeightTable& table) {
                     table.column.size() == table.values.size();
   if (!fits) {
     throw ConfigurationError(
-        fmt::format("the sparse weights hold {} numbers, {} columns and {} row starts, which do "
-                    "not describe {} "
-                    "rows; write rows + 1 ascending row starts, and a column for each number",
-                    table.values.size(), table.column.size(), start.size(), table.rows));
+        with_code(Code::weights_differ,
+                  "the sparse weights hold {} numbers, {} columns and {} row starts, which do "
+                  "not describe {} "
+                  "rows; write rows + 1 ascending row starts, and a column for each number",
+                  table.values.size(), table.column.size(), start.size(), table.rows));
   }
   for (const std::uint32_t column : table.column) {
     if (column >= table.columns) {
       throw ConfigurationError(
-          fmt::format("the weights name column {}, but there are {} inputs; columns count from 0",
-                      column, table.columns));
+          with_code(Code::weights_differ,
+                    "the weights name column {}, but there are {} inputs; columns count from 0",
+                    column, table.columns));
     }
   }
 }
@@ -49,8 +53,9 @@ void check(const WeightTable& table) {
   const auto bad = std::find_if(table.values.begin(), table.values.end(),
                                 [](double weight) { return !std::isfinite(weight); });
   if (bad != table.values.end()) {
-    throw ConfigurationError(fmt::format("weight {} of {} is not finite; write a number",
-                                         bad - table.values.begin(), table.values.size()));
+    throw ConfigurationError(with_code(Code::not_a_number,
+                                       "weight {} of {} is not finite; write a number",
+                                       bad - table.values.begin(), table.values.size()));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "parameter_checks.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -45,7 +46,8 @@ std::uint32_t neurons_a_value(const NodeSetup& setup, std::size_t neurons, std::
   const std::uint32_t wanted = setup.widths[values];
   if (all % wanted != 0) {
     const char* port = neurons == 0 ? "in" : "out";
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::widths_differ,
         "port '{0}' has {1} channels and port '{2}' {3}; make '{0}' a multiple of {3} wide: as "
         "many neurons for each value",
         port, all, values == 0 ? "in" : "out", wanted));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <utility>
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -50,9 +51,10 @@ NodeDescription signal_function_description(std::vector<ParameterDescription> pa
 void require_equal_widths(const NodeSetup& setup) {
   if (setup.widths[0] != setup.widths[1]) {
     throw ConfigurationError(
-        fmt::format("port 'in' has {} channels and port 'out' {}; make both connections equally "
-                    "wide",
-                    setup.widths[0], setup.widths[1]));
+        with_code(Code::widths_differ,
+                  "port 'in' has {} channels and port 'out' {}; make both connections equally "
+                  "wide",
+                  setup.widths[0], setup.widths[1]));
   }
 }
 

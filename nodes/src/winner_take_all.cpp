@@ -11,6 +11,7 @@
 #include "parameter_checks.hpp"
 #include "signal_function.hpp"
 #include "spike_moments.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -26,9 +27,10 @@ Output output_of(const NodeSetup& setup) {
   }
   if (setup.widths[1] != 1) {
     throw ConfigurationError(
-        fmt::format("port 'out' has {} channels, but an index is one value; write [1] in its "
-                    "connection, or output = one_hot",
-                    setup.widths[1]));
+        with_code(Code::widths_differ,
+                  "port 'out' has {} channels, but an index is one value; write [1] in its "
+                  "connection, or output = one_hot",
+                  setup.widths[1]));
   }
   return Output::index;
 }

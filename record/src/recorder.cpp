@@ -15,6 +15,7 @@
 
 #include "hdf5.hpp"
 #include "spikeloop/core/background.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "stream.hpp"
 
@@ -358,8 +359,8 @@ std::string Recorder::Impl::loss(const Report& counts) const {
     for (const auto& stream : streams) {
       until = std::max(until, stream->written_until());
     }
-    return fmt::format("{}; the recording ends at {} of simulated time, {}", failure,
-                       format_time(until), lost);
+    return lengthened(failure, fmt::format("; the recording ends at {} of simulated time, {}",
+                                           format_time(until), lost));
   }
   if (counts.spikes_dropped + counts.signals_dropped > 0) {
     return fmt::format(

@@ -58,7 +58,7 @@ class BagFaults : public testing::Test {
 TEST_F(BagFaults, FolderThatIsNotThere) {
   const std::string file = path("nowhere/x.bag");
   EXPECT_EQ(file_error([&] { bag::Recorder recorder(file); }),
-            "cannot create '" + file + "': No such file or directory");
+            "cannot create '" + file + "': No such file or directory [SL0109]");
 }
 
 TEST_F(BagFaults, DiskThatIsFull) {
@@ -71,12 +71,12 @@ TEST_F(BagFaults, DiskThatIsFull) {
 }
 
 TEST_F(BagFaults, FileThatIsNotThere) {
-  EXPECT_EQ(reading(), "cannot open '" + path() + "': No such file or directory");
+  EXPECT_EQ(reading(), "cannot open '" + path() + "': No such file or directory [SL0109]");
 }
 
 TEST_F(BagFaults, Directory) {
   std::filesystem::create_directory(path());
-  EXPECT_EQ(reading(), "cannot read '" + path() + "': Is a directory");
+  EXPECT_EQ(reading(), "cannot read '" + path() + "': Is a directory [SL0109]");
 }
 
 TEST_F(BagFaults, OtherFiles) {
@@ -85,7 +85,7 @@ TEST_F(BagFaults, OtherFiles) {
     EXPECT_EQ(reading(), "'" + path() +
                              "' is not a bag of ROS 1: it does not begin with #ROSBAG V; write the "
                              "path of a .bag that 'rosbag info' reads (bags of ROS 2 are not in "
-                             "this version)");
+                             "this version) [SL0109]");
   }
 }
 
@@ -99,7 +99,7 @@ TEST_F(BagFaults, RecordingThatWasNotEnded) {
   EXPECT_EQ(reading(), "'" + path() +
                            "' has no index, because its recording was not ended; write  rosbag "
                            "reindex " +
-                           path());
+                           path() + " [SL0109]");
 }
 
 TEST_F(BagFaults, CutOffAnywhere) {
@@ -108,7 +108,7 @@ TEST_F(BagFaults, CutOffAnywhere) {
   for (std::size_t part = 1; part < 40; ++part) {
     directory_.write("x.bag", whole.substr(0, 13 + (whole.size() - 13) * part / 40));
     EXPECT_THAT(reading(), AllOf(StartsWith("'" + path() + "' is damaged: "),
-                                 EndsWith("'rosbag check' and 'rosbag reindex' may help")))
+                                 EndsWith("'rosbag check' and 'rosbag reindex' may help [SL0109]")))
         << part;
   }
 }

@@ -25,7 +25,7 @@ TEST(DialectOfPrograms, CannotBeChosenWhenBothFamiliesTakePart) {
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
                  "dialect=auto cannot choose: connect_adapter is a program of dialect rma, and "
-                 "linear_decoder one of dialect ma; write dialect=rma or dialect=ma");
+                 "linear_decoder one of dialect ma; write dialect=rma or dialect=ma [SL0205]");
   }
 }
 

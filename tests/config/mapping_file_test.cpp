@@ -58,18 +58,18 @@ TEST(MessageType, FilesAreFoundFromWhereTheyAreNamed) {
   EXPECT_EQ(canonical_message_type(file), file);
   EXPECT_EQ(message_of([&] { canonical_message_type("Nothing.msg", directory.path()); }),
             "there is no message definition 'Nothing.msg' in " +
-                data_file_places(directory.path()) + "; write its path");
+                data_file_places(directory.path()) + "; write its path [SL0502]");
   directory.write("wheels.json", R"({"message_type": "./Wheels.msg", "mapping": {"left": 0}})");
   EXPECT_EQ(read_mapping("wheels.json", {.base_directory = directory.path()}).message_type, file);
 }
 
 TEST(MessageType, SuggestsForUnknownOnes) {
   EXPECT_EQ(message_of([] { canonical_message_type("Twsit"); }),
-            "unknown message type 'Twsit'; did you mean 'Twist'?");
+            "unknown message type 'Twsit'; did you mean 'Twist'? [SL0502]");
   for (const char* text : {"Image", "a/b/c", "/Image", "Image/"}) {
     EXPECT_EQ(message_of([&] { canonical_message_type(text); }),
               std::string("unknown message type '") + text +
-                  "'; write package/Type, or the path of a .msg file");
+                  "'; write package/Type, or the path of a .msg file [SL0502]");
   }
 }
 
@@ -119,7 +119,7 @@ TEST(MappingFile, ASliceStandsForItsElements) {
   EXPECT_EQ(mapping.fields[2].scale, 3);
   EXPECT_EQ(error(twist("{\"data[5:5]\": 0}")),
             "m:1:39: 'mapping.data[5:5]' names no elements, or more than 100000; write the first "
-            "one and the one behind the last, as in data[0:3]");
+            "one and the one behind the last, as in data[0:3] [SL0504]");
   // What is not a slice is left to those who know the message.
   EXPECT_EQ(parse_mapping(twist("{\"a[name=x:y]\": 0}"), "m").fields.at(0).field, "a[name=x:y]");
 }
@@ -141,7 +141,7 @@ TEST(MappingFile, ChannelsMustBeOnThePort) {
   EXPECT_EQ(message_of([&] { check_channels(mapping, 2); }),
             "m:1:54: 'mapping.angular.z' reads channel 2, but the port has 2 (0 to 1); write one "
             "of these "
-            "or widen the connection");
+            "or widen the connection [SL0505]");
   EXPECT_NO_THROW(check_channels(parse_mapping(test::data_text("array.json"), "m"), 0));
 }
 
@@ -152,45 +152,50 @@ struct Case {
 
 TEST(MappingFile, SaysWhatIsWrong) {
   const Case cases[] = {
-      {"", "m: the file is empty; write a JSON object"},
-      {"[1]", "m: the file holds an array, no object; write " + kExample},
-      {"3", "m: the file holds 3, no object; write " + kExample},
-      {"{}", "m: 'message_type' is missing; write " + kExample},
-      {"{\"message_type\": 3}", "m:1:2: 'message_type' is 3, no text; write " + kExample},
+      {"", "m: the file is empty; write a JSON object [SL0101]"},
+      {"[1]", "m: the file holds an array, no object; write " + kExample + " [SL0105]"},
+      {"3", "m: the file holds 3, no object; write " + kExample + " [SL0105]"},
+      {"{}", "m: 'message_type' is missing; write " + kExample + " [SL0104]"},
+      {"{\"message_type\": 3}",
+       "m:1:2: 'message_type' is 3, no text; write " + kExample + " [SL0105]"},
       {"{\"message_type\": \"Twits\"}",
-       "m:1:2: 'message_type': unknown message type 'Twits'; did you mean 'Twist'?"},
-      {"{\"message_type\": \"Twist\"}", "m: 'mapping' is missing; write " + kExample},
+       "m:1:2: 'message_type': unknown message type 'Twits'; did you mean 'Twist'? [SL0502]"},
+      {"{\"message_type\": \"Twist\"}", "m: 'mapping' is missing; write " + kExample + " [SL0104]"},
       {"{\"message_typ\": \"Twist\"}",
-       "m:1:2: unknown key 'message_typ'; did you mean 'message_type'?"},
-      {twist("{}"), "m:1:27: 'mapping' is empty; write " + kExample},
-      {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample},
+       "m:1:2: unknown key 'message_typ'; did you mean 'message_type'? [SL0103]"},
+      {twist("{}"), "m:1:27: 'mapping' is empty; write " + kExample + " [SL0105]"},
+      {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample + " [SL0105]"},
       {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' is given twice; remove one"},
       {twist("{\"x\": 0.5}"),
-       "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0"},
-      {twist("{\"x\": -2}"), "m:1:39: 'mapping.x' is -2, no channel; write a whole number from 0"},
+       "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0 [SL0505]"},
+      {twist("{\"x\": -2}"),
+       "m:1:39: 'mapping.x' is -2, no channel; write a whole number from 0 [SL0505]"},
       {twist("{\"x\": \"0\"}"),
-       "m:1:39: 'mapping.x' is \"0\", no channel; write a whole number from 0"},
-      {twist("{\"x\": -1}"), "m:1:39: 'mapping.x' is -1, no channel; remove the field"},
-      {twist("{\"x\": {}}"), "m:1:39: 'mapping.x' has no channel; write {\"channel\": 0}"},
+       "m:1:39: 'mapping.x' is \"0\", no channel; write a whole number from 0 [SL0505]"},
+      {twist("{\"x\": -1}"), "m:1:39: 'mapping.x' is -1, no channel; remove the field [SL0505]"},
+      {twist("{\"x\": {}}"), "m:1:39: 'mapping.x' has no channel; write {\"channel\": 0} [SL0104]"},
       {twist("{\"x\": {\"chanel\": 0}}"),
-       "m:1:45: unknown key 'mapping.x.chanel'; did you mean 'channel'?"},
+       "m:1:45: unknown key 'mapping.x.chanel'; did you mean 'channel'? [SL0103]"},
       {twist("{\"x\": {\"channel\": []}}"),
-       "m:1:45: 'mapping.x.channel' is an array, no channel; write a whole number from 0"},
+       "m:1:45: 'mapping.x.channel' is an array, no channel; write a whole number from 0 [SL0505]"},
       {twist("{\"x\": {\"channel\": 0, \"scale\": \"a\"}}"),
-       "m:1:59: 'mapping.x.scale' is \"a\", no finite number; write a number"},
+       "m:1:59: 'mapping.x.scale' is \"a\", no finite number; write a number [SL0201]"},
       {twist("{\"x\": {\"channel\": 0, \"offset\": null}}"),
-       "m:1:59: 'mapping.x.offset' is null, no finite number; write a number"},
+       "m:1:59: 'mapping.x.offset' is null, no finite number; write a number [SL0201]"},
       {twist("{\"x\": {\"channel\": 0, \"slew\": 0}}"),
-       "m:1:59: 'mapping.x.slew' is 0, no rate of change; write a number above 0, or leave it out"},
-      {twist("{}", ", \"min\": true"), "m:1:42: 'min' is true, no finite number; write a number"},
+       "m:1:59: 'mapping.x.slew' is 0, no rate of change; write a number above 0, or leave it out "
+       "[SL0203]"},
+      {twist("{}", ", \"min\": true"),
+       "m:1:42: 'min' is true, no finite number; write a number [SL0201]"},
       {twist("{}", ", \"max\": {}"),
-       "m:1:42: 'max' is an object, no finite number; write a number"},
+       "m:1:42: 'max' is an object, no finite number; write a number [SL0201]"},
       {twist("{}", ", \"min\": 1, \"max\": -1"),
-       "m:1:52: 'min' is 1 and 'max' is -1; write a minimum that is not above the maximum"},
+       "m:1:52: 'min' is 1 and 'max' is -1; write a minimum that is not above the maximum "
+       "[SL0206]"},
       {twist("{\"x\": {\"channel\": 0, \"max\": -1}}", ", \"min\": 0.5"),
        "m:1:59: 'mapping.x.min' is 0.5 and 'mapping.x.max' is -1; write a minimum that is not "
        "above the "
-       "maximum"},
+       "maximum [SL0206]"},
       {"{\"message_type\": \"FloatArray\", \"min\": 0}",
        "m:1:32: 'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, "
        "or "
@@ -202,13 +207,15 @@ TEST(MappingFile, SaysWhatIsWrong) {
   }
   EXPECT_THAT(error("{\"message_type\":\n x}"),
               testing::StartsWith("m:2:2: not JSON: invalid literal; last read: "));
-  EXPECT_EQ(error(twist("{}", ", \"min\": 1e999")), "m: not JSON: number overflow parsing '1e999'");
+  EXPECT_EQ(error(twist("{}", ", \"min\": 1e999")),
+            "m: not JSON: number overflow parsing '1e999' [SL0101]");
 }
 
 TEST(MappingFile, NamesTheLine) {
-  EXPECT_EQ(error("{\"message_type\": \"Twist\",\n \"mapping\": {\n  \"linear.x\": 0,\n  "
-                  "\"angular.z\": {\"channel\": 1, \"scale\": []}}}"),
-            "m:4:31: 'mapping.angular.z.scale' is an array, no finite number; write a number");
+  EXPECT_EQ(
+      error("{\"message_type\": \"Twist\",\n \"mapping\": {\n  \"linear.x\": 0,\n  "
+            "\"angular.z\": {\"channel\": 1, \"scale\": []}}}"),
+      "m:4:31: 'mapping.angular.z.scale' is an array, no finite number; write a number [SL0201]");
 }
 
 TEST(MappingFile, SaysWhereItLookedForAMissingFile) {
@@ -216,11 +223,11 @@ TEST(MappingFile, SaysWhereItLookedForAMissingFile) {
   MappingOptions options;
   const std::string here = std::filesystem::current_path().string();
   EXPECT_EQ(message_of([&] { read_mapping("none.json", options); }),
-            "there is no mapping file 'none.json' in '" + here + "'; write its path");
+            "there is no mapping file 'none.json' in '" + here + "'; write its path [SL0108]");
   options.base_directory = directory.path();
   EXPECT_EQ(message_of([&] { read_mapping("none.json", options); }),
             "there is no mapping file 'none.json' in '" + here + "' or '" +
-                directory.path().string() + "'; write its path");
+                directory.path().string() + "'; write its path [SL0108]");
   directory.write("there.json", kExample);
   EXPECT_EQ(read_mapping("there.json", options).fields.size(), 2u);
 }
@@ -236,7 +243,7 @@ TEST(MappingFile, OlderProgramsSendEverythingWithoutAFile) {
   EXPECT_THROW(read_mapping(directory.path().string(), {}), FileError);
   ASSERT_EQ(log.messages.size(), 3u);
   for (const auto& message : log.messages) {
-    EXPECT_THAT(message, testing::EndsWith("; all channels are sent as a Float64MultiArray"));
+    EXPECT_THAT(message, testing::HasSubstr("; all channels are sent as a Float64MultiArray [SL"));
   }
 }
 
@@ -252,10 +259,10 @@ TEST(MappingFile, OlderProgramsIgnoreSomeMistakes) {
                             "m", lax())
                   .all_channels);
   ASSERT_EQ(log.messages.size(), 5u);
-  EXPECT_THAT(log.messages[0], testing::EndsWith("; it is ignored"));
+  EXPECT_THAT(log.messages[0], testing::EndsWith("; it is ignored [SL0103]"));
   EXPECT_EQ(log.messages[1],
-            "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0");
-  EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0"));
+            "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0 [SL0505]");
+  EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0 [SL0104]"));
   EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored"));
   EXPECT_EQ(log.messages[4],
             "m:1:39: 'mapping' does not hold for a Float64MultiArray; remove it; all "
@@ -278,7 +285,7 @@ TEST(MappingFile, MutatedFilesAreReadOrRefused) {
   }
   EXPECT_THAT(error(std::string(1'000'000, '[')), testing::HasSubstr("not JSON: unexpected end"));
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
-  EXPECT_EQ(error(deep), "m: the file holds an array, no object; write " + kExample);
+  EXPECT_EQ(error(deep), "m: the file holds an array, no object; write " + kExample + " [SL0105]");
 }
 
 }  // namespace

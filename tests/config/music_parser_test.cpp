@@ -129,7 +129,7 @@ TEST(MusicParser, TextAfterAWidthIsReadAsANewLine) {
   EXPECT_EQ(
       error("A.a->B.b[1] junk"),
       "f:1:13: 'junk' is neither a section nor a key nor a connection; write 'junk=value', or '#' "
-      "before a comment");
+      "before a comment [SL0101]");
 }
 
 TEST(MusicParser, ColumnsCountCharacters) {
@@ -147,52 +147,56 @@ struct Case {
 
 TEST(MusicParser, RefusesWhatMusicAbortsFor) {
   const Case cases[] = {
-      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is not a whole number; write '[10]'"},
-      {"A.a->B.b[-3]", "f:1:10: the width '-3' is not a whole number; write '[10]'"},
-      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is not a whole number; write '[10]'"},
-      {"A.a->B.b[10", "f:1:10: the width '[10' has no ']'; write '[10]'"},
-      {"A.a->B.b[\n", "f:1:10: the width '[' has no ']'; write '[10]'"},
-      {"A.a->B.b[10 20]", "f:1:10: two numbers in a width, '10' and '2'; write one, '[10]'"},
-      {"A.a->B.b[1,tree", "f:1:12: no ']' after 'tree'; write '[10, point-to-point, tree]'"},
+      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is not a whole number; write '[10]' [SL0307]"},
+      {"A.a->B.b[-3]", "f:1:10: the width '-3' is not a whole number; write '[10]' [SL0307]"},
+      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is not a whole number; write '[10]' [SL0307]"},
+      {"A.a->B.b[10", "f:1:10: the width '[10' has no ']'; write '[10]' [SL0101]"},
+      {"A.a->B.b[\n", "f:1:10: the width '[' has no ']'; write '[10]' [SL0101]"},
+      {"A.a->B.b[10 20]",
+       "f:1:10: two numbers in a width, '10' and '2'; write one, '[10]' [SL0101]"},
+      {"A.a->B.b[1,tree",
+       "f:1:12: no ']' after 'tree'; write '[10, point-to-point, tree]' [SL0101]"},
       {"A.a->B.b[1,,tree,x]",
        "f:1:13: a fourth option in the width's brackets; write at most '[10, point-to-point, "
        "tree]'"},
       {"A.a->B.b[99999999999]",
-       "f:1:1: the width 99999999999 is too large; write at most 2147483647"},
+       "f:1:1: the width 99999999999 is too large; write at most 2147483647 [SL0307]"},
       {"A.a->B.b[2147483648]",
-       "f:1:1: the width 2147483648 is too large; write at most 2147483647"},
+       "f:1:1: the width 2147483648 is too large; write at most 2147483647 [SL0307]"},
       {"A.a->B.b[10, foo]",
-       "f:1:1: unknown communication 'foo'; known: point-to-point, collective"},
+       "f:1:1: unknown communication 'foo'; known: point-to-point, collective [SL0205]"},
       {"A.a->B.b[10, colective]",
-       "f:1:1: unknown communication 'colective'; did you mean 'collective'?"},
-      {"A.a->B.b[10, collective, foo]", "f:1:1: unknown processing 'foo'; known: tree, table"},
-      {"A.a->B.b[10,, tabel]", "f:1:1: unknown processing 'tabel'; did you mean 'table'?"},
-      {"[A\n", "f:1:1: the section '[A' has no ']'; write '[A]'"},
-      {"[", "f:1:1: the section '[' has no ']'; write '[label]'"},
-      {"[A\\\n]", "f:1:1: the section '[A' has no ']'; write '[A]'"},
+       "f:1:1: unknown communication 'colective'; did you mean 'collective'? [SL0205]"},
+      {"A.a->B.b[10, collective, foo]",
+       "f:1:1: unknown processing 'foo'; known: tree, table [SL0205]"},
+      {"A.a->B.b[10,, tabel]", "f:1:1: unknown processing 'tabel'; did you mean 'table'? [SL0205]"},
+      {"[A\n", "f:1:1: the section '[A' has no ']'; write '[A]' [SL0101]"},
+      {"[", "f:1:1: the section '[' has no ']'; write '[label]' [SL0101]"},
+      {"[A\\\n]", "f:1:1: the section '[A' has no ']'; write '[A]' [SL0101]"},
       {"[A] x",
-       "f:1:5: text after the section '[A]'; write it on the next line, or '#' before a comment"},
+       "f:1:5: text after the section '[A]'; write it on the next line, or '#' before a comment "
+       "[SL0101]"},
       {"\n k=\"a\nb",
        "f:2:4: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
-       "'\\\"' for a quote inside"},
+       "'\\\"' for a quote inside [SL0101]"},
       {"k=\"a\\",
        "f:1:3: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
-       "'\\\"' for a quote inside"},
+       "'\\\"' for a quote inside [SL0101]"},
       {"k=\"a\nb\" c",
        "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' for a quote inside the "
-       "value, or '#' before a comment"},
+       "value, or '#' before a comment [SL0101]"},
       {"k=a\\",
        "f:1:1: the value of 'k' ends with a backslash at the end of the file; write '\\\\' for a "
-       "backslash"},
+       "backslash [SL0101]"},
       {"k\\\n=a",
        "f:1:1: the key 'k' ends with a backslash; only a value may go on in the next line, write "
-       "the key on one line"},
+       "the key on one line [SL0101]"},
       {"out -> B.in",
        "f:1:1: the sender application of port 'out' is missing; before the first section write "
-       "'application.out'"},
+       "'application.out' [SL0101]"},
       {"A.out -> in",
        "f:1:1: the receiver application of port 'in' is missing; before the first section write "
-       "'application.in'"},
+       "'application.in' [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;
@@ -202,41 +206,49 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
 TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
   const std::string no = "' is neither a section nor a key nor a connection; ";
   const Case cases[] = {
-      {"junk", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
-      {"junk # c", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment"},
-      {"; c", "f:1:1: '; c" + no + "write '#' before a comment"},
-      {"// c", "f:1:1: '// c" + no + "write '#' before a comment"},
-      {"np: 1", "f:1:1: 'np: 1" + no + "write 'np=...' with '='"},
+      {"junk", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment [SL0101]"},
+      {"junk # c", "f:1:1: 'junk" + no + "write 'junk=value', or '#' before a comment [SL0101]"},
+      {"; c", "f:1:1: '; c" + no + "write '#' before a comment [SL0101]"},
+      {"// c", "f:1:1: '// c" + no + "write '#' before a comment [SL0101]"},
+      {"np: 1", "f:1:1: 'np: 1" + no + "write 'np=...' with '=' [SL0101]"},
       {"A.out > B.in",
-       "f:1:1: 'A.out > B.in" + no + "write a connection as 'A.out -> B.in [width]'"},
-      {"A]", "f:1:1: 'A]" + no +
-                 "write '[label]' for a section and 'A.out -> B.in [width]' for a connection"},
+       "f:1:1: 'A.out > B.in" + no + "write a connection as 'A.out -> B.in [width]' [SL0101]"},
+      {"A]",
+       "f:1:1: 'A]" + no +
+           "write '[label]' for a section and 'A.out -> B.in [width]' for a connection [SL0101]"},
       {"=5", "f:1:1: no key before '='; write 'key=value'"},
-      {"A.out => B.in", "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->'"},
+      {"A.out => B.in",
+       "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->' [SL0101]"},
       {"A.a -> B.b -> C.c [1]",
-       "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own"},
+       "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own [SL0101]"},
       {"A.out -> B.in 10",
-       "f:1:1: 'in 10' is not a valid port name; write 'A.out -> B.in [width]'"},
-      {"A.out -> B.in]", "f:1:1: 'in]' is not a valid port name; write 'A.out -> B.in [width]'"},
-      {"A.out -> B.in=3", "f:1:1: 'in=3' is not a valid port name; write 'A.out -> B.in [width]'"},
-      {"-> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
-      {"A. -> B.in", "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]'"},
-      {"A.out ->", "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
+       "f:1:1: 'in 10' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
+      {"A.out -> B.in]",
+       "f:1:1: 'in]' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
+      {"A.out -> B.in=3",
+       "f:1:1: 'in=3' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
+      {"-> B.in",
+       "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]' [SL0101]"},
+      {"A. -> B.in",
+       "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]' [SL0101]"},
+      {"A.out ->",
+       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
       {"A.out -> # B.in",
-       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
-      {"A.out -> [1]", "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]'"},
+       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
+      {"A.out -> [1]",
+       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
       {"[a:b]",
        "f:1:1: the label 'a:b' contains ':', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_'"},
+       "letters, digits and '_' [SL0106]"},
       {"A.out -> B:c.in",
        "f:1:1: the label 'B:c' contains ':', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_'"},
+       "letters, digits and '_' [SL0106]"},
       {"A.o\\\\x -> B.in",
        "f:1:1: the port 'o\\x' contains '\\', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_'"},
+       "letters, digits and '_' [SL0106]"},
       {"a\\=b=1",
        "f:1:1: the key 'a=b' contains '=', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_'"},
+       "letters, digits and '_' [SL0106]"},
       {"\xEF\xBB\xBFnp=1",
        "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC takes for a part of the "
        "first line; save it as UTF-8 without byte order mark"},
@@ -264,19 +276,21 @@ TEST(MusicFile, SaysWhenItCannotBeRead) {
     return message_of([&] { read_music_file(directory.path() / name); });
   };
   const std::string at = directory.path().string();
-  EXPECT_EQ(read("none"), "cannot open '" + at + "/none': No such file or directory");
-  EXPECT_EQ(read(""), "cannot read '" + at + "/': Is a directory");
-  EXPECT_EQ(message_of([] { read_music_file("/dev/null"); }),
-            "cannot read '/dev/null': not a regular file; write the path of a .music file");
+  EXPECT_EQ(read("none"), "cannot open '" + at + "/none': No such file or directory [SL0109]");
+  EXPECT_EQ(read(""), "cannot read '" + at + "/': Is a directory [SL0109]");
+  EXPECT_EQ(
+      message_of([] { read_music_file("/dev/null"); }),
+      "cannot read '/dev/null': not a regular file; write the path of a .music file [SL0109]");
   directory.write("huge", std::string(5'000'000, ' '));
-  EXPECT_EQ(read("huge"),
-            at + "/huge: the file has 5 MB, more than the 4 MB that a .music file may have");
+  EXPECT_EQ(
+      read("huge"),
+      at + "/huge: the file has 5 MB, more than the 4 MB that a .music file may have [SL0203]");
 }
 
 TEST(MusicFile, FindsAndSets) {
   MusicFile file = parse("g=1\n[encoder]\nk=2\ng=3");
   EXPECT_EQ(message_of([&] { file.section("encodr"); }),
-            "f: there is no section '[encodr]'; did you mean 'encoder'?");
+            "f: there is no section '[encodr]'; did you mean 'encoder'? [SL0301]");
   set_key(file.section("encoder").keys, "k", "5");
   set_key(file.section("encoder").keys, "new", "6");
   EXPECT_EQ(file.find_key(file.section("encoder"), "k")->value, "5");
@@ -304,12 +318,12 @@ TEST(ParseMusic, NotesWhatIsHardlyMeant) {
   ASSERT_EQ(file.oddities.size(), 3U);
   EXPECT_EQ(file.oddities[0].where.text(), "f:2:1");
   EXPECT_EQ(file.oddities[0].message,
-            "duplicate key 'x'; the first is at f:1:1; the last one holds");
+            "duplicate key 'x'; the first is at f:1:1; the last one holds [SL0102]");
   EXPECT_EQ(file.oddities[1].where.text(), "f:5:1");
   EXPECT_EQ(
       file.oddities[2].message,
       "the section '[a]' was opened in line 3 already, and MUSIC takes both for one; write it "
-      "once");
+      "once [SL0107]");
 }
 
 }  // namespace

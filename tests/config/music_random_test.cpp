@@ -58,20 +58,21 @@ TEST(MusicText, RefusesWhatNoFileCanSay) {
   file.connections[0].to_port = "in";
   EXPECT_EQ(message_of([&] { to_text(file); }),
             "the connection 'a.b.out -> c.d.in' cannot be written in a .music file; use labels and "
-            "ports of letters, digits and '_'");
+            "ports of letters, digits and '_' [SL0106]");
   file.connections.clear();
   file.sections[0].label = "a\n";
   EXPECT_EQ(message_of([&] { to_text(file); }),
             "the label 'a ' cannot be written in a .music file; use a name without line ends and "
-            "without blanks at its end");
+            "without blanks at its end [SL0106]");
   file.sections[0].label = "a:b";
   EXPECT_EQ(message_of([&] { to_text(file); }),
             "the label 'a:b' contains ':', which MUSIC loses on the way to the program; write "
-            "letters, digits and '_'");
+            "letters, digits and '_' [SL0106]");
   file.sections.clear();
   file.globals = {{"k", std::string("a\0", 2), {}}};
-  EXPECT_EQ(message_of([&] { to_text(file); }),
-            "the value of 'k' contains a zero byte, which no .music file can hold; remove it");
+  EXPECT_EQ(
+      message_of([&] { to_text(file); }),
+      "the value of 'k' contains a zero byte, which no .music file can hold; remove it [SL0101]");
 }
 
 /// Changes a text as a fuzzer does: bytes flipped, pieces copied, cut, and swapped for tokens.

@@ -88,7 +88,7 @@ TEST(NpyFile, IsKnownByItsFirstBytes) {
   EXPECT_FALSE(is_npy("[[1, 2]]"));
   const std::string none =
       "w.npy: this is no .npy file, it does not begin with \\x93NUMPY; write it with numpy.save, "
-      "or give a JSON file another name";
+      "or give a JSON file another name [SL0309]";
   EXPECT_EQ(error("[[1, 2]]"), none);
   EXPECT_EQ(error(""), none);
   EXPECT_EQ(error("\x93NUMP"), none);
@@ -100,31 +100,32 @@ TEST(NpyFile, SaysThatItWasCutOff) {
   for (std::size_t size = 6; size < header; ++size) {
     EXPECT_EQ(error(whole.substr(0, size)), "w.npy: the file ends within its header, after " +
                                                 std::to_string(size) +
-                                                " bytes; it was cut off, write it again");
+                                                " bytes; it was cut off, write it again [SL0309]");
   }
   for (std::size_t size = header; size < whole.size(); ++size) {
     EXPECT_EQ(error(whole.substr(0, size)), "w.npy: the file has " + std::to_string(size - header) +
                                                 " bytes of data, too few for shape (2, 3) of "
-                                                "'<f8'; it was cut off, write it again");
+                                                "'<f8'; it was cut off, write it again [SL0309]");
   }
   EXPECT_EQ(error(array("(18446744073709551615, 18446744073709551615)", {1})),
             "w.npy: the file has 8 bytes of data, too few for shape (18446744073709551615, "
-            "18446744073709551615) of '<f8'; it was cut off, write it again");
+            "18446744073709551615) of '<f8'; it was cut off, write it again [SL0309]");
   EXPECT_EQ(error(array("(3,)", {1})),
             "w.npy: the file has 8 bytes of data, too few for shape (3,) of '<f8'; it was cut off, "
-            "write it again");
-  EXPECT_EQ(error(whole + "xy"), "w.npy: 2 bytes follow the array; write one array a file");
+            "write it again [SL0309]");
+  EXPECT_EQ(error(whole + "xy"),
+            "w.npy: 2 bytes follow the array; write one array a file [SL0309]");
 }
 
 TEST(NpyFile, SaysWhatItDoesNotRead) {
   const std::string unread =
-      "; float64, float32 and whole numbers are read: write weights.astype(float)";
+      "; float64, float32 and whole numbers are read: write weights.astype(float) [SL0309]";
   const std::array<std::string, 2> cases[] = {
       {"'|O'",
        "the array holds Python objects, as one of rows of different lengths does; write numbers: "
-       "numpy.array(weights, dtype=float)"},
+       "numpy.array(weights, dtype=float) [SL0309]"},
       {"[('x', '<f8'), ('y', '<f8', (2,))]",
-       "the array has named fields; write an array of plain numbers"},
+       "the array has named fields; write an array of plain numbers [SL0309]"},
       {"'<c16'", "the array holds '<c16'" + unread},
       {"'<f2'", "the array holds '<f2'" + unread},
       {"'|b1'", "the array holds '|b1'" + unread},
@@ -134,13 +135,16 @@ TEST(NpyFile, SaysWhatItDoesNotRead) {
     EXPECT_EQ(error(file_with(header_of(type, "(1, 1)"), bytes_of({1}))), "w.npy: " + message);
   }
   EXPECT_EQ(error(array("(1, 1, 2)", {1, 2})),
-            "w.npy: the array has 3 dimensions; write 2, [output, input], or 1 for a single row");
+            "w.npy: the array has 3 dimensions; write 2, [output, input], or 1 for a single row "
+            "[SL0309]");
   EXPECT_EQ(error(array("()", {1})),
-            "w.npy: the array has 0 dimensions; write 2, [output, input], or 1 for a single row");
+            "w.npy: the array has 0 dimensions; write 2, [output, input], or 1 for a single row "
+            "[SL0309]");
   std::string version = array("(1, 1)", {1});
   version[6] = 4;
-  EXPECT_EQ(error(version),
-            "w.npy: format version 4.0 is not known; write 1.0, 2.0 or 3.0, as numpy.save does");
+  EXPECT_EQ(
+      error(version),
+      "w.npy: format version 4.0 is not known; write 1.0, 2.0 or 3.0, as numpy.save does [SL0309]");
 }
 
 TEST(NpyFile, SaysThatItsHeaderIsBroken) {
@@ -158,7 +162,7 @@ TEST(NpyFile, SaysThatItsHeaderIsBroken) {
     EXPECT_EQ(
         error(file_with(header, bytes_of({1}))),
         "w.npy: the header is not a dictionary of 'descr', 'fortran_order' and 'shape'; write "
-        "the file with numpy.save")
+        "the file with numpy.save [SL0309]")
         << header;
   }
 }
@@ -167,16 +171,16 @@ TEST(NpyFile, NamesThePlaceOfANumberThatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   EXPECT_EQ(error(array("(2, 3)", {1, 2, 3, 4, nan, 6})),
-            "w.npy: row 1, column 1 is nan; write a finite number");
+            "w.npy: row 1, column 1 is nan; write a finite number [SL0309]");
   EXPECT_EQ(error(array("(3,)", {1, 2, -infinite})),
-            "w.npy: row 0, column 2 is -inf; write a finite number");
+            "w.npy: row 0, column 2 is -inf; write a finite number [SL0309]");
   EXPECT_EQ(error(file_with("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 3)}",
                             bytes_of({1, 2, 3, infinite, 5, 6}))),
-            "w.npy: row 1, column 1 is inf; write a finite number");
+            "w.npy: row 1, column 1 is inf; write a finite number [SL0309]");
 }
 
 TEST(NpyFile, HasAsManyChannelsAsAPortCanHave) {
-  const std::string most = "; at most 16777216 of each are possible";
+  const std::string most = "; at most 16777216 of each are possible [SL0309]";
   const std::string bytes(16'777'217, '\1');
   EXPECT_EQ(error(file_with(header_of("'|u1'", "(16777217,)"), bytes)),
             "w.npy: the table has 1 rows of up to 16777217 weights" + most);
@@ -195,7 +199,7 @@ TEST(NpyFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
     EXPECT_EQ(parsed(bytes, lax()).kind, Kind::uniform);
     ASSERT_EQ(log.messages.size(), 1u);
     EXPECT_THAT(log.messages[0], testing::StartsWith("w.npy: "));
-    EXPECT_THAT(log.messages[0], testing::EndsWith("; every weight is 1 / inputs"));
+    EXPECT_THAT(log.messages[0], testing::EndsWith("; every weight is 1 / inputs [SL0309]"));
   }
   test::LogCapture log;
   EXPECT_EQ(read_weights("none.npy", lax()).kind, Kind::uniform);
@@ -234,9 +238,9 @@ TEST(NpyFile, WhatIsWrittenIsRead) {
 TEST(NpyFile, SaysWhyItCannotBeWritten) {
   const std::vector<double> values(4);
   EXPECT_EQ(message_of([&] { write_npy("/nowhere/w.npy", 2, 2, values); }),
-            "cannot write '/nowhere/w.npy': No such file or directory");
+            "cannot write '/nowhere/w.npy': No such file or directory [SL0109]");
   EXPECT_EQ(message_of([&] { write_npy("/dev/full", 2, 2, values); }),
-            "cannot write '/dev/full': No space left on device");
+            "cannot write '/dev/full': No space left on device [SL0109]");
   EXPECT_THROW(write_npy("w.npy", 2, 3, values), std::logic_error);
 }
 

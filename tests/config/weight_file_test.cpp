@@ -44,7 +44,7 @@ TEST(WeightFile, ReadsShortForms) {
   for (const std::string text :
        {"uniform:", "uniform:x", "uniform:1x", "uniform:nan", "uniform:inf"}) {
     EXPECT_EQ(message_of([&] { read_weights(text); }),
-              "the weight in '" + text + "' is not a finite number; write 'uniform:0.5'");
+              "the weight in '" + text + "' is not a finite number; write 'uniform:0.5' [SL0201]");
   }
 }
 
@@ -112,38 +112,40 @@ struct Case {
 };
 
 TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
-  const std::string rows = "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output";
+  const std::string rows =
+      "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]";
   const std::string nothing =
       "w: the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an output, or "
       "'uniform' "
-      "in place of the file";
+      "in place of the file [SL0309]";
   const Case cases[] = {
-      {"", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
-      {" \n", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output"},
+      {"", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]"},
+      {" \n", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]"},
       {std::string("\x89PNG\0", 5),
        "w: this is not a text file (byte 4 is 0x00); write [[0.1, 0.2], [0.3, 0.4]], one row an "
-       "output"},
+       "output [SL0309]"},
       {"[]", nothing},
       {"[[],[]]", nothing},
       {"0.5",
        "w: the table is the number 0.5; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one "
-       "row an output"},
+       "row an output [SL0309]"},
       {"true",
        "w: the table is true; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one row an "
-       "output"},
+       "output [SL0309]"},
       {"[1, 2]", "w: row 0 is the number 1; " + rows},
       {"[[1], null]", "w: row 1 is null; " + rows},
       {"[[1], {}]", "w: row 1 is an object; " + rows},
-      {"[[1, 2], [3, \"x\"]]", "w: row 1, column 1 is the text \"x\"; write a finite number"},
-      {"[[1, false]]", "w: row 0, column 1 is false; write a finite number"},
-      {"[[1, [2]]]", "w: row 0, column 1 is an array; write a finite number"},
+      {"[[1, 2], [3, \"x\"]]",
+       "w: row 1, column 1 is the text \"x\"; write a finite number [SL0309]"},
+      {"[[1, false]]", "w: row 0, column 1 is false; write a finite number [SL0309]"},
+      {"[[1, [2]]]", "w: row 0, column 1 is an array; write a finite number [SL0309]"},
       {"[[1, 2], [3]]",
-       "w: row 1 has 1 weights, but row 0 has 2; write one weight an input in every row"},
+       "w: row 1 has 1 weights, but row 0 has 2; write one weight an input in every row [SL0309]"},
       {"[[1], [2], [3, 4]]",
-       "w: row 2 has 2 weights, but row 0 has 1; write one weight an input in every row"},
-      {"[[1, NaN]]", "w:1:6: row 0, column 1 is NaN; write a finite number"},
-      {"[[1,\n-Infinity]]", "w:2:2: row 0, column 1 is Infinity; write a finite number"},
-      {"[[1, nan]]", "w:1:6: row 0, column 1 is nan; write a finite number"},
+       "w: row 2 has 2 weights, but row 0 has 1; write one weight an input in every row [SL0309]"},
+      {"[[1, NaN]]", "w:1:6: row 0, column 1 is NaN; write a finite number [SL0309]"},
+      {"[[1,\n-Infinity]]", "w:2:2: row 0, column 1 is Infinity; write a finite number [SL0309]"},
+      {"[[1, nan]]", "w:1:6: row 0, column 1 is nan; write a finite number [SL0309]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;
@@ -156,41 +158,46 @@ TEST(WeightFile, NamesLineAndColumnOfBrokenJson) {
   EXPECT_THAT(error("[[1, 2]\n"), testing::StartsWith("w:2:1: not JSON: unexpected end of input"));
   EXPECT_THAT(error("[[1, 2]] 3"),
               testing::StartsWith("w:1:10: not JSON: unexpected number literal"));
-  EXPECT_THAT(error("[[1e999]]"), testing::EndsWith("not JSON: number overflow parsing '1e999'"));
+  EXPECT_THAT(error("[[1e999]]"),
+              testing::EndsWith("not JSON: number overflow parsing '1e999' [SL0309]"));
 }
 
 TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
   const auto sparse = [](const std::string& entries) {
     return "{\"rows\": 2, \"columns\": 3, \"entries\": " + entries + "}";
   };
-  const std::string range = ", but the table has 2 rows and 3 columns; both count from 0";
+  const std::string range = ", but the table has 2 rows and 3 columns; both count from 0 [SL0309]";
   const Case cases[] = {
       {"{}",
        "w: the key 'rows' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
-       "0.5]]}"},
+       "0.5]]} [SL0309]"},
       {"{\"rows\": 2, \"columns\": 3}",
        "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
-       "0.5]]}"},
-      {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'?"},
-      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one"},
-      {"{\"rows\": 0}", "w: 'rows' is 0; write a number from 1 to 16777216"},
-      {"{\"columns\": 16777217}", "w: 'columns' is 16777217; write a number from 1 to 16777216"},
-      {"{\"rows\": 1.5}", "w: 'rows' is the number 1.5; write a whole number"},
-      {"{\"rows\": [2]}", "w: 'rows' is an array; write a whole number"},
-      {sparse("3"), "w: 'entries' is the number 3; write an array of [row, column, weight]"},
-      {sparse("[3]"), "w: entry 0 is the number 3; write [row, column, weight]"},
+       "0.5]]} [SL0309]"},
+      {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'? [SL0309]"},
+      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
+      {"{\"rows\": 0}", "w: 'rows' is 0; write a number from 1 to 16777216 [SL0309]"},
+      {"{\"columns\": 16777217}",
+       "w: 'columns' is 16777217; write a number from 1 to 16777216 [SL0309]"},
+      {"{\"rows\": 1.5}", "w: 'rows' is the number 1.5; write a whole number [SL0309]"},
+      {"{\"rows\": [2]}", "w: 'rows' is an array; write a whole number [SL0309]"},
+      {sparse("3"),
+       "w: 'entries' is the number 3; write an array of [row, column, weight] [SL0309]"},
+      {sparse("[3]"), "w: entry 0 is the number 3; write [row, column, weight] [SL0309]"},
       {sparse("[[0, 0, 1], [0, 0]]"),
-       "w: entry 1 has 2 of three items; write [row, column, weight]"},
+       "w: entry 1 has 2 of three items; write [row, column, weight] [SL0309]"},
       {sparse("[[0, 0, 1, 1]]"),
-       "w: entry 0 has more than three items; write [row, column, weight]"},
-      {sparse("[[0, 0, \"x\"]]"), "w: entry 0, item 2 is the text \"x\"; write a finite number"},
-      {sparse("[[0, 0, NaN]]"), "w:1:46: entry 0, item 2 is NaN; write a finite number"},
-      {sparse("[[-1, 0, 1]]"), "w: the row of entry 0 is -1; write a whole number from 0"},
-      {sparse("[[0, 0.5, 1]]"), "w: the column of entry 0 is 0.5; write a whole number from 0"},
+       "w: entry 0 has more than three items; write [row, column, weight] [SL0309]"},
+      {sparse("[[0, 0, \"x\"]]"),
+       "w: entry 0, item 2 is the text \"x\"; write a finite number [SL0309]"},
+      {sparse("[[0, 0, NaN]]"), "w:1:46: entry 0, item 2 is NaN; write a finite number [SL0309]"},
+      {sparse("[[-1, 0, 1]]"), "w: the row of entry 0 is -1; write a whole number from 0 [SL0309]"},
+      {sparse("[[0, 0.5, 1]]"),
+       "w: the column of entry 0 is 0.5; write a whole number from 0 [SL0309]"},
       {sparse("[[2, 0, 1]]"), "w: entry 0 is at row 2, column 0" + range},
       {sparse("[[0, 0, 1], [1, 3, 1]]"), "w: entry 1 is at row 1, column 3" + range},
       {sparse("[[1, 2, 1], [0, 0, 1], [1, 2, 3]]"),
-       "w: row 1, column 2 has two weights; write one entry"},
+       "w: row 1, column 2 has two weights; write one entry [SL0309]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;
@@ -213,10 +220,11 @@ TEST(WeightFile, IsLookedForBesideItsConfigurationAndHere) {
   EXPECT_EQ(message_of([&] { read_weights("none.json", options); }),
             "there is no weight file 'none.json' in '" + here + "' or '" +
                 directory.path().string() +
-                "'; write its path, 'uniform', 'one_to_one' or 'blocks'");
+                "'; write its path, 'uniform', 'one_to_one' or 'blocks' [SL0108]");
   EXPECT_EQ(message_of([&] { read_weights("unifrom"); }),
             "there is no weight file 'unifrom' in '" + here +
-                "'; write its path, 'uniform', 'one_to_one' or 'blocks'; did you mean 'uniform'?");
+                "'; write its path, 'uniform', 'one_to_one' or 'blocks'; did you mean 'uniform'? "
+                "[SL0108]");
   EXPECT_EQ(message_of([&] { read_weights("", options); }).substr(0, 26),
             "there is no weight file ''");
 }
@@ -227,9 +235,9 @@ TEST(WeightFile, SaysWhenAFileCannotBeRead) {
   WeightOptions options;
   options.maximum_bytes = 2'000'000;
   EXPECT_EQ(message_of([&] { read_weights(file, options); }),
-            file + ": the file has 2 MB, more than the 2 MB that a weight file may have");
+            file + ": the file has 2 MB, more than the 2 MB that a weight file may have [SL0203]");
   EXPECT_EQ(message_of([&] { read_weights(directory.path().string()); }),
-            "cannot read '" + directory.path().string() + "': Is a directory");
+            "cannot read '" + directory.path().string() + "': Is a directory [SL0109]");
 }
 
 TEST(WeightFile, LoaderLeavesTheKeyToResolve) {
@@ -242,7 +250,7 @@ TEST(WeightFile, LoaderLeavesTheKeyToResolve) {
   written["weights"].text = "uniform:";
   EXPECT_EQ(message_of([&] { resolve({parameter}, written, weight_loader({})); }),
             "f:3:1: key 'weights': the weight in 'uniform:' is not a finite number; write "
-            "'uniform:0.5'");
+            "'uniform:0.5' [SL0201]");
 }
 
 TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
@@ -252,16 +260,17 @@ TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
     EXPECT_EQ(table.kind, Kind::uniform) << text;
     EXPECT_EQ(table.resized(1, 4).at(0, 3), 0.25);
     ASSERT_EQ(log.messages.size(), 1u);
-    EXPECT_THAT(log.messages[0], testing::EndsWith("; every weight is 1 / inputs"));
+    EXPECT_THAT(log.messages[0], testing::EndsWith("; every weight is 1 / inputs [SL0309]"));
   }
   test::LogCapture log;
   EXPECT_EQ(read_weights("none.json", lax()).kind, Kind::uniform);
   EXPECT_THAT(log.messages.at(0), testing::StartsWith("there is no weight file 'none.json' in "));
   EXPECT_EQ(read_weights("/", lax()).kind, Kind::uniform);
-  EXPECT_EQ(log.messages.at(1), "cannot read '/': Is a directory; every weight is 1 / inputs");
+  EXPECT_EQ(log.messages.at(1),
+            "cannot read '/': Is a directory; every weight is 1 / inputs [SL0109]");
   weight_loader(lax())({"/", {"job.music", 3, 1}});
   EXPECT_EQ(log.messages.at(2),
-            "job.music:3:1: cannot read '/': Is a directory; every weight is 1 / inputs");
+            "job.music:3:1: cannot read '/': Is a directory; every weight is 1 / inputs [SL0109]");
 }
 
 TEST(WeightFile, OlderProgramsFitATableToThePorts) {
@@ -326,7 +335,7 @@ TEST(WeightFile, MutatedFilesAreReadOrRefused) {
 
 TEST(WeightFile, DeepNestingIsRefused) {
   EXPECT_EQ(error(std::string(1'000'000, '[')),
-            "w: row 0, column 0 is an array; write a finite number");
+            "w: row 0, column 0 is an array; write a finite number [SL0309]");
 }
 
 }  // namespace

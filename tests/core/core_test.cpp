@@ -25,14 +25,15 @@ TEST(Time, RoundsToTheNearestNanosecond) {
 
 TEST(Time, RefusesWhatCannotBeRepresented) {
   EXPECT_EQ(message_of<ConfigurationError>([] { from_seconds(std::nan("")); }),
-            "a time of nan s cannot be represented; write a finite number of seconds below 9e+09");
-  EXPECT_EQ(
-      message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
-      "a tick of 0 s is not a whole number of nanoseconds above 0; write for example 0.001 s");
+            "a time of nan s cannot be represented; write a finite number of seconds below 9e+09 "
+            "[SL0203]");
+  EXPECT_EQ(message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
+            "a tick of 0 s is not a whole number of nanoseconds above 0; write for example 0.001 s "
+            "[SL0207]");
   EXPECT_EQ(
       message_of<ConfigurationError>([] { tick_from_seconds(1.0 / 3.0); }),
       "a tick of 0.3333333333333333 s is not a whole number of nanoseconds above 0; write for "
-      "example 0.333333333 s");
+      "example 0.333333333 s [SL0207]");
   EXPECT_EQ(tick_from_seconds(0.05), 50'000'000);
 }
 
@@ -57,7 +58,8 @@ TEST(Errors, CarryTheirPlaceAndExitCode) {
   EXPECT_STREQ(ConfigurationError({"a.music", 3, 0}, "bad").what(), "a.music:3: bad");
   EXPECT_STREQ(ConfigurationError({"a.music", 0, 0}, "bad").what(), "a.music: bad");
   EXPECT_STREQ(ConfigurationError({"", 3, 4}, "bad").what(), "line 3:4: bad");
-  EXPECT_STREQ(FileError("open", "x", ENOENT).what(), "cannot open 'x': No such file or directory");
+  EXPECT_STREQ(FileError("open", "x", ENOENT).what(),
+               "cannot open 'x': No such file or directory [SL0109]");
   EXPECT_EQ(ConfigurationError("").exit_code(), 2);
   EXPECT_EQ(TransportError("").exit_code(), 3);
   EXPECT_EQ(FileError("").exit_code(), 4);
@@ -114,11 +116,11 @@ TEST(WeightTable, SaysWhichSizesDisagree) {
       message_of<ConfigurationError>(
           [] { WeightTable::dense(2, 3, std::vector<double>(6)).resized(2, 4); }),
       "the weights have 2 rows and 3 columns, but the ports have 2 outputs and 4 inputs; write "
-      "one row an output and one column an input");
+      "one row an output and one column an input [SL0308]");
   EXPECT_EQ(
       message_of<ConfigurationError>([] { WeightTable::one_to_one().resized(2, 4); }),
       "one-to-one weights need ports of one width, but there are 2 outputs and 4 inputs; write "
-      "a weight file instead");
+      "a weight file instead [SL0308]");
 }
 
 TEST(Log, ReachesTheSinkAboveItsLevelOnly) {
@@ -169,8 +171,9 @@ TEST(Pacer, UnpacedDoesNotWait) {
 }
 
 TEST(Pacer, RefusesAFactorThatCannotBeKept) {
-  EXPECT_EQ(message_of<ConfigurationError>([] { make_realtime_pacer(0.0, 1); }),
-            "a real-time factor of 0 cannot be kept; write a number above 0, 1 is real time");
+  EXPECT_EQ(
+      message_of<ConfigurationError>([] { make_realtime_pacer(0.0, 1); }),
+      "a real-time factor of 0 cannot be kept; write a number above 0, 1 is real time [SL0203]");
 }
 
 }  // namespace

@@ -41,23 +41,24 @@ TEST_F(GraphPlanFaults, NoneInARing) {
 TEST_F(GraphPlanFaults, AreToldTogether) {
   EXPECT_THAT(
       faults({{"a", "b", 2}, {"b", "a"}, {"b", "a"}}),
-      ElementsAre("the connection 'b.out -> a.in' is written twice; remove one",
-                  "input 'c.in' is not connected; write for example  SENDER.out -> c.in [10]",
-                  "the cycle a -> b -> a has no delay; give one of its connections a delay "
-                  "of at least 1 tick"));
+      ElementsAre(
+          "the connection 'b.out -> a.in' is written twice; remove one [SL0304]",
+          "input 'c.in' is not connected; write for example  SENDER.out -> c.in [10] [SL0305]",
+          "the cycle a -> b -> a has no delay; give one of its connections a delay "
+          "of at least 1 tick"));
 }
 
 TEST_F(GraphPlanFaults, AnInputWithAMisspeltConnectionIsNotSaidToHaveNone) {
   EXPECT_THAT(faults({{"a", "b", 2, 1}, {"b", "a"}, {"b", "cc"}}),
-              ElementsAre("unknown node 'cc'; did you mean 'c'?"));
+              ElementsAre("unknown node 'cc'; did you mean 'c'? [SL0301]"));
 }
 
 TEST_F(GraphPlanFaults, StandAtTheirEndsOfTheConnection) {
   const Location to{"x.yaml", 3, 20};
   const Location from{"x.yaml", 3, 5};
   EXPECT_THAT(faults({{"a.oot", "b", 2, 1, to, from}, {"b", "a"}, {"b", "c.inn", 0, 0, to, from}}),
-              ElementsAre("x.yaml:3:5: 'a' has no output port 'oot'; did you mean 'out'?",
-                          "x.yaml:3:20: 'c' has no input port 'inn'; did you mean 'in'?"));
+              ElementsAre("x.yaml:3:5: 'a' has no output port 'oot'; did you mean 'out'? [SL0302]",
+                          "x.yaml:3:20: 'c' has no input port 'inn'; did you mean 'in'? [SL0302]"));
 }
 
 }  // namespace

@@ -228,25 +228,27 @@ class GraphErrors : public testing::Test {
 
 TEST_F(GraphErrors, UnknownNode) {
   graph_.connections[0].to = "encodr.in";
-  EXPECT_EQ(message(), "x.yaml:3:5: unknown node 'encodr'; did you mean 'encoder'?");
+  EXPECT_EQ(message(), "x.yaml:3:5: unknown node 'encodr'; did you mean 'encoder'? [SL0301]");
 }
 
 TEST_F(GraphErrors, UnknownPort) {
   graph_.connections[0].to = "encoder.inn";
-  EXPECT_EQ(message(), "x.yaml:3:5: 'encoder' has no input port 'inn'; did you mean 'in'?");
+  EXPECT_EQ(message(),
+            "x.yaml:3:5: 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]");
 }
 
 TEST_F(GraphErrors, NoPortOfThatDirection) {
   graph_.connections[0].from = "wheels";
   EXPECT_EQ(message(),
-            "x.yaml:3:5: 'wheels' has no output port; turn the connection round or leave it out");
+            "x.yaml:3:5: 'wheels' has no output port; turn the connection round or leave it out "
+            "[SL0302]");
 }
 
 TEST_F(GraphErrors, SeveralPorts) {
   increment_.description.ports.push_back(port("other", kSignal, kIn));
   EXPECT_EQ(message(),
             "x.yaml:3:5: 'encoder' has several input ports; write one of: encoder.in, "
-            "encoder.other");
+            "encoder.other [SL0302]");
 }
 
 TEST_F(GraphErrors, KindsDiffer) {
@@ -254,37 +256,39 @@ TEST_F(GraphErrors, KindsDiffer) {
   EXPECT_EQ(
       message(),
       "x.yaml:3:5: continuous output 'laser.out' cannot drive spike input 'encoder.in'; put an "
-      "encoder between them");
+      "encoder between them [SL0303]");
 }
 
 TEST_F(GraphErrors, TwoConnectionsIntoOneInput) {
   graph_.connections.push_back({"laser", "wheels", 0, 0, {"x.yaml", 7, 1}});
   EXPECT_EQ(message(),
             "x.yaml:7:1: input 'wheels.in' has two senders, 'encoder.out' and 'laser.out'; "
-            "remove one connection");
+            "remove one connection [SL0304]");
 }
 
 TEST_F(GraphErrors, InputWithoutConnection) {
   graph_.connections.pop_back();
   EXPECT_EQ(message(),
-            "input 'wheels.in' is not connected; write for example  SENDER.out -> wheels.in [10]");
+            "input 'wheels.in' is not connected; write for example  SENDER.out -> wheels.in [10] "
+            "[SL0305]");
 }
 
 TEST_F(GraphErrors, WidthsDiffer) {
   graph_.connections[0].width = 3;
   EXPECT_EQ(message(),
             "x.yaml:3:5: widths differ: 'laser.out' has 2 channels, 'encoder.in' has 3, the "
-            "connection says [3]");
+            "connection says [3] [SL0306]");
   graph_.connections[0].width = 0;
   FunctionSink narrow(kSignal, 1, [](const Step&) {});
   graph_.sinks[0].sink = &narrow;
   EXPECT_EQ(message(),
-            "port 'encoder.out' has 1 channels but must have 2, as many as 'encoder.in'");
+            "port 'encoder.out' has 1 channels but must have 2, as many as 'encoder.in' [SL0306]");
 }
 
 TEST_F(GraphErrors, FixedWidth) {
   increment_.description.ports[0].width = WidthRule::fixed(5);
-  EXPECT_EQ(message(), "x.yaml:3:5: widths differ: 'laser.out' has 2 channels, 'encoder.in' has 5");
+  EXPECT_EQ(message(),
+            "x.yaml:3:5: widths differ: 'laser.out' has 2 channels, 'encoder.in' has 5 [SL0306]");
 }
 
 TEST_F(GraphErrors, PortsThatMustBeAsWide) {
@@ -293,8 +297,9 @@ TEST_F(GraphErrors, PortsThatMustBeAsWide) {
   increment_.description.ports.push_back(port("third", kSignal, kOut, WidthRule::same_as(0)));
   graph_.sinks[0].sink = &narrow;
   graph_.connections[1].from = "encoder.third";
-  EXPECT_EQ(message(),
-            "port 'encoder.third' has 1 channels but must have 2, as many as 'encoder.in'");
+  EXPECT_EQ(
+      message(),
+      "port 'encoder.third' has 1 channels but must have 2, as many as 'encoder.in' [SL0306]");
 }
 
 TEST_F(GraphErrors, UnknownWidth) {
@@ -302,13 +307,14 @@ TEST_F(GraphErrors, UnknownWidth) {
   FunctionSink open(kSignal, 0, [](const Step&) {});
   graph_.sources[0].source = &wide;
   graph_.sinks[0].sink = &open;
-  EXPECT_EQ(message(),
-            "x.yaml:3:5: the width of 'laser.out' -> 'encoder.in' is unknown; write it as [10]");
+  EXPECT_EQ(
+      message(),
+      "x.yaml:3:5: the width of 'laser.out' -> 'encoder.in' is unknown; write it as [10] [SL0307]");
 }
 
 TEST_F(GraphErrors, TwoOfOneName) {
   graph_.sinks[0].name = "laser";
-  EXPECT_EQ(message(), "two nodes are named 'laser'; give each its own name");
+  EXPECT_EQ(message(), "two nodes are named 'laser'; give each its own name [SL0107]");
 }
 
 TEST_F(GraphErrors, CycleWithoutDelayIsNamed) {
@@ -321,7 +327,7 @@ TEST_F(GraphErrors, CycleWithoutDelayIsNamed) {
 
 TEST_F(GraphErrors, Tick) {
   graph_.tick = 0;
-  EXPECT_EQ(message(), "a tick of 0 ns cannot be run; write for example 1 ms");
+  EXPECT_EQ(message(), "a tick of 0 ns cannot be run; write for example 1 ms [SL0203]");
 }
 
 TEST_F(GraphErrors, AFactoryThatRefusesIsNamed) {
@@ -353,19 +359,19 @@ NodeClass spikes_class(std::function<void(const Step&)> function) {
 
 TEST(GraphStep, NamesANodeThatThrows) {
   EXPECT_EQ(step_failure(spikes_class([](const Step&) { throw std::runtime_error("broken"); })),
-            "node 'relay': broken");
+            "node 'relay': broken [SL0704]");
 }
 
 TEST(GraphStep, RefusesASpikeOutsideTheInterval) {
   EXPECT_EQ(step_failure(spikes_class(
                 [](const Step& step) { step.spike_output().emit(step.interval().begin, 0); })),
-            "node 'relay': a spike at 0 ns lies outside the interval (0, 1000000] ns");
+            "node 'relay': a spike at 0 ns lies outside the interval (0, 1000000] ns [SL0704]");
 }
 
 TEST(GraphStep, RefusesAChannelOutsideThePort) {
   EXPECT_EQ(step_failure(spikes_class(
                 [](const Step& step) { step.spike_output().emit(step.interval().end, 1); })),
-            "node 'relay': a spike on channel 1, but the port has channels 0 to 0");
+            "node 'relay': a spike on channel 1, but the port has channels 0 to 0 [SL0704]");
 }
 
 }  // namespace

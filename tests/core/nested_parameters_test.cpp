@@ -114,26 +114,29 @@ TEST(NestedParameters, ListsOfMaps) {
 
 TEST(NestedParameters, WhatIsWrongHasItsPlace) {
   EXPECT_EQ(error_of("pair", plain("1")),
-            "f:1:1: key 'pair': '1' is not a list of 2; write  pair: [1, 2]");
+            "f:1:1: key 'pair': '1' is not a list of 2; write  pair: [1, 2] [SL0105]");
   EXPECT_EQ(error_of("pair", plain("")),
-            "f:1:1: key 'pair': '' is not a list of 2; write  pair: [1, 2]");
+            "f:1:1: key 'pair': '' is not a list of 2; write  pair: [1, 2] [SL0105]");
   EXPECT_EQ(error_of("pair", map({})),
-            "f:1:1: key 'pair': '{...}' is not a list; write  pair: [1, 2]");
-  EXPECT_EQ(error_of("pair", list({{"", plain("1")}, {"", plain("-1", 4)}})),
-            "f:4:1: key 'pair': entry 2: -1 is out of bounds; write a value of at least 0");
+            "f:1:1: key 'pair': '{...}' is not a list; write  pair: [1, 2] [SL0105]");
+  EXPECT_EQ(
+      error_of("pair", list({{"", plain("1")}, {"", plain("-1", 4)}})),
+      "f:4:1: key 'pair': entry 2: -1 is out of bounds; write a value of at least 0 [SL0203]");
   EXPECT_EQ(error_of("stop", list({})),
-            "f:1:1: key 'stop': '[...]' is not a map; write  stop: {topic: /a}");
+            "f:1:1: key 'stop': '[...]' is not a map; write  stop: {topic: /a} [SL0105]");
   EXPECT_EQ(error_of("stop", map({{"tpic", plain("/a", 3)}})),
-            "f:3:1: key 'stop': unknown key 'tpic'; did you mean 'topic'?");
-  EXPECT_EQ(error_of("stop", map({{"timeout", plain("2", 3)}})),
-            "f:3:1: key 'stop': key 'timeout': 2 has no unit; write for example  timeout: 2 s");
-  EXPECT_EQ(error_of("bounds", plain("all")),
-            "f:1:1: key 'bounds': 'all' is neither none nor a map; write  bounds: {a: [1, 2]}");
+            "f:3:1: key 'stop': unknown key 'tpic'; did you mean 'topic'? [SL0103]");
+  EXPECT_EQ(
+      error_of("stop", map({{"timeout", plain("2", 3)}})),
+      "f:3:1: key 'stop': key 'timeout': 2 has no unit; write for example  timeout: 2 s [SL0202]");
+  EXPECT_EQ(
+      error_of("bounds", plain("all")),
+      "f:1:1: key 'bounds': 'all' is neither none nor a map; write  bounds: {a: [1, 2]} [SL0105]");
   EXPECT_EQ(error_of("bounds", map({{"a", plain("5", 2)}})),
-            "f:2:1: key 'bounds': 'a': '5' is not a list of 2; write  [1, 2]");
+            "f:2:1: key 'bounds': 'a': '5' is not a list of 2; write  [1, 2] [SL0105]");
   EXPECT_EQ(error_of("fields", list({{"", map({{"scale", plain("2")}})}})),
             "f:1:1: key 'fields': entry 1: key 'path' is missing (where); write  fields: [{path: "
-            "a}]");
+            "a}] [SL0104]");
 }
 
 }  // namespace

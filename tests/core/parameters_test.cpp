@@ -27,19 +27,24 @@ TEST(Quantity, ConvertsUnits) {
 }
 
 TEST(Quantity, SaysWhatIsWrong) {
-  EXPECT_EQ(quantity_error("", "s"), "'' is not a number; write for example 0.5 s");
-  EXPECT_EQ(quantity_error("fast", "Hz"), "'fast' is not a number; write for example 0.5 Hz");
-  EXPECT_EQ(quantity_error("fast", "1"), "'fast' is not a number; write for example 0.5");
-  EXPECT_EQ(quantity_error("inf", "s"), "'inf' is not a finite number; write for example 0.5 s");
-  EXPECT_EQ(quantity_error("nan", "s"), "'nan' is not a finite number; write for example 0.5 s");
+  EXPECT_EQ(quantity_error("", "s"), "'' is not a number; write for example 0.5 s [SL0201]");
+  EXPECT_EQ(quantity_error("fast", "Hz"),
+            "'fast' is not a number; write for example 0.5 Hz [SL0201]");
+  EXPECT_EQ(quantity_error("fast", "1"), "'fast' is not a number; write for example 0.5 [SL0201]");
+  EXPECT_EQ(quantity_error("inf", "s"),
+            "'inf' is not a finite number; write for example 0.5 s [SL0201]");
+  EXPECT_EQ(quantity_error("nan", "s"),
+            "'nan' is not a finite number; write for example 0.5 s [SL0201]");
   EXPECT_EQ(quantity_error("1e999", "s"),
-            "'1e999' is not a finite number; write for example 0.5 s");
-  EXPECT_EQ(quantity_error("3 Hz", "s"),
-            "'3 Hz': 'Hz' is not a unit of time here; write one of: ns, us, ms, s, min, h");
-  EXPECT_EQ(quantity_error("3 parsec", "m"),
-            "'3 parsec': 'parsec' is not a unit of length here; write one of: mm, cm, m, km");
+            "'1e999' is not a finite number; write for example 0.5 s [SL0201]");
+  EXPECT_EQ(
+      quantity_error("3 Hz", "s"),
+      "'3 Hz': 'Hz' is not a unit of time here; write one of: ns, us, ms, s, min, h [SL0202]");
+  EXPECT_EQ(
+      quantity_error("3 parsec", "m"),
+      "'3 parsec': 'parsec' is not a unit of length here; write one of: mm, cm, m, km [SL0202]");
   EXPECT_EQ(quantity_error("3 s", "1"),
-            "'3 s': this number has no unit, 's' cannot stand behind it; write 3");
+            "'3 s': this number has no unit, 's' cannot stand behind it; write 3 [SL0202]");
 }
 
 std::vector<ParameterDescription> declared() {
@@ -88,35 +93,38 @@ std::string resolve_error(const std::string& key, const std::string& text) {
 
 TEST(Resolve, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(resolve_error("rate_mx", "1"),
-            "loop.music:4:2: unknown key 'rate_mx'; did you mean 'rate_max'?");
+            "loop.music:4:2: unknown key 'rate_mx'; did you mean 'rate_max'? [SL0103]");
   EXPECT_EQ(
       resolve_error("zzz", "1"),
       "loop.music:4:2: unknown key 'zzz'; known: rate_max, tau, count, strict, policy, label, "
-      "weights, topic");
+      "weights, topic [SL0103]");
+  EXPECT_EQ(resolve_error("rate_max", "-1"),
+            "loop.music:4:2: key 'rate_max': -1 is out of bounds; write a value from 0 to 1000000 "
+            "Hz [SL0203]");
   EXPECT_EQ(
-      resolve_error("rate_max", "-1"),
-      "loop.music:4:2: key 'rate_max': -1 is out of bounds; write a value from 0 to 1000000 Hz");
-  EXPECT_EQ(resolve_error("rate_max", "x"),
-            "loop.music:4:2: key 'rate_max': 'x' is not a number; write for example 0.5 Hz");
-  EXPECT_EQ(resolve_error("count", "9"),
-            "loop.music:4:2: key 'count': 9 is out of bounds; write a whole number from 1 to 5");
+      resolve_error("rate_max", "x"),
+      "loop.music:4:2: key 'rate_max': 'x' is not a number; write for example 0.5 Hz [SL0201]");
+  EXPECT_EQ(
+      resolve_error("count", "9"),
+      "loop.music:4:2: key 'count': 9 is out of bounds; write a whole number from 1 to 5 [SL0203]");
   EXPECT_EQ(
       resolve_error("count", "1.5"),
       "loop.music:4:2: key 'count': '1.5' is not a whole number; write a whole number from 1 to "
-      "5");
-  EXPECT_EQ(resolve_error("strict", "yes"),
-            "loop.music:4:2: key 'strict': 'yes' is not a truth value; write true or false");
+      "5 [SL0204]");
+  EXPECT_EQ(
+      resolve_error("strict", "yes"),
+      "loop.music:4:2: key 'strict': 'yes' is not a truth value; write true or false [SL0205]");
   EXPECT_EQ(resolve_error("policy", "clp"),
             "loop.music:4:2: key 'policy': 'clp' is not a choice; did you mean 'clip'?; write one "
-            "of: clip, pass, error");
+            "of: clip, pass, error [SL0205]");
   EXPECT_EQ(resolve_error("policy", "something"),
             "loop.music:4:2: key 'policy': 'something' is not a choice; write one of: clip, pass, "
-            "error");
+            "error [SL0205]");
 }
 
 TEST(Resolve, NamesAMissingKey) {
   EXPECT_EQ(message_of<ConfigurationError>([] { resolve(declared(), {}, one_weight); }),
-            "key 'topic' is missing (ROS topic); write  topic=...");
+            "key 'topic' is missing (ROS topic); write  topic=... [SL0104]");
 }
 
 TEST(Resolve, OneSidedBounds) {
@@ -125,13 +133,13 @@ TEST(Resolve, OneSidedBounds) {
   EXPECT_EQ(message_of<ConfigurationError>([&] {
               resolve(low, {{"a", {"-1", {}}}}, {});
             }),
-            "key 'a': -1 is out of bounds; write a value of at least 0 s");
+            "key 'a': -1 is out of bounds; write a value of at least 0 s [SL0203]");
   std::vector<ParameterDescription> high = {{"a", ParameterType::number, "", "1"}};
   high[0].maximum = 2;
   EXPECT_EQ(message_of<ConfigurationError>([&] {
               resolve(high, {{"a", {"3", {}}}}, {});
             }),
-            "key 'a': 3 is out of bounds; write a value of at most 2");
+            "key 'a': 3 is out of bounds; write a value of at most 2 [SL0203]");
 }
 
 TEST(Parameters, AskingForWhatWasNotDeclaredIsABug) {

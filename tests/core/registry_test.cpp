@@ -33,9 +33,9 @@ TEST(Registry, FindsWhatWasAddedAndSuggestsOtherwise) {
   registry.add(node_class);
   EXPECT_TRUE(registry.contains("function"));
   EXPECT_EQ(message_of<ConfigurationError>([&] { registry.find("functon"); }),
-            "unknown node class 'functon'; did you mean 'function'?");
+            "unknown node class 'functon'; did you mean 'function'? [SL0401]");
   EXPECT_EQ(message_of<ConfigurationError>([&] { registry.add(node_class); }),
-            "there is already a node class 'function'; give the second one another name");
+            "there is already a node class 'function'; give the second one another name [SL0107]");
 }
 
 class Plugin : public testing::Test {
@@ -99,7 +99,7 @@ TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
   NodeSetup setup{"gain", 1, gain_parameters(gain, {}), {5, 5, 5}};
   const std::string whose = " (plug-in '" + plugin_path("good_plugin.so") + "')";
   EXPECT_EQ(message_of<ConfigurationError>([&] { gain.create(setup); }),
-            "at most 4 channels" + whose);
+            "at most 4 channels" + whose + " [SL0402]");
   setup.widths = {1, 1, 1};
   setup.parameters = gain_parameters(gain, {{"mode", {"fail", {}}}});
   const auto node = gain.create(setup);
@@ -114,7 +114,8 @@ TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
 TEST_F(Plugin, TheSameNameTwiceIsRefused) {
   const std::string path = plugin_path("good_plugin.so");
   EXPECT_EQ(message_of<ConfigurationError>([&] { registry_.load_plugin(path); }),
-            "plug-in '" + path + "': there is already a node class 'gain'; give it another name");
+            "plug-in '" + path +
+                "': there is already a node class 'gain'; give it another name [SL0107]");
 }
 
 TEST(PluginFile, MayStandInTheWorkingDirectory) {
@@ -143,7 +144,7 @@ TEST(LinkedPlugins, TheSameNameTwiceIsRefused) {
   Registry registry;
   registry.load_plugin(plugin_path("good_plugin.so"));
   EXPECT_EQ(message_of<ConfigurationError>([&] { registry.add_linked_plugins(); }),
-            "there is already a node class 'gain'; give the second one another name");
+            "there is already a node class 'gain'; give the second one another name [SL0107]");
 }
 
 std::string refusal(const std::string& name) {
@@ -155,15 +156,16 @@ std::string refusal(const std::string& name) {
 
 TEST(BrokenPlugin, IsRefusedBeforeAnythingInItIsCalled) {
   EXPECT_EQ(refusal("old_plugin.so"),
-            "was built for plug-in ABI 0, this Spikeloop has 2; rebuild it");
+            "was built for plug-in ABI 0, this Spikeloop has 2; rebuild it [SL0402]");
   EXPECT_EQ(refusal("short_plugin.so"),
-            "its entry structure has 16 bytes, this Spikeloop needs 40; rebuild it");
+            "its entry structure has 16 bytes, this Spikeloop needs 40; rebuild it [SL0402]");
   EXPECT_EQ(refusal("foreign_plugin.so"),
-            "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD "'; rebuild it");
+            "was built for 'm68k-amiga', this machine is '" SPIKELOOP_BUILD
+            "'; rebuild it [SL0402]");
   EXPECT_EQ(
       refusal("empty_plugin.so"),
       "is not a Spikeloop plug-in (it has no spikeloop_plugin_entry); write SPIKELOOP_PLUGIN(...) "
-      "in one of its sources");
+      "in one of its sources [SL0402]");
   EXPECT_TRUE(refusal("missing.so").starts_with("cannot be loaded: "));
 }
 
@@ -180,7 +182,7 @@ TEST(PluginPath, LoadsEveryLibraryOfItsDirectories) {
             (std::vector<std::string>{"gain"}));
   std::filesystem::remove_all(directory);
   EXPECT_EQ(message_of<FileError>([&] { registry.load_plugin_path("/nowhere/at/all"); }),
-            "cannot read plug-in directory '/nowhere/at/all': No such file or directory");
+            "cannot read plug-in directory '/nowhere/at/all': No such file or directory [SL0109]");
 }
 
 }  // namespace

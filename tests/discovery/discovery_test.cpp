@@ -84,17 +84,17 @@ TEST(DiscoveryTest, says_what_is_wrong) {
   for (const char* wrong : {"abc", "233", "-1", "1.5", " 1", "99999999999"}) {
     EXPECT_EQ(error_of({{"ROS_DOMAIN_ID", wrong}}),
               "ROS_DOMAIN_ID is '" + std::string(wrong) +
-                  "', which is not a domain of ROS 2; write a whole number from 0 to 232");
+                  "', which is not a domain of ROS 2; write a whole number from 0 to 232 [SL0510]");
   }
   EXPECT_EQ(error_of({{"ROS_AUTOMATIC_DISCOVERY_RANGE", "subnet"}}),
             "ROS_AUTOMATIC_DISCOVERY_RANGE is 'subnet'; write SUBNET, LOCALHOST, OFF or "
-            "SYSTEM_DEFAULT");
+            "SYSTEM_DEFAULT [SL0510]");
   EXPECT_EQ(error_of({{"ROS_LOCALHOST_ONLY", "yes"}}),
-            "ROS_LOCALHOST_ONLY is 'yes'; write 1 for this machine alone, or 0");
+            "ROS_LOCALHOST_ONLY is 'yes'; write 1 for this machine alone, or 0 [SL0510]");
   EXPECT_EQ(
       error_of({{"ROS_STATIC_PEERS", "192.0.2.7, 192.0.2.8"}}),
       "ROS_STATIC_PEERS has '192.0.2.7, 192.0.2.8', which is not an address; write host names or "
-      "IP addresses with ';' between them");
+      "IP addresses with ';' between them [SL0510]");
 }
 
 TEST(DiscoveryTest, settings_multicast_beyond_this_machine_in_the_subnet_alone) {

@@ -64,24 +64,26 @@ TEST_F(Events, WhatIsWrongIsSaid) {
   EXPECT_THAT(
       faults(events(", roi: [0, 0, 4]")),
       ElementsAre("x.yaml:4:76: key 'roi': '[0,0,4]' is not a list of 4; write  roi: [100, 60, "
-                  "128, 128]"));
-  EXPECT_THAT(faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
-              ElementsAre("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels (polarity=both, "
-                          "downsample=2), but the port has 48; write [4] in its connection"));
+                  "128, 128] [SL0105]"));
+  EXPECT_THAT(
+      faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
+      ElementsAre("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels (polarity=both, "
+                  "downsample=2), but the port has 48; write [4] in its connection [SL0505]"));
   EXPECT_THAT(faults(events(", polarity: spilt")),
               ElementsAre("x.yaml:4:81: key 'polarity': 'spilt' is not a choice; did you mean "
-                          "'split'?; write one of: both, on, off, split"));
+                          "'split'?; write one of: both, on, off, split [SL0205]"));
   EXPECT_THAT(faults(events(", latency: 20")),
               ElementsAre("x.yaml:4:80: node 'eye': key 'latency': 20 has no unit; write for "
-                          "example  latency: 20 s"));
+                          "example  latency: 20 s [SL0202]"));
   EXPECT_THAT(faults(events(", region: [0, 0, 4, 4]")),
               ElementsAre("x.yaml:4:71: node 'eye': unknown key 'region'; known: topic, message, "
-                          "polarity, downsample, roi, latency, refractory, timeout"));
+                          "polarity, downsample, roi, latency, refractory, timeout [SL0103]"));
   std::string scan = events("");
   scan.replace(scan.find("EventPacket"), 11, "LaserScan");
-  EXPECT_THAT(faults(scan),
-              ElementsAre("x.yaml:4:58: message type 'sensor_msgs/LaserScan' has no events of a "
-                          "camera; known: dvs_msgs/EventArray, event_camera_msgs/EventPacket"));
+  EXPECT_THAT(
+      faults(scan),
+      ElementsAre("x.yaml:4:58: message type 'sensor_msgs/LaserScan' has no events of a "
+                  "camera; known: dvs_msgs/EventArray, event_camera_msgs/EventPacket [SL0504]"));
 }
 
 TEST_F(Events, SomebodyMustSendThem) {
@@ -90,11 +92,11 @@ TEST_F(Events, SomebodyMustSendThem) {
       faults(events("", " [48]", "robot: {simulator: mujoco}")),
       ElementsAre("x.yaml:4:40: key 'topic': the robot in this process has no event camera that "
                   "sends /events; write  ros: 2  for one that has, or take the changes of its "
-                  "pictures (docs/images.md, \"Events from frames\")",
+                  "pictures (docs/images.md, \"Events from frames\") [SL0507]",
                   rest));
   EXPECT_THAT(faults(events("", " [48]", "seed: 1")),
               ElementsAre("x.yaml:4:3: node 'eye': nobody is at the other end of topic "
-                          "/events; write  ros: 2, or  robot: {simulator: mujoco}",
+                          "/events; write  ros: 2, or  robot: {simulator: mujoco} [SL0507]",
                           rest));
 }
 

@@ -331,7 +331,7 @@ TEST_F(GoodFiles, ARecordingKnowsItsWidth) {
   EXPECT_THAT(
       read(wide, types_).faults,
       ElementsAre("x.yaml:12:13: widths differ: 'scan.out' has 3 channels, 'encoder.in' has "
-                  "4, the connection says [4]"));
+                  "4, the connection says [4] [SL0306]"));
   const Files other(with({{sensor, "{node: signal_playback, stream: oot, file: " + path + "}"}}));
   EXPECT_THAT(
       read(other, types_).faults,

@@ -132,7 +132,7 @@ TEST_F(LayoutTest, AroundACycleBothTakeMore) {
         files_->plain(error.what()),
         "x.yaml:10:45: continuous values from 'decoder.out' to 'squash.in' take at least 3 "
         "ticks between processes, and here it is 2 ticks; write  delay 3 ticks, leave it out, "
-        "or use the fused layout");
+        "or use the fused layout [SL0310]");
   }
 }
 
@@ -162,36 +162,37 @@ TEST_F(LayoutTest, TheCommandLineGoesBeforeTheFile) {
 TEST_F(LayoutTest, SaysWhatIsWrong) {
   EXPECT_THAT(faults_of("{vision: [scan, encodre], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:25: key 'layout': there is no node 'encodre'; did you mean "
-                          "'encoder'?"));
+                          "'encoder'? [SL0301]"));
   EXPECT_THAT(faults_of("{vision: [scan], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:9: key 'layout': node 'encoder' is in no process; add it to "
-                          "one of them"));
+                          "one of them [SL0601]"));
   EXPECT_THAT(faults_of("{vision: [scan, encoder], control: [decoder, scan, wheels]}"),
               ElementsAre("x.yaml:4:54: key 'layout': node 'scan' is in process 'vision' already; "
-                          "write it once"));
+                          "write it once [SL0107]"));
   EXPECT_THAT(faults_of("{\"the eye\": [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:21: key 'layout': 'the eye' is not the name of a process; "
-                          "write letters, digits and '_'"));
+                          "write letters, digits and '_' [SL0106]"));
   EXPECT_THAT(faults_of("{robot: [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:17: key 'layout': 'robot' is the process of the robot; give "
-                          "this one another name"));
+                          "this one another name [SL0601]"));
   EXPECT_THAT(faults_of("{}"),
               ElementsAre("x.yaml:4:9: key 'layout': there are no processes; write  layout: "
                           "{vision: [camera], control: [encoder, decoder, wheels]}, or leave it "
                           "out"));
   EXPECT_THAT(
       faults_of("parallel"),
-      ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is neither fused nor separate nor a "
-                  "map; write  layout: {vision: [camera], control: [encoder, decoder, wheels]}"));
+      ElementsAre(
+          "x.yaml:4:9: key 'layout': 'parallel' is neither fused nor separate nor a "
+          "map; write  layout: {vision: [camera], control: [encoder, decoder, wheels]} [SL0105]"));
 }
 
 TEST_F(LayoutTest, OneProcessMeetsARobotThatIsStepped) {
   EXPECT_THAT(read_with("ros: 2", "ros: 2\nsync: lockstep").faults,
               ElementsAre("x.yaml:5:9: key 'layout': sync: lockstep needs all sensors and commands "
-                          "in one process; put them together, or write  sync: realtime"));
+                          "in one process; put them together, or write  sync: realtime [SL0601]"));
   EXPECT_THAT(read_with("ros: 2", "robot: {simulator: mujoco}").faults,
               ElementsAre("x.yaml:4:9: key 'layout': a robot without ROS needs all sensors and "
-                          "commands in one process; put them together, or write  ros: 2"));
+                          "commands in one process; put them together, or write  ros: 2 [SL0601]"));
 }
 
 }  // namespace

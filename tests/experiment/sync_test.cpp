@@ -59,7 +59,7 @@ TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {
     } catch (const ConfigurationError& error) {
       EXPECT_EQ(files_.back()->plain(error.what()),
                 "x.yaml:4:7: key 'sync': the separate layout has no " + name +
-                    "; write realtime or unpaced, or use the fused layout");
+                    "; write realtime or unpaced, or use the fused layout [SL0601]");
     }
   }
   for (const char* name : {"realtime", "unpaced"}) {

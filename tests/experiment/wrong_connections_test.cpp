@@ -16,34 +16,36 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         WrongFile{"wrong port in the middle of a line",
                   {{"-> brain [3]", "-> brain.spikes [3]"}},
-                  {"x.yaml:12:28: 'brain' has no input port 'spikes'; known: in"}},
+                  {"x.yaml:12:28: 'brain' has no input port 'spikes'; known: in [SL0302]"}},
         WrongFile{"wrong port at the begin of a line",
                   {{"scan ->", "scan.ranges ->"}},
-                  {"x.yaml:12:5: 'scan' has no output port 'ranges'; known: out"}},
+                  {"x.yaml:12:5: 'scan' has no output port 'ranges'; known: out [SL0302]"}},
         WrongFile{"unknown node",
                   {{"-> encoder", "-> encodr"}},
-                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?"}},
+                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]"}},
         WrongFile{"unknown port",
                   {{"-> encoder [3]", "-> encoder.inn [3]"}},
-                  {"x.yaml:12:13: 'encoder' has no input port 'inn'; did you mean 'in'?"}},
+                  {"x.yaml:12:13: 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]"}},
         WrongFile{"wrong direction",
                   {{"-> encoder [3] ->", "-> encoder.out [3] ->"}},
-                  {"x.yaml:12:13: 'encoder' has no input port 'out'; known: in"}},
+                  {"x.yaml:12:13: 'encoder' has no input port 'out'; known: in [SL0302]"}},
         WrongFile{
             "source as a target",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - decoder -> "
               "scan\n"}},
-            {"x.yaml:13:16: 'scan' has no input port; turn the connection round or leave it out"}},
+            {"x.yaml:13:16: 'scan' has no input port; turn the connection round or leave it out "
+             "[SL0302]"}},
         WrongFile{
             "sink as a source",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - wheels -> "
               "encoder\n"}},
-            {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out",
+            {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out "
+             "[SL0302]",
              "x.yaml:13:15: input 'encoder.in' has two senders, 'scan.out' and 'wheels'; remove "
              "one "
-             "connection"}},
+             "connection [SL0304]"}},
         WrongFile{
             "output that leads nowhere",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
@@ -52,47 +54,47 @@ INSTANTIATE_TEST_SUITE_P(
              {"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
               "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: sigmoid}\n"}},
             {"x.yaml:8:3: nothing is connected to the output 'extra.out', and nothing else says "
-             "how wide it is; connect it, or leave the node out"}},
-        WrongFile{
-            "two connections into one input",
-            {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
-              "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "
-              "-> encoder\n"}},
-            {"x.yaml:13:13: the connection 'scan.out -> encoder.in' is written twice; remove one"}},
+             "how wide it is; connect it, or leave the node out [SL0305]"}},
+        WrongFile{"two connections into one input",
+                  {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+                    "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "
+                    "-> encoder\n"}},
+                  {"x.yaml:13:13: the connection 'scan.out -> encoder.in' is written twice; remove "
+                   "one [SL0304]"}},
         WrongFile{"unconnected node",
                   {{"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: "
                     "rate_encoder}\n"}},
                   {"x.yaml:8:3: node 'extra' is not connected; write it into 'connections', or "
-                   "leave it out"}},
+                   "leave it out [SL0305]"}},
         WrongFile{
             "unconnected input",
             {{"scan -> encoder [3]", "encoder"}},
             {"x.yaml:6:3: node 'scan' is not connected; write it into 'connections', or "
-             "leave it out",
+             "leave it out [SL0305]",
              "x.yaml:7:3: input 'encoder.in' is not connected; write for example  SENDER.out -> "
-             "encoder.in [10]"}},
+             "encoder.in [10] [SL0305]"}},
         WrongFile{"kinds that differ",
                   {{"decoder [3] -> wheels [2]", "decoder [3]\n  - brain -> wheels"}},
                   {"x.yaml:13:14: spike output 'brain.out' cannot drive continuous input "
-                   "'wheels.in'; put a decoder between them"}},
+                   "'wheels.in'; put a decoder between them [SL0303]"}},
         WrongFile{"continuous to spikes",
                   {{"scan -> encoder [3] ->", "scan ->"}},
                   {"x.yaml:7:3: node 'encoder' is not connected; write it into 'connections', or "
-                   "leave it out",
+                   "leave it out [SL0305]",
                    "x.yaml:12:13: continuous output 'scan.out' cannot drive spike input "
-                   "'brain.in'; put an encoder between them"}},
+                   "'brain.in'; put an encoder between them [SL0303]"}},
         WrongFile{"tables that disagree",
                   {{"encoder [3] -> brain [3] -> decoder [3] -> wheels [2]",
                     "a -> b -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]"},
                    {"nodes:\n",
                     "nodes:\n  a: {node: connect, weights: [[1, 1], [1, 1]]}\n"
                     "  b: {node: connect, weights: w.json}\n"}},
-                  {"x.yaml:14:18: widths differ: 'a.out' has 2 channels, 'b.in' has 3"}},
+                  {"x.yaml:14:18: widths differ: 'a.out' has 2 channels, 'b.in' has 3 [SL0306]"}},
         WrongFile{"widths that differ",
                   {{"brain [3] -> decoder [3]", "brain [3] -> decoder [5]"}},
                   {"x.yaml:12:41: widths differ: 'brain.out' has 3 channels, 'decoder.in' has 5, "
-                   "the connection says [5]"}},
+                   "the connection says [5] [SL0306]"}},
         WrongFile{"two widths of one output",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan "
@@ -101,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  other: {node: "
                     "rate_encoder}\n"}},
                   {"x.yaml:14:13: widths differ: 'scan.out' has 3 channels, 'other.in' has 4, the "
-                   "connection says [4]"}},
+                   "connection says [4] [SL0306]"}},
         WrongFile{
             "unknown width",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
@@ -110,7 +112,8 @@ INSTANTIATE_TEST_SUITE_P(
               "network: net.yaml}\n  decoder: {node: linear_readout, tau: 30 ms, weights: "
               "w.json}\n",
               "  mix: {node: connect, weights: uniform}\n"}},
-            {"x.yaml:10:13: the width of 'scan.out' -> 'mix.in' is unknown; write it as [10]"}},
+            {"x.yaml:10:13: the width of 'scan.out' -> 'mix.in' is unknown; write it as [10] "
+             "[SL0307]"}},
         WrongFile{"cycle without delay",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - a -> b "
@@ -131,145 +134,146 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"delay no multiple of the tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ms]"}},
                   {"x.yaml:12:31: delay '1.5 ms' is not a whole number of ticks from 0 to 1000000; "
-                   "write a multiple of the tick, 1 ms"}},
+                   "write a multiple of the tick, 1 ms [SL0310]"}},
         WrongFile{"delay without unit",
                   {{"encoder [3]", "encoder [3, delay 5]"}},
-                  {"x.yaml:12:31: delay '5' has no unit; write 5 ms or 5 ticks"}},
+                  {"x.yaml:12:31: delay '5' has no unit; write 5 ms or 5 ticks [SL0310]"}},
         WrongFile{
             "delay without a time",
             {{"encoder [3]", "encoder [3, delay]"}},
             {"x.yaml:12:25: 'delay' is not a delay; write for example  delay 5 ms  or  delay 2 "
-             "ticks"}},
+             "ticks [SL0310]"}},
         WrongFile{
             "another word than delay",
             {{"encoder [3]", "encoder [3, delays 2 ticks]"}},
             {"x.yaml:12:25: 'delays 2 ticks' is not a delay; write for example  delay 5 ms  or  "
-             "delay 2 ticks"}},
+             "delay 2 ticks [SL0310]"}},
         WrongFile{"delay of another unit",
                   {{"encoder [3]", "encoder [3, delay 5 Hz]"}},
                   {"x.yaml:12:31: delay '5 Hz' is not a delay: '5 Hz': 'Hz' is not a unit of time "
-                   "here; write one of: ns, us, ms, s, min, h; write for example 5 ms or 2 ticks"}},
+                   "here; write one of: ns, us, ms, s, min, h; write for example 5 ms or 2 ticks "
+                   "[SL0310]"}},
         WrongFile{"delay in part of a tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ticks]"}},
                   {"x.yaml:12:31: delay '1.5 ticks' is not a whole number of ticks from 0 to "
-                   "1000000; write a multiple of the tick, 1 ms"}},
+                   "1000000; write a multiple of the tick, 1 ms [SL0310]"}},
         WrongFile{"negative delay",
                   {{"encoder [3]", "encoder [3, delay -1 ms]"}},
                   {"x.yaml:12:31: delay '-1 ms' is not a whole number of ticks from 0 to 1000000; "
-                   "write a multiple of the tick, 1 ms"}},
+                   "write a multiple of the tick, 1 ms [SL0310]"}},
         WrongFile{"huge delay",
                   {{"encoder [3]", "encoder [3, delay 1 h]"}},
                   {"x.yaml:12:31: delay '1 h' is not a whole number of ticks from 0 to 1000000; "
-                   "write a multiple of the tick, 1 ms"}},
+                   "write a multiple of the tick, 1 ms [SL0310]"}},
         WrongFile{"no arrow",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan encoder\n"}},
                   {"x.yaml:12:5: 'scan encoder' is not a connection; write for example  scan -> "
-                   "encoder [100] -> brain [100, delay 5 ms]"}},
+                   "encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{
             "another arrow",
             {{"scan -> encoder", "scan => encoder"}},
             {"x.yaml:12:10: '=>' is not an arrow; write for example  scan -> encoder [100] -> "
-             "brain [100, delay 5 ms]"}},
+             "brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"arrow to nothing",
                   {{"-> wheels [2]", "->"}},
                   {"x.yaml:12:55: a node is missing beside '->'; write for example  scan -> "
-                   "encoder [100] -> brain [100, delay 5 ms]"}},
+                   "encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"arrow from nothing",
                   {{"- scan ->", "- ->"}},
                   {"x.yaml:12:5: a node is missing beside '->'; write for example  scan -> encoder "
-                   "[100] -> brain [100, delay 5 ms]"}},
+                   "[100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"width before the first arrow",
                   {{"- scan ->", "- scan [3] ->"}},
                   {"x.yaml:12:10: the first node of a connection has no width; write for example  "
-                   "scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
         WrongFile{"bracket not closed",
                   {{"wheels [2]", "wheels [2"}},
                   {"x.yaml:12:63: '[2' has no closing bracket at its end; write for example  scan "
-                   "-> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "-> encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"text behind a bracket",
                   {{"wheels [2]", "wheels [2] fast"}},
                   {"x.yaml:12:63: '[2] fast' has no closing bracket at its end; write for example  "
-                   "scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"width that is a word",
                   {{"wheels [2]", "wheels [two]"}},
                   {"x.yaml:12:64: 'two' is neither a width from 1 to 16777216 nor a delay; write "
-                   "for example  scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "for example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
         WrongFile{"width of zero",
                   {{"wheels [2]", "wheels [0]"}},
                   {"x.yaml:12:64: '0' is neither a width from 1 to 16777216 nor a delay; write for "
-                   "example  scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
         WrongFile{"huge width",
                   {{"wheels [2]", "wheels [2000000000]"}},
                   {"x.yaml:12:64: '2000000000' is neither a width from 1 to 16777216 nor a delay; "
-                   "write for example  scan -> encoder [100] -> brain [100, delay 5 ms]"}},
-        WrongFile{
-            "two widths in a bracket",
-            {{"wheels [2]", "wheels [2, 3]"}},
-            {"x.yaml:12:67: '3' is the second of its kind here; write one width and one delay"}},
+                   "write for example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
+        WrongFile{"two widths in a bracket",
+                  {{"wheels [2]", "wheels [2, 3]"}},
+                  {"x.yaml:12:67: '3' is the second of its kind here; write one width and one "
+                   "delay [SL0102]"}},
         WrongFile{"two delays in a bracket",
                   {{"wheels [2]", "wheels [delay 1 ms, delay 2 ms]"}},
                   {"x.yaml:12:76: 'delay 2 ms' is the second of its kind here; write one width and "
-                   "one delay"}},
+                   "one delay [SL0102]"}},
         WrongFile{"node that is not a name",
                   {{"-> encoder [3]", "-> my encoder [3]"}},
                   {"x.yaml:12:13: 'my encoder' is neither a node nor NODE.PORT; write for example  "
-                   "scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0301]"}},
         WrongFile{"port that is not a name",
                   {{"-> encoder [3]", "-> encoder.in.x [3]"}},
                   {"x.yaml:12:13: 'encoder.in.x' is neither a node nor NODE.PORT; write for "
-                   "example  scan -> encoder [100] -> brain [100, delay 5 ms]"}},
+                   "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0301]"}},
         WrongFile{"map with an unknown key",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan, too: encoder}\n"}},
-                  {"x.yaml:13:18: connection: unknown key 'too'; did you mean 'to'?"}},
+                  {"x.yaml:13:18: connection: unknown key 'too'; did you mean 'to'? [SL0103]"}},
         WrongFile{"map without target",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan}\n"}},
-                  {"x.yaml:13:5: connection: key 'to' is missing; write  to: encoder"}},
+                  {"x.yaml:13:5: connection: key 'to' is missing; write  to: encoder [SL0104]"}},
         WrongFile{"map with a wrong width",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan, to: encoder, width: -1}\n"}},
                   {"x.yaml:13:38: key 'width': '-1' is not a width from 1 to 16777216; write for "
-                   "example 100"}},
+                   "example 100 [SL0307]"}},
         WrongFile{"map with a wrong end",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan.out.x, to: encoder}\n"}},
                   {"x.yaml:13:12: 'scan.out.x' is neither a node nor NODE.PORT; write for example  "
-                   "encoder.out"}},
+                   "encoder.out [SL0301]"}},
         WrongFile{"connection that is a list",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - [scan, "
                     "encoder]\n"}},
                   {"x.yaml:13:5: a connection is a line or a map, this is a list; write  - scan -> "
-                   "encoder [100]"}},
+                   "encoder [100] [SL0105]"}},
         WrongFile{
             "three connections that cannot be read",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan\n "
               " - scan -> encoder [x]\n  - scan => encoder\n"}},
             {"x.yaml:13:5: 'scan' is not a connection; write for example  scan -> encoder [100] "
-             "-> brain [100, delay 5 ms]",
+             "-> brain [100, delay 5 ms] [SL0101]",
              "x.yaml:14:22: 'x' is neither a width from 1 to 16777216 nor a delay; write for "
-             "example  scan -> encoder [100] -> brain [100, delay 5 ms]",
+             "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]",
              "x.yaml:15:10: '=>' is not an arrow; write for example  scan -> encoder [100] -> "
-             "brain [100, delay 5 ms]"}},
+             "brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"faults of a node and of a connection",
                   {{"-> encoder", "-> encodr"},
                    {"200 Hz", "200"},
                    {"-> wheels [2]", "-> wheels [2, delay 5]"}},
                   {"x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
-                   "example  rate_max: 200 Hz",
-                   "x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?",
-                   "x.yaml:12:72: delay '5' has no unit; write 5 ms or 5 ticks"}},
+                   "example  rate_max: 200 Hz [SL0202]",
+                   "x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]",
+                   "x.yaml:12:72: delay '5' has no unit; write 5 ms or 5 ticks [SL0310]"}},
         WrongFile{"two faulty connections",
                   {{"-> encoder [3]", "-> encodr [3]"}, {"decoder [3]", "decodr [3]"}},
-                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'?",
-                   "x.yaml:12:40: unknown node 'decodr'; did you mean 'decoder'?"}}),
+                  {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]",
+                   "x.yaml:12:40: unknown node 'decodr'; did you mean 'decoder'? [SL0301]"}}),
     [](const auto& row) { return "row" + std::to_string(row.index); });
 
 }  // namespace

@@ -21,11 +21,11 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"no script",
                   {{kBuiltin, "{simulator: nest}"}},
                   {"x.yaml:8:3: node 'brain': key 'script' is missing (A Python file; other keys "
-                   "are its parameters); write  script: ..."}},
+                   "are its parameters); write  script: ... [SL0104]"}},
         WrongFile{"script that is not there",
                   {{kBuiltin, kBrain}},
                   {"x.yaml:8:38: key 'script': there is no script 'brain.py'; write its path, from "
-                   "where this file lies"}},
+                   "where this file lies [SL0108]"}},
         WrongFile{"script that Windows wrote",
                   {{kBuiltin, kBrain}},
                   {},
@@ -39,29 +39,29 @@ INSTANTIATE_TEST_SUITE_P(
                   {{kBuiltin, "{simulator: python, script: /proc/self/mem}"}},
                   {"x.yaml:8:38: key 'script': cannot read '/proc/self/mem': Input/output error; "
                    "write the path of a file that you can read, or let yourself read it (chmod "
-                   "u+r)"}},
+                   "u+r) [SL0404]"}},
         WrongFile{"script that takes no part",
                   {{kBuiltin, "{simulator: brian2, script: brain.py}"}},
                   {"x.yaml:8:38: key 'script': 'brain.py' does not take part in an experiment; "
-                   "write  import spikeloop.brian  into it (docs/simulators.md)"},
+                   "write  import spikeloop.brian  into it (docs/simulators.md) [SL0404]"},
                   {{"brain.py", "import brian2\n"}}},
         WrongFile{"NEST's script",
                   {{kBuiltin, kBrain}},
                   {"x.yaml:8:38: key 'script': 'brain.py' imports spikeloop.nest, whose times are "
-                   "rounded; write  simulator: nest"},
+                   "rounded; write  simulator: nest [SL0404]"},
                   {{"brain.py", "import spikeloop.nest\n"}}},
         WrongFile{
             "parameter with the name of a key of all programs",
             {{kBuiltin, "{simulator: python, script: brain.py, seed: 3, wd: x}"}},
             {"x.yaml:8:48: node 'brain': 'seed' is the name of a key of every program, and no "
-             "parameter of a script; give it another name",
+             "parameter of a script; give it another name [SL0106]",
              "x.yaml:8:57: node 'brain': 'wd' is the name of a key of every program, and no "
-             "parameter of a script; give it another name"},
+             "parameter of a script; give it another name [SL0106]"},
             {{"brain.py", kScript}}},
         WrongFile{"processes",
                   {{kBuiltin, "{simulator: brian2, script: brain.py, np: 2}"}},
                   {"x.yaml:8:52: key 'np': 2 processes are for NEURON's ParallelContext; a script "
-                   "with simulator: brian2 has one: leave the key out"},
+                   "with simulator: brian2 has one: leave the key out [SL0203]"},
                   {{"brain.py", kScript}}},
         WrongFile{"class of a simulator",
                   {{kBuiltin, "{node: neuron, script: brain.py}"}},
@@ -71,26 +71,26 @@ INSTANTIATE_TEST_SUITE_P(
                    "rate_encoder, rate_window, ros_command, ros_event_sensor, ros_sensor, sigmoid, "
                    "signal_playback, spike_playback, step_forward_encoder, "
                    "temporal_contrast_encoder, threshold, "
-                   "time_to_first_spike_encoder, winner_take_all"},
+                   "time_to_first_spike_encoder, winner_take_all [SL0401]"},
                   {{"brain.py", kScript}}},
         WrongFile{"port in both directions",
                   {{kBuiltin, kBrain},
                    {"brain [3] -> decoder [3]", "brain.x [3]\n  - brain.x -> decoder [3]"}},
                   {"x.yaml:13:5: 'brain.x' is an input here and an output there, and MUSIC has one "
-                   "port of a name; give the script's two ports two names"},
+                   "port of a name; give the script's two ports two names [SL0404]"},
                   {{"brain.py", kScript}}},
         WrongFile{
             "simulator connected to itself",
             {{kBuiltin, kBrain}, {"-> wheels [2]", "-> wheels [2]\n  - brain -> brain.back [3]"}},
             {"x.yaml:13:14: 'brain.out' is connected to 'brain.back' of the same script; "
-             "connect its cells within the script, or put another node between its ports"},
+             "connect its cells within the script, or put another node between its ports [SL0404]"},
             {{"brain.py", kScript}}},
         WrongFile{"output of two kinds",
                   {{kBuiltin, kBrain},
                    {"-> wheels [2]", "-> wheels [2]\n  - brain.out -> other"},
                    {"  decoder:", "  other: {node: sigmoid}\n  decoder:"}},
                   {"x.yaml:14:18: spike output 'brain.out' cannot drive continuous input "
-                   "'other.in'; put a decoder between them"},
+                   "'other.in'; put a decoder between them [SL0303]"},
                   {{"brain.py", kScript}}},
         WrongFile{"width that nobody says",
                   {{kBuiltin, kBrain},
@@ -100,17 +100,17 @@ INSTANTIATE_TEST_SUITE_P(
                    {"weights: w.json", "tau: 30 ms"},
                    {"tau: 30 ms, ", ""}},
                   {"x.yaml:12:13: the width of 'scan.out' -> 'encoder.in' is unknown; write it as "
-                   "[10]",
+                   "[10] [SL0307]",
                    "x.yaml:12:24: the width of 'encoder.out' -> 'brain.in' is unknown; write it as "
-                   "[10]",
+                   "[10] [SL0307]",
                    "x.yaml:12:33: the width of 'brain.out' -> 'decoder.in' is unknown; write it as "
-                   "[10]"},
+                   "[10] [SL0307]"},
                   {{"brain.py", kScript}}},
         WrongFile{
             "simulator that is not connected",
             {{"  decoder:", "  cells: {simulator: python, script: brain.py}\n  decoder:"}},
             {"x.yaml:9:3: node 'cells' is not connected; write it into 'connections', or leave "
-             "it out"},
+             "it out [SL0305]"},
             {{"brain.py", kScript}}}),
     [](const auto& row) { return "row" + std::to_string(row.index); });
 

@@ -49,26 +49,29 @@ TEST(ImageSettings, number_of_values) {
 }
 
 TEST(ImageSettings, what_is_wrong_is_said) {
-  const std::string crop = " is not a list of 4; write  crop: [0, 120, 640, 240]";
+  const std::string crop = " is not a list of 4; write  crop: [0, 120, 640, 240] [SL0105]";
   EXPECT_EQ(error_of({{"crop", "[1, 2, 3]"}}), "C: key 'crop': '[1, 2, 3]'" + crop);
   EXPECT_EQ(error_of({{"crop", "middle"}}), "C: key 'crop': 'middle'" + crop);
   EXPECT_EQ(error_of({{"crop", "[1, 2, 0, 4]"}}),
             "C: key 'crop': a part without pixels; write [x, y, width, height], as in [0, 120, "
-            "640, 240]");
+            "640, 240] [SL0203]");
   EXPECT_EQ(error_of({{"crop", "[1, 2.5, 3, 4]"}}),
             "C: key 'crop': entry 2: '2.5' is not a whole number; write a whole number from 0 to "
-            "1000000");
-  const std::string size = " is out of bounds; write a whole number from 1 to 4096";
+            "1000000 [SL0204]");
+  const std::string size = " is out of bounds; write a whole number from 1 to 4096 [SL0203]";
   EXPECT_EQ(error_of({{"resize", "40"}}),
-            "C: key 'resize': '40' is not a list of 2; write  resize: [40, 30]");
+            "C: key 'resize': '40' is not a list of 2; write  resize: [40, 30] [SL0105]");
   EXPECT_EQ(error_of({{"resize", "[40, 0]"}}), "C: key 'resize': entry 2: 0" + size);
   EXPECT_EQ(error_of({{"resize", "[5000, 30]"}}), "C: key 'resize': entry 1: 5000" + size);
   EXPECT_EQ(error_of({{"range", "[255, 0]"}}),
-            "C: key 'range': [255, 0] has no least and greatest value; write for example [0, 255]");
-  EXPECT_EQ(error_of({{"filter", "on_off"}, {"surround", "0.5"}}),
-            "C: key 'surround': 0.5 is not above centre, 1; write for example 3 times as much");
-  EXPECT_EQ(error_of({{"filter", "on_off"}, {"centre", "4"}}),
-            "C: key 'surround': 3 is not above centre, 4; write for example 3 times as much");
+            "C: key 'range': [255, 0] has no least and greatest value; write for example [0, 255] "
+            "[SL0206]");
+  EXPECT_EQ(
+      error_of({{"filter", "on_off"}, {"surround", "0.5"}}),
+      "C: key 'surround': 0.5 is not above centre, 1; write for example 3 times as much [SL0206]");
+  EXPECT_EQ(
+      error_of({{"filter", "on_off"}, {"centre", "4"}}),
+      "C: key 'surround': 3 is not above centre, 4; write for example 3 times as much [SL0206]");
   EXPECT_EQ(error_of({{"centre", "4"}}), "no error");
 }
 

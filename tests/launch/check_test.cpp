@@ -39,20 +39,20 @@ TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
   EXPECT_THAT(program_problems("[a]\nbinary=sh\n", "/"), IsEmpty());
   EXPECT_THAT(program_problems("[a]\nbinary=mybrainx\n", "/"),
               ElementsAre("loop.music:2:1: section 'a': there is no program 'mybrainx' in PATH; "
-                          "install it, or write its path (./mybrainx)"));
+                          "install it, or write its path (./mybrainx) [SL0603]"));
   EXPECT_THAT(
       program_problems("[a]\nbinary=launch_testz\n", "/"),
       ElementsAre("loop.music:2:1: section 'a': there is no program 'launch_testz' in PATH; "
-                  "did you mean 'launch_tests'?"));
+                  "did you mean 'launch_tests'? [SL0603]"));
   const test::TemporaryDirectory directory;
   const std::string here = directory.path().string();
   EXPECT_THAT(
       program_problems("[a]\nbinary=./brain.py\n", here),
       ElementsAre("loop.music:2:1: section 'a': there is no program './brain.py', seen from '" +
-                  here + "'; write a path from there, or a name that is in PATH"));
+                  here + "'; write a path from there, or a name that is in PATH [SL0603]"));
   EXPECT_THAT(program_problems("[a]\nwd=sub\nbinary=sh\n", here),
               ElementsAre("loop.music:2:1: section 'a': there is no directory '" + here +
-                          "/sub' to run in; make it, or leave out wd"));
+                          "/sub' to run in; make it, or leave out wd [SL0603]"));
 }
 
 TEST(CheckPrograms, SaysHowToInstallMpirun) {
@@ -78,20 +78,20 @@ std::string script_problem(const std::string& text, mode_t mode = 0755) {
 TEST(CheckPrograms, LooksIntoScripts) {
   EXPECT_EQ(script_problem("#!/bin/sh\n"), "");
   EXPECT_EQ(script_problem("#! /usr/bin/env python3\n"), "");
-  EXPECT_EQ(
-      script_problem("#!/bin/sh\n", 0644),
-      "loop.music:2:1: section 'a': './x' is there, but is not executable; write  chmod +x ./x");
+  EXPECT_EQ(script_problem("#!/bin/sh\n", 0644),
+            "loop.music:2:1: section 'a': './x' is there, but is not executable; write  chmod +x "
+            "./x [SL0603]");
   EXPECT_EQ(
       script_problem("import nest\n"),
       "loop.music:2:1: section 'a': './x' is neither a program nor a script that says what runs "
-      "it; write a first line like '#!/usr/bin/python3'");
+      "it; write a first line like '#!/usr/bin/python3' [SL0603]");
   EXPECT_EQ(script_problem("#!/bin/sh\r\n"),
             "loop.music:2:1: section 'a': the first line of './x' ends as on Windows, and its "
-            "interpreter will not be found; write  sed -i 's/\\r$//' ./x");
+            "interpreter will not be found; write  sed -i 's/\\r$//' ./x [SL0603]");
   EXPECT_EQ(
       script_problem("#!/usr/bin/python7\n"),
       "loop.music:2:1: section 'a': the first line of './x' names '/usr/bin/python7', which is "
-      "not there; install it, or write '#!/usr/bin/python3'");
+      "not there; install it, or write '#!/usr/bin/python3' [SL0603]");
   EXPECT_THAT(script_problem("#!\n"), HasSubstr("names '', which is not there"));
 }
 
@@ -101,7 +101,7 @@ TEST(CheckPrograms, AnInterpreterWouldRunTheMusicFile) {
       ElementsAre("loop.music:2:1: section 'a': binary=sh would run the .music file instead of "
                   "'brain.py 3', because MUSIC hands a program its args only later; write  "
                   "binary=./brain.py  and make that file begin with '#!/usr/bin/env sh' and "
-                  "executable (chmod +x)"));
+                  "executable (chmod +x) [SL0603]"));
 }
 
 Diagnostics together(const std::string& text, const RunOptions& options = {}) {
@@ -122,7 +122,7 @@ TEST(CheckTogether, OneTick) {
       texts(together(text)),
       ElementsAre("f:8:1: the tick of 'b' is 10 ms, but that of 'a' is 1 ms; MUSIC exchanges "
                   "less and less often between unequal ticks: write one music_timestep at the "
-                  "top of the file"));
+                  "top of the file [SL0602]"));
 }
 
 TEST(CheckTogether, OneLength) {
@@ -130,7 +130,7 @@ TEST(CheckTogether, OneLength) {
   EXPECT_THAT(
       warnings(together(text)),
       ElementsAre("f:8:1: 'b' runs for 2 s, but 'a' without end; write one stoptime at the top "
-                  "of the file"));
+                  "of the file [SL0602]"));
   EXPECT_THAT(texts(together(text)), IsEmpty());
   RunOptions options;
   options.strict = true;
@@ -142,22 +142,22 @@ TEST(CheckTogether, OneLength) {
 TEST(CheckTogether, ARunHasAtLeastATick) {
   EXPECT_THAT(texts(together("stoptime=0.001\nmusic_timestep=0.01\n" + std::string(kTwo))),
               ElementsAre("f:1:1: 'a' runs for 1 ms, less than its tick of 10 ms; write a longer "
-                          "stoptime, or a shorter music_timestep",
+                          "stoptime, or a shorter music_timestep [SL0203]",
                           "f:1:1: 'b' runs for 1 ms, less than its tick of 10 ms; write a longer "
-                          "stoptime, or a shorter music_timestep"));
+                          "stoptime, or a shorter music_timestep [SL0203]"));
 }
 
 TEST(CheckTogether, NoTimeIsTooShort) {
   EXPECT_THAT(texts(together("stoptime=0\n" + std::string(kTwo))),
               Contains("f:1:1: 'a' runs for 0 s, less than its tick of 1 ms; write a longer "
-                       "stoptime, or a shorter music_timestep"));
+                       "stoptime, or a shorter music_timestep [SL0203]"));
 }
 
 TEST(CheckTogether, OneBarrier) {
   EXPECT_THAT(
       texts(together(std::string(kTwo) + "barrier=false\n")),
       ElementsAre("f:8:1: 'a' waits at the barrier before the first tick, 'b' does not, and "
-                  "the job would hang; write one  barrier=  at the top of the file"));
+                  "the job would hang; write one  barrier=  at the top of the file [SL0602]"));
 }
 
 TEST(CheckTogether, AnOptionIsNoLineOfTheFile) {
@@ -165,7 +165,7 @@ TEST(CheckTogether, AnOptionIsNoLineOfTheFile) {
   options.duration_s = 0.0001;
   EXPECT_THAT(texts(together("stoptime=5\n" + std::string(kTwo), options)),
               ElementsAre("--duration 0.0001 is less than the tick of 1 ms; write a longer one, or "
-                          "a shorter music_timestep"));
+                          "a shorter music_timestep [SL0203]"));
 }
 
 TEST(CheckTogether, AJobThatHearsItself) {
@@ -174,7 +174,7 @@ TEST(CheckTogether, AJobThatHearsItself) {
       "[b]\nnp=1\nbinary=cont_ros_adapter\na.out -> b.in [3]\n";
   EXPECT_THAT(warnings(together(loop)),
               ElementsAre("f:4:1: 'a' subscribes to /cmd_vel, which 'b' publishes: the job hears "
-                          "itself; write another ros_topic in one of them"));
+                          "itself; write another ros_topic in one of them [SL0506]"));
   EXPECT_THAT(warnings(together(loop + "ros_topic=/other\n")), IsEmpty());
 }
 
@@ -185,10 +185,10 @@ TEST(CheckTogether, TwoThatPublishAtOnePlace) {
   };
   EXPECT_THAT(warnings(together(two("binary=ros_command_adapter\nros_topic=/go\n"))),
               ElementsAre("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in turn; "
-                          "write another ros_topic in one of them"));
+                          "write another ros_topic in one of them [SL0506]"));
   EXPECT_THAT(texts(together(two("binary=cont_zmq_adapter\n"))),
               ElementsAre("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which only one "
-                          "program can; write another zmq_addr in one of them"));
+                          "program can; write another zmq_addr in one of them [SL0506]"));
 }
 
 TEST(CheckTogether, OtherSpellingsOfOnePlace) {
@@ -220,13 +220,13 @@ TEST(CheckTogether, OneNameANode) {
       "[b]\nnp=1\nbinary=cont_ros_adapter\nros_node_name=n\na.out -> b.in [3]\n";
   EXPECT_THAT(texts(together(text)),
               ElementsAre("f:9:1: 'a' and 'b' have the ros_node_name n, and ROS would end the one "
-                          "that comes first; write another ros_node_name in one of them"));
+                          "that comes first; write another ros_node_name in one of them [SL0506]"));
 }
 
 TEST(CheckTogether, AMisspeltKeyAtTheTop) {
   EXPECT_THAT(warnings(together("stoptim=4\nmine=3\n" + std::string(kTwo))),
               ElementsAre("f:1:1: unknown key 'stoptim' at the top of the file; did you mean "
-                          "'stoptime'?; it is ignored"));
+                          "'stoptime'?; it is ignored [SL0103]"));
   EXPECT_THAT(warnings(together(
                   "stoptim=4\n[a]\nnp=1\nbinary=./x\n[b]\nnp=1\nbinary=./y\na.o -> b.i [3]\n")),
               IsEmpty())
@@ -237,12 +237,12 @@ TEST(CheckTogether, KindsOfPorts) {
   EXPECT_THAT(texts(together("[a]\nnp=1\nbinary=rate_encoder\n[b]\nnp=1\nbinary=connect_adapter\n"
                              "a.out -> b.in [3]\n")),
               ElementsAre("f:7:1: spike output 'a.out' cannot drive continuous input 'b.in'; put a "
-                          "decoder between them"));
+                          "decoder between them [SL0303]"));
   EXPECT_THAT(
       texts(together("[a]\nnp=1\nbinary=connect_adapter\n[b]\nnp=1\nbinary="
                      "spikeloop-network\na.out -> b.in [3]\n")),
       ElementsAre("f:7:1: continuous output 'a.out' cannot drive spike input 'b.in'; put an "
-                  "encoder between them"));
+                  "encoder between them [SL0303]"));
 }
 
 TEST(CheckTogether, OneWidthAnOutput) {
@@ -252,7 +252,7 @@ TEST(CheckTogether, OneWidthAnOutput) {
                    "a.out -> b.in [3]\na.out -> c.in [4]\n")),
       ElementsAre(
           "f:11:1: the output 'a.out' has another width in line 10; write the same [width] in "
-          "both"));
+          "both [SL0306]"));
 }
 
 TEST(CheckTogether, SeveralSendingProcesses) {
@@ -260,16 +260,16 @@ TEST(CheckTogether, SeveralSendingProcesses) {
                   "[a]\nnp=2\nbinary=./brain\n[b]\nnp=3\nbinary=./sink\na.out -> b.in [3]\n")),
               ElementsAre("f:2:1: 'a' sends from 2 processes: MUSIC mixes up the ticks of several "
                           "senders; write np=1, unless the program sends from its "
-                          "first process only"));
+                          "first process only [SL0602]"));
 }
 
 TEST(CheckTogether, OdditiesOfTheText) {
   const std::string text = std::string(kTwo) + "np=1\n[a]\n";
   EXPECT_THAT(
       warnings(together(text)),
-      ElementsAre("f:8:1: duplicate key 'np'; the first is at f:5:1; the last one holds",
+      ElementsAre("f:8:1: duplicate key 'np'; the first is at f:5:1; the last one holds [SL0102]",
                   "f:9:1: the section '[a]' was opened in line 1 already, and MUSIC takes both "
-                  "for one; write it once"));
+                  "for one; write it once [SL0107]"));
   EXPECT_EQ(texts(together("strict=true\n" + text)).size(), 2U);
 }
 

@@ -182,7 +182,7 @@ TEST(EffectiveFile, ProgramsOfDialectMaEndAfterASecond) {
     EXPECT_STREQ(error.what(),
                  "loop.music:1:1: dialect=auto cannot choose: connect_adapter is a program of "
                  "dialect rma, and zmq_cont_adapter one of dialect ma; write dialect=rma or "
-                 "dialect=ma");
+                 "dialect=ma [SL0205]");
   }
 }
 

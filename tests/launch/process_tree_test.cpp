@@ -76,7 +76,7 @@ TEST(ProcessTree, SaysWhyAProgramCannotBeStarted) {
     ProcessTree tree(start);
     ADD_FAILURE();
   } catch (const TransportError& error) {
-    EXPECT_STREQ(error.what(), "cannot start '/nowhere/tool': No such file or directory");
+    EXPECT_STREQ(error.what(), "cannot start '/nowhere/tool': No such file or directory [SL0603]");
   }
 }
 

@@ -32,7 +32,7 @@ TEST(ParseMasterUri, SaysWhatToWrite) {
       EXPECT_EQ(error.what(),
                 std::string("ROS_MASTER_URI is '") + uri +
                     "', which is not a master's address; write http://HOST:PORT, such "
-                    "as http://localhost:11311");
+                    "as http://localhost:11311 [SL0701]");
     }
   }
 }

@@ -69,7 +69,7 @@ TEST_F(Folder, IsHeldByOneRun) {
     EXPECT_EQ(error.exit_code(), 4);
     EXPECT_EQ(std::string(error.what()),
               "another run that has not ended writes to the folder '" + path_ +
-                  "'; wait for its end, or give another folder with --out");
+                  "'; wait for its end, or give another folder with --out [SL0109]");
   }
   EXPECT_THAT(files(), UnorderedElementsAre("summary.json")) << "it is the first one's";
   first.reset();
@@ -89,7 +89,7 @@ TEST_F(Folder, ThatCannotBeClearedIsAnError) {
     FAIL() << "it was removed";
   } catch (const FileError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "cannot remove '" + path_ + "/summary.json': Directory not empty");
+              "cannot remove '" + path_ + "/summary.json': Directory not empty [SL0109]");
   }
 }
 
@@ -102,7 +102,7 @@ TEST_F(Folder, IsNotThatOfTheFileThatItWouldOverwrite) {
     EXPECT_EQ(std::string(error.what()),
               "the file '" + path_ +
                   "/effective.music' would be overwritten with what is made from it; give another "
-                  "folder with --out");
+                  "folder with --out [SL0109]");
   }
 }
 

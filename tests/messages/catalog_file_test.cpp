@@ -75,7 +75,7 @@ TEST_F(CatalogFile, a_message_within_itself_ends) {
   EXPECT_EQ(
       error_of([&] { Catalog::for_type(Dialect::ros2, loop).layout("my_robot/Loop"); }),
       "message type 'my_robot/Loop' contains itself: my_robot/Loop -> my_robot/Loop; take the "
-      "field out that leads back");
+      "field out that leads back [SL0503]");
 }
 
 TEST_F(CatalogFile, errors_name_the_file) {
@@ -84,19 +84,19 @@ TEST_F(CatalogFile, errors_name_the_file) {
   };
   EXPECT_EQ(error(path("my_robot/msg/Nothing.msg")),
             "message definition 'DIR/my_robot/msg/Nothing.msg' cannot be read; write the path of a "
-            ".msg file");
+            ".msg file [SL0502]");
   EXPECT_EQ(error(write("loose/Thing.msg", "int8 a\n")),
             "message definition 'DIR/loose/Thing.msg' is in no package; put it where ROS has it, "
-            "PACKAGE/msg/Thing.msg");
-  EXPECT_EQ(
-      error(write("my_robot/msg/Bad.msg", "int8 a\ntime t\n")),
-      "DIR/my_robot/msg/Bad.msg:2: 'time' is not part of ROS 2; write builtin_interfaces/Time");
+            "PACKAGE/msg/Thing.msg [SL0502]");
+  EXPECT_EQ(error(write("my_robot/msg/Bad.msg", "int8 a\ntime t\n")),
+            "DIR/my_robot/msg/Bad.msg:2: 'time' is not part of ROS 2; write "
+            "builtin_interfaces/Time [SL0503]");
   EXPECT_EQ(error(write("my_robot/msg/Lonely.msg", "other/Part part\n")),
             "message type 'my_robot/Lonely' needs 'other/Part' for its field 'part', which is "
-            "neither known nor a file DIR/other/msg/Part.msg; put its definition there");
+            "neither known nor a file DIR/other/msg/Part.msg; put its definition there [SL0502]");
   EXPECT_EQ(error(write("2bad/msg/Name.msg", "int8 a\n")),
             "message type '2bad/Name' has no package; write package/Type, as in "
-            "sensor_msgs/LaserScan");
+            "sensor_msgs/LaserScan [SL0502]");
 }
 
 }  // namespace

@@ -39,14 +39,15 @@ TEST(Catalog, short_names) {
   EXPECT_EQ(Catalog::builtin(Dialect::ros1).full_name("sensor_msgs/LaserScan"),
             "sensor_msgs/LaserScan");
   EXPECT_EQ(error_of([] { Catalog::builtin(Dialect::ros1).full_name("LaserScam"); }),
-            "unknown message type 'LaserScam'; did you mean 'LaserScan'?");
+            "unknown message type 'LaserScam'; did you mean 'LaserScan'? [SL0502]");
   EXPECT_EQ(error_of([] { Catalog::builtin(Dialect::ros1).find("sensor_msgs/LaserScam"); }),
-            "unknown message type 'sensor_msgs/LaserScam'; did you mean 'sensor_msgs/LaserScan'?");
+            "unknown message type 'sensor_msgs/LaserScam'; did you mean 'sensor_msgs/LaserScan'? "
+            "[SL0502]");
   Catalog catalog = Catalog::builtin(Dialect::ros1);
   catalog.add("my_msgs/Twist", "float64 x");
   EXPECT_EQ(error_of([&] { catalog.full_name("Twist"); }),
             "message type 'Twist' is in several packages; write one of geometry_msgs/Twist, "
-            "my_msgs/Twist");
+            "my_msgs/Twist [SL0502]");
 }
 
 TEST(Catalog, missing_and_endless_parts) {
@@ -54,18 +55,18 @@ TEST(Catalog, missing_and_endless_parts) {
   catalog.add("my_msgs/A", "B b");
   EXPECT_EQ(error_of([&] { catalog.md5("my_msgs/A"); }),
             "message type 'my_msgs/A' needs 'my_msgs/B' for its field 'b', which is not known; add "
-            "its definition too");
+            "its definition too [SL0502]");
   catalog.add("my_msgs/B", "A[] a");
   const std::string endless =
       "message type 'my_msgs/A' contains itself: my_msgs/A -> my_msgs/B -> my_msgs/A; take the "
-      "field out that leads back";
+      "field out that leads back [SL0503]";
   EXPECT_EQ(error_of([&] { catalog.layout("my_msgs/A"); }), endless);
   EXPECT_EQ(error_of([&] { catalog.md5("my_msgs/A"); }), endless);
   EXPECT_EQ(error_of([&] { catalog.full_text("my_msgs/A"); }), endless);
   catalog.add("my_msgs/Long", "uint8[4000000000] a");
   EXPECT_EQ(error_of([&] { catalog.layout("my_msgs/Long"); }),
             "message type 'my_msgs/Long' is longer than 1 GB with its field 'a'; write a shorter "
-            "array");
+            "array [SL0503]");
 }
 
 TEST(Catalog, layout_knows_constant_sizes) {

@@ -90,11 +90,13 @@ TEST(EventArray, truncated_and_overlong_messages_are_refused) {
     EXPECT_THAT(error_of(cut), HasSubstr("is shorter than its type says")) << size;
   }
   bytes.resize(bytes.size() + 3);
-  EXPECT_EQ(error_of(bytes), "message of 60 bytes goes on for 3 bytes behind its last event");
+  EXPECT_EQ(error_of(bytes),
+            "message of 60 bytes goes on for 3 bytes behind its last event [SL0509]");
 }
 
 TEST(EventArray, a_camera_has_pixels) {
-  const std::string rest = " pixels; the driver must set width and height, at most 65536 each";
+  const std::string rest =
+      " pixels; the driver must set width and height, at most 65536 each [SL0509]";
   EXPECT_EQ(error_of(event_message(0, 260, {})), "its camera has 0 x 260" + rest);
   EXPECT_EQ(error_of(event_message(346, 0, {})), "its camera has 346 x 0" + rest);
   EXPECT_EQ(error_of(event_message(65537, 1, {})), "its camera has 65537 x 1" + rest);

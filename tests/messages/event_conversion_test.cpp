@@ -158,21 +158,21 @@ TEST(EventConversion, the_camera_must_fit_the_port) {
   EventConversion narrow({.width = 14, .where = place}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { narrow.convert(corners(), message); }),
             "job.music:9:1: a camera of 5 x 3 pixels makes 15 channels (polarity=both, "
-            "downsample=1), but the port has 14; write [15] in its connection");
+            "downsample=1), but the port has 14; write [15] in its connection [SL0505]");
   EventConversion wide({.polarity = Polarity::split, .downsample = 2, .width = 30}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { wide.convert(corners(), message); }),
             "a camera of 5 x 3 pixels makes 12 channels (polarity=split, downsample=2), but the "
-            "port has 30; write [12] in its connection");
+            "port has 30; write [12] in its connection [SL0505]");
   EXPECT_EQ(error_of([&] {
               const EventConversion conversion(
                   {.region = Region{0, 0, 4, 2}, .width = 9, .where = place}, Dialect::ros1);
             }),
             "job.music:9:1: a region of 4 x 2 pixels makes 8 channels (polarity=both, "
-            "downsample=1), but the port has 9; write [8] in its connection");
+            "downsample=1), but the port has 9; write [8] in its connection [SL0505]");
   EventConversion beyond({.region = Region{2, 0, 4, 2}, .width = 8}, Dialect::ros1);
   EXPECT_EQ(error_of([&] { beyond.convert(corners(), message); }),
             "roi=2,0,4,2 reaches beyond the camera, which has 5 x 3 pixels; write a region within "
-            "it");
+            "it [SL0203]");
   EventConversion far({.region = Region{4294967295, 0, 4, 2}, .width = 8}, Dialect::ros1);
   EXPECT_THAT(error_of([&] { far.convert(corners(), message); }), HasSubstr("reaches beyond"));
   EventConversion fits({.width = 15}, Dialect::ros1);

@@ -105,7 +105,7 @@ TEST(EventPacket, other_types_have_no_events) {
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
                  "message type 'event_camera_msgs/EventPack' has no events of a camera; did you "
-                 "mean 'event_camera_msgs/EventPacket'?");
+                 "mean 'event_camera_msgs/EventPacket'? [SL0504]");
   }
 }
 

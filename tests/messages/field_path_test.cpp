@@ -103,38 +103,40 @@ TEST(FieldPath, elements) {
 TEST(FieldPath, errors_say_what_to_write) {
   EXPECT_EQ(error_of("rangs", "sensor_msgs/LaserScan"),
             "field path 'rangs' of sensor_msgs/LaserScan: sensor_msgs/LaserScan has no field "
-            "'rangs'; did you mean 'ranges'?");
+            "'rangs'; did you mean 'ranges'? [SL0504]");
   EXPECT_EQ(error_of("linear", "Twist"),
             "field path 'linear' of geometry_msgs/Twist: 'linear' is a geometry_msgs/Vector3, no "
-            "number; go on with one of its fields: x, y, z");
+            "number; go on with one of its fields: x, y, z [SL0504]");
   EXPECT_EQ(error_of("j.x"),
             "field path 'j.x' of my_msgs/All: 'j' is a single value without fields; end the path "
-            "there");
-  EXPECT_EQ(error_of("j[0]"),
-            "field path 'j[0]' of my_msgs/All: 'j' is not an array; write it without '[0]'");
+            "there [SL0504]");
+  EXPECT_EQ(
+      error_of("j[0]"),
+      "field path 'j[0]' of my_msgs/All: 'j' is not an array; write it without '[0]' [SL0504]");
   EXPECT_EQ(error_of("fixed[x]"),
             "field path 'fixed[x]' of my_msgs/All: '[x]' selects nothing; write [index], "
-            "[first:end] or [name=text]");
+            "[first:end] or [name=text] [SL0504]");
   EXPECT_EQ(error_of("fixed[]"),
             "field path 'fixed[]' of my_msgs/All: '[]' selects nothing; write [index], "
-            "[first:end] or [name=text]");
+            "[first:end] or [name=text] [SL0504]");
   EXPECT_EQ(error_of("fixed[2:2]"),
             "field path 'fixed[2:2]' of my_msgs/All: '[2:2]' is empty; the end comes after the "
-            "first element");
+            "first element [SL0504]");
   EXPECT_EQ(error_of("fixed[3]"),
-            "field path 'fixed[3]' of my_msgs/All: 'fixed' has 3 elements; the first one is [0]");
+            "field path 'fixed[3]' of my_msgs/All: 'fixed' has 3 elements; the first one is [0] "
+            "[SL0504]");
   EXPECT_EQ(error_of("k.seconds"),
             "field path 'k.seconds' of my_msgs/All: a time has no field 'seconds'; write k.secs, "
-            "k.nsecs or k (seconds)");
-  EXPECT_EQ(
-      error_of("m"),
-      "field path 'm' of my_msgs/All: a text is not a number; name a field with a number type");
+            "k.nsecs or k (seconds) [SL0504]");
+  EXPECT_EQ(error_of("m"),
+            "field path 'm' of my_msgs/All: a text is not a number; name a field with a number "
+            "type [SL0504]");
 }
 
 TEST(FieldPath, nobody_reaches_for_more_elements_than_a_port_has_channels) {
   const auto refusal = [](const std::string& path, const std::string& what) {
     return "field path '" + path + "' of std_msgs/Float64MultiArray: '" + what +
-           "' reaches beyond the first 16777216 elements; no path takes more";
+           "' reaches beyond the first 16777216 elements; no path takes more [SL0504]";
   };
   for (const std::string what : {"[16777216]", "[0:16777217]", "[4294967295]", "[16777216:]",
                                  "[18446744073709551615]", "[0:18446744073709551615]"}) {
@@ -147,7 +149,7 @@ TEST(FieldPath, nobody_reaches_for_more_elements_than_a_port_has_channels) {
   EXPECT_EQ(error_of("nested[0:10000].axes[0:10000]"),
             "field path 'nested[0:10000].axes[0:10000]' of my_msgs/All: "
             "'nested[0:10000].axes[0:10000]' reaches beyond the first 16777216 elements; no path "
-            "takes more");
+            "takes more [SL0504]");
 }
 
 TEST(FieldPath, hostile_lengths_end_at_once) {
@@ -166,7 +168,8 @@ TEST(FieldPath, hostile_lengths_end_at_once) {
     reader.read(message({0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0}), values);
     FAIL();
   } catch (const spikeloop::TransportError& error) {
-    EXPECT_STREQ(error.what(), "message of 8 bytes is shorter than its type says (at byte 4)");
+    EXPECT_STREQ(error.what(),
+                 "message of 8 bytes is shorter than its type says (at byte 4) [SL0509]");
   }
   // Four thousand million elements of nothing are skipped in no time.
   EXPECT_EQ(

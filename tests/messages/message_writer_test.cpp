@@ -69,16 +69,16 @@ TEST(MessageWriter, errors_say_what_to_write) {
   EXPECT_EQ(
       error_of("Twist", {"linear.x", "linear.x"}),
       "field paths 'linear.x' and 'linear.x' of geometry_msgs/Twist set the same value; leave "
-      "one of them out");
+      "one of them out [SL0504]");
   EXPECT_EQ(error_of("Clock", {"clock", "clock.secs"}),
             "field paths 'clock' and 'clock.secs' of rosgraph_msgs/Clock set the same value; leave "
-            "one of them out");
+            "one of them out [SL0504]");
   EXPECT_EQ(error_of("MultiArrayLayout", {"dim.size"}),
             "field path 'dim.size' of std_msgs/MultiArrayLayout: the array's length is not known; "
-            "name its elements, as in [0]");
+            "name its elements, as in [0] [SL0504]");
   EXPECT_EQ(error_of("tf2_msgs/TFMessage", {"transforms[16000000].transform.translation.x"}),
             "field path 'transforms[16000000].transform.translation.x' of tf2_msgs/TFMessage: the "
-            "message would be longer than 1 GB; name elements nearer to the first one");
+            "message would be longer than 1 GB; name elements nearer to the first one [SL0504]");
   const MessageWriter writer(Catalog::builtin(Dialect::ros1), "PoseWithCovariance", {"covariance"});
   const std::vector<double> numbers(3);
   std::vector<std::byte> bytes;
@@ -86,8 +86,9 @@ TEST(MessageWriter, errors_say_what_to_write) {
     writer.write(std::vector<FieldValue>{{numbers, {}}}, bytes);
     FAIL();
   } catch (const spikeloop::ConfigurationError& error) {
-    EXPECT_STREQ(error.what(),
-                 "field 'covariance' of geometry_msgs/PoseWithCovariance takes 36 values, not 3");
+    EXPECT_STREQ(
+        error.what(),
+        "field 'covariance' of geometry_msgs/PoseWithCovariance takes 36 values, not 3 [SL0504]");
   }
   EXPECT_THROW(writer.write({}, bytes), std::logic_error);
 }

@@ -139,14 +139,15 @@ TEST_P(Selectors, errors_say_what_to_write) {
   EXPECT_EQ(path_error("sensor_msgs/JointState", "position[nme=left]"),
             "field path 'position[nme=left]' of sensor_msgs/JointState: 'nme' is neither a text in "
             "each element of 'position' nor an array of texts beside it, so [nme=left] selects "
-            "nothing");
+            "nothing [SL0504]");
   EXPECT_EQ(path_error("sensor_msgs/JointState", "position[velocity=left]"),
             "field path 'position[velocity=left]' of sensor_msgs/JointState: 'velocity' is neither "
             "a text in each element of 'position' nor an array of texts beside it, so "
-            "[velocity=left] selects nothing");
+            "[velocity=left] selects nothing [SL0504]");
   for (const char* path : {"position[=left]", "position[name=]", "position[name=left"}) {
-    EXPECT_THAT(path_error("sensor_msgs/JointState", path),
-                testing::HasSubstr("selects nothing; write [index], [first:end] or [name=text]"));
+    EXPECT_THAT(
+        path_error("sensor_msgs/JointState", path),
+        testing::HasSubstr("selects nothing; write [index], [first:end] or [name=text] [SL0504]"));
   }
   const auto write_error = [&](std::string_view type, const std::vector<std::string>& paths) {
     return error_of([&] { MessageWriter(catalog(), type, paths); });
@@ -154,11 +155,11 @@ TEST_P(Selectors, errors_say_what_to_write) {
   EXPECT_EQ(
       write_error("sensor_msgs/JointState", {"position[name=left]", "position"}),
       "field paths 'position[name=left]' and 'position' of sensor_msgs/JointState set the same "
-      "value; leave one of them out");
+      "value; leave one of them out [SL0504]");
   EXPECT_EQ(
       write_error("sensor_msgs/JointState", {"name[0]", "position[name=left]"}),
       "field paths 'name[0]' and 'position[name=left]' of sensor_msgs/JointState set the same "
-      "value; leave one of them out");
+      "value; leave one of them out [SL0504]");
   Catalog own = catalog();
   own.add("my_msgs/Pair", "string[2] name\nfloat64[2] value\n");
   EXPECT_EQ(
@@ -166,7 +167,7 @@ TEST_P(Selectors, errors_say_what_to_write) {
         MessageWriter(own, "my_msgs/Pair", {"value[name=a]", "value[name=b]", "value[name=c]"});
       }),
       "field path 'value[name=c]' of my_msgs/Pair: 'value' has 2 elements, and so many have "
-      "names already");
+      "names already [SL0504]");
 }
 
 TEST_P(Selectors, damaged_texts_lead_nowhere) {
@@ -212,20 +213,20 @@ TEST_P(Selectors, bytes_are_of_one_array) {
   };
   EXPECT_EQ(error("sensor_msgs/Image", "height"),
             "field path 'height' of sensor_msgs/Image: it names no array of bytes; name one, as in "
-            "data of sensor_msgs/Image");
+            "data of sensor_msgs/Image [SL0504]");
   EXPECT_EQ(
       error("sensor_msgs/LaserScan", "ranges"),
       "field path 'ranges' of sensor_msgs/LaserScan: it names no array of bytes; name one, as "
-      "in data of sensor_msgs/Image");
+      "in data of sensor_msgs/Image [SL0504]");
   EXPECT_EQ(error_of([&] { TextField(catalog(), "sensor_msgs/Image", "height"); }),
             "field path 'height' of sensor_msgs/Image: a number is not text; name a field of type "
-            "string");
+            "string [SL0504]");
   Catalog own = catalog();
   own.add("my_msgs/Film", "sensor_msgs/CompressedImage[] pictures\n");
   EXPECT_EQ(
       error_of([&] { BytesField(own, "my_msgs/Film", "pictures.data"); }),
       "field path 'pictures.data' of my_msgs/Film: it names several arrays of bytes; name one "
-      "element of each array on the way, as in [0]");
+      "element of each array on the way, as in [0] [SL0504]");
   EXPECT_EQ(error_of([&] { BytesField(own, "my_msgs/Film", "pictures[3].data"); }), "no error");
 }
 

@@ -100,14 +100,14 @@ TEST(SensorConversion, strict_names_both_widths) {
   };
   EXPECT_EQ(text(3),
             "a sensor_msgs/LaserScan brought 3 values, but the port has 2 channels; write "
-            "[3] in its connection");
+            "[3] in its connection [SL0505]");
   EXPECT_EQ(text(1),
             "a sensor_msgs/LaserScan brought 1 values, but the port has 2 channels; write "
-            "[1] in its connection");
+            "[1] in its connection [SL0505]");
   EXPECT_EQ(text(2), "no error");
   EXPECT_EQ(error_of([] { conversion("Twist", 3, true); }),
             "a geometry_msgs/Twist gives 2 values, but the port has 3 channels; write [2] in its "
-            "connection");
+            "connection [SL0505]");
   EXPECT_EQ(error_of([] { conversion("Odometry", 2, true); }), "no error");
 }
 
@@ -119,7 +119,7 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_FALSE(c.convert(cut));
   EXPECT_EQ(c.take_warning(),
             "a sensor_msgs/LaserScan could not be read and is left out: message of 20 bytes is "
-            "shorter than its type says (at byte 20)");
+            "shorter than its type says (at byte 20) [SL0509]");
   EXPECT_FALSE(c.convert(scan({2.5}, 4, 4)));
   EXPECT_FALSE(c.convert(scan({2.5}, 4, kNan)));
   EXPECT_EQ(c.take_warning(), "");
@@ -129,7 +129,7 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_FALSE(other.convert(scan({2.5}, 4, 4)));
   EXPECT_EQ(other.take_warning(),
             "a sensor_msgs/LaserScan could not be read and is left out: its range_min 4 and "
-            "range_max 4 leave no range between them; the driver must set both");
+            "range_max 4 leave no range between them; the driver must set both [SL0509]");
 }
 
 TEST(SensorConversion, twist_is_limited) {
@@ -167,7 +167,7 @@ TEST(SensorConversion, types_without_a_rule_need_fields) {
   EXPECT_EQ(
       error_of([] { conversion("std_msgs/Float64", 1); }),
       "message type std_msgs/Float64 has no usual fields; write in 'fields' the paths of those to "
-      "take");
+      "take [SL0504]");
   auto c = conversion("std_msgs/Float64", 1, true, {"data"});
   c.convert(message("std_msgs/Float64", {"data"}, {{42}}));
   EXPECT_THAT(c.channels(), ElementsAre(42));

@@ -119,11 +119,11 @@ TEST(Translation, refuses_fields_that_differ) {
   EXPECT_EQ(error_of("byte a", "byte a"), "");
   EXPECT_EQ(error_of("int32 a", "float32 a"),
             "my_msgs/Thing has the field 'a' in both versions of ROS, but of another type; it "
-            "cannot be translated");
+            "cannot be translated [SL0504]");
   EXPECT_EQ(error_of("int32[2] a", "int32[3] a"), error_of("int32 a", "int32[] a"));
   EXPECT_EQ(error_of("int32 a\nint32 b", "int32 b\nint32 a"),
             "my_msgs/Thing has the field 'a' in both versions of ROS, but in another order; it "
-            "cannot be translated");
+            "cannot be translated [SL0504]");
 }
 
 TEST(Translation, short_messages) {

@@ -219,7 +219,7 @@ TEST(Tick, MustBeAWholeNumberOfResolutions) {
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
                  "net.yaml:1:13: the tick 1 ms is not a whole number of the network's resolution "
-                 "300 us; write a tick of 900 us or another resolution");
+                 "300 us; write a tick of 900 us or another resolution [SL0207]");
   }
   EXPECT_NO_THROW(network.check_tick(ms(0.9)));
   EXPECT_NO_THROW(parse(relay("off", "0.3 ms")).check_tick(12'345));
@@ -263,12 +263,12 @@ TEST_F(NetworkClass, RefusesOtherWidths) {
   const std::string in = refusal(relay("1 ms", "1 ms", 5), {4, 5, 0, 0});
   EXPECT_EQ(in, path_ +
                     ": port 'in' has 4 channels, but the input populations have 5 together; "
-                    "write the same number in the connection and in the network file");
+                    "write the same number in the connection and in the network file [SL0306]");
   const std::string out = refusal(relay("1 ms", "1 ms", 5), {5, 6, 0, 0});
   EXPECT_EQ(out, path_ +
                      ": port 'out' has 6 channels, but the populations of 'output' have 5 "
                      "together; write the same number in the connection and in the network "
-                     "file");
+                     "file [SL0306]");
 }
 
 TEST_F(NetworkClass, NamesAFileThatIsNotThere) {

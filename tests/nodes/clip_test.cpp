@@ -84,20 +84,22 @@ TEST(Normalise, WhatDoesNotFitIsRefused) {
   EXPECT_EQ(message_of([] {
               mapped("clip", {{"min", "2"}}, {0});
             }),
-            "test.yaml:7:3: key 'min': 2 is above max, 1; write min at most max");
+            "test.yaml:7:3: key 'min': 2 is above max, 1; write min at most max [SL0206]");
   EXPECT_EQ(message_of([] {
               mapped("clip", {{"max", "-2"}}, {0});
             }),
-            "test.yaml:7:3: key 'min': -1 is above max, -2; write min at most max");
-  EXPECT_EQ(message_of([] {
-              mapped("normalise", {{"in_max", "0"}}, {0});
-            }),
-            "test.yaml:7:3: key 'in_min': 0 is not below in_max, 0; write in_min below in_max");
+            "test.yaml:7:3: key 'min': -1 is above max, -2; write min at most max [SL0206]");
+  EXPECT_EQ(
+      message_of([] {
+        mapped("normalise", {{"in_max", "0"}}, {0});
+      }),
+      "test.yaml:7:3: key 'in_min': 0 is not below in_max, 0; write in_min below in_max [SL0206]");
   for (const char* name : {"clip", "normalise"}) {
-    EXPECT_EQ(message_of([&] {
-                NodeHarness(name, {1, 2});
-              }),
-              "port 'in' has 1 channels and port 'out' 2; make both connections equally wide");
+    EXPECT_EQ(
+        message_of([&] {
+          NodeHarness(name, {1, 2});
+        }),
+        "port 'in' has 1 channels and port 'out' 2; make both connections equally wide [SL0306]");
   }
 }
 

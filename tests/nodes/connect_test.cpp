@@ -163,20 +163,20 @@ TEST(Connect, WeightsThatDoNotFitAreRefused) {
   EXPECT_EQ(
       weight_error(WeightTable::dense(3, 2, std::vector<double>(6))),
       "test.yaml:8:3: key 'weights': the weights have 3 rows and 2 columns, but the ports have "
-      "2 outputs and 3 inputs; write one row an output and one column an input");
+      "2 outputs and 3 inputs; write one row an output and one column an input [SL0308]");
   EXPECT_EQ(
       weight_error(WeightTable::one_to_one()),
       "test.yaml:8:3: key 'weights': one-to-one weights need ports of one width, but there are "
-      "2 outputs and 3 inputs; write a weight file instead");
+      "2 outputs and 3 inputs; write a weight file instead [SL0308]");
   EXPECT_EQ(
       weight_error(WeightTable::dense(2, 3, {1, 2, 3, 4, 5})),
       "test.yaml:8:3: key 'weights': the weights hold 5 numbers, but 2 rows of 3 columns need "
-      "6; write one row an output");
+      "6; write one row an output [SL0308]");
   EXPECT_EQ(weight_error(WeightTable::dense(2, 3, {1, 2, 3, std::nan(""), 5, 6})),
-            "test.yaml:8:3: key 'weights': weight 3 of 6 is not finite; write a number");
+            "test.yaml:8:3: key 'weights': weight 3 of 6 is not finite; write a number [SL0201]");
   EXPECT_EQ(weight_error(WeightTable::even()),
             "test.yaml:8:3: key 'weights': 'even' stands for no weights here; write a weight file, "
-            "'uniform' or 'one_to_one'");
+            "'uniform' or 'one_to_one' [SL0308]");
 }
 
 TEST(Connect, MalformedSparseWeightsAreRefused) {
@@ -185,14 +185,14 @@ TEST(Connect, MalformedSparseWeightsAreRefused) {
   foreign_column.column[2] = 3;
   EXPECT_EQ(weight_error(foreign_column),
             "test.yaml:8:3: key 'weights': the weights name column 3, but there are 3 inputs; "
-            "columns count from 0");
+            "columns count from 0 [SL0308]");
   WeightTable short_rows = table;
   short_rows.row_start.pop_back();
   const std::string expected =
       "test.yaml:8:3: key 'weights': the sparse weights hold 3 numbers, 3 columns and 2 row "
       "starts, "
       "which do not describe 2 rows; write rows + 1 ascending row starts, and a column for each "
-      "number";
+      "number [SL0308]";
   EXPECT_EQ(weight_error(short_rows), expected);
   EXPECT_EQ(weight_error(short_rows, "linear_readout"), expected);
 }

@@ -104,7 +104,7 @@ TEST(Delay, NumbersThatAreNoneAreHeld) {
 TEST(Delay, MustNotBeNegative) {
   EXPECT_EQ(message_of([] { delayed("-1 ms"); }),
             "test.yaml:7:3: key 'delay': -0.001 is out of bounds; write a value from 0 to 1000000 "
-            "s");
+            "s [SL0203]");
 }
 
 }  // namespace

@@ -87,7 +87,8 @@ TEST(Expressions, AreSeparatedBySemicolons) {
 TEST(Expressions, ASingleInputIsAlsoX) {
   EXPECT_EQ(results("x + x0; exp(x) - exp(x0)", {4}), (std::vector<double>{8, 0}));
   EXPECT_EQ(failure("x", 2),
-            "'x', character 1: there is no 'x'; the inputs are x0 to x1, constants are pi and e");
+            "'x', character 1: there is no 'x'; the inputs are x0 to x1, constants are pi and e "
+            "[SL0209]");
 }
 
 TEST(Expressions, TakeThousandsOfInputs) {
@@ -116,52 +117,56 @@ TEST(Expressions, WithoutAValueGiveNoNumber) {
 TEST(Expressions, UnknownNamesAreNamed) {
   EXPECT_EQ(failure("x0 + y"),
             "'x0 + y', character 6: there is no 'y'; the inputs are x0 to x1, constants are pi and "
-            "e");
+            "e [SL0209]");
   EXPECT_EQ(failure("x0; sni(x1)"),
             "'x0; sni(x1)', character 5: there is no 'sni'; the inputs are x0 to x1, constants are "
-            "pi and e; did you mean 'sin'?");
+            "pi and e; did you mean 'sin'? [SL0209]");
   EXPECT_EQ(failure("x1", 1),
-            "'x1', character 1: there is no 'x1'; the input is x0, or x, constants are pi and e");
+            "'x1', character 1: there is no 'x1'; the input is x0, or x, constants are pi and e "
+            "[SL0209]");
   EXPECT_EQ(failure("x2 + x0"),
             "'x2 + x0', character 1: there is no 'x2'; the inputs are x0 to x1, constants are pi "
-            "and e");
+            "and e [SL0209]");
   for (const char* odd : {"x01", "x00", "x99999999999999999999", "x0y"}) {
     EXPECT_EQ(failure(odd), std::string("'") + odd + "', character 1: there is no '" + odd +
-                                "'; the inputs are x0 to x1, constants are pi and e");
+                                "'; the inputs are x0 to x1, constants are pi and e [SL0209]");
   }
   EXPECT_EQ(failure("sin * 2"),
             "'sin * 2', character 1: 'sin' is a function; write its argument in parentheses: "
-            "sin(...)");
+            "sin(...) [SL0209]");
 }
 
 TEST(Expressions, WhatIsMissingIsNamed) {
-  EXPECT_EQ(failure(""),
-            "'', character 1: an expression is missing; write one an output, separated by ';'");
+  EXPECT_EQ(
+      failure(""),
+      "'', character 1: an expression is missing; write one an output, separated by ';' [SL0209]");
   EXPECT_EQ(failure("x0;; x1"),
             "'x0;; x1', character 4: an expression is missing; write one an output, separated by "
-            "';'");
+            "';' [SL0209]");
   EXPECT_EQ(failure("x0; "),
-            "'x0; ', character 5: an expression is missing; write one an output, separated by ';'");
+            "'x0; ', character 5: an expression is missing; write one an output, separated by ';' "
+            "[SL0209]");
   for (const char* text : {"x0 *", "-", "sin(", "1 ? 2 :", "x0 +-", "x0 && ("}) {
     const std::string all = text;
     EXPECT_EQ(failure(all), "'" + all + "', character " + std::to_string(all.size()) +
-                                ": there is no value behind '" + all.back() + "'; write one");
+                                ": there is no value behind '" + all.back() +
+                                "'; write one [SL0209]");
   }
   EXPECT_EQ(failure("1 ? - : 2"),
-            "'1 ? - : 2', character 5: there is no value behind '-'; write one");
+            "'1 ? - : 2', character 5: there is no value behind '-'; write one [SL0209]");
   EXPECT_EQ(failure("x1; (x0 + 2"),
-            "'x1; (x0 + 2', character 11: a ')' is missing; write one for each '('");
+            "'x1; (x0 + 2', character 11: a ')' is missing; write one for each '(' [SL0209]");
   for (const auto& [text, character] : {std::pair{"x0 ? 2", "6"}, {"x0 : 2", "5"}, {"? x0", "1"}}) {
     EXPECT_EQ(failure(text), std::string("'") + text + "', character " + character +
                                  ": '?' and ':' belong together; write condition ? value : other "
-                                 "value");
+                                 "value [SL0209]");
   }
   EXPECT_EQ(failure("1 + atan2(x0)"),
             "'1 + atan2(x0)', character 5: 'atan2' has too few arguments; write atan2(y, x), one "
-            "for the others, any number for min, max, sum and avg");
+            "for the others, any number for min, max, sum and avg [SL0209]");
   EXPECT_EQ(failure("sin(x0, x1)"),
             "'sin(x0, x1)', character 1: 'sin' has too many arguments; write atan2(y, x), one for "
-            "the others, any number for min, max, sum and avg");
+            "the others, any number for min, max, sum and avg [SL0209]");
 }
 
 TEST(Expressions, WhatCannotStandThereIsNamed) {
@@ -169,7 +174,7 @@ TEST(Expressions, WhatCannotStandThereIsNamed) {
     EXPECT_EQ(failure(text), "'" + text + "', character " + std::to_string(character) + ": '" +
                                  token +
                                  "' cannot stand here; write an operator (+ - * / ^) between two "
-                                 "values, and arguments in parentheses");
+                                 "values, and arguments in parentheses [SL0209]");
   };
   cannot("x0 x1", 4, "x1");
   cannot("x0; 3x1", 6, "x1");
@@ -180,16 +185,16 @@ TEST(Expressions, WhatCannotStandThereIsNamed) {
   cannot("5 sin(x0)", 3, "sin");
   EXPECT_EQ(failure("2 * (x0, x1)"),
             "'2 * (x0, x1)', character 12: ',' stands between the arguments of a function alone; "
-            "write ';' between outputs");
+            "write ';' between outputs [SL0209]");
   EXPECT_EQ(failure("x0, x1"),
             "'x0, x1', character 6: ',' makes 2 values of this expression; write ';' between the "
-            "outputs");
+            "outputs [SL0209]");
 }
 
 TEST(Expressions, NothingCanBeAssigned) {
   EXPECT_EQ(failure("x0 = 3"),
             "'x0 = 3', character 4: '=' would change an input; write == to "
-            "compare");
+            "compare [SL0209]");
   EXPECT_EQ(results("x0 == 3; x0 <= 3; x0 >= 3; x0 != 3", {3}), (std::vector<double>{1, 1, 1, 0}));
 }
 

@@ -100,11 +100,11 @@ TEST(InputPolicy, PoliciesAreChoices) {
               encoder({{"out_of_range", "clamp"}}, 1);
             }),
             "test.yaml:7:3: key 'out_of_range': 'clamp' is not a choice; write one of: clip, pass, "
-            "error");
+            "error [SL0205]");
   EXPECT_EQ(message_of([] {
               NodeHarness("connect", {1, 1}, {.keys = {{"out_of_range", "clip"}}});
             }),
-            "test.yaml:7:3: unknown key 'out_of_range'; known: weights, not_finite");
+            "test.yaml:7:3: unknown key 'out_of_range'; known: weights, not_finite [SL0103]");
 }
 
 TEST(EncoderParameters, InitialIsANumberInRangeOrNone) {
@@ -114,14 +114,14 @@ TEST(EncoderParameters, InitialIsANumberInRangeOrNone) {
   EXPECT_EQ(
       failure("low"),
       "test.yaml:7:3: key 'initial': 'low' is neither a number nor 'none'; write a value from "
-      "-1 to 1, or none for silence until the first input");
+      "-1 to 1, or none for silence until the first input [SL0201]");
   EXPECT_EQ(
       failure("nan"),
       "test.yaml:7:3: key 'initial': 'nan' is neither a number nor 'none'; write a value from "
-      "-1 to 1, or none for silence until the first input");
+      "-1 to 1, or none for silence until the first input [SL0201]");
   EXPECT_EQ(failure("-1.5"),
             "test.yaml:7:3: key 'initial': -1.5 is out of bounds; write a value from -1 to 1, or "
-            "none for silence until the first input");
+            "none for silence until the first input [SL0203]");
   NodeHarness beyond = encoder({{"initial", "1.5"}, {"out_of_range", "pass"}}, 1);
   expect_values(values_seen(beyond, 1), {1.5});
   for (const char* text : {"none", ""}) {
@@ -136,10 +136,10 @@ TEST(EncoderParameters, RatesHaveBounds) {
   };
   EXPECT_EQ(failure("rate_max", "2 MHz"),
             "test.yaml:7:3: key 'rate_max': 2000000 is out of bounds; write a value from 0 to "
-            "1000000 Hz");
+            "1000000 Hz [SL0203]");
   EXPECT_EQ(failure("rate_min", "-1"),
             "test.yaml:7:3: key 'rate_min': -1 is out of bounds; write a value from 0 to 1000000 "
-            "Hz");
+            "Hz [SL0203]");
 }
 
 TEST(Register, ClassesHaveTextsForTheReference) {

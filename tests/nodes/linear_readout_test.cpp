@@ -223,7 +223,8 @@ TEST(LinearReadout, TauIsChecked) {
   EXPECT_EQ(message_of([] {
               NodeHarness("linear_readout", {1, 1}, {.keys = {{"tau", "0 s"}}});
             }),
-            "test.yaml:7:3: key 'tau': 0 is out of bounds; write a value from 1e-06 to 1000000 s");
+            "test.yaml:7:3: key 'tau': 0 is out of bounds; write a value from 1e-06 to 1000000 s "
+            "[SL0203]");
 }
 
 }  // namespace

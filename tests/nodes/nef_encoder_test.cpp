@@ -270,12 +270,12 @@ TEST(NefEncoder, RefusesRangesThatEndBeforeTheyBegin) {
               population(1, 1, {{"preset", "rma"}, {"gain_min", "400"}});
             }),
             "test.yaml:7:3: key 'gain_min': 400 is above gain_max, 300; write gain_min at most "
-            "gain_max");
+            "gain_max [SL0206]");
   EXPECT_EQ(message_of([] {
               population(1, 1, {{"preset", "rma"}, {"bias_min", "300"}});
             }),
             "test.yaml:7:3: key 'bias_min': 300 is above bias_max, 200; write bias_min at most "
-            "bias_max");
+            "bias_max [SL0206]");
 }
 
 }  // namespace

@@ -229,30 +229,30 @@ TEST(NefEncoderKeys, SaysWhatIsWrong) {
   const auto error = [](const Keys& keys) { return message_of([&] { population(1, 1, keys); }); };
   EXPECT_EQ(error({{"gain_min", "5"}}),
             "test.yaml:7:3: key 'gain_min' is of the presets rma and ma; write preset=rma, or "
-            "max_rate_low, max_rate_high, intercept_low and intercept_high");
+            "max_rate_low, max_rate_high, intercept_low and intercept_high [SL0208]");
   EXPECT_EQ(error({{"preset", "ma"}, {"radius", "2"}}),
             "test.yaml:7:3: key 'radius' is of the preset nengo; write preset=nengo, or gain_min, "
             "gain_max, bias_min and bias_max");
   EXPECT_EQ(
       error({{"max_rate_low", "500"}}),
       "test.yaml:7:3: key 'max_rate_low': 500 is above max_rate_high, 400; write max_rate_low "
-      "at most max_rate_high");
+      "at most max_rate_high [SL0206]");
   EXPECT_EQ(error({{"intercept_high", "-2"}}),
             "test.yaml:7:3: key 'intercept_low': -1 is above intercept_high, -2; write "
-            "intercept_low at most intercept_high");
+            "intercept_low at most intercept_high [SL0206]");
   EXPECT_EQ(error({{"max_rate_high", "500"}}),
             "test.yaml:7:3: key 'max_rate_high': 500 Hz leaves no time between refractory periods "
-            "of 0.002 s; write less than 499.75 Hz");
+            "of 0.002 s; write less than 499.75 Hz [SL0203]");
   EXPECT_EQ(
       error({{"max_rate_low", "1"}}),
       "test.yaml:7:3: key 'max_rate_low': 1 Hz are too slow for a membrane of 0.02 s; write at "
-      "least 2.01 Hz, or a longer tau_m");
+      "least 2.01 Hz, or a longer tau_m [SL0203]");
   EXPECT_EQ(error({{"t_ref", "0.0015"}}),
             "test.yaml:7:3: key 't_ref': 1.5 ms is not a multiple of the resolution, 1 ms; write "
-            "another one, or spike_times=interpolated");
+            "another one, or spike_times=interpolated [SL0207]");
   EXPECT_EQ(error({{"resolution", "0.0015"}}),
             "test.yaml:7:3: key 't_ref': 2 ms is not a multiple of the resolution, 1.5 ms; write "
-            "another one, or spike_times=interpolated");
+            "another one, or spike_times=interpolated [SL0207]");
 }
 
 TEST(NefEncoderKeys, PresetsHaveTheOlderProgramsConstants) {

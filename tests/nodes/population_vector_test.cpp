@@ -212,7 +212,7 @@ TEST(PopulationVector, WhatDoesNotFitIsRefused) {
               NodeHarness("population_vector", {7, 2});
             }),
             "port 'in' has 7 channels and port 'out' 2; make 'in' a multiple of 2 wide: as many "
-            "neurons for each value");
+            "neurons for each value [SL0306]");
   const auto failure = [](const WeightTable& table, std::uint32_t in, std::uint32_t out) {
     return message_of([&] {
       NodeHarness("population_vector", {in, out}, {.weights = table, .weights_key = "directions"});
@@ -221,20 +221,22 @@ TEST(PopulationVector, WhatDoesNotFitIsRefused) {
   EXPECT_EQ(failure(WeightTable::uniform(), 4, 2),
             "test.yaml:8:3: key 'directions': in a uniform table all neurons prefer the same; "
             "write a table with a row an output and a column a neuron, or even");
-  EXPECT_EQ(failure(WeightTable::dense(2, 2, {1, 2, 3, 4}), 3, 2),
-            "test.yaml:8:3: key 'directions': the weights have 2 rows and 2 columns, but the ports "
-            "have 2 outputs and 3 inputs; write one row an output and one column an input");
-  EXPECT_EQ(failure(WeightTable::dense(1, 2, {1, std::nan("")}), 2, 1),
-            "test.yaml:8:3: key 'directions': weight 1 of 2 is not finite; write a number");
+  EXPECT_EQ(
+      failure(WeightTable::dense(2, 2, {1, 2, 3, 4}), 3, 2),
+      "test.yaml:8:3: key 'directions': the weights have 2 rows and 2 columns, but the ports "
+      "have 2 outputs and 3 inputs; write one row an output and one column an input [SL0308]");
+  EXPECT_EQ(
+      failure(WeightTable::dense(1, 2, {1, std::nan("")}), 2, 1),
+      "test.yaml:8:3: key 'directions': weight 1 of 2 is not finite; write a number [SL0201]");
   EXPECT_EQ(failure(WeightTable::dense(1, 2, {1, -1e101}), 2, 1),
             "test.yaml:8:3: key 'directions': -1e+101 is out of bounds; write values from -1e+100 "
-            "to 1e+100");
+            "to 1e+100 [SL0203]");
   EXPECT_EQ(message_of([] {
               NodeHarness("population_vector", {2, 1},
                           {.keys = {{"value_min", "3"}, {"value_max", "2"}}});
             }),
             "test.yaml:7:3: key 'value_min': 3 is not below value_max, 2; write value_min below "
-            "value_max");
+            "value_max [SL0206]");
 }
 
 TEST(PopulationVector, SpikesOnForeignChannelsEndTheRun) {

@@ -107,28 +107,31 @@ TEST(Discretize, AGridThatDoesNotFitIsRefused) {
   EXPECT_EQ(
       error(2, 1, {0, 0}),
       "test.yaml:8:3: key 'grid': the grid has 2 rows of 1 numbers, but 2 outputs and 1 inputs "
-      "need 2 rows of 2: a row a place cell, its centre and then its widths (sigma)");
+      "need 2 rows of 2: a row a place cell, its centre and then its widths (sigma) [SL0308]");
   EXPECT_EQ(error(2, 2, {0, 1, 0.5, 0}),
             "test.yaml:8:3: key 'grid': row 1 has centre 0.5 and sigma 0 on axis 0; write finite "
-            "numbers, and sigma above 0");
+            "numbers, and sigma above 0 [SL0308]");
   EXPECT_EQ(error(2, 2, {0, 1, std::nan(""), 1}),
             "test.yaml:8:3: key 'grid': row 1 has centre nan and sigma 1 on axis 0; write finite "
-            "numbers, and sigma above 0");
+            "numbers, and sigma above 0 [SL0308]");
 }
 
 TEST(SignalFunction, WidthsThatDoNotFitAreRefused) {
-  EXPECT_EQ(message_of([] {
-              NodeHarness("threshold", {3, 2});
-            }),
-            "port 'in' has 3 channels and port 'out' 2; make both connections equally wide");
-  EXPECT_EQ(message_of([] {
-              NodeHarness("sigmoid", {1, 2});
-            }),
-            "port 'in' has 1 channels and port 'out' 2; make both connections equally wide");
-  EXPECT_EQ(message_of([] {
-              NodeHarness("argmax", {3, 2});
-            }),
-            "port 'out' has 2 channels, but there is one result; write [1] in its connection");
+  EXPECT_EQ(
+      message_of([] {
+        NodeHarness("threshold", {3, 2});
+      }),
+      "port 'in' has 3 channels and port 'out' 2; make both connections equally wide [SL0306]");
+  EXPECT_EQ(
+      message_of([] {
+        NodeHarness("sigmoid", {1, 2});
+      }),
+      "port 'in' has 1 channels and port 'out' 2; make both connections equally wide [SL0306]");
+  EXPECT_EQ(
+      message_of([] {
+        NodeHarness("argmax", {3, 2});
+      }),
+      "port 'out' has 2 channels, but there is one result; write [1] in its connection [SL0306]");
 }
 
 TEST(SignalFunction, IsIdleAndInvalidAsItsInput) {

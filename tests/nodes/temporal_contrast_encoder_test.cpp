@@ -114,12 +114,12 @@ TEST(TemporalContrastEncoder, WhatDoesNotFitIsRefused) {
               NodeHarness("temporal_contrast_encoder", {2, 3});
             }),
             "port 'in' has 2 channels and port 'out' 3; write [4] in the connection of 'out': up "
-            "and down of each value");
+            "and down of each value [SL0306]");
   EXPECT_EQ(message_of([] {
               encoder({{"threshold", "-0.1"}});
             }),
             "test.yaml:7:3: key 'threshold': -0.1 is out of bounds; write a value from 0 to "
-            "1000000000");
+            "1000000000 [SL0203]");
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ TEST(PythonError, ExceptionsHaveTheirPlaceAndTheTracebackIsLogged) {
   EXPECT_EQ(file.without_directory(file.lines[1]), "  File \"nodes.py\", line 10, in step");
   EXPECT_EQ(file.lines[2], "    self.x = half(1)");
   EXPECT_EQ(file.without_directory(file.lines[4]), "  File \"nodes.py\", line 4, in half");
-  EXPECT_EQ(file.lines[7], "ZeroDivisionError: division by zero");
+  EXPECT_EQ(file.lines[7], "ZeroDivisionError: division by zero [SL0704]");
 }
 
 TEST(PythonError, ExceptionsOfAllKinds) {
@@ -181,7 +181,7 @@ TEST(PythonError, OfMakingANode) {
                  "        raise ValueError('no')\n"
                  "    def step(self, step): ...\n"));
   EXPECT_EQ(file.without_directory(message_of([&] { NodeHarness(file.node_class(), kTwo); })),
-            "nodes.py:8: in __init__: ValueError: no");
+            "nodes.py:8: in __init__: ValueError: no [SL0402]");
 }
 
 std::string counters_error(const std::string& given) {
@@ -205,7 +205,7 @@ TEST(PythonError, OfCounters) {
   EXPECT_EQ(counters_error("{'a': 0.5}"), "counters(): 'a' is 0.5; write a whole number from 0");
   EXPECT_EQ(counters_error("{'a': 'b'}"), "counters(): 'a' is 'b'; write a whole number from 0");
   EXPECT_EQ(counters_error("1 / 0"),
-            "nodes.py:8: in counters: ZeroDivisionError: division by zero");
+            "nodes.py:8: in counters: ZeroDivisionError: division by zero [SL0704]");
 }
 
 TEST(PythonError, AGraphAddsTheNodesName) {
@@ -223,9 +223,9 @@ TEST(PythonError, AGraphAddsTheNodesName) {
   Graph graph(description);
   graph.step();
   EXPECT_EQ(file.without_directory(message_of([&] { graph.counters(); })),
-            "node 'left': nodes.py:8: in counters: ZeroDivisionError: division by zero");
+            "node 'left': nodes.py:8: in counters: ZeroDivisionError: division by zero [SL0704]");
   EXPECT_EQ(file.without_directory(message_of([&] { graph.step(); })),
-            "node 'left': nodes.py:7: in step: ValueError: no");
+            "node 'left': nodes.py:7: in step: ValueError: no [SL0704]");
 }
 
 }  // namespace

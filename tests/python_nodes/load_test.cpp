@@ -59,33 +59,33 @@ TEST(PythonFileTest, ParametersOfAllTypes) {
 
 TEST(PythonFileTest, SaysWhatIsWrongWithIt) {
   const auto refusal = [](const std::string& text) { return PythonFile(text).refusal(); };
-  EXPECT_EQ(refusal("x = (1\n"), "nodes.py:3: SyntaxError: '(' was never closed");
+  EXPECT_EQ(refusal("x = (1\n"), "nodes.py:3: SyntaxError: '(' was never closed [SL0402]");
   EXPECT_EQ(refusal("\nimport nothing_here\n"),
-            "nodes.py:4: ModuleNotFoundError: No module named 'nothing_here'");
+            "nodes.py:4: ModuleNotFoundError: No module named 'nothing_here' [SL0402]");
   EXPECT_EQ(refusal("x = 1\n"),
             "plug-in 'nodes.py': defines no node; write @spikeloop.node before a class or a "
-            "function");
+            "function [SL0402]");
   const std::string node = "@spikeloop.node(inputs={'in': 'signal'})\ndef it(step): ...\n";
   EXPECT_EQ(refusal(node + "\n" + node),
             "plug-in 'nodes.py': lines 3 and 6 both define the node 'it'; give one another name, "
-            "with @spikeloop.node(name=...)");
+            "with @spikeloop.node(name=...) [SL0402]");
   EXPECT_EQ(refusal("raise SystemExit('enough')\n"),
             "nodes.py:3: SystemExit: enough; a node must not end the program: raise another "
-            "exception");
-  EXPECT_EQ(refusal("raise KeyboardInterrupt\n"), "nodes.py:3: KeyboardInterrupt");
+            "exception [SL0402]");
+  EXPECT_EQ(refusal("raise KeyboardInterrupt\n"), "nodes.py:3: KeyboardInterrupt [SL0402]");
   EXPECT_THAT(refusal("x = '\xff'\n"), StartsWith("nodes.py:3: SyntaxError: (unicode error)"));
   EXPECT_EQ(refusal("@spikeloop.node\nclass It:\n    pass\n"),
-            "nodes.py:3: class It has no step; write  def step(self, step): ...");
+            "nodes.py:3: class It has no step; write  def step(self, step): ... [SL0402]");
 }
 
 TEST(PythonFileTest, AFileThatCannotBeReadOrIsNamedAsAModule) {
   use_python_library();
   Registry registry;
   EXPECT_EQ(message_of([&] { registry.load_plugin("/nowhere/x.py"); }),
-            "plug-in '/nowhere/x.py': cannot be read: No such file or directory");
+            "plug-in '/nowhere/x.py': cannot be read: No such file or directory [SL0402]");
   EXPECT_EQ(message_of([&] { registry.load_plugin("random.py"); }),
             "plug-in 'random.py': has the name of Python's own module 'random', which it would "
-            "hide; rename it, for example to random_node.py");
+            "hide; rename it, for example to random_node.py [SL0402]");
 }
 
 TEST(PythonFileTest, TheLoaderIsLookedForBesideTheProgram) {
@@ -98,7 +98,7 @@ TEST(PythonFileTest, TheLoaderIsLookedForBesideTheProgram) {
             "/nowhere, " +
                 programs.string() + ", " + programs.parent_path().string() +
                 "/lib/spikeloop; install Spikeloop with it, or write its directory into "
-                "SPIKELOOP_LIBRARY_PATH");
+                "SPIKELOOP_LIBRARY_PATH [SL0402]");
 }
 
 TEST(PythonFileTest, ALoaderOfAnotherKindIsRefused) {

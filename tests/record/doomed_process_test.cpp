@@ -89,7 +89,7 @@ TEST_F(DoomedProcess, FullDiskEndsTheRecordingNotTheRun) {
                                format_time(record::read_spikes(file(), "out").until) +
                                " of simulated time, " + std::to_string(printed.spikes_dropped) +
                                " spikes and " + std::to_string(printed.rows_dropped) +
-                               " signal rows are lost");
+                               " signal rows are lost [SL0109]");
   EXPECT_EQ(whole_prefix(), printed.spikes);
   EXPECT_EQ(whole_signal_prefix(), printed.rows);
   EXPECT_EQ(record::read_spikes(file(), "out").dropped, printed.spikes_dropped);

@@ -121,9 +121,9 @@ TEST_F(RecorderFaults, CloseFromAnotherThreadSaysWhenItIsDone) {
 TEST_F(RecorderFaults, UnwritablePathIsNamed) {
   const std::string nowhere = file("missing/x.h5");
   EXPECT_EQ(message<FileError>([&] { Recorder(nowhere, "x", {}); }),
-            "cannot create '" + nowhere + "': No such file or directory");
+            "cannot create '" + nowhere + "': No such file or directory [SL0109]");
   EXPECT_EQ(message<FileError>([&] { Recorder(directory_.path(), "x", {}); }),
-            "cannot create '" + directory_.path().string() + "': Is a directory");
+            "cannot create '" + directory_.path().string() + "': Is a directory [SL0109]");
 }
 
 TEST_F(RecorderFaults, StreamsThatCannotBeAreNamed) {
@@ -169,7 +169,7 @@ TEST_F(RecorderFaults, ReaderRefusesAChannelThatTheStreamHasNot) {
 TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
   const std::string missing = file("missing.h5");
   EXPECT_EQ(message<FileError>([&] { record::read_info(missing); }),
-            "cannot open '" + missing + "': No such file or directory");
+            "cannot open '" + missing + "': No such file or directory [SL0109]");
   const std::string text = directory_.write("text.h5", "just a text");
   EXPECT_EQ(message<FileError>([&] { record::read_info(text); }),
             "cannot read '" + text + "': not an HDF5 file, or damaged");

@@ -44,14 +44,14 @@ TEST(Ros2Names, a_rule_may_be_for_one_node) {
 }
 
 TEST(Ros2Names, says_what_is_no_name) {
-  EXPECT_EQ(
-      error_of([] { node_identity("my node", {}); }),
-      "'my node' is not a valid ROS node name; write a letter followed by letters, digits and '_'");
+  EXPECT_EQ(error_of([] { node_identity("my node", {}); }),
+            "'my node' is not a valid ROS node name; write a letter followed by letters, digits "
+            "and '_' [SL0501]");
   EXPECT_EQ(error_of([] {
               node_identity("brain", {{"__ns", "/a//b"}});
             }),
             "'/a//b' is not a namespace of ROS 2; write letters, digits, '_' and '/', as in "
-            "__ns:=/arena/left");
+            "__ns:=/arena/left [SL0106]");
   EXPECT_THAT(error_of([] {
                 whole("scan", {{"sc an", "/front"}});
               }),
@@ -72,7 +72,7 @@ TEST(Ros2Names, a_topic_in_dds_has_a_prefix) {
   EXPECT_EQ(dds_topic("/" + std::string(247, 'a')).size(), 250U);
   EXPECT_EQ(error_of([] { dds_topic("/" + std::string(248, 'a')); }),
             "the topic '/" + std::string(248, 'a') +
-                "' has 249 characters; ROS 2 takes 248 at most, so write a shorter name");
+                "' has 249 characters; ROS 2 takes 248 at most, so write a shorter name [SL0501]");
 }
 
 TEST(Ros2Names, a_type_in_dds_has_its_package_as_a_module) {

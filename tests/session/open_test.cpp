@@ -32,7 +32,7 @@ class Transport : public ::testing::Test {
 
 TEST_F(Transport, UnknownOne) {
   EXPECT_EQ(error_with<ConfigurationError>("zenoh"),
-            "SPIKELOOP_ROS2 is 'zenoh'; write rclcpp, or cyclonedds (the default)");
+            "SPIKELOOP_ROS2 is 'zenoh'; write rclcpp, or cyclonedds (the default) [SL0510]");
 }
 
 // Continuous integration has no ROS 2, and no workspace in which the library was built.

@@ -60,7 +60,7 @@ TEST(Protocol, WhatIsNoMessageOfItIsNamed) {
   const auto wrong = [](const char* topic, const std::string& text) {
     return AllOf(StartsWith(std::string("topic ") + topic + " has brought '" + text +
                             "', which is not a message of the stepping protocol ("),
-                 EndsWith("); docs/stepping.md has them"));
+                 EndsWith("); docs/stepping.md has them [SL0703]"));
   };
   for (const std::string text : {"", "{", "[]", "7", R"({"to_ns": "1"})", R"({"to_ns": 1})",
                                  R"({"begin": true})", R"({"begin": 1})"}) {

@@ -52,7 +52,8 @@ std::string error_of_remap(std::initializer_list<const char*> words) {
 
 TEST(CommandLine, a_rule_gives_a_name) {
   const std::string advice =
-      " (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r /scan:=/front/scan";
+      " (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r /scan:=/front/scan "
+      "[SL0510]";
   EXPECT_EQ(error_of_remap({"-r", "scan"}), "'-r scan'" + advice);
   EXPECT_EQ(error_of_remap({"--remap"}), "'-r'" + advice);
 }
@@ -63,7 +64,7 @@ TEST(RosArguments, are_written_and_read_back) {
   EXPECT_EQ(read_ros_arguments(" " + to_text(arguments) + "\n"), arguments);
   EXPECT_THAT(read_ros_arguments(""), IsEmpty());
   EXPECT_EQ(test::error_of([] { read_ros_arguments("a:=b c"); }),
-            "'c' is not an argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan");
+            "'c' is not an argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan [SL0510]");
 }
 
 std::string error_of_names(messages::Dialect ros, const char* text) {
@@ -76,7 +77,7 @@ TEST(RosArguments, have_names_of_their_ros) {
     check_ros_arguments(ros, read_ros_arguments("scan:=/front/scan __ns:=arena __name:=brain"));
     EXPECT_EQ(error_of_names(ros, "__log:=/tmp"),
               "'__log:=/tmp' means nothing here: topics have other names by NAME:=VALUE, as "
-              "/scan:=/front/scan, and the node by __ns and __name; leave it out");
+              "/scan:=/front/scan, and the node by __ns and __name; leave it out [SL0510]");
     EXPECT_THAT(error_of_names(ros, "__name:=a/b"),
                 HasSubstr("'a/b' is not a valid ROS node name"));
     EXPECT_THAT(error_of_names(ros, "__ns:=a-b"), HasSubstr("'/a-b' is not a valid ROS"));

@@ -28,7 +28,7 @@ TEST(Names, topics_of_ros1) {
         error_of([&] { check_topic(Dialect::ros1, topic); }),
         "'" + topic +
             "' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning with "
-            "a letter or '/', as in /cmd_vel");
+            "a letter or '/', as in /cmd_vel [SL0501]");
   }
   EXPECT_EQ(error_of([] { check_topic(Dialect::ros1, "/a/1b"); }), "no error");
 }
@@ -40,7 +40,7 @@ TEST(Names, topics_of_ros2) {
     EXPECT_EQ(error_of([&] { check_topic(Dialect::ros2, topic); }),
               "'" + topic +
                   "' is not a valid ROS 2 topic name; write letters, digits, '_' and '/', no part "
-                  "beginning with a digit, as in /cmd_vel or ~/cmd_vel");
+                  "beginning with a digit, as in /cmd_vel or ~/cmd_vel [SL0501]");
   }
 }
 
@@ -53,7 +53,7 @@ TEST(Names, nodes) {
           error_of([&] { check_node_name(ros, name); }),
           "'" + name +
               "' is not a valid ROS node name; write a letter followed by letters, digits and "
-              "'_'");
+              "'_' [SL0501]");
     }
   }
 }

@@ -60,16 +60,16 @@ const std::string kIncludeRemedy =
 
 TEST(WorldErrors, MissingFile) {
   EXPECT_EQ(message<FileError>("/nowhere/arena.xml"),
-            "cannot open world '/nowhere/arena.xml': No such file or directory");
+            "cannot open world '/nowhere/arena.xml': No such file or directory [SL0109]");
   EXPECT_THAT(message<FileError>("arenna.xml"),
               AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
                     HasSubstr("share/spikeloop/worlds"),
                     EndsWith("; write the path of an MJCF file, or arena, phototaxis or t_maze for "
-                             "a shipped world")));
+                             "a shipped world [SL0801]")));
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {
-  EXPECT_EQ(message<FileError>("/tmp"), "cannot read '/tmp': Is a directory");
+  EXPECT_EQ(message<FileError>("/tmp"), "cannot read '/tmp': Is a directory [SL0109]");
 }
 
 TEST(WorldErrors, BadXml) {
@@ -86,44 +86,48 @@ TEST(WorldErrors, BadMjcfNamesTheLine) {
 
 TEST(WorldErrors, WithoutARobot) {
   EXPECT_EQ(complaint(World("<mujoco><worldbody>" + kFloor + "</worldbody></mujoco>")),
-            "has no body 'vehicle'; " + kIncludeRemedy);
+            "has no body 'vehicle'; " + kIncludeRemedy + " [SL0801]");
   EXPECT_EQ(complaint(World("<mujoco><worldbody><body name=\"vehicle\"><geom size=\"1\"/></body>"
                             "</worldbody></mujoco>")),
-            "body 'vehicle' has no free joint; write <freejoint/> in it, or " + kIncludeRemedy);
+            "body 'vehicle' has no free joint; write <freejoint/> in it, or " + kIncludeRemedy +
+                " [SL0801]");
 }
 
 TEST(WorldErrors, WithPartsOfTheRobotMissing) {
   EXPECT_EQ(complaint_of_vehicle("site name=\"laser\"", "site name=\"lidar\""),
-            "has no site 'laser'; " + kIncludeRemedy);
+            "has no site 'laser'; " + kIncludeRemedy + " [SL0801]");
   EXPECT_EQ(complaint_of_vehicle("velocity name=\"wheel_rear_left\"", "velocity name=\"other\""),
-            "has no actuator 'wheel_rear_left'; " + kIncludeRemedy);
+            "has no actuator 'wheel_rear_left'; " + kIncludeRemedy + " [SL0801]");
   EXPECT_EQ(complaint_of_vehicle("<numeric name=\"laser\"", "<numeric name=\"lidar\""),
             "has no numeric 'laser'; write <custom><numeric name=\"laser\" data=\"...\"/></custom> "
             "with 6 numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and "
-            "largest range (m, rising), scans per second");
+            "largest range (m, rising), scans per second [SL0801]");
   EXPECT_EQ(complaint_of_vehicle("data=\"100 -1.5", "data=\"0.5 -1.5"),
             "numeric 'laser' is \"0.5 -1.5707963267948966 1.5707963267948966 0.05 5 20\"; write 6 "
             "numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and largest "
-            "range (m, rising), scans per second");
-  EXPECT_EQ(complaint_of_vehicle("data=\"1.0 3.0", "data=\"1.0 -3.0"),
-            "numeric 'command_limits' is \"1 -3 4 20\"; write 4 numbers: largest speed (m/s), yaw "
-            "rate (rad/s), acceleration (m/s^2) and yaw acceleration (rad/s^2), all above 0");
+            "range (m, rising), scans per second [SL0801]");
+  EXPECT_EQ(
+      complaint_of_vehicle("data=\"1.0 3.0", "data=\"1.0 -3.0"),
+      "numeric 'command_limits' is \"1 -3 4 20\"; write 4 numbers: largest speed (m/s), yaw "
+      "rate (rad/s), acceleration (m/s^2) and yaw acceleration (rad/s^2), all above 0 [SL0801]");
 }
 
 TEST(WorldErrors, AJointWithoutAWheel) {
-  EXPECT_EQ(complaint_of_vehicle("<geom name=\"wheel_front_left\" class=\"wheel\"/>",
-                                 "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>"),
-            "joint 'wheel_front_left' turns a body without a geom; " + kIncludeRemedy);
+  EXPECT_EQ(
+      complaint_of_vehicle("<geom name=\"wheel_front_left\" class=\"wheel\"/>",
+                           "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>"),
+      "joint 'wheel_front_left' turns a body without a geom; " + kIncludeRemedy + " [SL0801]");
 }
 
 TEST(WorldErrors, ATimestepTooLong) {
   EXPECT_EQ(complaint_of_vehicle("timestep=\"0.002\"", "timestep=\"0.05\""),
-            "has a timestep of 0.05 s; write <option timestep=\"0.002\"/>, at most 0.01");
+            "has a timestep of 0.05 s; write <option timestep=\"0.002\"/>, at most 0.01 [SL0801]");
 }
 
 TEST(WorldErrors, WithoutAFloor) {
-  EXPECT_EQ(complaint(kArena, ""),
-            "has no geom 'floor'; write <geom name=\"floor\" type=\"plane\" size=\"4 4 0.1\"/>");
+  EXPECT_EQ(
+      complaint(kArena, ""),
+      "has no geom 'floor'; write <geom name=\"floor\" type=\"plane\" size=\"4 4 0.1\"/> [SL0801]");
 }
 
 TEST(WorldErrors, TheArenasOutline) {
@@ -131,24 +135,25 @@ TEST(WorldErrors, TheArenasOutline) {
   EXPECT_EQ(complaint("", kFloor),
             "has no numeric 'arena'; write <custom><numeric name=\"arena\" data=\"...\"/></custom> "
             "with 4 numbers: " +
-                meaning);
+                meaning + " [SL0801]");
   EXPECT_EQ(complaint(R"(<numeric name="arena" data="3 3"/>)", kFloor),
-            "numeric 'arena' is \"3 3\"; write 4 numbers: " + meaning);
+            "numeric 'arena' is \"3 3\"; write 4 numbers: " + meaning + " [SL0801]");
   EXPECT_EQ(complaint(R"(<numeric name="arena" data="3 3 -3 -3"/>)", kFloor),
-            "numeric 'arena' is \"3 3 -3 -3\", which is empty; write " + meaning);
+            "numeric 'arena' is \"3 3 -3 -3\", which is empty; write " + meaning + " [SL0801]");
 }
 
 TEST(WorldErrors, Obstacles) {
   const std::string shapes =
       "obstacle 'obstacle_a' has a geom that is not an upright box or cylinder; write type=\"box\" "
       "or "
-      "type=\"cylinder\" and turn it about z only";
+      "type=\"cylinder\" and turn it about z only [SL0801]";
   const auto of = [](const std::string& body) { return complaint(kArena, kFloor + body); };
   EXPECT_EQ(of(R"(<body name="obstacle_a"><geom type="sphere" size="0.2"/></body>)"), shapes);
   EXPECT_EQ(of(R"(<body name="obstacle_a" euler="90 0 0"><geom type="box" size="1 1 1"/></body>)"),
             shapes);
-  EXPECT_EQ(of(R"(<body name="obstacle_a"><joint/><geom type="box" size="1 1 1"/></body>)"),
-            "obstacle 'obstacle_a' can move; make it a child of <worldbody> without joints");
+  EXPECT_EQ(
+      of(R"(<body name="obstacle_a"><joint/><geom type="box" size="1 1 1"/></body>)"),
+      "obstacle 'obstacle_a' can move; make it a child of <worldbody> without joints [SL0801]");
 }
 
 TEST(WorldErrors, Lamps) {
@@ -158,9 +163,9 @@ TEST(WorldErrors, Lamps) {
       complaint(kArena + kStart, kFloor + site),
       "has no numeric 'lamp_1'; write <custom><numeric name=\"lamp_1\" data=\"...\"/></custom> "
       "with 1 numbers: " +
-          intensity);
+          intensity + " [SL0801]");
   EXPECT_EQ(complaint(kArena + kStart + R"(<numeric name="lamp_1" data="-2"/>)", kFloor + site),
-            "numeric 'lamp_1' is \"-2\"; write 1 number: " + intensity);
+            "numeric 'lamp_1' is \"-2\"; write 1 number: " + intensity + " [SL0801]");
 }
 
 TEST(WorldErrors, PhotodiodesAreNeededWhereThereAreLamps) {
@@ -177,14 +182,14 @@ TEST(WorldErrors, PhotodiodesAreNeededWhereThereAreLamps) {
       message<ConfigurationError>(world),
       EndsWith("has no site 'light_right'; a world with lamps needs it: include the shipped "
                "vehicle, or write <site name=\"light_left\"/> and \"light_right\" into body "
-               "'vehicle', x along the diode's normal"));
+               "'vehicle', x along the diode's normal [SL0801]"));
 }
 
 TEST(WorldErrors, Cues) {
   const std::string remedy =
       "body 'cue' is put in one of several places by the seed; write mocap=\"true\" in it, and "
       "<custom><numeric name=\"cue_place_1\" data=\"X Y HEADING\"/></custom>, cue_place_2 and so "
-      "on";
+      "on [SL0801]";
   const std::string place = R"(<numeric name="cue_place_1" data="1 0 0"/>)";
   EXPECT_EQ(complaint(kArena + kStart,
                       kFloor + R"(<body name="cue" mocap="true"><geom size="0.1"/></body>)"),
@@ -202,16 +207,16 @@ TEST(WorldErrors, TooManyObstacles) {
   }
   EXPECT_EQ(complaint(kArena, bodies),
             "its 3 obstacles do not fit into the arena with 0.9 m between them (seed 1); write "
-            "fewer or smaller obstacles, a larger arena or a smaller numeric 'passage'");
+            "fewer or smaller obstacles, a larger arena or a smaller numeric 'passage' [SL0801]");
 }
 
 TEST(WorldErrors, NoRoomToStart) {
   EXPECT_EQ(complaint(kArena + R"(<numeric name="start_clearance" data="3.5"/>)", kFloor),
             "has no place that is 3.5 m away from every wall and obstacle (seed 1); write a "
-            "smaller numeric 'start_clearance' or fewer obstacles");
+            "smaller numeric 'start_clearance' or fewer obstacles [SL0801]");
   EXPECT_EQ(complaint(kArena + R"(<numeric name="start" data="2.9 0 0"/>)", kFloor),
             "numeric 'start' = (2.9, 0) is nearer than the vehicle's radius of 0.234 m to a wall "
-            "or an obstacle; write a free place");
+            "or an obstacle; write a free place [SL0801]");
 }
 
 TEST(PhysicsErrors, AnUnstableWorldSaysSo) {
@@ -230,7 +235,7 @@ TEST(PhysicsErrors, AnUnstableWorldSaysSo) {
         error.what(),
         AllOf(StartsWith("node 'vehicle': the physics of " + world.path() + " became unstable at "),
               EndsWith("; write a smaller <option timestep=\"...\"/> (now 2 ms) or weaker "
-                       "actuators")));
+                       "actuators [SL0704]")));
   }
 }
 
@@ -240,7 +245,7 @@ TEST(PhysicsErrors, AnErrorInsideMujocoIsThrown) {
     mju_error("out of memory");
     FAIL();
   } catch (const NodeError& error) {
-    EXPECT_STREQ(error.what(), "node 'vehicle': MuJoCo stopped: out of memory");
+    EXPECT_STREQ(error.what(), "node 'vehicle': MuJoCo stopped: out of memory [SL0704]");
   }
 }
 

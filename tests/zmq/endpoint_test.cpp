@@ -30,12 +30,12 @@ TEST(Publisher, NeedsAnAddress) {
               Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
             }),
             "zmq_addr 'tcp://*:99999' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface");
+            "tcp://*:PORT to publish on every interface [SL0501]");
   EXPECT_EQ(message_of([] {
               Publisher({"5555", "FloatArray", 0, 0, 1});
             }),
             "zmq_addr '5555' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface");
+            "tcp://*:PORT to publish on every interface [SL0501]");
 }
 
 TEST(Publisher, NeedsAPlaceOfItsOwn) {
@@ -44,7 +44,7 @@ TEST(Publisher, NeedsAPlaceOfItsOwn) {
   };
   const std::string remedy =
       "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 to publish "
-      "on every interface";
+      "on every interface [SL0501]";
   EXPECT_EQ(problem("tcp://localhost:5599"),
             "zmq_addr 'tcp://localhost:5599' is not an address to publish at; " + remedy);
   EXPECT_EQ(problem("tcp://[::1]:5599"),
@@ -52,11 +52,12 @@ TEST(Publisher, NeedsAPlaceOfItsOwn) {
   EXPECT_NO_THROW(Publisher({"tcp://lo:*", "FloatArray", 0, 0, 1}));
   const std::string far = "ipc:///" + std::string(107, 'x');
   EXPECT_EQ(problem(far),
-            "zmq_addr '" + far + "' has a path of 108 bytes; write one of at most 107");
+            "zmq_addr '" + far + "' has a path of 108 bytes; write one of at most 107 [SL0501]");
   const test::TemporaryDirectory directory;
   const std::string file = "ipc://" + directory.write("w.json", "[[1]]");
-  EXPECT_EQ(problem(file), "zmq_addr '" + file +
-                               "' is the path of something else than a socket; write another one");
+  EXPECT_EQ(problem(file),
+            "zmq_addr '" + file +
+                "' is the path of something else than a socket; write another one [SL0501]");
   EXPECT_TRUE(std::filesystem::is_regular_file(directory.path() / "w.json"));
 }
 
@@ -75,7 +76,8 @@ TEST(Publisher, SaysWhenItsPortIsTaken) {
   EXPECT_EQ(message_of([&] {
               Publisher({address, "FloatArray", 0, 0, 1});
             }),
-            "cannot bind " + address + ": Address already in use; write another port in zmq_addr");
+            "cannot bind " + address +
+                ": Address already in use; write another port in zmq_addr [SL0501]");
 }
 
 TEST(Publisher, AFileThatIsTakenIsNotTakenOver) {
@@ -84,9 +86,9 @@ TEST(Publisher, AFileThatIsTakenIsNotTakenOver) {
   const PublisherSettings settings{address, "FloatArray", 0, 0, 1};
   {
     const Publisher first(settings);
-    EXPECT_EQ(
-        message_of([&] { Publisher second(settings); }),
-        "cannot bind " + address + ": Address already in use; write another path in zmq_addr");
+    EXPECT_EQ(message_of([&] { Publisher second(settings); }),
+              "cannot bind " + address +
+                  ": Address already in use; write another path in zmq_addr [SL0501]");
   }
   EXPECT_NO_THROW(Publisher{settings}) << "what the first has left is no hindrance";
 }
@@ -96,11 +98,12 @@ TEST(Publisher, AGymCommandNeedsARange) {
               Publisher({"tcp://127.0.0.1:1", "GymCommand", 1, 1, 1});
             }),
             "a GymCommand carries its range, but min is 1 and max 1; write min below max, as in "
-            "min=-1 and max=1");
-  EXPECT_EQ(message_of([] {
-              Publisher({"tcp://127.0.0.1:1", "Twist", 0, 0, 1});
-            }),
-            "message_type 'Twist' is not known; write message_type=GymCommand or FloatArray");
+            "min=-1 and max=1 [SL0206]");
+  EXPECT_EQ(
+      message_of([] {
+        Publisher({"tcp://127.0.0.1:1", "Twist", 0, 0, 1});
+      }),
+      "message_type 'Twist' is not known; write message_type=GymCommand or FloatArray [SL0502]");
 }
 
 TEST(Subscriber, NeedsAnAddress) {
@@ -108,16 +111,17 @@ TEST(Subscriber, NeedsAnAddress) {
               Subscriber({"localhost:5555", "FloatArray", 1});
             }),
             "zmq_addr 'localhost:5555' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface");
+            "tcp://*:PORT to publish on every interface [SL0501]");
   EXPECT_EQ(message_of([] {
               Subscriber({"tcp://*:5555", "FloatArray", 1});
             }),
             "zmq_addr 'tcp://*:5555' names no host to connect to; write it, as in "
-            "tcp://localhost:5555");
-  EXPECT_EQ(message_of([] {
-              Subscriber({"tcp://localhost:5555", "", 1});
-            }),
-            "message_type '' is not known; write message_type=GymObservation or FloatArray");
+            "tcp://localhost:5555 [SL0501]");
+  EXPECT_EQ(
+      message_of([] {
+        Subscriber({"tcp://localhost:5555", "", 1});
+      }),
+      "message_type '' is not known; write message_type=GymObservation or FloatArray [SL0502]");
 }
 
 }  // namespace

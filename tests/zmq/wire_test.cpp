@@ -96,7 +96,7 @@ TEST(ObservationReader, MessagesThatDoNotFitAreCroppedWithOneWarningOrRefused) {
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
                  "a message brought 1 values, but the port has 2 channels; write [1] in its "
-                 "connection");
+                 "connection [SL0505]");
   }
 }
 
@@ -115,7 +115,7 @@ TEST(ObservationReader, NamesItsTypes) {
   } catch (const ConfigurationError& error) {
     EXPECT_STREQ(error.what(),
                  "message_type 'LaserScan' is not known; write message_type=GymObservation or "
-                 "FloatArray");
+                 "FloatArray [SL0502]");
   }
 }
 

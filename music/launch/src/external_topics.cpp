@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -130,9 +131,10 @@ class ExternalTopicsCheck {
     if (!is_new) {
       findings_.push_back(error_at(
           key->where,
-          fmt::format("'{}' and '{}' have the ros_node_name {}, and ROS would end the one that "
-                      "comes first; write another ros_node_name in one of them",
-                      first->second->label, section.label, key->value)));
+          with_code(Code::topic_conflict,
+                    "'{}' and '{}' have the ros_node_name {}, and ROS would end the one that "
+                    "comes first; write another ros_node_name in one of them",
+                    first->second->label, section.label, key->value)));
     }
   }
 
@@ -148,12 +150,16 @@ class ExternalTopicsCheck {
     if (program.ros) {
       findings_.push_back(warning_at(
           place.where,
-          both + ", and the robot obeys both in turn; write another ros_topic in one of them",
+          with_code(Code::topic_conflict,
+                    "{}, and the robot obeys both in turn; write another ros_topic in one of them",
+                    both),
           strict_));
     } else {
-      findings_.push_back(
-          error_at(place.where,
-                   both + ", which only one program can; write another zmq_addr in one of them"));
+      findings_.push_back(error_at(
+          place.where,
+          with_code(Code::topic_conflict,
+                    "{}, which only one program can; write another zmq_addr in one of them",
+                    both)));
     }
   }
 
@@ -165,9 +171,10 @@ class ExternalTopicsCheck {
     const MusicKey* key = file_.find_key(listener, "ros_topic");
     findings_.push_back(warning_at(
         key == nullptr ? listener.where : key->where,
-        fmt::format("'{}' subscribes to {}, which '{}' publishes: the job hears itself; write "
-                    "another ros_topic in one of them",
-                    listener.label, topic.second, writer->second->label),
+        with_code(Code::topic_conflict,
+                  "'{}' subscribes to {}, which '{}' publishes: the job hears itself; write "
+                  "another ros_topic in one of them",
+                  listener.label, topic.second, writer->second->label),
         strict_));
   }
 

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <thread>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::launch {
@@ -64,10 +65,10 @@ void refuse_pipes(const std::string& path) {
     const auto kind = fs::status(entry.path(), ignored).type();
     if (kind == fs::file_type::fifo || kind == fs::file_type::character ||
         kind == fs::file_type::block) {
-      throw FileError(
-          fmt::format("cannot write into the run folder: '{}' in it is a pipe or a "
-                      "device; take it away, or give another folder with --out",
-                      entry.path().string()));
+      throw FileError(with_code(Code::no_access,
+                                "cannot write into the run folder: '{}' in it is a pipe or a "
+                                "device; take it away, or give another folder with --out",
+                                entry.path().string()));
     }
   }
 }
@@ -79,10 +80,10 @@ status::Descriptor lock_folder(const std::string& path, const std::string& as_wr
   status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   // Some network file systems know no such locks: then there is none.
   if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    throw FileError(
-        fmt::format("another run that has not ended writes to the folder '{}'; wait "
-                    "for its end, or give another folder with --out",
-                    as_written));
+    throw FileError(with_code(Code::no_access,
+                              "another run that has not ended writes to the folder '{}'; wait "
+                              "for its end, or give another folder with --out",
+                              as_written));
   }
   return folder;
 }
@@ -90,10 +91,10 @@ status::Descriptor lock_folder(const std::string& path, const std::string& as_wr
 void refuse_to_overwrite(const std::string& file, const std::string& path) {
   std::error_code ignored;
   if (fs::equivalent(file, path, ignored)) {
-    throw ConfigurationError(
-        "the file '" + file +
-        "' would be overwritten with what is made from it; give another folder "
-        "with --out");
+    throw ConfigurationError(with_code(Code::no_access,
+                                       "the file '{}' would be overwritten with what is made from "
+                                       "it; give another folder with --out",
+                                       file));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 
@@ -22,7 +23,7 @@ constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
 constexpr TimeNs kLongestEnd = 4 * kNsPerSecond;
 
 [[noreturn]] void fail(const std::string& reason) {
-  throw TransportError(fmt::format("cannot start '{}': {}", kProgram, reason));
+  throw TransportError(with_code(Code::partner_failed, "cannot start '{}': {}", kProgram, reason));
 }
 
 struct Connection {
@@ -109,7 +110,7 @@ void GuardProcess::await_listening() {
     take(news.packet);
   }
   kill();
-  fail(fmt::format("it does not listen within {}", format_time(kLongestStart)));
+  fail(with_code(Code::partner_failed, "it does not listen within {}", format_time(kLongestStart)));
 }
 
 GuardProcess::~GuardProcess() {

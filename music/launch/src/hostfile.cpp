@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::launch {
@@ -75,18 +76,20 @@ std::string plain_line(std::string line, bool& inside) {
 std::string check_line(const std::string& line, const Location& where) {
   if (line.ends_with('\r')) {
     throw ConfigurationError(
-        where, fmt::format("the line ends as on Windows; write  sed -i 's/\\r$//' {}", where.file));
+        where, with_code(Code::syntax, "the line ends as on Windows; write  sed -i 's/\\r$//' {}",
+                         where.file));
   }
   std::istringstream words(line);
   std::string host;
   if (words >> host && !is_host(host)) {
-    throw ConfigurationError(where,
-                             fmt::format("'{}' is not a valid host name; {}", host, kExample));
+    throw ConfigurationError(
+        where, with_code(Code::invalid_name, "'{}' is not a valid host name; {}", host, kExample));
   }
   for (std::string word; words >> word;) {
     if (!is_option(word)) {
       throw ConfigurationError(
-          where, fmt::format("'{}' is none of Open MPI's options of a host; {}", word, kExample));
+          where, with_code(Code::unknown_key, "'{}' is none of Open MPI's options of a host; {}",
+                           word, kExample));
     }
   }
   return host;
@@ -98,7 +101,8 @@ void check_hostfile(const std::string& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw FileError(fmt::format("cannot read the hostfile '{}': not a regular file", path));
+    throw FileError(
+        with_code(Code::no_access, "cannot read the hostfile '{}': not a regular file", path));
   }
   std::ifstream file(path);
   if (!file) {
@@ -117,17 +121,18 @@ void check_hostfile(const std::string& path) {
     const bool has_slots = line.find("slots") != std::string::npos;
     const auto [first, is_new] = lines.emplace(host, where.line);
     if (!is_new && (has_slots || counted.contains(host))) {
-      throw ConfigurationError(where, fmt::format("the host '{}' stands in line {} already; write "
-                                                  "it once, with all its slots",
-                                                  host, first->second));
+      throw ConfigurationError(where, with_code(Code::duplicate_name,
+                                                "the host '{}' stands in line {} already; write "
+                                                "it once, with all its slots",
+                                                host, first->second));
     }
     if (has_slots) {
       counted.insert(host);
     }
   }
   if (lines.empty()) {
-    throw ConfigurationError(Location{path},
-                             fmt::format("the hostfile names no host; {}", kExample));
+    throw ConfigurationError(
+        Location{path}, with_code(Code::missing_key, "the hostfile names no host; {}", kExample));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "cycles.hpp"
 #include "external_topics.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
@@ -67,9 +68,10 @@ class TogetherCheck {
       if (all_ours(file_) && !meant.empty()) {
         findings_.push_back(
             warning_at(key.where,
-                       fmt::format("unknown key '{}' at the top of the file; did you mean "
-                                   "'{}'?; it is ignored",
-                                   key.name, meant),
+                       with_code(Code::unknown_key,
+                                 "unknown key '{}' at the top of the file; did you mean "
+                                 "'{}'?; it is ignored",
+                                 key.name, meant),
                        strict_));
       }
     }
@@ -102,9 +104,10 @@ class TogetherCheck {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line == 0) {
       findings_.push_back(
-          error_at({}, fmt::format("--duration {} is less than the tick of {}; write a "
-                                   "longer one, or a shorter music_timestep",
-                                   key->value, format_time(tick_of(file_, section)))));
+          error_at({}, with_code(Code::out_of_bounds,
+                                 "--duration {} is less than the tick of {}; write a "
+                                 "longer one, or a shorter music_timestep",
+                                 key->value, format_time(tick_of(file_, section)))));
     }
   }
 
@@ -112,10 +115,11 @@ class TogetherCheck {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line != 0) {
       findings_.push_back(error_at(
-          key->where, fmt::format("'{}' runs for {}, less than its tick of {}; write a longer "
-                                  "stoptime, or a shorter music_timestep",
-                                  section.label, format_time(stop_time(file_, section).value_or(0)),
-                                  format_time(tick_of(file_, section)))));
+          key->where, with_code(Code::out_of_bounds,
+                                "'{}' runs for {}, less than its tick of {}; write a longer "
+                                "stoptime, or a shorter music_timestep",
+                                section.label, format_time(stop_time(file_, section).value_or(0)),
+                                format_time(tick_of(file_, section)))));
     }
   }
 
@@ -125,10 +129,10 @@ class TogetherCheck {
     if (tick_a != tick_b) {
       findings_.push_back(error_at(
           where(b, "music_timestep"),
-          fmt::format(
-              "the tick of '{}' is {}, but that of '{}' is {}; MUSIC exchanges less and less "
-              "often between unequal ticks: write one music_timestep at the top of the file",
-              b.label, format_time(tick_b), a.label, format_time(tick_a))));
+          with_code(Code::music_job,
+                    "the tick of '{}' is {}, but that of '{}' is {}; MUSIC exchanges less and less "
+                    "often between unequal ticks: write one music_timestep at the top of the file",
+                    b.label, format_time(tick_b), a.label, format_time(tick_a))));
     }
   }
 
@@ -141,8 +145,9 @@ class TogetherCheck {
     if (length_a != length_b) {
       findings_.push_back(warning_at(
           where(b, "stoptime"),
-          fmt::format("'{}' runs {}, but '{}' {}; write one stoptime at the top of the file",
-                      b.label, text(length_b), a.label, text(length_a)),
+          with_code(Code::music_job,
+                    "'{}' runs {}, but '{}' {}; write one stoptime at the top of the file", b.label,
+                    text(length_b), a.label, text(length_a)),
           strict_));
     }
   }
@@ -152,9 +157,10 @@ class TogetherCheck {
     if (barrier_a == says(file_, b, "barrier", "false")) {
       findings_.push_back(error_at(
           where(b, "barrier"),
-          fmt::format("'{}' waits at the barrier before the first tick, '{}' does not, and the job "
-                      "would hang; write one  barrier=  at the top of the file",
-                      barrier_a ? a.label : b.label, barrier_a ? b.label : a.label)));
+          with_code(Code::music_job,
+                    "'{}' waits at the barrier before the first tick, '{}' does not, and the job "
+                    "would hang; write one  barrier=  at the top of the file",
+                    barrier_a ? a.label : b.label, barrier_a ? b.label : a.label)));
     }
   }
 
@@ -167,10 +173,11 @@ class TogetherCheck {
     if (std::any_of(file_.connections.begin(), file_.connections.end(), sends)) {
       findings_.push_back(warning_at(
           where(section, "np"),
-          fmt::format("'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
-                      "write np=1, unless the program sends from its first "
-                      "process only",
-                      section.label, file_.processes(section)),
+          with_code(Code::music_job,
+                    "'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
+                    "write np=1, unless the program sends from its first "
+                    "process only",
+                    section.label, file_.processes(section)),
           strict_));
     }
   }
@@ -186,9 +193,10 @@ class TogetherCheck {
       if (!is_new && sender != nullptr && first->second->width != connection.width) {
         findings_.push_back(
             error_at(connection.where,
-                     fmt::format("the output '{}' has another width in line {}; write the same "
-                                 "[width] in both",
-                                 first->first, first->second->where.line)));
+                     with_code(Code::widths_differ,
+                               "the output '{}' has another width in line {}; write the same "
+                               "[width] in both",
+                               first->first, first->second->where.line)));
       }
     }
   }
@@ -210,11 +218,11 @@ class TogetherCheck {
     const bool ours = find_program(file_, connection.from_app) != nullptr ||
                       find_program(file_, connection.to_app) != nullptr;
     if (ours && connection.width == 0U) {
-      findings_.push_back(
-          error_at(connection.where,
-                   fmt::format("the connection '{}' has width 0; write at least 1 (0 is for "
-                               "message ports between other programs)",
-                               describe(connection))));
+      findings_.push_back(error_at(
+          connection.where, with_code(Code::unknown_width,
+                                      "the connection '{}' has width 0; write at least 1 (0 is for "
+                                      "message ports between other programs)",
+                                      describe(connection))));
     }
   }
 

@@ -1,8 +1,11 @@
 // The part of a run that stops the robot when nothing else does.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "guard_process.hpp"
 #include "job_run.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -34,7 +37,7 @@ void JobRun::start_guard() {
                                             });
     ros_environment_[guard::kSocketVariable] = guard_socket(scratch_.path());
   } catch (const TransportError& error) {
-    log::warning("{}; {}", error.what(), kUnguarded);
+    log::warning("{}", lengthened(error.what(), fmt::format("; {}", kUnguarded)));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "external_topics.hpp"
 #include "job_run.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/effective_file.hpp"
@@ -151,11 +152,13 @@ bool JobRun::find_master() {
     if (!options_.roscore) {
       if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
         throw TransportError(
-            fmt::format("no ROS master answers at {}: {}, or write another address into "
-                        "ROS_MASTER_URI",
-                        master.uri(), unresolved));
+            with_code(Code::no_ros_master,
+                      "no ROS master answers at {}: {}, or write another address into "
+                      "ROS_MASTER_URI",
+                      master.uri(), unresolved));
       }
-      throw TransportError(fmt::format(
+      throw TransportError(with_code(
+          Code::no_ros_master,
           "no ROS master answers at {}; start one (roscore), write its address into "
           "ROS_MASTER_URI, or {}",
           master.uri(),
@@ -189,17 +192,17 @@ bool JobRun::start_rosmaster() {
       return true;
     }
     if (!rosmaster_->gone()) {
-      throw TransportError(fmt::format("rosmaster has not begun to answer within {} s{}",
-                                       kRosStart.count() / 1000,
-                                       rosmaster_trouble(*rosmaster_, master)));
+      throw TransportError(
+          with_code(Code::no_ros_master, "rosmaster has not begun to answer within {} s{}",
+                    kRosStart.count() / 1000, rosmaster_trouble(*rosmaster_, master)));
     }
     if (!master.unresolved().empty()) {
       break;  // another port would not help
     }
   }
   throw TransportError(
-      "rosmaster ended before it answered" +
-      rosmaster_trouble(*rosmaster_, RosMaster(ros_environment_["ROS_MASTER_URI"])));
+      with_code(Code::no_ros_master, "rosmaster ended before it answered{}",
+                rosmaster_trouble(*rosmaster_, RosMaster(ros_environment_["ROS_MASTER_URI"]))));
 }
 
 /// Says so when a master still knows a robot that has gone.
@@ -249,10 +252,12 @@ bool JobRun::start_robot() {
   } else if (robot_->gone()) {
     const int code = exit_code(robot_->tree().status().value_or(1));
     fail(exit_code_without_robot(code),
-         fmt::format("robot: ended with exit code {}{}", code, last_line(*robot_)));
+         with_code(Code::partner_failed, "robot: ended with exit code {}{}", code,
+                   last_line(*robot_)));
   } else if (!outcome_ && !drives()) {
-    fail(TransportError::kExitCode, fmt::format("robot: has not begun within {} s{}",
-                                                kRosStart.count() / 1000, last_line(*robot_)));
+    fail(TransportError::kExitCode,
+         with_code(Code::partner_failed, "robot: has not begun within {} s{}",
+                   kRosStart.count() / 1000, last_line(*robot_)));
   }
   return !outcome_;
 }

@@ -10,6 +10,7 @@
 #include "descendants.hpp"
 #include "guard_process.hpp"
 #include "section_checks.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -205,17 +206,18 @@ void JobRun::supervise() {
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
   if (!options_.program.empty() && code == 0 && !outcome_ && !state_.all_reported()) {
-    fail(3,
-         fmt::format("{} has ended before its time, and has not said why; look for an exit() in a "
-                     "plug-in",
-                     options_.program.front()));
+    fail(3, with_code(Code::partner_failed,
+                      "{} has ended before its time, and has not said why; look for an exit() in a "
+                      "plug-in",
+                      options_.program.front()));
   }
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
     const Failure failure = state_.explain({code, WIFSIGNALED(status), missed, starter()});
     const bool far = !options_.hostfile.empty() && !state_.any_started();
     fail(failure.exit_code,
-         failure.message + (far ? fmt::format("; see {}/mpirun.log", folder_) : ""));
+         far ? lengthened(failure.message, fmt::format("; see {}/mpirun.log", folder_))
+             : failure.message);
   }
   if (const auto reason = state_.stood_at_end()) {
     fail(3, *reason);
@@ -243,11 +245,11 @@ void JobRun::watch_start() {
   }
   const bool explained = reason.find(kLastLine) != std::string::npos;
   const double limit_s = std::chrono::duration<double>(options_.start_timeout).count();
-  fail(3, fmt::format("the job has not begun{}; {}{}",
-                      too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
-                      before_setup || !options_.program.empty() || explained
-                          ? ""
-                          : fmt::format(". {}", kBarrierAdvice)));
+  fail(3, with_code(Code::partner_failed, "the job has not begun{}; {}{}",
+                    too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
+                    before_setup || !options_.program.empty() || explained
+                        ? ""
+                        : fmt::format(". {}", kBarrierAdvice)));
   mpirun_->tree().end();
 }
 
@@ -274,9 +276,10 @@ void JobRun::watch_progress() {
   const auto longest = options_.stall_timeout;
   const std::string still = longest.count() == 0 ? "" : state_.who_stands_still(longest);
   if (!still.empty()) {
-    fail(3, fmt::format("the job has stood still for {:g} s, {}. A program whose ticks take longer "
-                        "needs a longer --stall-timeout",
-                        std::chrono::duration<double>(longest).count(), still));
+    fail(3, with_code(Code::partner_failed,
+                      "the job has stood still for {:g} s, {}. A program whose ticks take longer "
+                      "needs a longer --stall-timeout",
+                      std::chrono::duration<double>(longest).count(), still));
     mpirun_->tree().end();
   }
 }
@@ -327,8 +330,8 @@ void JobRun::watch_robot() {
   }
   const std::string& last = robot_->error_tail();
   fail(exit_code_without_robot(code),
-       fmt::format("robot: ended before the job, with exit code {}{}", code,
-                   last.empty() ? "" : "; its last line: " + last));
+       with_code(Code::partner_failed, "robot: ended before the job, with exit code {}{}", code,
+                 last.empty() ? "" : "; its last line: " + last));
 }
 
 void JobRun::watch_end() {

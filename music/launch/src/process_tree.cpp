@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "subreaper.hpp"
 
@@ -23,8 +24,8 @@ struct Pair {
 };
 
 [[noreturn]] void fail(const ProgramStart& start, int reason) {
-  throw TransportError(
-      fmt::format("cannot start '{}': {}", start.arguments.at(0), std::strerror(reason)));
+  throw TransportError(with_code(Code::program, "cannot start '{}': {}", start.arguments.at(0),
+                                 std::strerror(reason)));
 }
 
 Pair make_pipe(const ProgramStart& start) {

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/effective_file.hpp"
@@ -74,7 +75,8 @@ class ProgramCheck {
     const std::string from = working_directory(file_, section, directory_);
     if (std::error_code ignored; !fs::is_directory(from, ignored)) {
       add(section, wd == nullptr ? binary : *wd,
-          fmt::format("there is no directory '{}' to run in; make it, or leave out wd", from));
+          with_code(Code::program, "there is no directory '{}' to run in; make it, or leave out wd",
+                    from));
       return;
     }
     const std::string found = find_executable(binary.value, from, path_);
@@ -83,11 +85,12 @@ class ProgramCheck {
     } else if (const MusicKey* args = file_.find_key(section, "args");
                args != nullptr && !args->value.empty() && is_interpreter(program_of(section))) {
       add(section, binary,
-          fmt::format("binary={} would run the .music file instead of '{}', because MUSIC hands a "
-                      "program its args only later; write  binary=./{}  and make that file begin "
-                      "with '#!/usr/bin/env {}' and executable (chmod +x)",
-                      binary.value, args->value, args->value.substr(0, args->value.find(' ')),
-                      program_of(section)));
+          with_code(Code::program,
+                    "binary={} would run the .music file instead of '{}', because MUSIC hands a "
+                    "program its args only later; write  binary=./{}  and make that file begin "
+                    "with '#!/usr/bin/env {}' and executable (chmod +x)",
+                    binary.value, args->value, args->value.substr(0, args->value.find(' ')),
+                    program_of(section)));
     } else {
       check_script(section, binary, found);
     }
@@ -98,22 +101,23 @@ class ProgramCheck {
     if (name.find('/') == std::string::npos) {
       const std::string suggestion = nearest(name, own_programs());
       add(section, binary,
-          fmt::format("there is no program '{}' in PATH; {}", name,
-                      suggestion.empty() ? fmt::format("install it, or write its path (./{})", name)
-                                         : fmt::format("did you mean '{}'?", suggestion)));
+          with_code(Code::program, "there is no program '{}' in PATH; {}", name,
+                    suggestion.empty() ? fmt::format("install it, or write its path (./{})", name)
+                                       : fmt::format("did you mean '{}'?", suggestion)));
       return;
     }
     const fs::path whole = fs::path(from) / name;
     if (std::error_code ignored; fs::is_regular_file(whole, ignored)) {
       add(section, binary,
-          fmt::format("'{0}' is there, but is not executable; write  chmod +x {0}", name));
+          with_code(Code::program, "'{0}' is there, but is not executable; write  chmod +x {0}",
+                    name));
     } else {
       const std::string own = whole.filename().string();
       add(section, binary,
-          fmt::format("there is no program '{}', seen from '{}'; write {}", name, from,
-                      std::ranges::count(own_programs(), own) > 0
-                          ? fmt::format("binary={}, which Spikeloop has", own)
-                          : "a path from there, or a name that is in PATH"));
+          with_code(Code::program, "there is no program '{}', seen from '{}'; write {}", name, from,
+                    std::ranges::count(own_programs(), own) > 0
+                        ? fmt::format("binary={}, which Spikeloop has", own)
+                        : "a path from there, or a name that is in PATH"));
     }
   }
 
@@ -129,17 +133,18 @@ class ProgramCheck {
     }
     if (!line.starts_with("#!")) {
       add(section, binary,
-          fmt::format(
-              "'{}' is neither a program nor a script that says what runs it; write a first "
-              "line like '#!/usr/bin/python3'",
-              binary.value));
+          with_code(Code::program,
+                    "'{}' is neither a program nor a script that says what runs it; write a first "
+                    "line like '#!/usr/bin/python3'",
+                    binary.value));
       return;
     }
     if (line.ends_with('\r')) {
       add(section, binary,
-          fmt::format("the first line of '{0}' ends as on Windows, and its interpreter will not be "
-                      "found; write  sed -i 's/\\r$//' {0}",
-                      binary.value));
+          with_code(Code::program,
+                    "the first line of '{0}' ends as on Windows, and its interpreter will not be "
+                    "found; write  sed -i 's/\\r$//' {0}",
+                    binary.value));
       return;
     }
     const std::size_t begin = line.find_first_not_of(" \t", 2);
@@ -148,9 +153,10 @@ class ProgramCheck {
                                    : line.substr(begin, line.find_first_of(" \t", begin) - begin);
     if (access(interpreter.c_str(), X_OK) != 0) {
       add(section, binary,
-          fmt::format("the first line of '{}' names '{}', which is not there; install it, or write "
-                      "'#!/usr/bin/python3'",
-                      binary.value, interpreter));
+          with_code(Code::program,
+                    "the first line of '{}' names '{}', which is not there; install it, or write "
+                    "'#!/usr/bin/python3'",
+                    binary.value, interpreter));
     }
   }
 

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/status/status.hpp"
 
@@ -133,9 +134,10 @@ std::string text_value(std::string_view text) {
 MasterAddress parse_master_uri(std::string_view uri) {
   const auto fail = [uri]() -> ConfigurationError {
     return ConfigurationError(
-        fmt::format("ROS_MASTER_URI is '{}', which is not a master's address; write "
-                    "http://HOST:PORT, such as {}",
-                    uri, kDefaultMasterUri));
+        with_code(Code::no_ros_master,
+                  "ROS_MASTER_URI is '{}', which is not a master's address; write "
+                  "http://HOST:PORT, such as {}",
+                  uri, kDefaultMasterUri));
   };
   constexpr std::string_view kScheme = "http://";
   std::string_view rest = uri;
@@ -254,7 +256,8 @@ std::uint16_t free_port() {
   socklen_t size = sizeof address;
   auto* generic = reinterpret_cast<sockaddr*>(&address);
   if (bind(fd.get(), generic, size) != 0 || getsockname(fd.get(), generic, &size) != 0) {
-    throw TransportError(fmt::format("cannot find a free port (error {})", errno));
+    throw TransportError(
+        with_code(Code::no_ros_master, "cannot find a free port (error {})", errno));
   }
   return ntohs(address.sin_port);
 }

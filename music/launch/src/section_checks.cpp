@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -120,9 +121,10 @@ void SectionChecks::finish(Section& section) {
   if (!section.process->gone()) {
     section.process->tree().kill();
     findings.push_back(error_at(
-        {}, fmt::format("{}: has not checked its section within {:g} s; see whether one of "
-                        "its files is a pipe or a network drive that does not answer",
-                        section.label, std::chrono::duration<double>(kCheckDeadline).count())));
+        {}, with_code(Code::program,
+                      "{}: has not checked its section within {:g} s; see whether one of "
+                      "its files is a pipe or a network drive that does not answer",
+                      section.label, std::chrono::duration<double>(kCheckDeadline).count())));
     return;
   }
   const int code = exit_code(section.process->tree().status().value_or(0));

@@ -1,4 +1,5 @@
 #include "spikeloop/process/common_keys.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -35,8 +36,9 @@ void check_sync(const WrittenValues& written) {
       (sync->second.text == "sim_time" || sync->second.text == "lockstep")) {
     throw ConfigurationError(
         sync->second.where,
-        fmt::format("key 'sync': '{}' is not in this version; write realtime or unpaced",
-                    sync->second.text));
+        with_code(Code::unknown_choice,
+                  "key 'sync': '{}' is not in this version; write realtime or unpaced",
+                  sync->second.text));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "spikeloop/process/node_program.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -55,9 +56,10 @@ class NodeProgram {
     if (!node_class.description.shareable && (count > 1 || process_.share().parts > 1)) {
       throw ConfigurationError(
           process_.where_key(count > 1 ? "threads" : "np"),
-          fmt::format("np={} and threads={}, but a node of the class {} cannot be shared out; "
-                      "write np=1, and leave out threads",
-                      process_.share().parts, count, node_class.description.name));
+          with_code(Code::music_job,
+                    "np={} and threads={}, but a node of the class {} cannot be shared out; "
+                    "write np=1, and leave out threads",
+                    process_.share().parts, count, node_class.description.name));
     }
     return count;
   }

@@ -11,6 +11,7 @@
 #include "gathering.hpp"
 #include "process_impl.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/connection_faults.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/process/music_main.hpp"
@@ -275,8 +276,9 @@ void Process::Impl::check_processes() const {
   if (ranks.count != 1 && !defaults.many_processes) {
     throw ConfigurationError(
         file.where(label, "np"),
-        fmt::format("np={0} asks for {0} processes, but {1} runs in one; write  np=1", ranks.count,
-                    program));
+        with_code(Code::music_job,
+                  "np={0} asks for {0} processes, but {1} runs in one; write  np=1", ranks.count,
+                  program));
   }
 }
 
@@ -299,9 +301,10 @@ void Process::Impl::check_recordable(bool record) const {
   if (record && label.find('/') != std::string::npos) {
     throw ConfigurationError(
         file.where(label, "record"),
-        fmt::format("the section '{}' cannot be recorded: its file would be {}.h5; write a label "
-                    "without '/'",
-                    label, label));
+        with_code(Code::music_job,
+                  "the section '{}' cannot be recorded: its file would be {}.h5; write a label "
+                  "without '/'",
+                  label, label));
   }
 }
 
@@ -309,33 +312,37 @@ std::uint32_t Process::Impl::checked_width(const std::string& port, Direction di
   const auto use = file.port(label, port);
   const Location where = use ? use->connection->where : Location{};
   if (!is_connected(port)) {
-    throw ConfigurationError(fmt::format("port '{}.{}' is not connected; write  {}", label, port,
-                                         example(port, direction, "WIDTH")));
+    throw ConfigurationError(with_code(Code::not_connected,
+                                       "port '{}.{}' is not connected; write  {}", label, port,
+                                       example(port, direction, "WIDTH")));
   }
   if (use && use->direction != direction) {
     throw ConfigurationError(
         where,
-        fmt::format("'{}.{}' is {}, but the file uses it as {}; write  {}", label, port,
-                    side(direction), side(use->direction), example(port, direction, "WIDTH")));
+        with_code(Code::music_job, "'{}.{}' is {}, but the file uses it as {}; write  {}", label,
+                  port, side(direction), side(use->direction), example(port, direction, "WIDTH")));
   }
   const auto width = connection_width(port);
   if (width && *width > static_cast<int>(kMaximumChannels)) {
     throw ConfigurationError(
-        where, fmt::format("the connection of '{}.{}' has the width {}; write at most {}", label,
-                           port, *width, kMaximumChannels));
+        where, with_code(Code::unknown_width,
+                         "the connection of '{}.{}' has the width {}; write at most {}", label,
+                         port, *width, kMaximumChannels));
   }
   if (!width) {
     const std::string line =
         use ? describe(*use->connection) + " [100]" : example(port, direction, "100");
     throw ConfigurationError(
-        where, fmt::format("the connection {} '{}.{}' has no width; write  {}  for 100 channels",
-                           direction == Direction::input ? "to" : "from", label, port, line));
+        where, with_code(Code::unknown_width,
+                         "the connection {} '{}.{}' has no width; write  {}  for 100 channels",
+                         direction == Direction::input ? "to" : "from", label, port, line));
   }
   if (*width < 1) {
     throw ConfigurationError(
-        where, fmt::format("the connection of '{}.{}' has the width {}; write the number of its "
-                           "channels, at least 1",
-                           label, port, *width));
+        where, with_code(Code::unknown_width,
+                         "the connection of '{}.{}' has the width {}; write the number of its "
+                         "channels, at least 1",
+                         label, port, *width));
   }
   return static_cast<std::uint32_t>(*width);
 }
@@ -355,7 +362,8 @@ void Process::Impl::check_ports() const {
   }
   check_port_names({served.begin(), served.end()});
   if (served.empty()) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::not_connected,
         "no port of '{}' is connected, and MUSIC would wait for ever; connect one, or leave the "
         "section out",
         label));
@@ -367,14 +375,14 @@ void Process::Impl::check_arguments(bool strict) const {
   if (defaults.takes_arguments || !arguments || arguments->empty()) {
     return;
   }
-  const std::string message =
-      fmt::format("args={} is for {}, whose parameters are keys of the section; leave it out",
-                  *arguments, program);
+  const std::string message = with_code(
+      Code::music_job, "args={} is for {}, whose parameters are keys of the section; leave it out",
+      *arguments, program);
   if (strict) {
     throw ConfigurationError(file.where(label, "args"), message);
   }
   const std::string place = file.where(label, "args").text();
-  log::warning("{}{}{}; it is ignored", place, place.empty() ? "" : ": ", message);
+  log::warning("{}{}{}", place, place.empty() ? "" : ": ", lengthened(message, "; it is ignored"));
 }
 
 void Process::Impl::check_keys(bool strict) {
@@ -391,12 +399,14 @@ void Process::Impl::check_keys(bool strict) {
     if (known.contains(key)) {
       continue;
     }
-    const std::string message = fmt::format("unknown key '{}'{}", key, did_you_mean(key, names));
+    const std::string message =
+        with_code(Code::unknown_key, "unknown key '{}'{}", key, did_you_mean(key, names));
     if (strict) {
       throw ConfigurationError(file.where(label, key), message);
     }
     const std::string place = file.where(label, key).text();
-    log::warning("{}{}{}; it is ignored", place, place.empty() ? "" : ": ", message);
+    log::warning("{}{}{}", place, place.empty() ? "" : ": ",
+                 lengthened(message, "; it is ignored"));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "spikeloop/bag/recorder.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/trial.hpp"
@@ -31,7 +32,8 @@ void check_magic(const std::string& path) {
     throw FileError("read", path, errno);
   }
   if (first != kMagic) {
-    throw FileError(fmt::format(
+    throw FileError(with_code(
+        Code::no_access,
         "'{}' is not a bag of ROS 1: it does not begin with {}; write the path of a .bag that "
         "'rosbag info' reads (bags of ROS 2 are not in this version)",
         path, kMagic));
@@ -61,12 +63,14 @@ auto reading(const std::string& path, Work&& work) {
   } catch (const Error&) {
     throw;
   } catch (const rosbag::BagUnindexedException&) {
-    throw FileError(fmt::format(
+    throw FileError(with_code(
+        Code::no_access,
         "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}",
         path));
   } catch (const std::exception& error) {
-    throw FileError(fmt::format("'{}' is damaged: {}; 'rosbag check' and 'rosbag reindex' may help",
-                                path, error.what()));
+    throw FileError(with_code(Code::no_access,
+                              "'{}' is damaged: {}; 'rosbag check' and 'rosbag reindex' may help",
+                              path, error.what()));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "raw_message.hpp"
 #include "spikeloop/core/background.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -88,7 +89,7 @@ Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     impl_->bag->setChunkThreshold(kChunkBytes);
   } catch (const rosbag::BagException& error) {
     impl_->forsake_bag();
-    throw FileError(fmt::format("cannot write '{}': {}", path, error.what()));
+    throw FileError(with_code(Code::no_access, "cannot write '{}': {}", path, error.what()));
   }
   impl_->writer = background_thread([impl = impl_.get()] { impl->run(); });
 }
@@ -150,10 +151,10 @@ void Recorder::Impl::attempt(Work&& work) {
   try {
     work();
   } catch (const rosbag::BagIOException& error) {
-    fail(errno == 0 ? fmt::format("cannot write '{}': {}", path, error.what())
+    fail(errno == 0 ? with_code(Code::no_access, "cannot write '{}': {}", path, error.what())
                     : std::string(FileError("write", path, errno).what()));
   } catch (const std::exception& error) {
-    fail(fmt::format("cannot write '{}': {}", path, error.what()));
+    fail(with_code(Code::no_access, "cannot write '{}': {}", path, error.what()));
   }
 }
 
@@ -207,7 +208,7 @@ void Recorder::Impl::forsake_bag() {
 
 std::string Recorder::Impl::loss() const {
   if (!failure.empty()) {
-    return fmt::format("{}; {} messages are lost", failure, dropped);
+    return lengthened(failure, fmt::format("; {} messages are lost", dropped));
   }
   return dropped == 0 ? ""
                       : fmt::format(

@@ -17,6 +17,7 @@
 #include <string_view>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::discovery {
@@ -53,7 +54,8 @@ std::uint32_t parse_domain(const std::string& text) {
   std::uint32_t domain = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
   if (error != std::errc{} || end != text.data() + text.size() || domain > kHighestDomain) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::ros_setting,
         "ROS_DOMAIN_ID is '{}', which is not a domain of ROS 2; write a whole number from "
         "0 to {}",
         text, kHighestDomain));
@@ -69,9 +71,10 @@ Range parse_range(const std::string& text) {
                                   [&](const auto& range) { return text == range.first; });
   if (found == kRanges.end()) {
     throw ConfigurationError(
-        fmt::format("ROS_AUTOMATIC_DISCOVERY_RANGE is '{}'; write SUBNET, LOCALHOST, OFF or "
-                    "SYSTEM_DEFAULT",
-                    text));
+        with_code(Code::ros_setting,
+                  "ROS_AUTOMATIC_DISCOVERY_RANGE is '{}'; write SUBNET, LOCALHOST, OFF or "
+                  "SYSTEM_DEFAULT",
+                  text));
   }
   return found->second;
 }
@@ -79,7 +82,8 @@ Range parse_range(const std::string& text) {
 bool parse_localhost_only(const std::string& text) {
   if (!text.empty() && text != "0" && text != "1") {
     throw ConfigurationError(
-        fmt::format("ROS_LOCALHOST_ONLY is '{}'; write 1 for this machine alone, or 0", text));
+        with_code(Code::ros_setting,
+                  "ROS_LOCALHOST_ONLY is '{}'; write 1 for this machine alone, or 0", text));
   }
   return text == "1";
 }
@@ -95,9 +99,10 @@ std::vector<std::string> parse_peers(const std::string& text) {
     }
     if (peer.find_first_of(" \t\n,<>&\"'") != std::string::npos) {
       throw ConfigurationError(
-          fmt::format("ROS_STATIC_PEERS has '{}', which is not an address; write host names or IP "
-                      "addresses with ';' between them",
-                      peer));
+          with_code(Code::ros_setting,
+                    "ROS_STATIC_PEERS has '{}', which is not an address; write host names or IP "
+                    "addresses with ';' between them",
+                    peer));
     }
     peers.push_back(std::move(peer));
   }

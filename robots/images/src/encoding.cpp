@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/images/image_conversion.hpp"
 
@@ -62,9 +63,9 @@ const Encoding& encoding_named(std::string_view name) {
     for (const Encoding& encoding : kEncodings) {
       names.push_back(encoding.name);
     }
-    throw TransportError(
-        fmt::format("its encoding '{}' is not known; let the driver send one of {}",
-                    name.substr(0, 40), fmt::join(names, ", ")));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its encoding '{}' is not known; let the driver send one of {}",
+                                   name.substr(0, 40), fmt::join(names, ", ")));
   }
   return *found;
 }
@@ -74,24 +75,27 @@ const Encoding& check_image(const ImageView& image) {
   const std::uint64_t width = image.width;
   const std::uint64_t height = image.height;
   if (width == 0 || height == 0 || width * height > kMostPixels) {
-    throw TransportError(fmt::format("it has {} x {} pixels; 1 to {} in all can be used", width,
-                                     height, kMostPixels));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "it has {} x {} pixels; 1 to {} in all can be used", width,
+                                   height, kMostPixels));
   }
   const std::uint64_t row = width * encoding.pixel_bytes();
   if (image.step < row) {
-    throw TransportError(fmt::format("its step of {} bytes is less than a row of {} pixels {}, {}",
-                                     image.step, width, encoding.name, row));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its step of {} bytes is less than a row of {} pixels {}, {}",
+                                   image.step, width, encoding.name, row));
   }
   if ((height - 1) * image.step + row > image.data.size()) {
-    throw TransportError(fmt::format("it has {} bytes, less than {} rows of {}", image.data.size(),
-                                     height, image.step));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "it has {} bytes, less than {} rows of {}", image.data.size(),
+                                   height, image.step));
   }
   const bool in_pairs = encoding.layout == Layout::uyvy || encoding.layout == Layout::yuyv;
   const bool in_cells = encoding.layout == Layout::bayer;
   if ((in_pairs && width % 2 != 0) || (in_cells && (width < 2 || height < 2))) {
-    throw TransportError(fmt::format("a picture {} has no {} x {} pixels; its pixels come in {}",
-                                     encoding.name, width, height,
-                                     in_pairs ? "pairs" : "cells of 2 x 2"));
+    throw TransportError(with_code(
+        Code::damaged_message, "a picture {} has no {} x {} pixels; its pixels come in {}",
+        encoding.name, width, height, in_pairs ? "pairs" : "cells of 2 x 2"));
   }
   return encoding;
 }

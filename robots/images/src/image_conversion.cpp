@@ -9,6 +9,7 @@
 #include "area_average.hpp"
 #include "centre_surround.hpp"
 #include "decoders.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::images {
@@ -35,9 +36,10 @@ struct ImageConversion::Impl {
     }
     if (encoding.depth) {
       throw ConfigurationError(
-          fmt::format("pictures {} have no range of their own; write the distances that become -1 "
-                      "and 1, as in  range: {}",
-                      encoding.name, encoding.sample == Sample::f32 ? "[0.3, 5]" : "[300, 5000]"));
+          with_code(Code::field_path,
+                    "pictures {} have no range of their own; write the distances that become -1 "
+                    "and 1, as in  range: {}",
+                    encoding.name, encoding.sample == Sample::f32 ? "[0.3, 5]" : "[300, 5000]"));
     }
     return {0, encoding.greatest()};
   }
@@ -46,7 +48,8 @@ struct ImageConversion::Impl {
     const Crop crop = settings.crop.value_or(Crop{0, 0, image.width, image.height});
     if (std::uint64_t{crop.x} + crop.width > image.width ||
         std::uint64_t{crop.y} + crop.height > image.height) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::out_of_bounds,
           "crop: [{}, {}, {}, {}] reaches beyond the picture, which has {} x {} pixels; write a "
           "part within it",
           crop.x, crop.y, crop.width, crop.height, image.width, image.height));
@@ -59,7 +62,8 @@ struct ImageConversion::Impl {
       return *settings.resize;
     }
     if (std::max(crop.width, crop.height) > kLongestSide) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::out_of_bounds,
           "a picture of {} x {} pixels is too large to take every one; write  resize: [40, 30]",
           crop.width, crop.height));
     }
@@ -152,8 +156,9 @@ std::span<const double> ImageConversion::convert_compressed(std::span<const std:
   if (begins_with(file, {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a})) {
     return impl_->convert(decode_png(file, impl_->decoded));
   }
-  throw TransportError(
-      fmt::format("its {} bytes begin neither as a JPEG nor as a PNG does", file.size()));
+  throw TransportError(with_code(Code::damaged_message,
+                                 "its {} bytes begin neither as a JPEG nor as a PNG does",
+                                 file.size()));
 }
 
 const ImageSettings& ImageConversion::settings() const {

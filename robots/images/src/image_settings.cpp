@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::images {
@@ -105,9 +106,11 @@ ImageSettings image_settings(const Parameters& parameters) {
   if (const auto& crop = parameters.numbers("crop"); !crop.empty()) {
     settings.crop = Crop{whole(crop[0]), whole(crop[1]), whole(crop[2]), whole(crop[3])};
     if (settings.crop->width == 0 || settings.crop->height == 0) {
-      throw ConfigurationError(parameters.where("crop"),
-                               "key 'crop': a part without pixels; write [x, y, width, height], as "
-                               "in [0, 120, 640, 240]");
+      throw ConfigurationError(
+          parameters.where("crop"),
+          with_code(Code::out_of_bounds,
+                    "key 'crop': a part without pixels; write [x, y, width, height], as "
+                    "in [0, 120, 640, 240]"));
     }
   }
   if (const auto& size = parameters.numbers("resize"); !size.empty()) {
@@ -118,9 +121,10 @@ ImageSettings image_settings(const Parameters& parameters) {
     if (range[0] >= range[1]) {
       throw ConfigurationError(
           parameters.where("range"),
-          fmt::format("key 'range': [{}, {}] has no least and greatest value; write for example "
-                      "[0, 255]",
-                      range[0], range[1]));
+          with_code(Code::wrong_order,
+                    "key 'range': [{}, {}] has no least and greatest value; write for example "
+                    "[0, 255]",
+                    range[0], range[1]));
     }
   }
   settings.channel = choice_of<Channel>(parameters, "channel", kChannels);
@@ -132,8 +136,9 @@ ImageSettings image_settings(const Parameters& parameters) {
   if (settings.filter != Filter::none && settings.surround <= settings.centre) {
     throw ConfigurationError(
         parameters.where(parameters.given("surround") ? "surround" : "centre"),
-        fmt::format("key 'surround': {} is not above centre, {}; write for example 3 times as much",
-                    settings.surround, settings.centre));
+        with_code(Code::wrong_order,
+                  "key 'surround': {} is not above centre, {}; write for example 3 times as much",
+                  settings.surround, settings.centre));
   }
   return settings;
 }

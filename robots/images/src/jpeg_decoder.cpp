@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "decoders.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/images/image_conversion.hpp"
 
@@ -86,7 +87,7 @@ struct JpegDecoder {
   }
 
   [[noreturn]] void fail() const {
-    throw TransportError(fmt::format("its JPEG is damaged: {}", reason));
+    throw TransportError(with_code(Code::damaged_message, "its JPEG is damaged: {}", reason));
   }
 };
 
@@ -101,12 +102,15 @@ ImageView decode_jpeg(std::span<const std::byte> file, bool colour,
   jpeg_decompress_struct& info = decoder.info;
   const std::uint64_t area = std::uint64_t{info.image_width} * info.image_height;
   if (area == 0 || area > kMostPixels) {
-    throw TransportError(fmt::format("its JPEG has {} x {} pixels; 1 to {} in all can be used",
-                                     info.image_width, info.image_height, kMostPixels));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its JPEG has {} x {} pixels; 1 to {} in all can be used",
+                                   info.image_width, info.image_height, kMostPixels));
   }
   const bool grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
-    throw TransportError("its JPEG is not in grey, YCbCr or RGB; let the driver send one of these");
+    throw TransportError(
+        with_code(Code::damaged_message,
+                  "its JPEG is not in grey, YCbCr or RGB; let the driver send one of these"));
   }
   // The grey of YCbCr is its Y. libjpeg makes no grey of RGB.
   const bool to_grey = grey || (!colour && info.jpeg_color_space == JCS_YCbCr);

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "decoders.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/images/image_conversion.hpp"
 
@@ -74,7 +75,7 @@ struct PngDecoder {
   }
 
   [[noreturn]] void fail() const {
-    throw TransportError(fmt::format("its PNG is damaged: {}", reason));
+    throw TransportError(with_code(Code::damaged_message, "its PNG is damaged: {}", reason));
   }
 };
 
@@ -88,8 +89,9 @@ ImageView decode_png(std::span<const std::byte> file, std::vector<std::byte>& pi
   const std::uint32_t width = png_get_image_width(decoder.png, decoder.info);
   const std::uint32_t height = png_get_image_height(decoder.png, decoder.info);
   if (std::uint64_t{width} * height > kMostPixels) {
-    throw TransportError(fmt::format("its PNG has {} x {} pixels; 1 to {} in all can be used",
-                                     width, height, kMostPixels));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its PNG has {} x {} pixels; 1 to {} in all can be used", width,
+                                   height, kMostPixels));
   }
   const std::size_t step = png_get_rowbytes(decoder.png, decoder.info);
   pixels.resize(step * height);

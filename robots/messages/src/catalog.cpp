@@ -7,6 +7,7 @@
 
 #include "digest.hpp"
 #include "embedded.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -78,7 +79,8 @@ void append_field(TypeLayout& type, FieldLayout field) {
     type.bytes.reset();
   }
   if (type.least > kLargestMessage) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::message_definition,
         "message type '{}' is longer than 1 GB with its field '{}'; write a shorter array",
         type.name, field.name));
   }
@@ -103,8 +105,8 @@ std::string without_folder(std::string_view name) {
 
 std::string unknown_type(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string meant = nearest(name, candidates);
-  return fmt::format(
-      "unknown message type '{}'; {}", name,
+  return with_code(
+      Code::unknown_message, "unknown message type '{}'; {}", name,
       meant.empty() ? "write one that 'spikeloop describe --messages' lists, or the path of a .msg "
                       "file"
                     : fmt::format("did you mean '{}'?", meant));
@@ -183,9 +185,9 @@ std::string Catalog::full_name(std::string_view name) const {
     }
   }
   if (matches.size() > 1) {
-    throw ConfigurationError(
-        fmt::format("message type '{}' is in several packages; write one of {}", name,
-                    fmt::join(matches, ", ")));
+    throw ConfigurationError(with_code(Code::unknown_message,
+                                       "message type '{}' is in several packages; write one of {}",
+                                       name, fmt::join(matches, ", ")));
   }
   if (matches.empty()) {
     throw ConfigurationError(unknown_type(name, short_names));
@@ -196,10 +198,10 @@ std::string Catalog::full_name(std::string_view name) const {
 const Definition& Catalog::part(const Definition& whole, const FieldDefinition& field) const {
   const auto found = definitions_.find(field.type);
   if (found == definitions_.end()) {
-    throw ConfigurationError(
-        fmt::format("message type '{}' needs '{}' for its field '{}', which is "
-                    "not known; add its definition too",
-                    whole.name, field.type, field.name));
+    throw ConfigurationError(with_code(Code::unknown_message,
+                                       "message type '{}' needs '{}' for its field '{}', which is "
+                                       "not known; add its definition too",
+                                       whole.name, field.type, field.name));
   }
   return found->second;
 }
@@ -270,14 +272,15 @@ std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name, Walk& w
   walk.within.push_back(definition.name);
   if (inside_itself) {
     throw ConfigurationError(
-        fmt::format("message type '{}' contains itself: {}; take the field out that leads back",
-                    name, fmt::join(walk.within, " -> ")));
+        with_code(Code::message_definition,
+                  "message type '{}' contains itself: {}; take the field out that leads back", name,
+                  fmt::join(walk.within, " -> ")));
   }
   if (walk.within.size() > kDeepest) {
-    throw ConfigurationError(
-        fmt::format("message type '{}' has more than {} messages inside of "
-                    "each other; write a flatter one",
-                    walk.within.front(), kDeepest));
+    throw ConfigurationError(with_code(Code::message_definition,
+                                       "message type '{}' has more than {} messages inside of "
+                                       "each other; write a flatter one",
+                                       walk.within.front(), kDeepest));
   }
   auto type = std::make_shared<TypeLayout>();
   type->name = definition.name;
@@ -295,10 +298,10 @@ std::shared_ptr<const TypeLayout> Catalog::layout(std::string_view name, Walk& w
     }
     append_field(*type, layout_of(field, std::move(message), dialect_));
     if (fields > kMostFields) {
-      throw ConfigurationError(
-          fmt::format("message type '{}' has more than {} fields, with those "
-                      "of its parts; write an array instead",
-                      definition.name, kMostFields));
+      throw ConfigurationError(with_code(Code::message_definition,
+                                         "message type '{}' has more than {} fields, with those "
+                                         "of its parts; write an array instead",
+                                         definition.name, kMostFields));
     }
   }
   walk.within.pop_back();

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -22,14 +23,16 @@ std::string read_text(const std::string& path) {
     return read_file(path, ".msg file", kMostBytes);
   } catch (const FileError&) {
     throw ConfigurationError(
-        fmt::format("message definition '{}' cannot be read; write the path of a .msg file", path));
+        with_code(Code::unknown_message,
+                  "message definition '{}' cannot be read; write the path of a .msg file", path));
   }
 }
 
 std::string name_of_file(const fs::path& file) {
   const fs::path folder = file.parent_path();
   if (folder.filename() != "msg" || folder.parent_path().filename().empty()) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::unknown_message,
         "message definition '{}' is in no package; put it where ROS has it, PACKAGE/msg/{}",
         file.string(), file.filename().string()));
   }
@@ -49,8 +52,9 @@ std::string Catalog::add_file(const std::string& path) {
   constexpr std::size_t kMostFiles = 500;
   if (files_.size() > 2 * kMostFiles) {  // each by two names
     throw ConfigurationError(
-        fmt::format("message definition '{}' is the {}th that is needed; write a simpler message",
-                    path, kMostFiles + 1));
+        with_code(Code::unknown_message,
+                  "message definition '{}' is the {}th that is needed; write a simpler message",
+                  path, kMostFiles + 1));
   }
   const fs::path file = fs::absolute(path).lexically_normal();
   const std::string name = name_of_file(file);
@@ -73,7 +77,8 @@ void Catalog::add_parts_beside(const Definition& whole, const std::string& path)
       continue;
     }
     if (!fs::exists(beside)) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::unknown_message,
           "message type '{}' needs '{}' for its field '{}', which is neither known nor a file {}; "
           "put its definition there",
           whole.name, field.type, field.name, beside.string()));

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "literal.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -85,9 +86,10 @@ class Parser {
     const auto slash = name.find('/');
     if (slash == std::string_view::npos || !is_type(name)) {
       throw ConfigurationError(
-          fmt::format("message type '{}' has no package; write package/Type, as in "
-                      "sensor_msgs/LaserScan",
-                      name));
+          with_code(Code::unknown_message,
+                    "message type '{}' has no package; write package/Type, as in "
+                    "sensor_msgs/LaserScan",
+                    name));
     }
     package_ = name.substr(0, slash);
   }
@@ -105,7 +107,8 @@ class Parser {
 
  private:
   [[noreturn]] void fail(const std::string& message) const {
-    throw ConfigurationError(Location{file_, line_, 0}, message);
+    throw ConfigurationError(Location{file_, line_, 0},
+                             with_code(Code::message_definition, message));
   }
 
   std::string_view without_comment(std::string_view line) const {

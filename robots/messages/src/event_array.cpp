@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "wire.hpp"
 
@@ -32,16 +33,17 @@ EventArray::EventArray(std::span<const std::byte> message, Dialect dialect) {
     const std::size_t bytes = size_ == 0 ? 0 : (size_ - 1) * stride_ + kEventBytes;
     events_ = reader.take_bytes(bytes).data();
     if (reader.left() > (aligned ? kMostPadding : 0)) {
-      throw TransportError(
-          fmt::format("message of {} bytes goes on for {} bytes behind its last event",
-                      message.size(), reader.left()));
+      throw TransportError(with_code(
+          Code::damaged_message, "message of {} bytes goes on for {} bytes behind its last event",
+          message.size(), reader.left()));
     }
   });
   if (height_ == 0 || width_ == 0 || height_ > kMostPixels || width_ > kMostPixels) {
     throw TransportError(
-        fmt::format("its camera has {} x {} pixels; the driver must set width and height, at most "
-                    "{} each",
-                    width_, height_, kMostPixels));
+        with_code(Code::damaged_message,
+                  "its camera has {} x {} pixels; the driver must set width and height, at most "
+                  "{} each",
+                  width_, height_, kMostPixels));
   }
 }
 

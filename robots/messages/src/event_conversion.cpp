@@ -1,4 +1,5 @@
 #include "spikeloop/messages/event_conversion.hpp"
+#include "spikeloop/core/code.hpp"
 
 #include <fmt/format.h>
 
@@ -49,8 +50,8 @@ const char* name_of(Polarity polarity) {
 
 void check_event_type(const std::string& message_type) {
   if (message_type != kEventArray && message_type != kEventPacket) {
-    throw ConfigurationError(fmt::format(
-        "message type '{}' has no events of a camera{}", message_type,
+    throw ConfigurationError(with_code(
+        Code::field_path, "message type '{}' has no events of a camera{}", message_type,
         did_you_mean(message_type, {std::string(kEventArray), std::string(kEventPacket)})));
   }
 }
@@ -89,10 +90,11 @@ void EventConversion::check_width(std::string_view what, std::uint32_t width,
   if (channels != settings_.width) {
     throw ConfigurationError(
         settings_.where,
-        fmt::format("{} of {} x {} pixels makes {} channels (polarity={}, downsample={}), but the "
-                    "port has {}; write [{}] in its connection",
-                    what, width, height, channels, name_of(settings_.polarity),
-                    settings_.downsample, settings_.width, channels));
+        with_code(Code::fields_differ,
+                  "{} of {} x {} pixels makes {} channels (polarity={}, downsample={}), but the "
+                  "port has {}; write [{}] in its connection",
+                  what, width, height, channels, name_of(settings_.polarity), settings_.downsample,
+                  settings_.width, channels));
   }
 }
 
@@ -105,9 +107,10 @@ void EventConversion::fit(std::uint32_t width, std::uint32_t height) {
       std::uint64_t{region.y} + region.height > height) {
     throw ConfigurationError(
         settings_.where,
-        fmt::format("roi={},{},{},{} reaches beyond the camera, which has {} x {} pixels; write a "
-                    "region within it",
-                    region.x, region.y, region.width, region.height, width, height));
+        with_code(Code::out_of_bounds,
+                  "roi={},{},{},{} reaches beyond the camera, which has {} x {} pixels; write a "
+                  "region within it",
+                  region.x, region.y, region.width, region.height, width, height));
   }
   check_width(settings_.region ? "a region" : "a camera", region.width, region.height);
   camera_width_ = width;

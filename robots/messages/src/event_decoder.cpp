@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstring>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -59,15 +60,16 @@ T load(const std::byte* at, bool big_endian) {
 void check_camera(const EventPacket& packet, std::uint32_t most, std::size_t word) {
   if (packet.width == 0 || packet.height == 0 || packet.width > most || packet.height > most) {
     throw TransportError(
-        fmt::format("its camera has {} x {} pixels; the driver must set width and height, at most "
-                    "{} each with {}",
-                    packet.width, packet.height, most, packet.encoding));
+        with_code(Code::damaged_message,
+                  "its camera has {} x {} pixels; the driver must set width and height, at most "
+                  "{} each with {}",
+                  packet.width, packet.height, most, packet.encoding));
   }
   if (packet.events.size() % word != 0) {
-    throw TransportError(
-        fmt::format("its {} bytes of events are no whole number of {} each, as {} "
-                    "has them",
-                    packet.events.size(), word, packet.encoding));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its {} bytes of events are no whole number of {} each, as {} "
+                                   "has them",
+                                   packet.events.size(), word, packet.encoding));
   }
 }
 
@@ -82,8 +84,9 @@ void EventDecoder::decode(const EventPacket& packet, std::vector<CameraEvent>& e
   const bool evt2 = packet.encoding == "evt2";
   if (!evt2 && packet.encoding != "evt3") {
     throw TransportError(
-        fmt::format("its encoding '{}' is not known; let the driver send evt3, evt2 or mono",
-                    packet.encoding.substr(0, 40)));
+        with_code(Code::damaged_message,
+                  "its encoding '{}' is not known; let the driver send evt3, evt2 or mono",
+                  packet.encoding.substr(0, 40)));
   }
   if (evt2 != evt2_) {
     *this = {};
@@ -107,8 +110,9 @@ void EventDecoder::decode_mono(const EventPacket& packet, std::vector<CameraEven
   constexpr std::uint64_t kLatest = 1ULL << 62;  // of time_base: 146 years
   check_camera(packet, kMostPixels, sizeof(std::uint64_t));
   if (packet.time_base > kLatest) {
-    throw TransportError(
-        fmt::format("its time_base is {}, which is not a time in nanoseconds", packet.time_base));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its time_base is {}, which is not a time in nanoseconds",
+                                   packet.time_base));
   }
   events.reserve(packet.events.size() / sizeof(std::uint64_t));
   for (std::size_t at = 0; at < packet.events.size(); at += sizeof(std::uint64_t)) {
@@ -142,8 +146,9 @@ void EventDecoder::decode_evt2(const EventPacket& packet, std::vector<CameraEven
         break;
       default:
         throw TransportError(
-            fmt::format("word {} of its events is {:#010x}, and EVT 2.0 has none of this type",
-                        at / sizeof(std::uint32_t), word));
+            with_code(Code::damaged_message,
+                      "word {} of its events is {:#010x}, and EVT 2.0 has none of this type",
+                      at / sizeof(std::uint32_t), word));
     }
   }
 }
@@ -191,8 +196,9 @@ void EventDecoder::decode_evt3(const EventPacket& packet, std::vector<CameraEven
         break;
       default:
         throw TransportError(
-            fmt::format("word {} of its events is {:#06x}, and EVT 3.0 has none of this type",
-                        at / sizeof(std::uint16_t), word));
+            with_code(Code::damaged_message,
+                      "word {} of its events is {:#06x}, and EVT 3.0 has none of this type",
+                      at / sizeof(std::uint16_t), word));
     }
   }
 }

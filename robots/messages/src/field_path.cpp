@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "path_walk.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -53,8 +54,8 @@ class Compiler {
 
  private:
   [[noreturn]] void fail(const std::string& message) const {
-    throw ConfigurationError(
-        fmt::format("field path '{}' of {}: {}", path_.text, path_.type->name, message));
+    throw ConfigurationError(with_code(Code::field_path, "field path '{}' of {}: {}", path_.text,
+                                       path_.type->name, message));
   }
 
   /// The next '.' that is not in a selector's text; npos when there is none.
@@ -244,9 +245,10 @@ FieldReader::FieldReader(const Catalog& catalog, std::string_view type, std::str
     : path_(compile_path(catalog, type, path)) {
   if (path_.is_text()) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: a text is not a number; name a field "
-                    "with a number type",
-                    path_.text, path_.type->name));
+        with_code(Code::field_path,
+                  "field path '{}' of {}: a text is not a number; name a field "
+                  "with a number type",
+                  path_.text, path_.type->name));
   }
 }
 

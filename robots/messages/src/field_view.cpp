@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "path_walk.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -15,16 +16,18 @@ BytesField::BytesField(const Catalog& catalog, std::string_view type, std::strin
                         target.primitive == Primitive::boolean;
   if (!of_bytes || target.array == ArrayKind::none) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: it names no array of bytes; name one, as in data of "
-                    "sensor_msgs/Image",
-                    path_.text, path_.type->name));
+        with_code(Code::field_path,
+                  "field path '{}' of {}: it names no array of bytes; name one, as in data of "
+                  "sensor_msgs/Image",
+                  path_.text, path_.type->name));
   }
   for (std::size_t i = 0; i + 1 < path_.steps.size(); ++i) {
     if (path_.steps[i].last - path_.steps[i].first != 1) {
-      throw ConfigurationError(fmt::format(
-          "field path '{}' of {}: it names several arrays of bytes; name one element of "
-          "each array on the way, as in [0]",
-          path_.text, path_.type->name));
+      throw ConfigurationError(
+          with_code(Code::field_path,
+                    "field path '{}' of {}: it names several arrays of bytes; name one element of "
+                    "each array on the way, as in [0]",
+                    path_.text, path_.type->name));
     }
   }
 }
@@ -41,8 +44,9 @@ TextField::TextField(const Catalog& catalog, std::string_view type, std::string_
     : path_(compile_path(catalog, type, path)) {
   if (!path_.is_text()) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: a number is not text; name a field of type string",
-                    path_.text, path_.type->name));
+        with_code(Code::field_path,
+                  "field path '{}' of {}: a number is not text; name a field of type string",
+                  path_.text, path_.type->name));
   }
 }
 

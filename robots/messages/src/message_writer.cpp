@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "named_elements.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "wire.hpp"
 
@@ -173,7 +174,8 @@ void MessageWriter::add(FieldPath path) {
   for (std::size_t i = 0; i < path.steps.size(); ++i) {
     const bool is_last = i + 1 == path.steps.size();
     if (path.steps[i].last == PathStep::kEnd && (!is_last || path.is_text())) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::field_path,
           "field path '{}' of {}: the array's length is not known; name its elements, as in [0]",
           path.text, type_->name));
     }
@@ -182,8 +184,9 @@ void MessageWriter::add(FieldPath path) {
   for (const FieldPath& other : paths_) {
     if (overlap(path, other)) {
       throw ConfigurationError(
-          fmt::format("field paths '{}' and '{}' of {} set the same value; leave one of them out",
-                      other.text, path.text, type_->name));
+          with_code(Code::field_path,
+                    "field paths '{}' and '{}' of {} set the same value; leave one of them out",
+                    other.text, path.text, type_->name));
     }
   }
   paths_.push_back(std::move(path));
@@ -195,9 +198,10 @@ void MessageWriter::check_length(const FieldPath& path) const {
     const std::size_t length = step.last == PathStep::kEnd ? step.first : step.last;
     if (length * path.field(level).element_least > kLargestMessage) {
       throw ConfigurationError(
-          fmt::format("field path '{}' of {}: the message would be longer than 1 GB; name elements "
-                      "nearer to the first one",
-                      path.text, type_->name));
+          with_code(Code::field_path,
+                    "field path '{}' of {}: the message would be longer than 1 GB; name elements "
+                    "nearer to the first one",
+                    path.text, type_->name));
     }
   }
 }
@@ -205,9 +209,9 @@ void MessageWriter::check_length(const FieldPath& path) const {
 void MessageWriter::check_text(const FieldPath& path, std::string_view text) const {
   const std::uint32_t longest = path.target().longest_text;
   if (longest != 0 && text.size() > longest) {
-    throw ConfigurationError(
-        fmt::format("field '{}' of {} takes at most {} bytes, not the {} of '{}'", path.text,
-                    type_->name, longest, text.size(), text));
+    throw ConfigurationError(with_code(
+        Code::out_of_bounds, "field '{}' of {} takes at most {} bytes, not the {} of '{}'",
+        path.text, type_->name, longest, text.size(), text));
   }
 }
 
@@ -220,15 +224,15 @@ void MessageWriter::check_numbers(const FieldPath& path, const FieldValue& value
   }
   const auto width = path.width();
   if (width && *width != count) {
-    throw ConfigurationError(fmt::format("field '{}' of {} takes {} values, not {}", path.text,
-                                         type_->name, *width, count));
+    throw ConfigurationError(with_code(Code::field_path, "field '{}' of {} takes {} values, not {}",
+                                       path.text, type_->name, *width, count));
   }
   const FieldLayout& target = path.target();
   const std::size_t most = target.array == ArrayKind::variable ? target.count : 0;
   if (most != 0 && path.steps.back().first + count > most) {
-    throw ConfigurationError(fmt::format("field '{}' of {} takes at most {} values, not {}",
-                                         path.text, type_->name, most - path.steps.back().first,
-                                         count));
+    throw ConfigurationError(
+        with_code(Code::out_of_bounds, "field '{}' of {} takes at most {} values, not {}",
+                  path.text, type_->name, most - path.steps.back().first, count));
   }
 }
 

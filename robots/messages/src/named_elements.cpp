@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -60,8 +61,9 @@ std::size_t place_element(NamedGroup& group, const FieldPath& path, std::size_t 
   const FieldLayout& field = path.field(level);
   if (field.count != 0 && element >= field.count) {
     throw ConfigurationError(
-        fmt::format("field path '{}' of {}: '{}' has {} elements, and so many have names already",
-                    path.text, path.type->name, field.name, field.count));
+        with_code(Code::field_path,
+                  "field path '{}' of {}: '{}' has {} elements, and so many have names already",
+                  path.text, path.type->name, field.name, field.count));
   }
   if (found == group.texts.end()) {
     group.texts.push_back(selector.text);

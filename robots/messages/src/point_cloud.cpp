@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "header.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/field_path.hpp"
 
@@ -86,31 +87,35 @@ const PointField& find_field(const Cloud& cloud, std::string_view name) {
     for (const PointField& field : cloud.fields) {
       names.emplace_back(field.name);
     }
-    throw TransportError(fmt::format("its points have no '{}'{}", name, did_you_mean(name, names)));
+    throw TransportError(with_code(Code::damaged_message, "its points have no '{}'{}", name,
+                                   did_you_mean(name, names)));
   }
   return *found;
 }
 
 const Datatype& check_cloud(const Cloud& cloud, const PointField& field) {
   if (field.datatype == 0 || field.datatype > std::size(kDatatypes)) {
-    throw TransportError(fmt::format("its '{}' has datatype {}; PointField has 1 to {}", field.name,
-                                     field.datatype, std::size(kDatatypes)));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its '{}' has datatype {}; PointField has 1 to {}", field.name,
+                                   field.datatype, std::size(kDatatypes)));
   }
   const Datatype& type = kDatatypes[field.datatype - 1];
   if (std::uint64_t{field.offset} + type.size > cloud.point_step) {
-    throw TransportError(fmt::format("its '{}' at byte {} lies outside of points of {} bytes",
-                                     field.name, field.offset, cloud.point_step));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its '{}' at byte {} lies outside of points of {} bytes",
+                                   field.name, field.offset, cloud.point_step));
   }
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.height > 1 && cloud.row_step < row) {
-    throw TransportError(fmt::format("its rows of {} bytes are shorter than {} points of {} bytes",
-                                     cloud.row_step, cloud.width, cloud.point_step));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "its rows of {} bytes are shorter than {} points of {} bytes",
+                                   cloud.row_step, cloud.width, cloud.point_step));
   }
   if (cloud.height > 0 &&
       std::uint64_t{cloud.height - 1} * cloud.row_step + row > cloud.data.size()) {
-    throw TransportError(fmt::format("it has {} bytes, less than {} x {} points of {} bytes",
-                                     cloud.data.size(), cloud.width, cloud.height,
-                                     cloud.point_step));
+    throw TransportError(with_code(Code::damaged_message,
+                                   "it has {} bytes, less than {} x {} points of {} bytes",
+                                   cloud.data.size(), cloud.width, cloud.height, cloud.point_step));
   }
   return type;
 }
@@ -127,7 +132,8 @@ std::optional<PointPath> PointPath::parse(std::string_view text) {
   const auto bracket = rest.find('[');
   path.field_ = rest.substr(0, bracket);
   const auto fail = [&] {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::field_path,
         "field path '{}' of {}: it selects nothing; write points.NAME, points.NAME[index] or "
         "points.NAME[first:end]",
         text, kPointCloud));
@@ -151,9 +157,10 @@ std::optional<PointPath> PointPath::parse(std::string_view text) {
     }
     if (value > kMostElements) {
       throw ConfigurationError(
-          fmt::format("field path '{}' of {}: '{}' reaches beyond the first {} elements; no path "
-                      "takes more",
-                      text, kPointCloud, rest.substr(bracket), kMostElements));
+          with_code(Code::field_path,
+                    "field path '{}' of {}: '{}' reaches beyond the first {} elements; no path "
+                    "takes more",
+                    text, kPointCloud, rest.substr(bracket), kMostElements));
     }
     return std::size_t{value};
   };

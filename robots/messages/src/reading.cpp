@@ -10,6 +10,7 @@
 
 #include "image_message.hpp"
 #include "point_cloud.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/images/image_conversion.hpp"
 #include "spikeloop/messages/field_path.hpp"
@@ -125,7 +126,8 @@ class ScanReading : public Reading {
     const double most = limits_[1];
     ranges_.read(message, values.numbers);
     if (!std::isfinite(least) || !std::isfinite(most) || most <= least) {
-      throw TransportError(fmt::format(
+      throw TransportError(with_code(
+          Code::damaged_message,
           "its range_min {} and range_max {} leave no range between them; the driver must set both",
           least, most));
     }
@@ -187,9 +189,10 @@ std::vector<SensorField> usual_fields(const std::string& type, std::uint32_t wid
     return fields;
   }
   throw ConfigurationError(
-      fmt::format("message type {} has no usual fields; write in 'fields' the paths of those to "
-                  "take",
-                  type));
+      with_code(Code::field_path,
+                "message type {} has no usual fields; write in 'fields' the paths of those to "
+                "take",
+                type));
 }
 
 }  // namespace
@@ -207,8 +210,9 @@ std::unique_ptr<Reading> make_reading(const Catalog& catalog, const std::string&
   const bool picture = type == kImage || type == kCompressedImage;
   if (rule.image && !picture) {
     throw ConfigurationError(
-        fmt::format("'image' is for {} and {}, not for {}; write 'fields' with the fields to take",
-                    kImage, kCompressedImage, type));
+        with_code(Code::field_path,
+                  "'image' is for {} and {}, not for {}; write 'fields' with the fields to take",
+                  kImage, kCompressedImage, type));
   }
   if (!rule.fields.empty()) {
     return std::make_unique<FieldReading>(catalog, type, rule.fields);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "reading.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::messages {
@@ -27,10 +28,10 @@ SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type
       channels_(width, std::numeric_limits<double>::quiet_NaN()) {
   const std::optional<std::size_t> known = reading_->width();
   if (strict && known && *known != width) {
-    throw ConfigurationError(
-        fmt::format("a {} gives {} values, but the port has {} channels; write "
-                    "[{}] in its connection",
-                    type_, *known, width, *known));
+    throw ConfigurationError(with_code(Code::fields_differ,
+                                       "a {} gives {} values, but the port has {} channels; write "
+                                       "[{}] in its connection",
+                                       type_, *known, width, *known));
   }
 }
 
@@ -102,9 +103,10 @@ void SensorConversion::fit(std::size_t count) {
   }
   if (strict_) {
     throw ConfigurationError(
-        fmt::format("a {} brought {} values, but the port has {} channels; write [{}] in its "
-                    "connection",
-                    type_, count, width, count));
+        with_code(Code::fields_differ,
+                  "a {} brought {} values, but the port has {} channels; write [{}] in its "
+                  "connection",
+                  type_, count, width, count));
   }
   if (count > width) {
     if (counts_.cropped++ == 0) {

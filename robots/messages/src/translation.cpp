@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "wire.hpp"
 
@@ -72,9 +73,10 @@ void check(const TypeLayout& from, const TypeLayout& to) {
     }
     if (place < next || !alike(from.fields[place], field)) {
       throw ConfigurationError(
-          fmt::format("{} has the field '{}' in both versions of ROS, but {}; it cannot be "
-                      "translated",
-                      to.name, field.name, place < next ? "in another order" : "of another type"));
+          with_code(Code::field_path,
+                    "{} has the field '{}' in both versions of ROS, but {}; it cannot be "
+                    "translated",
+                    to.name, field.name, place < next ? "in another order" : "of another type"));
     }
     next = place + 1;
     if (field.primitive == Primitive::message) {

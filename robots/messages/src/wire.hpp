@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -96,9 +97,10 @@ class WireReader {
     std::string_view value(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (kDialect == Dialect::ros2 && !value.empty()) {
       if (value.back() != '\0') {
-        throw TransportError("message of " + std::to_string(bytes_.size()) +
-                             " bytes has a text that does not end in a zero byte (before byte " +
-                             std::to_string(position_) + ")");
+        throw TransportError(with_code(
+            Code::damaged_message,
+            "message of {} bytes has a text that does not end in a zero byte (before byte {})",
+            bytes_.size(), position_));
       }
       value.remove_suffix(1);
     }
@@ -139,13 +141,15 @@ class WireReader {
     const std::size_t size = bytes_.size();
     const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes_[i]); };
     if (size < kEncapsulation) {
-      throw TransportError("message of " + std::to_string(size) +
-                           " bytes is too short to say how it is encoded");
+      throw TransportError(with_code(Code::damaged_message,
+                                     "message of {} bytes is too short to say how it is encoded",
+                                     size));
     }
     if (at(0) != 0 || at(1) != 1) {
-      throw TransportError("message of " + std::to_string(size) + " bytes has encoding " +
-                           std::to_string(256 * at(0) + at(1)) +
-                           ", not 1 (plain CDR in little endian), the one that ROS 2 has");
+      throw TransportError(with_code(Code::damaged_message,
+                                     "message of {} bytes has encoding {}, not 1 (plain CDR in "
+                                     "little endian), the one that ROS 2 has",
+                                     size, 256 * at(0) + at(1)));
     }
     // Without its padding, as a transport may have handed it over, the size tells.
     const std::size_t padding = size % 4 == 0 ? at(3) & 3u : 0;
@@ -154,9 +158,9 @@ class WireReader {
   }
 
   [[noreturn]] void fail() const {
-    throw TransportError("message of " + std::to_string(bytes_.size()) +
-                         " bytes is shorter than its type says (at byte " +
-                         std::to_string(position_) + ")");
+    throw TransportError(with_code(Code::damaged_message,
+                                   "message of {} bytes is shorter than its type says (at byte {})",
+                                   bytes_.size(), position_));
   }
 
   std::span<const std::byte> bytes_;

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <thread>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 
@@ -195,10 +196,11 @@ MasterAddress parse_master_uri(const std::string& uri) {
            address.port != 0;
   }
   if (!good) {
-    throw ConfigurationError(fmt::format(
-        "ROS_MASTER_URI is '{}', which is not an address; write http://HOST:PORT, as in "
-        "http://localhost:11311",
-        uri));
+    throw ConfigurationError(
+        with_code(Code::ros_setting,
+                  "ROS_MASTER_URI is '{}', which is not an address; write http://HOST:PORT, as in "
+                  "http://localhost:11311",
+                  uri));
   }
   return address;
 }
@@ -217,8 +219,8 @@ bool require_master(const std::string& uri, TimeNs timeout, const std::atomic<bo
       break;
     }
     if (wall_now() + kRetry >= deadline) {
-      throw TransportError(fmt::format("no ROS master answers at {} within {}{}", uri,
-                                       format_time(timeout), no_answer(address.host, probe)));
+      throw TransportError(with_code(Code::no_ros_master, "no ROS master answers at {} within {}{}",
+                                     uri, format_time(timeout), no_answer(address.host, probe)));
     }
     std::this_thread::sleep_for(std::chrono::nanoseconds(kRetry));
   }

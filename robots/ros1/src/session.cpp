@@ -12,6 +12,7 @@
 #include "connections.hpp"
 #include "raw_publisher.hpp"
 #include "raw_subscriber.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/ros1/master.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -32,8 +33,9 @@ void start_ros(const ros::M_string& arguments, const std::string& node_name,
   try {
     ros::init(arguments, node_name, options);
   } catch (const ros::InvalidNameException& error) {
-    throw ConfigurationError(
-        fmt::format("an argument NAME:=VALUE for ROS has no name of ROS: {}", error.what()));
+    throw ConfigurationError(with_code(Code::invalid_topic,
+                                       "an argument NAME:=VALUE for ROS has no name of ROS: {}",
+                                       error.what()));
   }
 }
 
@@ -96,7 +98,8 @@ bool Session::alive() const {
 
 void Session::require_alive() const {
   if (!alive()) {
-    throw TransportError(fmt::format(
+    throw TransportError(with_code(
+        Code::partner_failed,
         "the ROS node {} has been shut down: another node took its name, or somebody ended it "
         "(rosnode kill)",
         node_name()));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -27,9 +28,10 @@ std::string checked_space(const std::string& written) {
     }
   } catch (const ConfigurationError&) {
     throw ConfigurationError(
-        fmt::format("'{}' is not a namespace of ROS 2; write letters, digits, '_' and '/', as in "
-                    "__ns:=/arena/left",
-                    written));
+        with_code(Code::invalid_name,
+                  "'{}' is not a namespace of ROS 2; write letters, digits, '_' and '/', as in "
+                  "__ns:=/arena/left",
+                  written));
   }
   return space;
 }
@@ -90,7 +92,8 @@ std::string TopicNames::whole(const std::string& topic) const {
 
 std::string dds_topic(const std::string& whole_topic) {
   if (whole_topic.size() > kLongestTopic) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::invalid_topic,
         "the topic '{}' has {} characters; ROS 2 takes {} at most, so write a shorter name",
         whole_topic, whole_topic.size(), kLongestTopic));
   }

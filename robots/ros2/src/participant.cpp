@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "qos.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 
@@ -135,11 +136,11 @@ dds_entity_t created(const char* what, const discovery::Discovery& where,
   const dds_entity_t entity = create();
   const std::string said = CycloneLog::instance().release();
   if (entity < 0) {
-    throw TransportError(fmt::format("Cyclone DDS makes no {} in domain {} ({}); look at {}", what,
-                                     where.domain, said.empty() ? dds_strretcode(entity) : said,
-                                     where.cyclone.empty()
-                                         ? "the network interfaces and ROS_STATIC_PEERS"
-                                         : "CYCLONEDDS_URI and ROS_STATIC_PEERS"));
+    throw TransportError(
+        with_code(Code::ros_setting, "Cyclone DDS makes no {} in domain {} ({}); look at {}", what,
+                  where.domain, said.empty() ? dds_strretcode(entity) : said,
+                  where.cyclone.empty() ? "the network interfaces and ROS_STATIC_PEERS"
+                                        : "CYCLONEDDS_URI and ROS_STATIC_PEERS"));
   }
   if (!said.empty()) {
     log::warning("Cyclone DDS: {}", said);

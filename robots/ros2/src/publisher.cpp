@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "qos.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 
@@ -24,8 +25,8 @@ Publisher::Publisher(Session::Impl& session, const Endpoint& endpoint, std::uint
       writer_(dds_create_writer(session.participant.entity(), topic_.entity,
                                 writer_qos(queue, latched, endpoint.user_data).get(), nullptr)) {
   if (writer_ < 0) {
-    throw TransportError(fmt::format("Cyclone DDS makes no writer of '{}': {}", topic_name_,
-                                     dds_strretcode(writer_)));
+    throw TransportError(with_code(Code::ros_setting, "Cyclone DDS makes no writer of '{}': {}",
+                                   topic_name_, dds_strretcode(writer_)));
   }
   session_.nodes.add_writer(writer_);
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::ros2 {
@@ -241,8 +242,9 @@ RawTopic::RawTopic(dds_entity_t participant, const std::string& dds_topic,
                                     nullptr);
   if (entity < 0) {
     ddsi_sertype_unref(registered);
-    throw TransportError(fmt::format("Cyclone DDS refuses the topic '{}' of type {}: {}", dds_topic,
-                                     dds_type, dds_strretcode(entity)));
+    throw TransportError(with_code(Code::ros_setting,
+                                   "Cyclone DDS refuses the topic '{}' of type {}: {}", dds_topic,
+                                   dds_type, dds_strretcode(entity)));
   }
   type = registered;
 }

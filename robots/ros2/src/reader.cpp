@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::ros2 {
@@ -34,8 +35,8 @@ Reader::Reader(Session::Impl& session, const RawTopic& topic, const Qos& qos, Wr
   if (arrived_ < 0) {
     const char* const reason = dds_strretcode(reader_ < 0 ? reader_ : arrived_);
     dds_delete(reader_);
-    throw TransportError(
-        fmt::format("Cyclone DDS makes no reader of '{}': {}", topic.name, reason));
+    throw TransportError(with_code(Code::ros_setting, "Cyclone DDS makes no reader of '{}': {}",
+                                   topic.name, reason));
   }
   session_.nodes.add_reader(reader_);
   ticket_ = session_.dispatcher.add(arrived_, [this] { take_some(); });

@@ -1,5 +1,6 @@
 #include "spikeloop/sensing/event_keys.hpp"
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::sensing {
@@ -61,8 +62,10 @@ messages::EventSettings event_settings(const Parameters& parameters,
     if (settings.region->width == 0 || settings.region->height == 0) {
       throw ConfigurationError(
           parameters.where("roi"),
-          "key 'roi': a region without pixels; write its left upper corner and its size, as in "
-          "[100, 60, 128, 128]");
+          with_code(
+              Code::out_of_bounds,
+              "key 'roi': a region without pixels; write its left upper corner and its size, as in "
+              "[100, 60, 128, 128]"));
     }
   }
   settings.refractory = from_seconds(parameters.number("refractory"));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::sensing {
@@ -52,7 +53,8 @@ void take_range(const Parameters& keys, SensorField& field) {
     if (keys.given(other)) {
       throw ConfigurationError(
           keys.where("range"),
-          fmt::format("key 'fields': 'range' says what '{}' says; leave one of them out", other));
+          with_code(Code::conflicting_keys,
+                    "key 'fields': 'range' says what '{}' says; leave one of them out", other));
     }
   }
   const double least = keys.numbers("range")[0];
@@ -60,9 +62,10 @@ void take_range(const Parameters& keys, SensorField& field) {
   if (!(least < most)) {
     throw ConfigurationError(
         keys.where("range"),
-        fmt::format("key 'fields': the range [{}, {}] has no least and greatest value; write  "
-                    "range: [0, 4]",
-                    least, most));
+        with_code(Code::wrong_order,
+                  "key 'fields': the range [{}, {}] has no least and greatest value; write  "
+                  "range: [0, 4]",
+                  least, most));
   }
   field.scale = 2 / (most - least);
   field.offset = -(most + least) / (most - least);
@@ -78,9 +81,10 @@ void take_numbers(const Parameters& keys, SensorField& field) {
   if (field.minimum > field.maximum) {
     throw ConfigurationError(
         keys.where("min"),
-        fmt::format("key 'fields': 'min' is {} and 'max' is {}; write a minimum that is not above "
-                    "the maximum",
-                    field.minimum, field.maximum));
+        with_code(Code::wrong_order,
+                  "key 'fields': 'min' is {} and 'max' is {}; write a minimum that is not above "
+                  "the maximum",
+                  field.minimum, field.maximum));
   }
 }
 
@@ -96,9 +100,10 @@ void take_not_a_number(const Parameters& keys, SensorField& field) {
   } catch (const ConfigurationError&) {
     throw ConfigurationError(
         keys.where("nan"),
-        fmt::format("key 'fields': 'nan' is '{}'{}; write one of: {}, or a number", text,
-                    nearest(text, kPolicies).empty() ? "" : did_you_mean(text, kPolicies),
-                    fmt::join(kPolicies, ", ")));
+        with_code(Code::unknown_choice,
+                  "key 'fields': 'nan' is '{}'{}; write one of: {}, or a number", text,
+                  nearest(text, kPolicies).empty() ? "" : did_you_mean(text, kPolicies),
+                  fmt::join(kPolicies, ", ")));
   }
 }
 
@@ -139,10 +144,11 @@ messages::SensorRule sensor_rule(const Parameters& keys) {
     rule.image = images::image_settings(keys.map("image"));
   }
   if (rule.image && !rule.fields.empty()) {
-    throw ConfigurationError(
-        keys.where("image"),
-        "key 'image': a picture and fields are not taken at once; leave 'image' or 'fields' out, "
-        "and write a second sensor");
+    throw ConfigurationError(keys.where("image"),
+                             with_code(Code::conflicting_keys,
+                                       "key 'image': a picture and fields are not taken at once; "
+                                       "leave 'image' or 'fields' out, "
+                                       "and write a second sensor"));
   }
   return rule;
 }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/open_library.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -29,8 +30,9 @@ bool is_by_rclcpp(const topics::Place& place) {
     return false;
   }
   if (transport != kRclcpp) {
-    throw ConfigurationError(fmt::format("{} is '{}'; write rclcpp, or cyclonedds (the default)",
-                                         kTransportVariable, transport));
+    throw ConfigurationError(with_code(Code::ros_setting,
+                                       "{} is '{}'; write rclcpp, or cyclonedds (the default)",
+                                       kTransportVariable, transport));
   }
   return true;
 }

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
@@ -20,7 +21,8 @@ auto read_json(const char* topic, std::string_view text, Read&& read) {
   try {
     return read(json::parse(text));
   } catch (const json::exception& error) {
-    throw TransportError(fmt::format(
+    throw TransportError(with_code(
+        Code::partner_failed,
         "topic {} has brought '{}{}', which is not a message of the stepping protocol ({}); "
         "docs/stepping.md has them",
         topic, text.substr(0, kShown), text.size() > kShown ? "..." : "", error.what()));

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -54,9 +55,10 @@ class Ros2Arguments {
  private:
   [[noreturn]] static void refuse_remap(const std::string& argument) {
     throw ConfigurationError(
-        fmt::format("'-r{}{}' (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r "
-                    "/scan:=/front/scan",
-                    argument.empty() ? "" : " ", argument));
+        with_code(Code::ros_setting,
+                  "'-r{}{}' (behind --ros-args) gives no name; write -r NAME:=VALUE, as in -r "
+                  "/scan:=/front/scan",
+                  argument.empty() ? "" : " ", argument));
   }
 
   CommandLine& line_;
@@ -77,9 +79,10 @@ void check_argument(messages::Dialect ros, const std::string& name, const std::s
     check_topic(ros, value.starts_with('/') ? value : "/" + value);
   } else if (name.starts_with('_')) {
     throw ConfigurationError(
-        fmt::format("'{}:={}' means nothing here: topics have other names by NAME:=VALUE, as "
-                    "/scan:=/front/scan, and the node by __ns and __name; leave it out",
-                    name, value));
+        with_code(Code::ros_setting,
+                  "'{}:={}' means nothing here: topics have other names by NAME:=VALUE, as "
+                  "/scan:=/front/scan, and the node by __ns and __name; leave it out",
+                  name, value));
   } else {
     check_topic(ros, topic_of_rule(ros, name));
     check_topic(ros, value);
@@ -121,7 +124,8 @@ RosArguments read_ros_arguments(const std::string& text) {
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     if (!add_name(word, arguments)) {
-      throw ConfigurationError(fmt::format(
+      throw ConfigurationError(with_code(
+          Code::ros_setting,
           "'{}' is not an argument of ROS; write NAME:=VALUE, as in /scan:=/front/scan", word));
     }
   }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <string_view>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/topics/session.hpp"
 
@@ -86,23 +87,26 @@ const char* topic_command(Dialect ros) {
 
 void check_topic(Dialect ros, const std::string& topic) {
   if (ros == Dialect::ros1 && !is_ros1_topic(topic)) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::invalid_topic,
         "'{}' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning with a "
         "letter or '/', as in /cmd_vel",
         topic));
   }
   if (ros == Dialect::ros2 && !is_ros2_topic(topic)) {
     throw ConfigurationError(
-        fmt::format("'{}' is not a valid ROS 2 topic name; write letters, digits, '_' and '/', no "
-                    "part beginning "
-                    "with a digit, as in /cmd_vel or ~/cmd_vel",
-                    topic));
+        with_code(Code::invalid_topic,
+                  "'{}' is not a valid ROS 2 topic name; write letters, digits, '_' and '/', no "
+                  "part beginning "
+                  "with a digit, as in /cmd_vel or ~/cmd_vel",
+                  topic));
   }
 }
 
 void check_node_name(Dialect ros, const std::string& name) {
   if (!is_node_name(ros, name)) {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::invalid_topic,
         "'{}' is not a valid ROS node name; write a letter followed by letters, digits and '_'",
         name));
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
@@ -66,7 +67,7 @@ void TopicReader::refuse(const OtherType& other) {
     const std::lock_guard lock(mutex_);
     warn = ++wrong_type_ == 1 && newest_at_ != 0;
     if (newest_at_ == 0) {
-      failure_ = std::make_exception_ptr(TransportError(text));
+      failure_ = std::make_exception_ptr(TransportError(with_code(Code::wrong_message, text)));
     }
   }
   if (warn) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::vehicle {
@@ -32,9 +33,10 @@ Laser::Laser(mjModel& model, const Names& names, const Parts& parts) : site_(par
   const double beams = values[0];
   if (!(beams >= 2 && beams <= 10000 && beams == std::floor(beams) && values[1] < values[2] &&
         values[3] >= 0 && values[3] < values[4] && values[5] > 0)) {
-    throw ConfigurationError(Location{names.path()},
-                             fmt::format("numeric 'laser' is \"{}\"; write 6 numbers: {}",
-                                         fmt::join(values, " "), kMeaning));
+    throw ConfigurationError(
+        Location{names.path()},
+        with_code(Code::world, "numeric 'laser' is \"{}\"; write 6 numbers: {}",
+                  fmt::join(values, " "), kMeaning));
   }
   beams_ = static_cast<std::size_t>(beams);
   angle_min_ = values[1];

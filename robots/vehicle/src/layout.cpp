@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/random.hpp"
 
@@ -51,9 +52,10 @@ double footprint_radius(const mjModel& model, int geom, const Names& names) {
       !is_upright(model.body_quat + 4 * body)) {
     throw ConfigurationError(
         Location{names.path()},
-        fmt::format("obstacle '{}' has a geom that is not an upright box or cylinder; write "
-                    "type=\"box\" or type=\"cylinder\" and turn it about z only",
-                    names.body(body)));
+        with_code(Code::world,
+                  "obstacle '{}' has a geom that is not an upright box or cylinder; write "
+                  "type=\"box\" or type=\"cylinder\" and turn it about z only",
+                  names.body(body)));
   }
   return type == mjGEOM_BOX ? std::hypot(size[0], size[1]) : size[0];
 }
@@ -68,8 +70,9 @@ std::vector<ObstacleBody> find_obstacles(const mjModel& model, const Names& name
     if (model.body_parentid[body] != 0 || model.body_dofnum[body] != 0) {
       throw ConfigurationError(
           Location{names.path()},
-          fmt::format("obstacle '{}' can move; make it a child of <worldbody> without joints",
-                      names.body(body)));
+          with_code(Code::world,
+                    "obstacle '{}' can move; make it a child of <worldbody> without joints",
+                    names.body(body)));
     }
     const mjtNum* at = model.body_pos + 3 * body;
     obstacle.circle = {at[0], at[1], 0, heading_of(model.body_quat + 4 * body)};
@@ -141,9 +144,10 @@ void place(std::vector<ObstacleBody>& obstacles, const Arena& arena, double pass
   }
   throw ConfigurationError(
       Location{names.path()},
-      fmt::format("its {} obstacles do not fit into the arena with {} m between them (seed {}); "
-                  "write fewer or smaller obstacles, a larger arena or a smaller numeric 'passage'",
-                  obstacles.size(), passage, seed));
+      with_code(Code::world,
+                "its {} obstacles do not fit into the arena with {} m between them (seed {}); "
+                "write fewer or smaller obstacles, a larger arena or a smaller numeric 'passage'",
+                obstacles.size(), passage, seed));
 }
 
 // Of a mocap body; at the height that the file says.
@@ -196,9 +200,10 @@ Pose draw_start(const Arena& arena, const std::vector<Obstacle>& obstacles, doub
   }
   throw ConfigurationError(
       Location{names.path()},
-      fmt::format("has no place that is {} m away from every wall and obstacle (seed {}); write a "
-                  "smaller numeric 'start_clearance' or fewer obstacles",
-                  clearance, seed));
+      with_code(Code::world,
+                "has no place that is {} m away from every wall and obstacle (seed {}); write a "
+                "smaller numeric 'start_clearance' or fewer obstacles",
+                clearance, seed));
 }
 
 Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles, const Parts& parts,
@@ -208,9 +213,10 @@ Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles, cons
     if (clearance_m(arena, obstacles, pose.x_m, pose.y_m) < parts.radius_m) {
       throw ConfigurationError(
           Location{names.path()},
-          fmt::format("numeric 'start' = ({}, {}) is nearer than the vehicle's radius of {:.3f} m "
-                      "to a wall or an obstacle; write a free place",
-                      pose.x_m, pose.y_m, parts.radius_m));
+          with_code(Code::world,
+                    "numeric 'start' = ({}, {}) is nearer than the vehicle's radius of {:.3f} m "
+                    "to a wall or an obstacle; write a free place",
+                    pose.x_m, pose.y_m, parts.radius_m));
     }
     return pose;
   }
@@ -226,9 +232,10 @@ Arena read_arena(const Names& names) {
       "smallest x and y, largest x and y of the walls' inner faces";
   const auto values = names.required_numeric("arena", 4, kMeaning);
   if (!(values[0] < values[2] && values[1] < values[3])) {
-    throw ConfigurationError(Location{names.path()},
-                             fmt::format("numeric 'arena' is \"{}\", which is empty; write {}",
-                                         fmt::join(values, " "), kMeaning));
+    throw ConfigurationError(
+        Location{names.path()},
+        with_code(Code::world, "numeric 'arena' is \"{}\", which is empty; write {}",
+                  fmt::join(values, " "), kMeaning));
   }
   return {values[0], values[1], values[2], values[3]};
 }
@@ -271,11 +278,13 @@ int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint6
     places.push_back({(*place)[0], (*place)[1], (*place)[2]});
   }
   if (places.empty() || model.body_mocapid[cue] < 0) {
-    throw ConfigurationError(
-        Location{names.path()},
-        "body 'cue' is put in one of several places by the seed; write mocap=\"true\" in it, and "
-        "<custom><numeric name=\"cue_place_1\" data=\"X Y HEADING\"/></custom>, cue_place_2 and so "
-        "on");
+    throw ConfigurationError(Location{names.path()},
+                             with_code(Code::world,
+                                       "body 'cue' is put in one of several places by the seed; "
+                                       "write mocap=\"true\" in it, and "
+                                       "<custom><numeric name=\"cue_place_1\" data=\"X Y "
+                                       "HEADING\"/></custom>, cue_place_2 and so "
+                                       "on"));
   }
   const double drawn = Draws(seed, kCue).between(0, static_cast<double>(places.size()));
   const auto chosen = static_cast<std::size_t>(drawn);

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <regex>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
@@ -65,8 +66,8 @@ std::unique_ptr<mjVFS, VfsDelete> shipped_files(const std::filesystem::path& wor
   if (std::regex_search(reason, match, std::regex("line (\\d+)"))) {
     where.line = std::stoi(match[1]);
   }
-  throw ConfigurationError(
-      where, fmt::format("not a world MuJoCo {} can read: {}", mj_versionString(), reason));
+  throw ConfigurationError(where, with_code(Code::world, "not a world MuJoCo {} can read: {}",
+                                            mj_versionString(), reason));
 }
 
 double circle_of(const mjModel& model, int geom) {
@@ -116,9 +117,9 @@ void find_wheels(const mjModel& model, const Names& names, Parts& parts) {
     parts.actuator[i] = names.find(mjOBJ_ACTUATOR, "actuator", wheels[i], kInclude);
     const int body = model.jnt_bodyid[joint];
     if (model.body_geomnum[body] == 0) {
-      throw ConfigurationError(
-          Location{names.path()},
-          fmt::format("joint '{}' turns a body without a geom; {}", wheels[i], kInclude));
+      throw ConfigurationError(Location{names.path()},
+                               with_code(Code::world, "joint '{}' turns a body without a geom; {}",
+                                         wheels[i], kInclude));
     }
     const mjtNum* at = model.body_pos + 3 * body;
     moment += at[0] * at[0] + at[1] * at[1];
@@ -176,7 +177,7 @@ int Names::find(mjtObj type, std::string_view kind, const std::string& name,
   const int id = mj_name2id(model_, type, name.c_str());
   if (id < 0) {
     throw ConfigurationError(Location{path_},
-                             fmt::format("has no {} '{}'; {}", kind, name, remedy));
+                             with_code(Code::world, "has no {} '{}'; {}", kind, name, remedy));
   }
   return id;
 }
@@ -191,8 +192,8 @@ std::optional<std::vector<double>> Names::numeric(const std::string& name, std::
       std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
   if (values.size() != count || !finite) {
     throw ConfigurationError(Location{path_},
-                             fmt::format("numeric '{}' is \"{}\"; write {} numbers: {}", name,
-                                         fmt::join(values, " "), count, meaning));
+                             with_code(Code::world, "numeric '{}' is \"{}\"; write {} numbers: {}",
+                                       name, fmt::join(values, " "), count, meaning));
   }
   return values;
 }
@@ -203,9 +204,10 @@ std::vector<double> Names::required_numeric(const std::string& name, std::size_t
   if (!values) {
     throw ConfigurationError(
         Location{path_},
-        fmt::format("has no numeric '{0}'; write <custom><numeric name=\"{0}\" data=\"...\"/>"
-                    "</custom> with {1} numbers: {2}",
-                    name, count, meaning));
+        with_code(Code::world,
+                  "has no numeric '{0}'; write <custom><numeric name=\"{0}\" data=\"...\"/>"
+                  "</custom> with {1} numbers: {2}",
+                  name, count, meaning));
   }
   return *values;
 }
@@ -223,8 +225,10 @@ Parts find_parts(const mjModel& model, const Names& names) {
   if (joint < 0 || model.jnt_type[joint] != mjJNT_FREE) {
     throw ConfigurationError(
         Location{names.path()},
-        "body 'vehicle' has no free joint; write <freejoint/> in it, or include the shipped "
-        "vehicle: <include file=\"spikeloop_vehicle.xml\"/>");
+        with_code(
+            Code::world,
+            "body 'vehicle' has no free joint; write <freejoint/> in it, or include the shipped "
+            "vehicle: <include file=\"spikeloop_vehicle.xml\"/>"));
   }
   parts.qpos = model.jnt_qposadr[joint];
   parts.qvel = model.jnt_dofadr[joint];

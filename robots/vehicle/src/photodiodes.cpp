@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::vehicle {
@@ -21,9 +22,9 @@ Photodiodes::Photodiodes(const mjModel& model, const Names& names) {
     if (!name.starts_with("lamp_")) continue;
     const double intensity = names.required_numeric(name, 1, kIntensity)[0];
     if (!(intensity > 0)) {
-      throw ConfigurationError(
-          Location{names.path()},
-          fmt::format("numeric '{}' is \"{}\"; write 1 number: {}", name, intensity, kIntensity));
+      throw ConfigurationError(Location{names.path()},
+                               with_code(Code::world, "numeric '{}' is \"{}\"; write 1 number: {}",
+                                         name, intensity, kIntensity));
     }
     const int body = model.site_bodyid[site];
     lamps_.push_back({site, body > 0 ? body : -1, intensity});

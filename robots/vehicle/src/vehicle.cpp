@@ -14,6 +14,7 @@
 #include "layout.hpp"
 #include "model.hpp"
 #include "photodiodes.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::vehicle {
@@ -26,8 +27,9 @@ TimeNs read_timestep(const mjModel& model, const Names& names) {
   if (!(seconds >= 1e-6 && seconds <= kLongestTimestep)) {
     throw ConfigurationError(
         Location{names.path()},
-        fmt::format("has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}",
-                    seconds, kLongestTimestep));
+        with_code(Code::world,
+                  "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}", seconds,
+                  kLongestTimestep));
   }
   return tick_from_seconds(seconds);
 }
@@ -45,9 +47,10 @@ Limits read_limits(const Names& names) {
       "all above 0";
   const auto values = names.required_numeric("command_limits", 4, kLimitsMeaning);
   if (!std::all_of(values.begin(), values.end(), [](double value) { return value > 0; })) {
-    throw ConfigurationError(Location{names.path()},
-                             fmt::format("numeric 'command_limits' is \"{}\"; write 4 numbers: {}",
-                                         fmt::join(values, " "), kLimitsMeaning));
+    throw ConfigurationError(
+        Location{names.path()},
+        with_code(Code::world, "numeric 'command_limits' is \"{}\"; write 4 numbers: {}",
+                  fmt::join(values, " "), kLimitsMeaning));
   }
   return {values[0], values[1], values[2], values[3]};
 }
@@ -96,8 +99,8 @@ class Vehicle::Impl {
 
   void step(TimeNs dt) {
     if (dt <= 0) {
-      throw ConfigurationError(
-          fmt::format("cannot advance the vehicle by {}; write a time above 0", format_time(dt)));
+      throw ConfigurationError(with_code(
+          Code::world, "cannot advance the vehicle by {}; write a time above 0", format_time(dt)));
     }
     time_ += dt;
     while (physics_time_ + timestep_ <= time_) physics_step();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
@@ -46,9 +47,10 @@ std::string find_world(const std::string& name) {
     }
   }
   throw FileError(
-      fmt::format("cannot find world '{}': no such file here, nor in {}; write the path of an MJCF "
-                  "file, or arena, phototaxis or t_maze for a shipped world",
-                  name, fmt::join(directories, ", ")));
+      with_code(Code::world,
+                "cannot find world '{}': no such file here, nor in {}; write the path of an MJCF "
+                "file, or arena, phototaxis or t_maze for a shipped world",
+                name, fmt::join(directories, ", ")));
 }
 
 }  // namespace spikeloop::vehicle

@@ -8,6 +8,7 @@
 
 #include <string_view>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::zmq {
@@ -17,7 +18,7 @@ constexpr std::string_view kFile = "ipc://";
 constexpr std::string_view kNetwork = "tcp://";
 
 [[noreturn]] void refuse(const std::string& address, const std::string& reason) {
-  throw ConfigurationError(fmt::format("zmq_addr '{}' {}", address, reason));
+  throw ConfigurationError(with_code(Code::invalid_topic, "zmq_addr '{}' {}", address, reason));
 }
 
 void check_path(const std::string& address) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "socket.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/zmq/address.hpp"
 #include "spikeloop/zmq/wire.hpp"
@@ -37,14 +38,16 @@ void Publisher::check(const PublisherSettings& settings) {
   const bool gym = settings.message_type == kGymCommand;
   if (!gym && settings.message_type != "FloatArray") {
     throw ConfigurationError(
-        fmt::format("message_type '{}' is not known; write message_type=GymCommand or FloatArray",
-                    settings.message_type));
+        with_code(Code::unknown_message,
+                  "message_type '{}' is not known; write message_type=GymCommand or FloatArray",
+                  settings.message_type));
   }
   if (gym && !(settings.minimum < settings.maximum)) {
     throw ConfigurationError(
-        fmt::format("a GymCommand carries its range, but min is {} and max {}; write min below "
-                    "max, as in min=-1 and max=1",
-                    settings.minimum, settings.maximum));
+        with_code(Code::wrong_order,
+                  "a GymCommand carries its range, but min is {} and max {}; write min below "
+                  "max, as in min=-1 and max=1",
+                  settings.minimum, settings.maximum));
   }
 }
 

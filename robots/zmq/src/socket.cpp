@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/zmq/address.hpp"
 
@@ -20,10 +21,12 @@ constexpr int kLingerMs = 100;
   const char* const reason = ::zmq_strerror(error);
   const bool is_file = address.starts_with("ipc://");
   if (error == EADDRINUSE || error == EACCES || (is_file && error == ENOENT)) {
-    throw TransportError(fmt::format("cannot bind {}: {}; write another {} in zmq_addr", address,
-                                     reason, is_file ? "path" : "port"));
+    throw TransportError(with_code(Code::invalid_topic,
+                                   "cannot bind {}: {}; write another {} in zmq_addr", address,
+                                   reason, is_file ? "path" : "port"));
   }
-  throw ConfigurationError(fmt::format(
+  throw ConfigurationError(with_code(
+      Code::invalid_topic,
       "zmq_addr '{}' is not an address of this machine ({}); write tcp://*:PORT to publish "
       "on every interface",
       address, reason));
@@ -50,10 +53,10 @@ bool is_taken_file(const std::string& address) {
 
 Socket::Socket(int type) : context_(::zmq_ctx_new()), socket_(::zmq_socket(context_, type)) {
   if (socket_ == nullptr) {
-    throw TransportError(
-        fmt::format("cannot open a ZeroMQ socket: {}; raise the limit of open "
-                    "files (ulimit -n)",
-                    ::zmq_strerror(::zmq_errno())));
+    throw TransportError(with_code(Code::invalid_topic,
+                                   "cannot open a ZeroMQ socket: {}; raise the limit of open "
+                                   "files (ulimit -n)",
+                                   ::zmq_strerror(::zmq_errno())));
   }
   ::zmq_setsockopt(socket_, ZMQ_LINGER, &kLingerMs, sizeof kLingerMs);
   if (type == ZMQ_SUB) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::zmq {
@@ -57,7 +58,8 @@ ObservationReader::ObservationReader(std::string_view type, std::uint32_t width,
       strict_(strict),
       channels_(width, std::numeric_limits<double>::quiet_NaN()) {
   if (!gym_ && type != "FloatArray") {
-    throw ConfigurationError(fmt::format(
+    throw ConfigurationError(with_code(
+        Code::unknown_message,
         "message_type '{}' is not known; write message_type=GymObservation or FloatArray", type));
   }
 }
@@ -94,7 +96,8 @@ void ObservationReader::fit(std::size_t count) {
   const std::string text = fmt::format("a message brought {} values, but the port has {} channels",
                                        count, channels_.size());
   if (strict_) {
-    throw ConfigurationError(fmt::format("{}; write [{}] in its connection", text, count));
+    throw ConfigurationError(
+        with_code(Code::fields_differ, "{}; write [{}] in its connection", text, count));
   }
   std::uint64_t& counter = count > channels_.size() ? counts_.cropped : counts_.short_messages;
   if (++counter == 1) {

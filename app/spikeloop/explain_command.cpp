@@ -1,0 +1,84 @@
+#include "commands.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "explanations.hpp"
+#include "output.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::app::explain_command {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  spikeloop explain                what all codes mean, a line each
+  spikeloop explain SL0103         why it is an error, with an example
+  spikeloop explain --markdown     the page docs/errors.md)";
+
+std::string example(const Explanation& each) {
+  return *each.wrong == '\0'
+             ? ""
+             : fmt::format("\nWrong:\n\n    {}\n\nRight:\n\n    {}\n", each.wrong, each.right);
+}
+
+std::string list() {
+  std::string text;
+  for (const Explanation& each : explanations()) {
+    text += fmt::format("{}  {}\n", code_text(each.code), each.title);
+  }
+  return text;
+}
+
+std::string page() {
+  std::string text =
+      "# Errors\n\n"
+      "Errors about files, connections, topics and runs end with a code. This page has all of "
+      "them; "
+      "it is what\n"
+      "\n    spikeloop explain --markdown\n\n"
+      "prints, and `spikeloop explain SL0103` prints one. Mistakes on a command line have no code: "
+      "see `--help`.\n";
+  for (const Explanation& each : explanations()) {
+    text += fmt::format("\n## {}: {}\n\n{}\n{}", code_text(each.code), each.title, each.text,
+                        example(each));
+  }
+  return text;
+}
+
+int explain(const std::string& code, bool markdown) {
+  if (markdown || code.empty()) {
+    put_result(markdown ? page() : list());
+    return 0;
+  }
+  const Explanation* found = find_explanation(code);
+  if (found == nullptr) {
+    throw ConfigurationError(
+        fmt::format("unknown code '{}'; write one that 'spikeloop explain' lists", code));
+  }
+  put_result(fmt::format("{}: {}\n\n{}\n{}", code_text(found->code), found->title, found->text,
+                         example(*found)));
+  return 0;
+}
+
+}  // namespace
+
+void add(CLI::App& app, Action& action) {
+  struct Arguments {
+    std::string code;
+    bool markdown = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("explain", "Explain the code of an error");
+  auto* code = command->add_option("CODE", arguments->code,
+                                   "As SL0103, from the end of an error; without one, all codes");
+  command->add_flag("--markdown", arguments->markdown, "Print the page of all codes")
+      ->excludes(code);
+  command->footer(kFooter);
+  command->callback([arguments, &action] {
+    action = [arguments] { return explain(arguments->code, arguments->markdown); };
+  });
+}
+
+}  // namespace spikeloop::app::explain_command
