@@ -28,10 +28,10 @@ std::string trouble_with(const Simulator& simulator) {
   if (std::string_view(simulator.module).empty()) {
     return "";
   }
-  const auto answer = doctor::ask(
-      {{{python, "-c", kFindModule, simulator.module}, {{"PYTHONSAFEPATH", "1"}}, "", ""}});
+  const doctor::Command command{python, "-c", kFindModule, simulator.module};
+  const doctor::Answer answer = doctor::ask({command}).front();
   // One that takes too long may have it all the same: the run will tell.
-  return answer.front().exit_code == 0 || !answer.front().in_time
+  return answer.failure.empty() || !answer.in_time
              ? ""
              : fmt::format("{} finds no module '{}'; {}", python, simulator.module,
                            simulator.install);

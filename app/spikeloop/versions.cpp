@@ -4,51 +4,113 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
-#include "doctor/report.hpp"
+#include "own_programs.hpp"
+#include "python_package.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/record/reader.hpp"
 
 namespace spikeloop::app {
 namespace {
 
+using doctor::Answer;
+using doctor::Finding;
+using doctor::found;
+using doctor::missing;
+using doctor::Probe;
 using nlohmann::json;
 
-/// A probe of the doctor's, and the key that its version has.
-struct VersionKey {
-  const char* probe;
-  const char* key;
-};
+constexpr const char* kNestMpiRemedy =
+    "jobs need one with MUSIC (cmake -Dwith-music=ON -Dwith-mpi=ON), or one without MPI "
+    "(conda-forge: nest-simulator=*=nompi*)";
 
-/// "4.1.4" of "4.1.4, /usr/bin/mpirun", "2.2.2" of "/lib/libmujoco.so.2.2.2".
-json version_in(const doctor::Item& item) {
-  if (item.finding.status == doctor::Status::missing) {
-    return nullptr;
+/// NEST's build options are in a dictionary of SLI.
+constexpr const char* kPackageScript = R"(
+import importlib, json, os, sys
+name = sys.argv[1]
+module = importlib.import_module(name)
+about = {'version': str(getattr(module, '__version__', '?')),
+         'place': os.path.dirname(str(module.__file__))}
+if name == 'nest':
+    for part in ('music', 'mpi'):
+        about[part] = bool(module.ll_api.sli_func(f'statusdict/have_{part} ::'))
+print()
+print(json.dumps(about))
+)";
+
+/// What `PATH --version` prints after `before`. Without a path the probe has its finding already.
+Probe program(Probe probe, const std::string& path, const std::string& before) {
+  if (!path.empty()) {
+    probe.finding.text = path + ": ";
+    probe.command = {path, "--version"};
+    probe.judge = [path, before](const Answer& answer) {
+      const std::string line(doctor::first_line(answer.out));
+      return line.starts_with(before)
+                 ? found(line.substr(before.size()), path)
+                 : missing(fmt::format("{} is another program: '{}'", path, line));
+    };
   }
-  std::string text = item.finding.text.substr(0, item.finding.text.find(", "));
-  constexpr std::string_view kLibrary = ".so.";
-  if (const auto at = text.rfind(kLibrary); at != std::string::npos) {
-    text.erase(0, at + kLibrary.size());
-  }
-  constexpr std::string_view kPython = "Python ";
-  return text.starts_with(kPython) ? text.substr(kPython.size()) : text;
+  return probe;
 }
 
-json ask(std::vector<doctor::Probe> probes, const std::vector<VersionKey>& nodes) {
-  std::erase_if(probes, [&](const doctor::Probe& probe) {
-    return std::ranges::none_of(nodes,
-                                [&](const VersionKey& node) { return probe.name == node.probe; });
-  });
-  json versions = json::object();
-  for (const doctor::Item& item : doctor::examine(probes)) {
-    const auto node = std::ranges::find_if(
-        nodes, [&](const VersionKey& wanted) { return item.name == wanted.probe; });
-    versions[node->key] = version_in(item);
+/// A library as one of our programs loads it; its version is what follows ".so." in its file's
+/// name.
+Probe library(Probe probe, const std::string& program, const std::string& file) {
+  probe.command = doctor::linker_list({program});
+  probe.judge = [program, file](const Answer& answer) {
+    for (const auto& [library, path] : doctor::libraries_in(answer.out)) {
+      std::error_code error;
+      const std::string real = std::filesystem::canonical(path, error).string();
+      if (library.starts_with(file) && !error) {
+        return found(real.substr(real.rfind(".so.") + 4), real);
+      }
+    }
+    return missing(fmt::format("no {}so for {}", file, program));
+  };
+  return probe;
+}
+
+Finding judge_package(const Answer& answer) {
+  const std::string_view line = doctor::last_line(answer.out);
+  const json about = json::parse(line, nullptr, false);
+  if (!about.is_object()) {
+    return missing(fmt::format("its answer cannot be read: '{}'", line));
   }
-  return versions;
+  Finding finding = found(about.value("version", "?"), about.value("place", ""));
+  if (about.value("music", false)) {
+    finding.text += ", with MUSIC";
+  } else if (about.value("mpi", false)) {  // such a NEST takes the whole job for its own
+    finding.status = doctor::Status::warning;
+    finding.text += ", with MPI but without MUSIC";
+    finding.remedy = kNestMpiRemedy;
+  } else if (about.contains("music")) {
+    finding.text += ", without MUSIC";
+  }
+  return finding;
+}
+
+/// A package of Python's, which is imported.
+Probe package(const char* name, const char* module, const char* remedy) {
+  const std::string python = python_program();
+  Probe probe{.name = name, .key = module, .finding = missing("", remedy)};
+  if (python.empty()) {
+    probe.finding.text = "there is no Python";
+  } else {
+    probe.command = {python, "-c", kPackageScript, module};
+    probe.judge = judge_package;
+  }
+  return probe;
+}
+
+Probe simulator(const char* name, const char* module) {
+  return package(name, module, experiment::find_simulator(module)->install);
 }
 
 std::string cpu_model() {
@@ -71,6 +133,22 @@ json machine() {
           {"cores", std::thread::hardware_concurrency()},
           {"architecture", system.machine},
           {"kernel", fmt::format("{} {}", system.sysname, system.release)}};
+}
+
+/// Which versions a run keeps, by their keys.
+std::set<std::string> keys_of(const Partners& partners) {
+  std::set<std::string> keys{"hdf5"};
+  const auto add = [&keys](bool takes_part, std::initializer_list<std::string> more) {
+    if (takes_part) {
+      keys.insert(more);
+    }
+  };
+  add(partners.music, {"music", "mpi"});
+  add(partners.ros1, {"roscpp"});
+  add(partners.ros2, {"cyclonedds"});
+  add(partners.mujoco, {"mujoco"});
+  add(partners.python, {"python", "numpy"});
+  return keys;
 }
 
 }  // namespace
@@ -99,26 +177,52 @@ Partners partners_of(const MusicFile& file, bool robot) {
           .python = std::ranges::any_of(file.sections, runs_python)};
 }
 
-json about_run(const Partners& partners) {
-  std::vector<doctor::Probe> probes = doctor::own_probes();
-  std::vector<VersionKey> nodes{{"HDF5", "hdf5"}};
-  const auto add = [&](bool takes_part, std::vector<doctor::Probe> more,
-                       const std::vector<VersionKey>& named) {
-    if (takes_part) {
-      std::ranges::move(more, std::back_inserter(probes));
-      nodes.insert(nodes.end(), named.begin(), named.end());
-    }
+std::vector<Probe> versions() {
+  const char* const named = std::getenv("PYTHON");
+  const std::string python = named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
+  const auto absent = [](const char* program, const char* package) {
+    return missing(doctor::not_in_path(program),
+                   fmt::format("apt-get install {}, or add its directory to PATH", package));
   };
-  add(partners.music, doctor::mpi_probes(""), {{"MUSIC launcher", "music"}, {"Open MPI", "mpi"}});
-  add(partners.ros1, {}, {{"roscpp", "roscpp"}});
-  add(partners.ros2, {}, {{"ddsc", "cyclonedds"}});
-  add(partners.mujoco, {}, {{"MuJoCo", "mujoco"}});
-  add(partners.python, doctor::python_probes(), {{"Python", "python"}, {"numpy", "numpy"}});
-  json versions = ask(std::move(probes), nodes);
-  versions["spikeloop"] = SPIKELOOP_VERSION;
-  versions["compiler"] = fmt::format("gcc {}", __VERSION__);
-  versions["build"] = SPIKELOOP_BUILD_TYPE;
-  return {{"versions", versions}, {"machine", machine()}};
+  return {
+      library({"MUSIC library", true, "", missing("", "apt-get install libmusic1v5")},
+              "spikeloop-node", "libmusic."),
+      {"HDF5", true, "hdf5", found(record::library_version(), "")},
+      program({"Open MPI", true, "mpi", absent("mpirun", "openmpi-bin")}, doctor::in_path("mpirun"),
+              "mpirun (Open MPI) "),
+      program({"MUSIC launcher", true, "music", absent("music", "music-bin")},
+              doctor::in_path("music"), "MUSIC "),
+      library({"MuJoCo", false, "mujoco", missing("", "apt-get install libmujoco2.2.2")},
+              "spikeloop-robot", "libmujoco."),
+      library({"roscpp", false, "roscpp", missing("", "apt-get install libroscpp4d")},
+              "spikeloop-ros", "libroscpp."),
+      library({"Cyclone DDS", false, "cyclonedds", missing("", "apt-get install libddsc0debian")},
+              "spikeloop-ros", "libddsc."),
+      simulator("NEST", "nest"),
+      simulator("NEURON", "neuron"),
+      simulator("Brian2", "brian2"),
+      program({"Python", false, "python",
+               missing(fmt::format("no program '{}'", python),
+                       "apt-get install python3, or set PYTHON to another one")},
+              python_program(), "Python "),
+      package("numpy", "numpy", "apt-get install python3-numpy"),
+      package("matplotlib", "matplotlib", "apt-get install python3-matplotlib"),
+      package("h5py", "h5py", "apt-get install python3-h5py")};
+}
+
+json about_run(const Partners& partners) {
+  std::vector<Probe> probes = versions();
+  std::erase_if(
+      probes, [keys = keys_of(partners)](const Probe& probe) { return !keys.contains(probe.key); });
+  doctor::examine(probes);
+  json numbers{{"spikeloop", SPIKELOOP_VERSION},
+               {"compiler", fmt::format("gcc {}", __VERSION__)},
+               {"build", SPIKELOOP_BUILD_TYPE}};
+  for (const Probe& probe : probes) {
+    const std::string& version = probe.finding.version;
+    numbers[probe.key] = version.empty() ? json(nullptr) : json(version);
+  }
+  return {{"versions", numbers}, {"machine", machine()}};
 }
 
 }  // namespace spikeloop::app

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <vector>
 
+#include "doctor/probe.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
@@ -19,8 +21,11 @@ struct Partners {
 Partners partners_of(const experiment::Experiment& experiment, bool separate);
 Partners partners_of(const MusicFile& file, bool robot);
 
+/// Of every program, library and Python package that Spikeloop uses and that has a version.
+std::vector<doctor::Probe> versions();
+
 /// {"versions": {"spikeloop": "0.1.0", "compiler": ..., "hdf5": ..., ...}, "machine": {"cpu": ...,
-/// "cores": ..., "kernel": ...}}; null where nobody answers. Asks what `spikeloop doctor` asks.
+/// "cores": ..., "kernel": ...}}; null for what is missing.
 nlohmann::json about_run(const Partners& partners);
 
 }  // namespace spikeloop::app

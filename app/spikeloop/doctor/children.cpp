@@ -1,76 +1,85 @@
 #include "children.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <memory>
+#include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/mpirun.hpp"
+#include "spikeloop/launch/process_tree.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
 
 constexpr std::size_t kMostOutput = 1'000'000;
-constexpr int kCannotStart = 127;
+constexpr std::chrono::milliseconds kLookEvery{5};
 
-/// Takes what stands in the pipe; what is beyond the limit is left out.
-void drain(int fd, std::string& text) {
-  char buffer[4096];
-  for (auto size = read(fd, buffer, sizeof buffer); size > 0 || (size < 0 && errno == EINTR);
-       size = read(fd, buffer, sizeof buffer)) {
-    if (size > 0 && text.size() < kMostOutput) {
-      text.append(buffer, static_cast<std::size_t>(size));
-    }
+struct Child {
+  std::unique_ptr<launch::ProcessTree> tree{};
+  bool running = false;
+  std::string err{};
+  Answer answer{};
+};
+
+/// One read takes all that a pipe can hold; a program that prints for ever does not hold us up.
+void read_some(int fd, std::string& text) {
+  std::array<char, 65536> buffer;
+  const auto size = read(fd, buffer.data(), buffer.size());
+  if (size > 0 && text.size() < kMostOutput) {
+    text.append(buffer.data(), static_cast<std::size_t>(size));
   }
 }
 
-class Child {
- public:
-  Child(const launch::ProgramStart& start, Answer& answer) : answer_(answer) {
-    try {
-      tree_ = std::make_unique<launch::ProcessTree>(start);
-    } catch (const Error& error) {
-      answer_.exit_code = kCannotStart;
-      answer_.err = error.what();
-    }
+/// mpirun's own exit codes are above 128: they are no signals.
+std::string failure_of(int status, std::string_view said) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("it crashed ({})", strsignal(WTERMSIG(status)));
   }
+  const int code = WEXITSTATUS(status);
+  if (code == 0 || (code == 1 && !said.empty())) {  // that of any failure tells nothing
+    return std::string(code == 0 ? "" : said);
+  }
+  return fmt::format("exit code {}{}{}", code, said.empty() ? "" : ": ", said);
+}
 
-  bool running() const { return tree_ != nullptr && !ended_; }
-  int fd() const { return tree_->fd(); }
-  /// Its pipes are read at every look: a full one would hold it up.
-  void look(double seconds) {
-    const bool gone = tree_->gone();
-    drain(tree_->out(), answer_.out);
-    drain(tree_->err(), answer_.err);
-    ended_ = gone || tree_->status().has_value();
-    answer_.seconds = seconds;
-    if (ended_) {
-      take_status(tree_->status().value_or(0));
-    }
+/// Both pipes are read at every look: a full one would hold the program up.
+void look(Child& child, double seconds) {
+  const bool ended = child.tree->gone() || child.tree->status();
+  read_some(child.tree->out(), child.answer.out);
+  read_some(child.tree->err(), child.err);
+  child.answer.seconds = seconds;
+  if (ended) {
+    child.running = false;
+    const std::string_view said = last_line(child.err);
+    child.answer.failure = failure_of(child.tree->status().value_or(0),
+                                      said.empty() ? last_line(child.answer.out) : said);
   }
-  /// mpirun's own exit codes are above 128: they are no signals.
-  void take_status(int status) {
-    answer_.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    answer_.exit_code = WIFSIGNALED(status) ? 0 : WEXITSTATUS(status);
-  }
-  void give_up() {
-    answer_.in_time = false;
-    tree_->kill();
-  }
+}
 
- private:
-  Answer& answer_;
-  std::unique_ptr<launch::ProcessTree> tree_;
-  bool ended_ = false;
-};
+Child start(const Command& command, const std::string& scratch) {
+  Child child;
+  launch::ProgramStart program{command, launch::program_environment(), "", scratch};
+  program.environment["MPLBACKEND"] = "Agg";
+  program.environment["PYTHONSAFEPATH"] = "1";  // no module of the working directory's
+  if (!scratch.empty()) {
+    program.environment["OMPI_MCA_orte_tmpdir_base"] = scratch;
+  }
+  try {
+    child.tree = std::make_unique<launch::ProcessTree>(program);
+    child.running = true;
+  } catch (const Error& error) {
+    child.answer.failure = error.what();
+  }
+  return child;
+}
 
 }  // namespace
 
@@ -83,52 +92,28 @@ std::string_view last_line(std::string_view text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-std::string Answer::failure() const {
-  if (!in_time) {
-    return fmt::format("no answer within {:.0f} s", seconds);
-  }
-  if (signal != 0) {
-    return fmt::format("it crashed ({})", strsignal(signal));
-  }
-  const std::string_view said = last_line(last_line(err).empty() ? out : err);
-  if (exit_code == kCannotStart && !said.empty()) {
-    return std::string(said);
-  }
-  return exit_code == 0
-             ? ""
-             : fmt::format("exit code {}{}{}", exit_code, said.empty() ? "" : ": ", said);
-}
-
-std::vector<Answer> ask(const std::vector<launch::ProgramStart>& starts, milliseconds patience) {
-  constexpr int kLookEveryMs = 20;
+std::vector<Answer> ask(const std::vector<Command>& commands, const std::string& scratch) {
   const auto begin = Clock::now();
-  const auto seconds = [begin] {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-  };
-  std::vector<Answer> answers(starts.size());
-  std::vector<std::unique_ptr<Child>> children;
-  for (std::size_t i = 0; i < starts.size(); ++i) {
-    children.push_back(std::make_unique<Child>(starts[i], answers[i]));
+  std::vector<Child> children;
+  for (const Command& command : commands) {
+    children.push_back(command.empty() ? Child{} : start(command, scratch));
   }
-  const auto running = [](const auto& child) { return child->running(); };
-  while (std::ranges::any_of(children, running) && Clock::now() < begin + patience) {
-    std::vector<pollfd> files;
-    for (const auto& child : children) {
-      if (child->running()) {
-        files.push_back({child->fd(), POLLIN, 0});
-      }
-    }
-    poll(files.data(), files.size(), kLookEveryMs);
-    for (const auto& child : children) {
-      if (child->running()) {
-        child->look(seconds());
+  while (std::ranges::any_of(children, &Child::running) && Clock::now() < begin + kPatience) {
+    std::this_thread::sleep_for(kLookEvery);
+    for (Child& child : children) {
+      if (child.running) {
+        look(child, std::chrono::duration<double>(Clock::now() - begin).count());
       }
     }
   }
-  for (const auto& child : children) {  // all at once: the end of a child waits for its processes
-    if (child->running()) {
-      child->give_up();
+  std::vector<Answer> answers;
+  for (Child& child : children) {
+    if (child.running) {  // all at once: the end of a tree waits for its processes
+      child.tree->kill();
+      child.answer.in_time = false;
+      child.answer.failure = fmt::format("no answer within {} s", kPatience.count());
     }
+    answers.push_back(std::move(child.answer));
   }
   return answers;
 }

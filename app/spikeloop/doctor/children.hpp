@@ -1,4 +1,4 @@
-// Programs started side by side, with one time limit for all.
+// Programs that may hang or crash, run side by side with one time limit for all.
 #pragma once
 
 #include <chrono>
@@ -6,31 +6,28 @@
 #include <string_view>
 #include <vector>
 
-#include "spikeloop/launch/process_tree.hpp"
-
 namespace spikeloop::app::doctor {
 
-/// Everything has answered, or is given up, after this time.
-inline constexpr std::chrono::milliseconds kPatience{10000};
+/// What has not answered by then is killed.
+inline constexpr std::chrono::seconds kPatience{10};
+
+/// A program, as a path or searched in PATH, and its arguments. Empty: nothing is started.
+using Command = std::vector<std::string>;
 
 struct Answer {
-  int exit_code = 0;
-  int signal = 0;       ///< that ended it; 0: none
-  std::string out{};    ///< standard output
-  std::string err{};    ///< standard error; or why the program could not be started
-  bool in_time = true;  ///< false: it was killed
+  std::string out{};      ///< standard output; beyond 1 MB it is cut
+  std::string failure{};  ///< not started, no answer in time, crashed, failed; empty: exit code 0
+  bool in_time = true;
   double seconds = 0;
-
-  /// Why it is of no use: started in vain, silent, crashed, failed. Empty: it ended well.
-  std::string failure() const;
 };
 
-/// The first line of a text, and the last one that holds anything.
+/// The first line of a text, and the last one that is not blank.
 std::string_view first_line(std::string_view text);
 std::string_view last_line(std::string_view text);
 
-/// Runs them all at once; the answers have the order of the starts. Nothing is left running.
-std::vector<Answer> ask(const std::vector<launch::ProgramStart>& starts,
-                        std::chrono::milliseconds patience = kPatience);
+/// Runs all commands at once, in the environment that a job's programs have; the answers have
+/// their order. Nothing is left running. `scratch`: a directory for what Open MPI leaves behind,
+/// removed should we die; empty: where Open MPI likes it.
+std::vector<Answer> ask(const std::vector<Command>& commands, const std::string& scratch = "");
 
 }  // namespace spikeloop::app::doctor

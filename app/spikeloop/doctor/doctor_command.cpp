@@ -1,33 +1,44 @@
 #include "../commands.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "../output.hpp"
-#include "report.hpp"
-#include "self.hpp"
+#include "../versions.hpp"
+#include "probe.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app::doctor_command {
 namespace {
 
+using doctor::Probe;
+using doctor::Status;
+
 constexpr const char* kFooter = R"(Examples:
   spikeloop doctor
   PYTHON=~/nest/bin/python3 spikeloop doctor      of another Python
   spikeloop doctor --json
 
-Starts no job. Everything that may hang or crash is looked at by a process of its own, all of them at
-once, and is given up after 4 s. SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and
-ROS 2's variables (docs/ros2.md) are heeded.
+Starts no job. Everything that may hang or crash runs in a process of its own, all at once, and is
+killed after {} s. SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and ROS 2's variables (docs/ros2.md) are
+heeded.
 
-Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
+Exit codes: 0 everything that each spikeloop run needs is there, 3 some of it is missing. The rest
 changes no exit code.)";
+
+constexpr std::array kWords{"ok", "warning", "missing"};            // by Status
+constexpr std::array kColours{"\x1b[32m", "\x1b[33m", "\x1b[31m"};  // green, yellow, red
 
 /// As https://no-color.org has it.
 bool colour_wanted() {
@@ -37,22 +48,90 @@ bool colour_wanted() {
          (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
 
-std::vector<doctor::Probe> all_probes(const std::string& scratch) {
-  std::vector<doctor::Probe> probes;
-  const auto add = [&probes](std::vector<doctor::Probe> more) {
-    std::move(more.begin(), more.end(), std::back_inserter(probes));
-  };
-  add(doctor::own_probes());
-  add(doctor::mpi_probes(scratch));
-  add(doctor::plugin_probes());
-  add(doctor::machine_probes());
-  add(doctor::ros_probes());
-  add(doctor::simulator_probes());
-  add(doctor::python_probes());
+/// Every node program loads all plug-ins, and one that is refused ends it.
+void refuse_clashes(std::vector<Probe>& probes) {
+  std::map<std::string, std::string> owners;
+  for (Probe& probe : probes) {
+    for (const std::string& node : std::vector(probe.finding.classes)) {
+      if (const auto [owner, is_new] = owners.emplace(node, probe.name); !is_new) {
+        probe.finding = doctor::missing(
+            fmt::format("there is already a node class '{}', of {}", node, owner->second),
+            "give it another name, or take one of the two out of SPIKELOOP_PLUGIN_PATH");
+      }
+    }
+  }
+}
+
+bool lacks(const Probe& probe) {
+  return probe.needed && probe.finding.status == Status::missing;
+}
+
+std::string line(const Probe& probe, std::size_t width, bool colour) {
+  const auto status = static_cast<std::size_t>(probe.finding.status);
+  std::string text = fmt::format("  {}{:<7}{}  {:<{}}  {}\n", colour ? kColours[status] : "",
+                                 kWords[status], colour ? "\x1b[0m" : "", one_line(probe.name),
+                                 width, one_line(probe.finding.text));
+  if (!probe.finding.remedy.empty()) {
+    text += fmt::format("{:{}}-> {}\n", "", width + 13, one_line(probe.finding.remedy));
+  }
+  return text;
+}
+
+std::string conclusion(const std::vector<Probe>& probes) {
+  std::vector<std::string> absent;
+  std::size_t others = 0;
+  for (const Probe& probe : probes) {
+    if (lacks(probe)) {
+      absent.push_back(one_line(probe.name));
+    } else if (probe.finding.status != Status::ok) {
+      ++others;
+    }
+  }
+  return fmt::format(
+      "spikeloop run {}{}{}\n", absent.empty() ? "has all that it needs" : "lacks ",
+      fmt::join(absent, ", "),
+      others == 0 ? "" : fmt::format("; {} with a remedy", count_of(others, "other line")));
+}
+
+/// Two tables with aligned columns, what is needed first; a remedy is below its line.
+std::string table(const std::vector<Probe>& probes, bool colour) {
+  constexpr std::size_t kWidest = 24;  // paths of plug-ins are longer: they do not move the others
+  std::size_t width = 0;
+  for (const Probe& probe : probes) {
+    width = std::max(width, std::min(probe.name.size(), kWidest));
+  }
+  std::array<std::string, 2> parts;
+  for (const Probe& probe : probes) {
+    parts[probe.needed ? 0 : 1] += line(probe, width, colour);
+  }
+  return fmt::format("Needed by spikeloop run:\n{}\nFor some jobs, or for comfort:\n{}\n{}",
+                     parts[0], parts[1], conclusion(probes));
+}
+
+std::string json_text(const std::vector<Probe>& probes) {
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
+  for (const Probe& probe : probes) {
+    items.push_back({{"name", one_line(probe.name)},
+                     {"status", kWords[static_cast<std::size_t>(probe.finding.status)]},
+                     {"needed", probe.needed},
+                     {"text", one_line(probe.finding.text)},
+                     {"remedy", one_line(probe.finding.remedy)}});
+  }
+  const nlohmann::ordered_json all{{"spikeloop", SPIKELOOP_VERSION},
+                                   {"ready", std::ranges::none_of(probes, lacks)},
+                                   {"items", items}};
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::vector<Probe> all_probes() {
+  std::vector<Probe> probes = doctor::own_probes();
+  for (const auto& more : {versions(), doctor::machine_probes(), doctor::plugin_probes()}) {
+    probes.insert(probes.end(), more.begin(), more.end());
+  }
   return probes;
 }
 
-/// A doctor goes on where there is no room for a folder: nobody else says what is wrong.
+/// A doctor goes on where there is no room for a folder: nobody else tells what is wrong.
 std::unique_ptr<launch::Scratch> make_scratch() {
   try {
     return std::make_unique<launch::Scratch>();
@@ -62,15 +141,12 @@ std::unique_ptr<launch::Scratch> make_scratch() {
 }
 
 int examine(bool json) {
+  std::vector<Probe> probes = all_probes();
   const auto scratch = make_scratch();
-  const auto items = doctor::examine(all_probes(scratch == nullptr ? "" : scratch->path()));
-  if (json) {
-    put_result(doctor::data(items).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-               "\n");
-  } else {
-    put_result(doctor::table(items, colour_wanted()));
-  }
-  return doctor::ready(items) ? 0 : TransportError::kExitCode;
+  doctor::examine(probes, scratch == nullptr ? "" : scratch->path());
+  refuse_clashes(probes);
+  put_result(json ? json_text(probes) : table(probes, colour_wanted()));
+  return std::ranges::any_of(probes, lacks) ? TransportError::kExitCode : 0;
 }
 
 }  // namespace
@@ -78,19 +154,20 @@ int examine(bool json) {
 void add(CLI::App& app, Action& action) {
   struct Arguments {
     bool json = false;
-    std::vector<std::string> probe;
+    std::string probe;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("doctor", "Say what of this machine Spikeloop can use");
+  CLI::App* command = app.add_subcommand("doctor", "List what Spikeloop can use on this machine");
   command->add_flag("--json", arguments->json, "Print the same as JSON");
-  command->add_option("--probe", arguments->probe, "For its own children")
-      ->allow_extra_args(false)
-      ->group("");
-  command->footer(kFooter);
+  command->add_option("--probe", arguments->probe, "For its own children")->group("");
+  command->footer(fmt::format(kFooter, doctor::kPatience.count()));
   command->callback([arguments, &action] {
     action = [arguments] {
-      return arguments->probe.empty() ? examine(arguments->json)
-                                      : doctor::look_as_child(arguments->probe);
+      if (!arguments->probe.empty()) {
+        doctor::look_as_child(all_probes(), arguments->probe);
+        return 0;
+      }
+      return examine(arguments->json);
     };
   });
 }

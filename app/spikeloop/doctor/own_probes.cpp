@@ -1,16 +1,18 @@
-// Spikeloop itself: its programs, the libraries that they load, its files.
+// Spikeloop itself: its programs, the libraries that they load, its files, its plug-ins.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
+#include <sstream>
 
 #include "../own_programs.hpp"
 #include "probe.hpp"
-#include "spikeloop/core/plugin.h"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/plugin_path.hpp"
+#include "spikeloop/core/registry.hpp"
 #include "spikeloop/launch/mpirun.hpp"
-#include "spikeloop/record/reader.hpp"
+#include "spikeloop/nodes/register.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -18,101 +20,36 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInstallAgain = "build and install Spikeloop again: all of it, scripts/build";
-constexpr const char* kInstallLibraries =
-    "scripts/install-dependencies, then build Spikeloop again";
+constexpr const char* kNotFound = "not found";  // in the linker's list
 
 fs::path own_file(std::string_view name) {
   return fs::path(launch::own_directory()) / name;
 }
 
-Finding build() {
-  return ok(fmt::format("{}, {}, gcc {}, {}", SPIKELOOP_VERSION, SPIKELOOP_BUILD_TYPE, __VERSION__,
-                        SPIKELOOP_BUILD));
+bool is_there(std::string_view program) {
+  return !launch::find_executable(own_file(program), "", "").empty();
 }
 
 Finding programs() {
+  std::vector<std::string> names = all_programs();
+  const std::size_t count = names.size();
+  std::erase_if(names, is_there);
+  return names.empty() ? ok(fmt::format("{} in {}", count, launch::own_directory()))
+                       : missing(fmt::format("not in {}: {}", launch::own_directory(),
+                                             fmt::join(names, ", ")),
+                                 kInstallAgain);
+}
+
+Finding judge_libraries(const Answer& answer) {
   std::vector<std::string> absent;
-  const auto names = all_programs();
-  std::ranges::copy_if(names, std::back_inserter(absent), [](const std::string& name) {
-    return launch::find_executable(own_file(name), "", "").empty();
-  });
-  if (absent.empty()) {
-    return ok(fmt::format("{} in {}", names.size(), launch::own_directory()));
-  }
-  return missing(fmt::format("not in {}: {}", launch::own_directory(), fmt::join(absent, ", ")),
-                 kInstallAgain);
-}
-
-/// With this variable the dynamic linker prints what a program would load, and starts nothing.
-launch::ProgramStart linker_list(std::string_view program) {
-  return {{own_file(program)}, {{"LD_TRACE_LOADED_OBJECTS", "1"}}, "", ""};
-}
-
-std::vector<launch::ProgramStart> linker_lists() {
-  std::vector<launch::ProgramStart> starts;
-  std::ranges::transform(kProgramFiles, std::back_inserter(starts), linker_list);
-  return starts;
-}
-
-/// Of lines such as "libmusic.so.1 => /lib/libmusic.so.1 (0x00007f)", the last part's first word.
-std::string loaded_from(std::string_view list, std::string_view library) {
-  const auto name = list.find(library);
-  const auto arrow = name == std::string_view::npos ? name : list.find(" => ", name);
-  if (arrow == std::string_view::npos) {
-    return "";
-  }
-  const std::string_view place = first_line(list.substr(arrow + 4));
-  return std::string(place.substr(0, place.find(" (")));
-}
-
-Finding libraries(const std::vector<Answer>& lists) {
-  std::set<std::string> loaded;
-  std::set<std::string> absent;
-  for (const Answer& list : lists) {
-    std::string_view rest = list.out;
-    while (!rest.empty()) {
-      const std::string_view line = first_line(rest);
-      rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-      const auto begin = std::min(line.find_first_not_of(" \t"), line.size());
-      const auto arrow = line.find(" => ");
-      if (arrow != std::string_view::npos) {
-        auto& names = line.ends_with("not found") ? absent : loaded;
-        names.emplace(line.substr(begin, arrow - begin));
-      }
+  const auto libraries = libraries_in(answer.out);
+  for (const auto& [name, file] : libraries) {
+    if (file == kNotFound) {
+      absent.push_back(name);
     }
   }
-  if (absent.empty()) {
-    return ok(fmt::format("{} shared libraries of its programs", loaded.size()));
-  }
-  return missing(fmt::format("not found: {}", fmt::join(absent, ", ")), kInstallLibraries);
-}
-
-/// A library that stands for a part of Spikeloop, as one of its programs loads it.
-struct Library {
-  const char* name;
-  bool needed;
-  const char* program;
-  const char* file;
-  const char* package;
-};
-
-Finding judge_library(const Library& library, const Answer& list) {
-  const std::string path = loaded_from(list.out, library.file);
-  std::error_code error;
-  const fs::path real = fs::canonical(path, error);
-  if (path.empty() || error) {
-    const std::string failure = list.failure();
-    return missing(failure.empty()
-                       ? fmt::format("no {}.so for {}", library.file, library.program)
-                       : fmt::format("{} cannot be asked: {}", library.program, failure),
-                   fmt::format("apt-get install {}", library.package));
-  }
-  return ok(real);
-}
-
-Probe library_probe(const Library& library) {
-  return answer_of(library.name, library.needed, linker_list(library.program),
-                   [library](const Answer& list) { return judge_library(library, list); });
+  return absent.empty() ? ok(fmt::format("{} shared libraries of its programs", libraries.size()))
+                        : missing(fmt::format("not found: {}", fmt::join(absent, ", ")));
 }
 
 Finding worlds() {
@@ -123,24 +60,94 @@ Finding worlds() {
     names.push_back(entry.path().filename());
   }
   std::ranges::sort(names);
-  if (std::ranges::find(names, "arena.xml") == names.end()) {
-    return missing(fmt::format("no arena.xml in {}", directory.string()), kInstallAgain);
+  return std::ranges::count(names, "arena.xml") == 0
+             ? missing(fmt::format("no arena.xml in {}", directory.string()), kInstallAgain)
+             : ok(fmt::format("{} in {}", fmt::join(names, ", "), directory.string()));
+}
+
+/// Libraries and Python files alike.
+Finding look_at_plugin(const std::string& path) {
+  Registry registry;
+  register_nodes(registry);
+  try {
+    const std::vector<std::string> classes = registry.load_plugin(path);
+    return {.text = fmt::format("node={}", fmt::join(classes, " ")), .classes = classes};
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    const std::string prefix = fmt::format("plug-in '{}': ", path);  // which is the probe's name
+    return missing(text.starts_with(prefix) ? text.substr(prefix.size()) : text);
   }
-  return ok(fmt::format("{} in {}", fmt::join(names, ", "), directory.string()));
+}
+
+Probe plugin_probe(const std::string& path) {
+  const char* const cure = path.ends_with(".so")
+                               ? "rebuild it with this Spikeloop (docs/plugins.md)"
+                               : "correct it (docs/python-nodes.md)";
+  return apart(path, true,
+               missing("cannot be loaded: ",
+                       fmt::format("{}, or take it out of SPIKELOOP_PLUGIN_PATH", cure)),
+               [path] { return look_at_plugin(path); });
+}
+
+Finding directory_finding(std::size_t plugins, std::error_code error) {
+  return error ? missing(fmt::format("cannot be read: {}", error.message()),
+                         "make the directory, or take it out of SPIKELOOP_PLUGIN_PATH")
+               : ok(fmt::format("{} plug-in{}", plugins, plugins == 1 ? "" : "s"));
 }
 
 }  // namespace
 
+Command linker_list(const std::vector<std::string>& programs) {
+  // With this variable the dynamic linker prints what a program would load, and does not start it.
+  Command command{"/bin/sh", "-c", "for program; do LD_TRACE_LOADED_OBJECTS=1 \"$program\"; done",
+                  "sh"};
+  std::ranges::transform(programs, std::back_inserter(command), own_file);
+  return command;
+}
+
+std::set<std::pair<std::string, std::string>> libraries_in(const std::string& linker_list) {
+  std::set<std::pair<std::string, std::string>> libraries;
+  std::istringstream lines(linker_list);
+  for (std::string line; std::getline(lines, line);) {  // "\tlibm.so.6 => /lib/libm.so.6 (0x7f00)"
+    const auto arrow = line.find(" => ");
+    if (arrow != std::string::npos) {
+      const auto file = arrow + 4;
+      libraries.emplace(line.substr(1, arrow - 1), line.substr(file, line.rfind(" (") - file));
+    }
+  }
+  return libraries;
+}
+
 std::vector<Probe> own_probes() {
-  return {fact("Spikeloop", true, build),
-          fact("its programs", true, programs),
-          {"its libraries", true, linker_lists(), libraries},
-          library_probe({"MUSIC library", true, "spikeloop-node", "libmusic", "libmusic1v5"}),
-          fact("HDF5", true, [] { return ok(record::library_version()); }),
-          library_probe({"MuJoCo", false, "spikeloop-robot", "libmujoco", "libmujoco2.2.2"}),
-          library_probe({"roscpp", false, "spikeloop-ros", "libroscpp.", "libroscpp4d"}),
-          library_probe({"ddsc", false, "spikeloop-ros", "libddsc.", "libddsc0debian"}),
-          fact("worlds", false, worlds)};
+  std::vector<std::string> files(kProgramFiles.begin(), kProgramFiles.end());
+  std::erase_if(files, std::not_fn(is_there));
+  return {{"Spikeloop", true, "",
+           ok(fmt::format("{}, {}, gcc {}, {}", SPIKELOOP_VERSION, SPIKELOOP_BUILD_TYPE,
+                          __VERSION__, SPIKELOOP_BUILD))},
+          {"its programs", true, "", programs()},
+          {"its libraries", true, "",
+           missing("", "scripts/install-dependencies, then build Spikeloop again"),
+           linker_list(files), judge_libraries},
+          {"worlds", false, "", worlds()}};
+}
+
+std::vector<Probe> plugin_probes() {
+  std::vector<Probe> probes;
+  for (const std::string& directory : path_list(plugin_path())) {
+    std::error_code error;
+    try {
+      const std::vector<std::string> paths = plugin_files(directory, error);
+      probes.push_back({directory, true, "", directory_finding(paths.size(), error)});
+      std::ranges::transform(paths, std::back_inserter(probes), plugin_probe);
+    } catch (const Error& fault) {  // nobody can tell whether a *.py file is a plug-in
+      probes.push_back({directory, true, "",
+                        missing(fault.what(), "install Spikeloop with Python's node library")});
+    }
+  }
+  if (probes.empty()) {
+    probes.push_back({"plug-ins", false, "", ok("SPIKELOOP_PLUGIN_PATH is not set")});
+  }
+  return probes;
 }
 
 }  // namespace spikeloop::app::doctor

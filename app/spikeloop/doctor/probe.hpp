@@ -1,77 +1,83 @@
-// One look at one thing of the machine, as data: what to start for it, and how to judge the answer.
+// One look at one thing of the machine, as data: what to run for it, and how to judge the answer.
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "children.hpp"
-#include "spikeloop/launch/process_tree.hpp"
 
 namespace spikeloop::app::doctor {
 
 enum class Status {
   ok,
   warning,  ///< can be used, but
-  missing   ///< is not there, or is of no use
+  missing   ///< is not there, or cannot be used
 };
 
 struct Finding {
   Status status = Status::ok;
-  std::string text;    ///< version and place, or what is wrong
-  std::string remedy;  ///< empty when all is well
+  std::string text{};                  ///< version and place, or what is wrong
+  std::string remedy{};                ///< empty when all is well
+  std::string version{};               ///< alone, of what has one
+  std::vector<std::string> classes{};  ///< of nodes, that a plug-in has
 };
 
 inline Finding ok(std::string text) {
-  return {Status::ok, std::move(text), ""};
+  return {.text = std::move(text)};
 }
-inline Finding warning(std::string text, std::string remedy) {
-  return {Status::warning, std::move(text), std::move(remedy)};
+inline Finding warning(std::string text, std::string remedy = "") {
+  return {.status = Status::warning, .text = std::move(text), .remedy = std::move(remedy)};
 }
-inline Finding missing(std::string text, std::string remedy) {
-  return {Status::missing, std::move(text), std::move(remedy)};
+inline Finding missing(std::string text, std::string remedy = "") {
+  return {.status = Status::missing, .text = std::move(text), .remedy = std::move(remedy)};
+}
+/// Something that has a version, and where it is.
+inline Finding found(const std::string& version, const std::string& place) {
+  return {.text = version + (place.empty() ? "" : ", " + place), .version = version};
 }
 
 struct Probe {
   std::string name;
   bool needed = false;  ///< by every `spikeloop run`
-  std::vector<launch::ProgramStart> starts{};
-  /// Of the answers of `starts`, in their order.
-  std::function<Finding(const std::vector<Answer>&)> judge;
+  std::string key{};    ///< of its version among a run's versions; empty: it is not kept
+  /// Known from the start; or, with a command, what holds when that fails, whose reason is added to
+  /// the text. Its remedy is that of every finding that has none.
+  Finding finding{};
+  Command command{};
+  std::function<Finding(const Answer&)> judge{};  ///< of a command that ended well
+  std::function<Finding()> look{};                ///< the part of a child; see apart()
 };
 
-/// A probe that starts nothing.
-inline Probe fact(std::string name, bool needed, std::function<Finding()> judge) {
-  return {std::move(name), needed, {}, [judge = std::move(judge)](const std::vector<Answer>&) {
-            return judge();
-          }};
-}
+/// A probe that may hang or crash: `look` is called by `spikeloop doctor --probe NAME`, a child of
+/// ours. An Error that it throws is a finding like `failed`.
+Probe apart(std::string name, bool needed, Finding failed, std::function<Finding()> look);
 
-/// A probe of one program's answer.
-inline Probe answer_of(std::string name, bool needed, launch::ProgramStart start,
-                       std::function<Finding(const Answer&)> judge) {
-  return {std::move(name),
-          needed,
-          {std::move(start)},
-          [judge = std::move(judge)](const std::vector<Answer>& answers) {
-            return judge(answers.front());
-          }};
-}
+/// The child's part: prints what the probe of this name finds, as JSON.
+/// @throws ConfigurationError when there is no such probe
+void look_as_child(const std::vector<Probe>& probes, const std::string& name);
+
+/// Runs all commands at once, and completes the findings. `scratch`: see ask().
+void examine(std::vector<Probe>& probes, const std::string& scratch = "");
 
 /// Where a program is that a job would find; empty: nowhere.
 std::string in_path(const std::string& program);
+/// "no mpirun in PATH='/bin'"
+std::string not_in_path(const std::string& program);
+
+/// Makes the dynamic linker list what these programs of ours load.
+Command linker_list(const std::vector<std::string>& programs);
+/// Of such a list: names of libraries, and their files, or "not found".
+std::set<std::pair<std::string, std::string>> libraries_in(const std::string& linker_list);
 
 /// How much of it is free in a directory that jobs share memory in.
 Finding shared_memory(const std::string& directory);
 
-// All probes, module by module. `scratch`: a directory for what programs leave behind; may be
-// empty.
-std::vector<Probe> own_probes();
-std::vector<Probe> mpi_probes(const std::string& scratch);
-std::vector<Probe> plugin_probes();
-std::vector<Probe> ros_probes();
-std::vector<Probe> simulator_probes();
-std::vector<Probe> python_probes();
-std::vector<Probe> machine_probes();
+// All probes but those of versions().
+std::vector<Probe> own_probes();      ///< Spikeloop's own programs and files
+std::vector<Probe> plugin_probes();   ///< every plug-in of SPIKELOOP_PLUGIN_PATH
+std::vector<Probe> machine_probes();  ///< MPI, cores, memory, ROS
 
 }  // namespace spikeloop::app::doctor
