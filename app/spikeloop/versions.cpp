@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <thread>
 
 #include "own_programs.hpp"
@@ -51,7 +51,7 @@ Probe program(Probe probe, const std::string& path, const std::string& before) {
     probe.finding.text = path + ": ";
     probe.command = {path, "--version"};
     probe.judge = [path, before](const Answer& answer) {
-      const std::string line(doctor::first_line(answer.out));
+      const std::string line = answer.out.substr(0, answer.out.find('\n'));
       return line.starts_with(before)
                  ? found(line.substr(before.size()), path)
                  : missing(fmt::format("{} is another program: '{}'", path, line));
@@ -60,16 +60,15 @@ Probe program(Probe probe, const std::string& path, const std::string& before) {
   return probe;
 }
 
-/// A library as one of our programs loads it; its version is what follows ".so." in its file's
-/// name.
+/// A library as one of our programs loads it. Its version is in its file's name, behind ".so.".
 Probe library(Probe probe, const std::string& program, const std::string& file) {
   probe.command = doctor::linker_list({program});
   probe.judge = [program, file](const Answer& answer) {
     for (const auto& [library, path] : doctor::libraries_in(answer.out)) {
       std::error_code error;
       const std::string real = std::filesystem::canonical(path, error).string();
-      if (library.starts_with(file) && !error) {
-        return found(real.substr(real.rfind(".so.") + 4), real);
+      if (const auto suffix = real.rfind(".so."); library.starts_with(file) && !error) {
+        return found(suffix == std::string::npos ? "?" : real.substr(suffix + 4), real);
       }
     }
     return missing(fmt::format("no {}so for {}", file, program));
@@ -97,9 +96,9 @@ Finding judge_package(const Answer& answer) {
 }
 
 /// A package of Python's, which is imported.
-Probe package(const char* name, const char* module, const char* remedy) {
+Probe package(const char* name, const char* module, const std::string& remedy) {
   const std::string python = python_program();
-  Probe probe{.name = name, .key = module, .finding = missing("", remedy)};
+  Probe probe{.name = name, .finding = missing("", remedy)};
   if (python.empty()) {
     probe.finding.text = "there is no Python";
   } else {
@@ -110,45 +109,26 @@ Probe package(const char* name, const char* module, const char* remedy) {
 }
 
 Probe simulator(const char* name, const char* module) {
-  return package(name, module, experiment::find_simulator(module)->install);
-}
-
-std::string cpu_model() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const auto colon = line.find(": ");
-    if ((line.starts_with("model name") || line.starts_with("Model")) &&
-        colon != std::string::npos) {
-      return line.substr(colon + 2);
-    }
-  }
-  return "";
+  const char* const install = experiment::find_simulator(module)->install;
+  return package(name, module, fmt::format("{}; see docs/simulators.md", install));
 }
 
 json machine() {
+  json cpu;
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; cpu.is_null() && std::getline(file, line);) {
+    const auto colon = line.find(": ");
+    if ((line.starts_with("model name") || line.starts_with("Model")) &&
+        colon != std::string::npos) {
+      cpu = line.substr(colon + 2);
+    }
+  }
   utsname system{};
   uname(&system);
-  const std::string cpu = cpu_model();
-  return {{"cpu", cpu.empty() ? json(nullptr) : json(cpu)},
+  return {{"cpu", cpu},
           {"cores", std::thread::hardware_concurrency()},
           {"architecture", system.machine},
           {"kernel", fmt::format("{} {}", system.sysname, system.release)}};
-}
-
-/// Which versions a run keeps, by their keys.
-std::set<std::string> keys_of(const Partners& partners) {
-  std::set<std::string> keys{"hdf5"};
-  const auto add = [&keys](bool takes_part, std::initializer_list<std::string> more) {
-    if (takes_part) {
-      keys.insert(more);
-    }
-  };
-  add(partners.music, {"music", "mpi"});
-  add(partners.ros1, {"roscpp"});
-  add(partners.ros2, {"cyclonedds"});
-  add(partners.mujoco, {"mujoco"});
-  add(partners.python, {"python", "numpy"});
-  return keys;
 }
 
 }  // namespace
@@ -184,43 +164,52 @@ std::vector<Probe> versions() {
     return missing(doctor::not_in_path(program),
                    fmt::format("apt-get install {}, or add its directory to PATH", package));
   };
-  return {
-      library({"MUSIC library", true, "", missing("", "apt-get install libmusic1v5")},
-              "spikeloop-node", "libmusic."),
-      {"HDF5", true, "hdf5", found(record::library_version(), "")},
-      program({"Open MPI", true, "mpi", absent("mpirun", "openmpi-bin")}, doctor::in_path("mpirun"),
-              "mpirun (Open MPI) "),
-      program({"MUSIC launcher", true, "music", absent("music", "music-bin")},
-              doctor::in_path("music"), "MUSIC "),
-      library({"MuJoCo", false, "mujoco", missing("", "apt-get install libmujoco2.2.2")},
-              "spikeloop-robot", "libmujoco."),
-      library({"roscpp", false, "roscpp", missing("", "apt-get install libroscpp4d")},
-              "spikeloop-ros", "libroscpp."),
-      library({"Cyclone DDS", false, "cyclonedds", missing("", "apt-get install libddsc0debian")},
-              "spikeloop-ros", "libddsc."),
-      simulator("NEST", "nest"),
-      simulator("NEURON", "neuron"),
-      simulator("Brian2", "brian2"),
-      program({"Python", false, "python",
-               missing(fmt::format("no program '{}'", python),
-                       "apt-get install python3, or set PYTHON to another one")},
-              python_program(), "Python "),
-      package("numpy", "numpy", "apt-get install python3-numpy"),
-      package("matplotlib", "matplotlib", "apt-get install python3-matplotlib"),
-      package("h5py", "h5py", "apt-get install python3-h5py")};
+  return {library({"MUSIC library", true, missing("", "apt-get install libmusic1v5")},
+                  "spikeloop-node", "libmusic."),
+          {"HDF5", true, found(record::library_version(), "")},
+          program({"Open MPI", true, absent("mpirun", "openmpi-bin")}, doctor::in_path("mpirun"),
+                  "mpirun (Open MPI) "),
+          program({"MUSIC launcher", true, absent("music", "music-bin")}, doctor::in_path("music"),
+                  "MUSIC "),
+          library({"MuJoCo", false, missing("", "apt-get install libmujoco2.2.2")},
+                  "spikeloop-robot", "libmujoco."),
+          library({"roscpp", false, missing("", "apt-get install libroscpp4d")}, "spikeloop-ros",
+                  "libroscpp."),
+          library({"Cyclone DDS", false, missing("", "apt-get install libddsc0debian")},
+                  "spikeloop-ros", "libddsc."),
+          simulator("NEST", "nest"),
+          simulator("NEURON", "neuron"),
+          simulator("Brian2", "brian2"),
+          program({"Python", false,
+                   missing(fmt::format("no program '{}'", python),
+                           "apt-get install python3, or set PYTHON to another one")},
+                  python_program(), "Python "),
+          package("numpy", "numpy", "apt-get install python3-numpy"),
+          package("matplotlib", "matplotlib", "apt-get install python3-matplotlib"),
+          package("h5py", "h5py", "apt-get install python3-h5py")};
 }
 
 json about_run(const Partners& partners) {
+  std::map<std::string, std::string> keys{{"HDF5", "hdf5"}};  // of probes
+  const auto add = [&keys](bool takes_part, const std::map<std::string, std::string>& more) {
+    if (takes_part) {
+      keys.insert(more.begin(), more.end());
+    }
+  };
+  add(partners.music, {{"MUSIC launcher", "music"}, {"Open MPI", "mpi"}});
+  add(partners.ros1, {{"roscpp", "roscpp"}});
+  add(partners.ros2, {{"Cyclone DDS", "cyclonedds"}});
+  add(partners.mujoco, {{"MuJoCo", "mujoco"}});
+  add(partners.python, {{"Python", "python"}, {"numpy", "numpy"}});
   std::vector<Probe> probes = versions();
-  std::erase_if(
-      probes, [keys = keys_of(partners)](const Probe& probe) { return !keys.contains(probe.key); });
+  std::erase_if(probes, [&keys](const Probe& probe) { return !keys.contains(probe.name); });
   doctor::examine(probes);
   json numbers{{"spikeloop", SPIKELOOP_VERSION},
                {"compiler", fmt::format("gcc {}", __VERSION__)},
                {"build", SPIKELOOP_BUILD_TYPE}};
   for (const Probe& probe : probes) {
     const std::string& version = probe.finding.version;
-    numbers[probe.key] = version.empty() ? json(nullptr) : json(version);
+    numbers[keys[probe.name]] = version.empty() ? json(nullptr) : json(version);
   }
   return {{"versions", numbers}, {"machine", machine()}};
 }

@@ -8,13 +8,15 @@
 namespace spikeloop::test {
 namespace {
 
+using testing::AllOf;
+using testing::AnyOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr const char* kRemove =
+const std::string kRemove =
     " | rebuild it with this Spikeloop (docs/plugins.md), or take it out of SPIKELOOP_PLUGIN_PATH";
-constexpr const char* kStartMaster =
+const std::string kStartMaster =
     " | roscore, or spikeloop run FILE --roscore; or set ROS_MASTER_URI to where one is";
 
 class Plugins {
@@ -28,6 +30,10 @@ class Plugins {
     return directory_.write(name, text);
   }
   std::string path() const { return directory_.path().string(); }
+  Examination examine(const std::string& more = "", const char* how_broken = "") const {
+    return test::examine(
+        {{"SPIKELOOP_PLUGIN_PATH", path() + more}, {"SPIKELOOP_BROKEN_PLUGIN", how_broken}});
+  }
 
  private:
   TemporaryDirectory directory_;
@@ -36,11 +42,29 @@ class Plugins {
 TEST(DoctorPlugins, NamesWhatEachGives) {
   const Plugins plugins;
   const std::string good = plugins.add("a.so", GOOD_PLUGIN);
-  const Examination seen = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}});
+  const Examination seen = plugins.examine();
   EXPECT_EQ(seen.outcome.exit_code, 0) << seen.outcome.out;
   EXPECT_EQ(seen.line(plugins.path()), "ok | 1 plug-in | ");
   EXPECT_EQ(seen.line(good), "ok | node=gain | ");
   EXPECT_TRUE(seen.item(good)["needed"]);
+}
+
+TEST(DoctorPlugins, LooksAtThoseInPython) {
+  const Plugins plugins;
+  const std::string good =
+      plugins.write("good.py",
+                    "import spikeloop\n@spikeloop.node(inputs={'in': 'signal'}, outputs={'out': "
+                    "spikeloop.Signal(same_as='in')})\ndef gain(step):\n    pass\n");
+  const std::string broken =
+      plugins.write("broken.py", "import spikeloop\n@spikeloop.node\nclass Mine(:\n");
+  plugins.write("helper.py", "x = 1\n");
+  const Examination seen = plugins.examine();
+  EXPECT_EQ(seen.line(plugins.path()), "ok | 2 plug-ins | ");
+  EXPECT_EQ(seen.line(good), "ok | node=gain | ");
+  EXPECT_THAT(seen.line(broken),
+              AllOf(StartsWith("missing | "), HasSubstr("broken.py:3"),
+                    EndsWith(" | correct it (docs/python-nodes.md), or take it out of "
+                             "SPIKELOOP_PLUGIN_PATH")));
 }
 
 TEST(DoctorPlugins, SaysWhyOneIsRefused) {
@@ -49,17 +73,16 @@ TEST(DoctorPlugins, SaysWhyOneIsRefused) {
   const std::string second = plugins.add("b.so", GOOD_PLUGIN);
   const std::string old = plugins.add("c.so", OLD_PLUGIN);
   const std::string text = plugins.write("d.so", "no library");
-  const Examination seen = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path() + ":/nowhere"}});
+  const Examination seen = plugins.examine(":/nowhere");
   EXPECT_EQ(seen.outcome.exit_code, 3);  // as every node program would end
   EXPECT_EQ(seen.status(first), "ok");
   EXPECT_EQ(seen.line(second),
             "missing | there is already a node class 'gain', of " + first +
                 " | give it another name, or take one of the two out of SPIKELOOP_PLUGIN_PATH");
   EXPECT_EQ(seen.line(old),
-            std::string("missing | was built for plug-in ABI 0, this Spikeloop has 2; rebuild it") +
-                kRemove);
-  EXPECT_THAT(seen.line(text), testing::AllOf(StartsWith("missing | cannot be loaded: "),
-                                              HasSubstr("file too short"), EndsWith(kRemove)));
+            "missing | was built for plug-in ABI 0, this Spikeloop has 2; rebuild it" + kRemove);
+  EXPECT_THAT(seen.line(text), AllOf(StartsWith("missing | cannot be loaded: "),
+                                     HasSubstr("file too short"), EndsWith(kRemove)));
   EXPECT_EQ(seen.line("/nowhere"),
             "missing | cannot be read: No such file or directory | make the directory, or take it "
             "out of SPIKELOOP_PLUGIN_PATH");
@@ -68,14 +91,12 @@ TEST(DoctorPlugins, SaysWhyOneIsRefused) {
 TEST(DoctorPlugins, SurvivesOneThatCrashesOrHangs) {
   const Plugins plugins;
   const std::string broken = plugins.add("a.so", BROKEN_PLUGIN);
-  const Examination crashed = examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}});
+  const Examination crashed = plugins.examine();
   EXPECT_EQ(crashed.outcome.exit_code, 3);
   EXPECT_EQ(crashed.line(broken),
-            std::string("missing | cannot be loaded: it crashed (Segmentation fault)") + kRemove);
-  const Examination hung =
-      examine({{"SPIKELOOP_PLUGIN_PATH", plugins.path()}, {"SPIKELOOP_BROKEN_PLUGIN", "hangs"}});
-  EXPECT_EQ(hung.line(broken),
-            std::string("missing | cannot be loaded: no answer within 10 s") + kRemove);
+            "missing | cannot be loaded: it crashed (Segmentation fault)" + kRemove);
+  const Examination hung = plugins.examine("", "hangs");
+  EXPECT_EQ(hung.line(broken), "missing | cannot be loaded: no answer within 10 s" + kRemove);
   EXPECT_EQ(hung.outcome.left_behind, 0);
 }
 
@@ -87,34 +108,31 @@ TEST(DoctorRos, FindsAMaster) {
 
 TEST(DoctorRos, SaysWhyThereIsNoMaster) {
   EXPECT_EQ(examine({}).line("ROS master"),
-            std::string("warning | no master answers at http://127.0.0.1:1") + kStartMaster);
+            "warning | no master answers at http://127.0.0.1:1" + kStartMaster);
   const SilentHost silent;
   const Examination hung = examine({{"ROS_MASTER_URI", silent.uri()}});
   EXPECT_EQ(hung.outcome.exit_code, 0) << hung.outcome.out;
   EXPECT_EQ(hung.line("ROS master"),
             "warning | no master answers at " + silent.uri() + kStartMaster);
-  EXPECT_EQ(
-      examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
-      std::string("warning | ROS_MASTER_URI is 'moon', which is not a master's address; write "
-                  "http://HOST:PORT, such as http://localhost:11311") +
-          kStartMaster);
+  EXPECT_EQ(examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
+            "warning | ROS_MASTER_URI is 'moon', which is not a master's address; write "
+            "http://HOST:PORT, such as http://localhost:11311" +
+                kStartMaster);
 }
 
 TEST(DoctorRos, SaysWhichHostHasNoAddress) {
   // Without an answer of a name server the reason is another one.
   const Examination seen =
       examine({{"ROS_MASTER_URI", "http://robot.invalid:11311"}, {"ROS_HOSTNAME", "base.invalid"}});
-  EXPECT_THAT(
-      seen.line("ROS master"),
-      testing::AnyOf(StartsWith("warning | the host name 'robot.invalid' cannot be resolved ("),
-                     StartsWith("warning | no answer within 10 s | ")));
-  EXPECT_THAT(seen.line("ROS master"), EndsWith(kStartMaster));
+  const auto unresolved = [](const std::string& host, const std::string& remedy) {
+    return AllOf(AnyOf(StartsWith("warning | the host name '" + host + "' cannot be resolved ("),
+                       StartsWith("warning | no answer within 10 s | ")),
+                 EndsWith(remedy));
+  };
+  EXPECT_THAT(seen.line("ROS master"), unresolved("robot.invalid", kStartMaster));
   EXPECT_THAT(
       seen.line("host name"),
-      testing::AnyOf(StartsWith("warning | the host name 'base.invalid' cannot be resolved ("),
-                     StartsWith("warning | no answer within 10 s | ")));
-  EXPECT_THAT(seen.line("host name"),
-              EndsWith(" | see /etc/hosts; or set ROS_IP to this machine's address"));
+      unresolved("base.invalid", " | see /etc/hosts; or set ROS_IP to this machine's address"));
   EXPECT_EQ(examine({{"ROS_IP", "127.0.0.1"}, {"ROS_HOSTNAME", ""}}).line("host name"),
             "ok | '127.0.0.1' has an address | ");
 }
@@ -174,7 +192,8 @@ TEST(DoctorPython, AsksTheOneThatIsNamed) {
   EXPECT_EQ(seen.line("NEST"), "ok | 3.8, /opt/nest, with MUSIC | ");
   EXPECT_EQ(seen.line("NEURON"), "ok | 8.2 | ");
   EXPECT_EQ(seen.line("Brian2"),
-            "missing | ImportError: no Cython | Debian: apt install python3-brian");
+            "missing | ImportError: no Cython | Debian: apt install python3-brian; see "
+            "docs/simulators.md");
   EXPECT_EQ(seen.line("numpy"),
             "missing | its answer cannot be read: 'nonsense' | apt-get install python3-numpy");
   EXPECT_EQ(seen.line("h5py"), "missing | exit code 7 | apt-get install python3-h5py");
@@ -198,7 +217,8 @@ TEST(DoctorPython, SaysHowToGetNest) {
   EXPECT_EQ(
       examine({{"PYTHON", python}}).line("NEST"),
       "missing | ModuleNotFoundError: No module named 'nest' | NEST is not in Debian: build it "
-      "(nest-simulator.readthedocs.io), and let PYTHONPATH name the place of its Python module");
+      "(nest-simulator.readthedocs.io), and let PYTHONPATH name the place of its Python module; "
+      "see docs/simulators.md");
 }
 
 TEST(DoctorPython, ImportsWhatIsThere) {
@@ -225,8 +245,9 @@ TEST(DoctorPython, SaysThatThereIsNone) {
       seen.line("Python"),
       "missing | no program '/nowhere/python3' | apt-get install python3, or set PYTHON to another "
       "one");
-  EXPECT_EQ(seen.line("NEURON"),
-            "missing | there is no Python | Debian: apt install python3-neuron");
+  EXPECT_EQ(
+      seen.line("NEURON"),
+      "missing | there is no Python | Debian: apt install python3-neuron; see docs/simulators.md");
 }
 
 }  // namespace

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/process_tree.hpp"
 
@@ -23,10 +25,10 @@ constexpr std::size_t kMostOutput = 1'000'000;
 constexpr std::chrono::milliseconds kLookEvery{5};
 
 struct Child {
-  std::unique_ptr<launch::ProcessTree> tree{};
-  bool running = false;
+  std::unique_ptr<launch::ProcessTree> tree{};  ///< none: it has ended, or was not started
   std::string err{};
   Answer answer{};
+  bool is_running() const { return tree != nullptr; }
 };
 
 /// One read takes all that a pipe can hold; a program that prints for ever does not hold us up.
@@ -57,10 +59,10 @@ void look(Child& child, double seconds) {
   read_some(child.tree->err(), child.err);
   child.answer.seconds = seconds;
   if (ended) {
-    child.running = false;
     const std::string_view said = last_line(child.err);
     child.answer.failure = failure_of(child.tree->status().value_or(0),
                                       said.empty() ? last_line(child.answer.out) : said);
+    child.tree.reset();
   }
 }
 
@@ -74,7 +76,6 @@ Child start(const Command& command, const std::string& scratch) {
   }
   try {
     child.tree = std::make_unique<launch::ProcessTree>(program);
-    child.running = true;
   } catch (const Error& error) {
     child.answer.failure = error.what();
   }
@@ -83,32 +84,33 @@ Child start(const Command& command, const std::string& scratch) {
 
 }  // namespace
 
-std::string_view first_line(std::string_view text) {
-  return text.substr(0, text.find('\n'));
-}
-
 std::string_view last_line(std::string_view text) {
   text = text.substr(0, text.find_last_not_of(" \r\n") + 1);
   return text.substr(text.rfind('\n') + 1);
 }
 
-std::vector<Answer> ask(const std::vector<Command>& commands, const std::string& scratch) {
+std::vector<Answer> ask(const std::vector<Command>& commands) {
   const auto begin = Clock::now();
+  std::optional<launch::Scratch> scratch;
+  try {
+    scratch.emplace();
+  } catch (const FileError&) {  // who else would tell what is wrong?
+  }
   std::vector<Child> children;
   for (const Command& command : commands) {
-    children.push_back(command.empty() ? Child{} : start(command, scratch));
+    children.push_back(command.empty() ? Child{} : start(command, scratch ? scratch->path() : ""));
   }
-  while (std::ranges::any_of(children, &Child::running) && Clock::now() < begin + kPatience) {
+  while (std::ranges::any_of(children, &Child::is_running) && Clock::now() < begin + kPatience) {
     std::this_thread::sleep_for(kLookEvery);
     for (Child& child : children) {
-      if (child.running) {
+      if (child.is_running()) {
         look(child, std::chrono::duration<double>(Clock::now() - begin).count());
       }
     }
   }
   std::vector<Answer> answers;
   for (Child& child : children) {
-    if (child.running) {  // all at once: the end of a tree waits for its processes
+    if (child.is_running()) {  // all at once: the end of a tree waits for its processes
       child.tree->kill();
       child.answer.in_time = false;
       child.answer.failure = fmt::format("no answer within {} s", kPatience.count());

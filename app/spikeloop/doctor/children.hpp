@@ -21,13 +21,11 @@ struct Answer {
   double seconds = 0;
 };
 
-/// The first line of a text, and the last one that is not blank.
-std::string_view first_line(std::string_view text);
+/// The last line of a text that is not blank.
 std::string_view last_line(std::string_view text);
 
 /// Runs all commands at once, in the environment that a job's programs have; the answers have
-/// their order. Nothing is left running. `scratch`: a directory for what Open MPI leaves behind,
-/// removed should we die; empty: where Open MPI likes it.
-std::vector<Answer> ask(const std::vector<Command>& commands, const std::string& scratch = "");
+/// their order. Nothing is left running, and no file of Open MPI's.
+std::vector<Answer> ask(const std::vector<Command>& commands);
 
 }  // namespace spikeloop::app::doctor

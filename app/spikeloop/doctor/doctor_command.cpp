@@ -17,7 +17,6 @@
 #include "../versions.hpp"
 #include "probe.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app::doctor_command {
 namespace {
@@ -79,18 +78,13 @@ std::string line(const Probe& probe, std::size_t width, bool colour) {
 
 std::string conclusion(const std::vector<Probe>& probes) {
   std::vector<std::string> absent;
-  std::size_t others = 0;
   for (const Probe& probe : probes) {
     if (lacks(probe)) {
       absent.push_back(one_line(probe.name));
-    } else if (probe.finding.status != Status::ok) {
-      ++others;
     }
   }
-  return fmt::format(
-      "spikeloop run {}{}{}\n", absent.empty() ? "has all that it needs" : "lacks ",
-      fmt::join(absent, ", "),
-      others == 0 ? "" : fmt::format("; {} with a remedy", count_of(others, "other line")));
+  return absent.empty() ? "spikeloop run has all that it needs"
+                        : fmt::format("spikeloop run lacks {}", fmt::join(absent, ", "));
 }
 
 /// Two tables with aligned columns, what is needed first; a remedy is below its line.
@@ -104,7 +98,7 @@ std::string table(const std::vector<Probe>& probes, bool colour) {
   for (const Probe& probe : probes) {
     parts[probe.needed ? 0 : 1] += line(probe, width, colour);
   }
-  return fmt::format("Needed by spikeloop run:\n{}\nFor some jobs, or for comfort:\n{}\n{}",
+  return fmt::format("Needed by spikeloop run:\n{}\nFor some jobs, or for comfort:\n{}\n{}\n",
                      parts[0], parts[1], conclusion(probes));
 }
 
@@ -131,19 +125,9 @@ std::vector<Probe> all_probes() {
   return probes;
 }
 
-/// A doctor goes on where there is no room for a folder: nobody else tells what is wrong.
-std::unique_ptr<launch::Scratch> make_scratch() {
-  try {
-    return std::make_unique<launch::Scratch>();
-  } catch (const FileError&) {
-    return nullptr;
-  }
-}
-
 int examine(bool json) {
   std::vector<Probe> probes = all_probes();
-  const auto scratch = make_scratch();
-  doctor::examine(probes, scratch == nullptr ? "" : scratch->path());
+  doctor::examine(probes);
   refuse_clashes(probes);
   put_result(json ? json_text(probes) : table(probes, colour_wanted()));
   return std::ranges::any_of(probes, lacks) ? TransportError::kExitCode : 0;

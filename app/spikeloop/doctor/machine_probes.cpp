@@ -1,12 +1,11 @@
 // MPI, cores, shared memory and ROS.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <netdb.h>
 #include <sched.h>
-#include <sys/socket.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -29,7 +28,6 @@ constexpr const char* kNameHost = "see /etc/hosts; or set ROS_IP to this machine
 Probe mpirun_probe(const std::string& mpirun) {
   return {"mpirun",
           true,
-          "",
           missing("cannot start programs: ",
                   "see what it prints: mpirun -np 2 --oversubscribe hostname"),
           {mpirun, "-np", "2", "--oversubscribe", "--bind-to", "none",
@@ -73,44 +71,30 @@ std::string announced_host() {
   return name;
 }
 
+/// Resolved as that of a master is; nobody is asked there.
 Finding look_at_host() {
   const std::string host = announced_host();
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0) {
-    return warning(unresolved_host(host, gai_strerror(error)));
-  }
-  freeaddrinfo(found);
-  return ok(fmt::format("'{}' has an address", host));
-}
-
-std::string range_of(const discovery::Discovery& found) {
-  switch (found.range) {
-    case discovery::Range::subnet: {
-      const auto addresses = discovery::interfaces().addresses;
-      return addresses.empty()
-                 ? "this machine, which has no network"
-                 : fmt::format("this machine and its network ({})", fmt::join(addresses, ", "));
-    }
-    case discovery::Range::localhost:
-      return "this machine";
-    case discovery::Range::off:
-      return "nobody";
-    default:
-      return "as in CYCLONEDDS_URI";
-  }
+  const std::string unresolved = launch::RosMaster(fmt::format("http://{}:1", host)).unresolved();
+  return unresolved.empty() ? ok(fmt::format("'{}' has an address", host)) : warning(unresolved);
 }
 
 /// Where a node of ROS 2 that starts here would look for others.
 Finding ros2_discovery() {
   try {
     const discovery::Discovery found = discovery::parse(discovery::environment());
-    std::string text = fmt::format("domain {}, {}", found.domain, range_of(found));
-    for (const std::string& peer : found.peers) {
-      text += ", " + peer;
+    constexpr std::array kRanges{"this machine and its network", "this machine", "nobody",
+                                 "as in CYCLONEDDS_URI"};  // by Range
+    std::vector<std::string> where{fmt::format("domain {}", found.domain),
+                                   kRanges[static_cast<std::size_t>(found.range)]};
+    if (found.range == discovery::Range::subnet) {
+      const auto addresses = discovery::interfaces().addresses;
+      where[1] += addresses.empty() ? " (none)" : fmt::format(" ({})", fmt::join(addresses, ", "));
     }
-    return ok(text + (found.cyclone.empty() ? "" : ", with CYCLONEDDS_URI"));
+    where.insert(where.end(), found.peers.begin(), found.peers.end());
+    if (!found.cyclone.empty()) {
+      where.emplace_back("with CYCLONEDDS_URI");
+    }
+    return ok(fmt::format("{}", fmt::join(where, ", ")));
   } catch (const Error& error) {
     return warning(error.what(), "docs/ros2.md has these variables");
   }
@@ -137,13 +121,13 @@ Finding shared_memory(const std::string& directory) {
 std::vector<Probe> machine_probes() {
   const std::string rosmaster = in_path("rosmaster");
   std::vector<Probe> probes{
-      {"cores", false, "", cores()},
-      {"shared memory", false, "", shared_memory("/dev/shm")},
-      {"ROS 1", false, "",
+      {"cores", false, cores()},
+      {"shared memory", false, shared_memory("/dev/shm")},
+      {"ROS 1", false,
        rosmaster.empty() ? missing(not_in_path("rosmaster"), kInstallRos) : ok(rosmaster)},
       apart("ROS master", false, warning("", kStartMaster), look_at_master),
       apart("host name", false, warning("", kNameHost), look_at_host),
-      {"ROS 2 discovery", false, "", ros2_discovery()}};
+      {"ROS 2 discovery", false, ros2_discovery()}};
   if (const std::string mpirun = in_path("mpirun"); !mpirun.empty()) {
     probes.push_back(mpirun_probe(mpirun));
   }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "../output.hpp"
 #include "../own_programs.hpp"
 #include "probe.hpp"
 #include "spikeloop/core/error.hpp"
@@ -20,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInstallAgain = "build and install Spikeloop again: all of it, scripts/build";
-constexpr const char* kNotFound = "not found";  // in the linker's list
 
 fs::path own_file(std::string_view name) {
   return fs::path(launch::own_directory()) / name;
@@ -44,7 +44,7 @@ Finding judge_libraries(const Answer& answer) {
   std::vector<std::string> absent;
   const auto libraries = libraries_in(answer.out);
   for (const auto& [name, file] : libraries) {
-    if (file == kNotFound) {
+    if (file == "not found") {
       absent.push_back(name);
     }
   }
@@ -89,12 +89,6 @@ Probe plugin_probe(const std::string& path) {
                [path] { return look_at_plugin(path); });
 }
 
-Finding directory_finding(std::size_t plugins, std::error_code error) {
-  return error ? missing(fmt::format("cannot be read: {}", error.message()),
-                         "make the directory, or take it out of SPIKELOOP_PLUGIN_PATH")
-               : ok(fmt::format("{} plug-in{}", plugins, plugins == 1 ? "" : "s"));
-}
-
 }  // namespace
 
 Command linker_list(const std::vector<std::string>& programs) {
@@ -121,14 +115,14 @@ std::set<std::pair<std::string, std::string>> libraries_in(const std::string& li
 std::vector<Probe> own_probes() {
   std::vector<std::string> files(kProgramFiles.begin(), kProgramFiles.end());
   std::erase_if(files, std::not_fn(is_there));
-  return {{"Spikeloop", true, "",
+  return {{"Spikeloop", true,
            ok(fmt::format("{}, {}, gcc {}, {}", SPIKELOOP_VERSION, SPIKELOOP_BUILD_TYPE,
                           __VERSION__, SPIKELOOP_BUILD))},
-          {"its programs", true, "", programs()},
-          {"its libraries", true, "",
+          {"its programs", true, programs()},
+          {"its libraries", true,
            missing("", "scripts/install-dependencies, then build Spikeloop again"),
            linker_list(files), judge_libraries},
-          {"worlds", false, "", worlds()}};
+          {"worlds", false, worlds()}};
 }
 
 std::vector<Probe> plugin_probes() {
@@ -137,15 +131,19 @@ std::vector<Probe> plugin_probes() {
     std::error_code error;
     try {
       const std::vector<std::string> paths = plugin_files(directory, error);
-      probes.push_back({directory, true, "", directory_finding(paths.size(), error)});
+      probes.push_back({directory, true,
+                        error
+                            ? missing(fmt::format("cannot be read: {}", error.message()),
+                                      "make the directory, or take it out of SPIKELOOP_PLUGIN_PATH")
+                            : ok(count_of(paths.size(), "plug-in"))});
       std::ranges::transform(paths, std::back_inserter(probes), plugin_probe);
     } catch (const Error& fault) {  // nobody can tell whether a *.py file is a plug-in
-      probes.push_back({directory, true, "",
-                        missing(fault.what(), "install Spikeloop with Python's node library")});
+      probes.push_back(
+          {directory, true, missing(fault.what(), "install Spikeloop with Python's node library")});
     }
   }
   if (probes.empty()) {
-    probes.push_back({"plug-ins", false, "", ok("SPIKELOOP_PLUGIN_PATH is not set")});
+    probes.push_back({"plug-ins", false, ok("SPIKELOOP_PLUGIN_PATH is not set")});
   }
   return probes;
 }

@@ -27,17 +27,6 @@ Finding read_finding(const Answer& answer) {
   }
 }
 
-Finding judged(const Probe& probe, const Answer& answer) {
-  Finding finding = answer.failure.empty() ? probe.judge(answer) : probe.finding;
-  if (!answer.failure.empty()) {
-    finding.text += answer.failure;
-  }
-  if (finding.status != Status::ok && finding.remedy.empty()) {
-    finding.remedy = probe.finding.remedy;
-  }
-  return finding;
-}
-
 }  // namespace
 
 Probe apart(std::string name, bool needed, Finding failed, std::function<Finding()> look) {
@@ -65,13 +54,20 @@ void look_as_child(const std::vector<Probe>& probes, const std::string& name) {
   put_result("\n" + json(finding).dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
-void examine(std::vector<Probe>& probes, const std::string& scratch) {
+void examine(std::vector<Probe>& probes) {
   std::vector<Command> commands;
   std::ranges::transform(probes, std::back_inserter(commands), &Probe::command);
-  const std::vector<Answer> answers = ask(commands, scratch);
+  const std::vector<Answer> answers = ask(commands);
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    if (!probes[i].command.empty()) {
-      probes[i].finding = judged(probes[i], answers[i]);
+    Finding& finding = probes[i].finding;
+    if (!answers[i].failure.empty()) {
+      finding.text += answers[i].failure;
+    } else if (!commands[i].empty()) {
+      Finding judged = probes[i].judge(answers[i]);
+      if (judged.status != Status::ok && judged.remedy.empty()) {
+        judged.remedy = finding.remedy;
+      }
+      finding = std::move(judged);
     }
   }
 }

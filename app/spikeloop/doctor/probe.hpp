@@ -42,7 +42,6 @@ inline Finding found(const std::string& version, const std::string& place) {
 struct Probe {
   std::string name;
   bool needed = false;  ///< by every `spikeloop run`
-  std::string key{};    ///< of its version among a run's versions; empty: it is not kept
   /// Known from the start; or, with a command, what holds when that fails, whose reason is added to
   /// the text. Its remedy is that of every finding that has none.
   Finding finding{};
@@ -59,8 +58,8 @@ Probe apart(std::string name, bool needed, Finding failed, std::function<Finding
 /// @throws ConfigurationError when there is no such probe
 void look_as_child(const std::vector<Probe>& probes, const std::string& name);
 
-/// Runs all commands at once, and completes the findings. `scratch`: see ask().
-void examine(std::vector<Probe>& probes, const std::string& scratch = "");
+/// Runs all commands at once, and completes the findings.
+void examine(std::vector<Probe>& probes);
 
 /// Where a program is that a job would find; empty: nowhere.
 std::string in_path(const std::string& program);
