@@ -210,15 +210,17 @@ TEST(DoctorPython, WarnsOfANestWithMpiAlone) {
             "nest-simulator=*=nompi*)");
 }
 
-TEST(DoctorPython, SaysHowToGetNest) {
+TEST(DoctorPython, SaysHowToGetSimulators) {
   const Fakes fakes;
-  const std::string python =
-      python_that(fakes, "echo \"ModuleNotFoundError: No module named 'nest'\" >&2; exit 1");
-  EXPECT_EQ(
-      examine({{"PYTHON", python}}).line("NEST"),
-      "missing | ModuleNotFoundError: No module named 'nest' | NEST is not in Debian: build it "
-      "(nest-simulator.readthedocs.io), and let PYTHONPATH name the place of its Python module; "
-      "see docs/simulators.md");
+  const std::string python = fakes.add("python3", "exec /usr/bin/python3 -S \"$@\"");  // none
+  const Examination seen = examine({{"PYTHON", python}, {"PYTHONPATH", ""}});
+  EXPECT_EQ(seen.line("NEST"),
+            "missing | ModuleNotFoundError: No module named 'nest' | NEST is not in Debian: build "
+            "it (nest-simulator.readthedocs.io), and let PYTHONPATH name the place of its Python "
+            "module; see docs/simulators.md");
+  EXPECT_EQ(seen.line("NEURON"),
+            "missing | ModuleNotFoundError: No module named 'neuron' | Debian: apt install "
+            "python3-neuron; see docs/simulators.md");
 }
 
 TEST(DoctorPython, ImportsWhatIsThere) {

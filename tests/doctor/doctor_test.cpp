@@ -103,7 +103,7 @@ TEST(Doctor, WorksWithAnEmptyPath) {
 TEST(Doctor, DoesNotWaitForWhatHangs) {
   const Fakes fakes;
   fakes.add("mpirun", "trap '' TERM; sleep 1000");
-  fakes.add("music", "sleep 1000");
+  fakes.add("music", "exec yes");
   const std::string python = fakes.add("python3", "sleep 1000");
   const Examination seen = examine({{"PATH", fakes.before()}, {"PYTHON", python}});
   EXPECT_EQ(seen.outcome.exit_code, 3);

@@ -69,6 +69,7 @@ void look(Child& child, double seconds) {
 Child start(const Command& command, const std::string& scratch) {
   Child child;
   launch::ProgramStart program{command, launch::program_environment(), "", scratch};
+  program.environment.erase("PYTHONPATH");  // a directory of ours is no simulator of its name
   program.environment["MPLBACKEND"] = "Agg";
   program.environment["PYTHONSAFEPATH"] = "1";  // no module of the working directory's
   if (!scratch.empty()) {

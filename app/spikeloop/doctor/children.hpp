@@ -24,8 +24,8 @@ struct Answer {
 /// The last line of a text that is not blank.
 std::string_view last_line(std::string_view text);
 
-/// Runs all commands at once, in the environment that a job's programs have; the answers have
-/// their order. Nothing is left running, and no file of Open MPI's.
+/// Runs all commands at once, in the environment that a job's programs have but without our Python
+/// package; the answers have their order. Nothing is left running, and no file of Open MPI's.
 std::vector<Answer> ask(const std::vector<Command>& commands);
 
 }  // namespace spikeloop::app::doctor

@@ -76,17 +76,6 @@ std::string line(const Probe& probe, std::size_t width, bool colour) {
   return text;
 }
 
-std::string conclusion(const std::vector<Probe>& probes) {
-  std::vector<std::string> absent;
-  for (const Probe& probe : probes) {
-    if (lacks(probe)) {
-      absent.push_back(one_line(probe.name));
-    }
-  }
-  return absent.empty() ? "spikeloop run has all that it needs"
-                        : fmt::format("spikeloop run lacks {}", fmt::join(absent, ", "));
-}
-
 /// Two tables with aligned columns, what is needed first; a remedy is below its line.
 std::string table(const std::vector<Probe>& probes, bool colour) {
   constexpr std::size_t kWidest = 24;  // paths of plug-ins are longer: they do not move the others
@@ -95,11 +84,17 @@ std::string table(const std::vector<Probe>& probes, bool colour) {
     width = std::max(width, std::min(probe.name.size(), kWidest));
   }
   std::array<std::string, 2> parts;
+  std::vector<std::string> absent;
   for (const Probe& probe : probes) {
     parts[probe.needed ? 0 : 1] += line(probe, width, colour);
+    if (lacks(probe)) {
+      absent.push_back(one_line(probe.name));
+    }
   }
-  return fmt::format("Needed by spikeloop run:\n{}\nFor some jobs, or for comfort:\n{}\n{}\n",
-                     parts[0], parts[1], conclusion(probes));
+  return fmt::format(
+      "Needed by spikeloop run:\n{}\nFor some jobs, or for comfort:\n{}\n{}\n", parts[0], parts[1],
+      absent.empty() ? "spikeloop run has all that it needs"
+                     : fmt::format("spikeloop run lacks {}", fmt::join(absent, ", ")));
 }
 
 std::string json_text(const std::vector<Probe>& probes) {
