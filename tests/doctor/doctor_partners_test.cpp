@@ -84,17 +84,19 @@ TEST(DoctorPlugins, SaysWhyOneIsRefused) {
   EXPECT_THAT(seen.line(text), AllOf(StartsWith("missing | cannot be loaded: "),
                                      HasSubstr("file too short"), EndsWith(kRemove)));
   EXPECT_EQ(seen.line("/nowhere"),
-            "missing | cannot be read: No such file or directory | make the directory, or take it "
-            "out of SPIKELOOP_PLUGIN_PATH");
+            "missing | cannot read '/nowhere': No such file or directory | correct that, or take "
+            "it out of SPIKELOOP_PLUGIN_PATH");
 }
 
-TEST(DoctorPlugins, SurvivesOneThatCrashesOrHangs) {
+TEST(DoctorPlugins, SurvivesOneThatCrashesExitsOrHangs) {
   const Plugins plugins;
   const std::string broken = plugins.add("a.so", BROKEN_PLUGIN);
   const Examination crashed = plugins.examine();
   EXPECT_EQ(crashed.outcome.exit_code, 3);
   EXPECT_EQ(crashed.line(broken),
             "missing | cannot be loaded: it crashed (Segmentation fault)" + kRemove);
+  EXPECT_EQ(plugins.examine("", "exits").line(broken),
+            "missing | ends the program that loads it" + kRemove);
   const Examination hung = plugins.examine("", "hangs");
   EXPECT_EQ(hung.line(broken), "missing | cannot be loaded: no answer within 10 s" + kRemove);
   EXPECT_EQ(hung.outcome.left_behind, 0);

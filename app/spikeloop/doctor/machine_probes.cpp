@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sched.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "probe.hpp"
 #include "spikeloop/core/error.hpp"
@@ -51,11 +51,12 @@ Finding cores() {
 
 Finding look_at_master() {
   const launch::RosMaster master(launch::master_uri());
-  if (const std::string unresolved = master.unresolved(); !unresolved.empty()) {
-    return warning(unresolved);
+  const std::string unresolved = master.unresolved();
+  if (unresolved.empty() && master.answers()) {
+    return ok(fmt::format("answers at {}", master.uri()));
   }
-  return master.answers() ? ok(fmt::format("answers at {}", master.uri()))
-                          : warning(fmt::format("no master answers at {}", master.uri()));
+  return warning(unresolved.empty() ? fmt::format("no master answers at {}", master.uri())
+                                    : unresolved);
 }
 
 /// What the nodes of this machine tell others to call them by.
@@ -104,14 +105,14 @@ Finding ros2_discovery() {
 
 Finding shared_memory(const std::string& directory) {
   constexpr double kEnough_MB = 128;  // Open MPI takes some 4 MB a process
-  struct statvfs space {};
-  if (statvfs(directory.c_str(), &space) != 0 || access(directory.c_str(), W_OK | X_OK) != 0) {
+  if (access(directory.c_str(), W_OK | X_OK) != 0) {
     return warning(
         fmt::format("{}: {}; jobs use /tmp, which may be a disk", directory, std::strerror(errno)),
         fmt::format("mount -t tmpfs tmpfs {}", directory));
   }
+  std::error_code ignored;
   const double free_MB =
-      static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize) / 1e6;
+      static_cast<double>(std::filesystem::space(directory, ignored).available) / 1e6;
   const std::string text = fmt::format("{:.0f} MB free in {}", free_MB, directory);
   return free_MB >= kEnough_MB
              ? ok(text)

@@ -128,18 +128,18 @@ std::vector<Probe> own_probes() {
 std::vector<Probe> plugin_probes() {
   std::vector<Probe> probes;
   for (const std::string& directory : path_list(plugin_path())) {
-    std::error_code error;
     try {
+      std::error_code error;
       const std::vector<std::string> paths = plugin_files(directory, error);
-      probes.push_back({directory, true,
-                        error
-                            ? missing(fmt::format("cannot be read: {}", error.message()),
-                                      "make the directory, or take it out of SPIKELOOP_PLUGIN_PATH")
-                            : ok(count_of(paths.size(), "plug-in"))});
+      if (error) {
+        throw FileError("read", directory, error.value());
+      }
+      probes.push_back({directory, true, ok(count_of(paths.size(), "plug-in"))});
       std::ranges::transform(paths, std::back_inserter(probes), plugin_probe);
-    } catch (const Error& fault) {  // nobody can tell whether a *.py file is a plug-in
+    } catch (const Error& error) {
       probes.push_back(
-          {directory, true, missing(fault.what(), "install Spikeloop with Python's node library")});
+          {directory, true,
+           missing(error.what(), "correct that, or take it out of SPIKELOOP_PLUGIN_PATH")});
     }
   }
   if (probes.empty()) {

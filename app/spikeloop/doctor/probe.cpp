@@ -21,9 +21,11 @@ using nlohmann::json;
 /// Whatever a plug-in printed while it was loaded is on lines before it.
 Finding read_finding(const Answer& answer) {
   try {
-    return json::parse(last_line(answer.out)).get<Finding>();
+    auto finding = json::parse(last_line(answer.out)).get<Finding>();
+    finding.status = std::min(finding.status, Status::missing);  // whoever has printed it
+    return finding;
   } catch (const json::exception&) {
-    return missing("ends the program that looks at it");
+    return missing("ends the program that loads it");
   }
 }
 

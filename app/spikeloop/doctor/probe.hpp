@@ -1,6 +1,7 @@
 // One look at one thing of the machine, as data: what to run for it, and how to judge the answer.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string>
@@ -11,7 +12,7 @@
 
 namespace spikeloop::app::doctor {
 
-enum class Status {
+enum class Status : std::uint8_t {
   ok,
   warning,  ///< can be used, but
   missing   ///< is not there, or cannot be used
