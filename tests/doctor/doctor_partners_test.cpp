@@ -1,4 +1,4 @@
-// What `spikeloop doctor` says of plug-ins, ROS and Python.
+// What `spikeloop doctor` finds of plug-ins, ROS and Python.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -95,7 +95,7 @@ std::vector<Answer> ask(const std::vector<Command>& commands) {
   std::optional<launch::Scratch> scratch;
   try {
     scratch.emplace();
-  } catch (const FileError&) {  // who else would tell what is wrong?
+  } catch (const FileError&) {  // without room for it the machine is examined all the same
   }
   std::vector<Child> children;
   for (const Command& command : commands) {

@@ -30,10 +30,9 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop doctor --json
 
 Starts no job. Everything that may hang or crash runs in a process of its own, all at once, and is
-killed after {} s. SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and ROS 2's variables (docs/ros2.md) are
-heeded.
+killed after {} s. Uses SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and ROS 2's variables (docs/ros2.md).
 
-Exit codes: 0 everything that each spikeloop run needs is there, 3 some of it is missing. The rest
+Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
 changes no exit code.)";
 
 constexpr std::array kWords{"ok", "warning", "missing"};            // by Status
@@ -47,7 +46,7 @@ bool colour_wanted() {
          (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
 
-/// Every node program loads all plug-ins, and one that is refused ends it.
+/// Every node program loads all plug-ins, and ends when it refuses one: two classes of one name.
 void refuse_clashes(std::vector<Probe>& probes) {
   std::map<std::string, std::string> owners;
   for (Probe& probe : probes) {

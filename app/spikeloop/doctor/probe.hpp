@@ -43,8 +43,8 @@ inline Finding found(const std::string& version, const std::string& place) {
 struct Probe {
   std::string name;
   bool needed = false;  ///< by every `spikeloop run`
-  /// Known from the start; or, with a command, what holds when that fails, whose reason is added to
-  /// the text. Its remedy is that of every finding that has none.
+  /// Without a command: what is known from the start. With one: what holds when the command fails,
+  /// with the reason appended to the text, and the remedy of every finding that has none itself.
   Finding finding{};
   Command command{};
   std::function<Finding(const Answer&)> judge{};  ///< of a command that ended well
