@@ -79,7 +79,12 @@ class Parser {
   bool at_line_end() const { return peek() == kEnd || is_line_end(peek()); }
   Location here() const { return {file_.path, line_, column_}; }
   [[noreturn]] static void fail(const Location& where, const std::string& message) {
-    throw ConfigurationError(where, message);
+    throw ConfigurationError(where, with_code(Code::syntax, message));
+  }
+  static void check_name(std::string_view kind, std::string_view name, const Location& where) {
+    if (const auto reason = music_text::unportable_name(kind, name); !reason.empty()) {
+      throw ConfigurationError(where, reason);
+    }
   }
 
   std::string_view text_;
@@ -157,8 +162,8 @@ void Parser::parse_section() {
       get();
     }
     if (at_line_end()) {
-      fail(where, with_code(Code::syntax, "the section '[{}' has no ']'; write '[{}]'",
-                            shown(label), label.empty() ? "label" : shown(label)));
+      fail(where, fmt::format("the section '[{}' has no ']'; write '[{}]'", shown(label),
+                              label.empty() ? "label" : shown(label)));
     }
     label += get();
   }
@@ -169,14 +174,11 @@ void Parser::parse_section() {
     skip_comment();
   }
   if (!at_line_end()) {
-    fail(here(), with_code(Code::syntax,
-                           "text after the section '[{}]'; write it on the next line, or '#' "
-                           "before a comment",
-                           shown(label)));
+    fail(here(), fmt::format("text after the section '[{}]'; write it on the next line, or '#' "
+                             "before a comment",
+                             shown(label)));
   }
-  if (const auto reason = music_text::unportable_name("label", label); !reason.empty()) {
-    fail(where, reason);
-  }
+  check_name("label", label, where);
   if (label.empty()) {  // "[]" goes back to the global part
     section_.reset();
     return;
@@ -213,10 +215,9 @@ void Parser::parse_entry() {
     }
     if (c == '\\') {
       if (at_line_end()) {
-        fail(where, with_code(Code::syntax,
-                              "the key '{}' ends with a backslash; only a value may go on in the "
-                              "next line, write the key on one line",
-                              shown(key)));
+        fail(where, fmt::format("the key '{}' ends with a backslash; only a value may go on in the "
+                                "next line, write the key on one line",
+                                shown(key)));
       }
       key += get();
     } else {
@@ -229,15 +230,12 @@ void Parser::parse_key_value(const std::string& key, const Location& where) {
   if (key.empty()) {
     fail(where, "no key before '='; write 'key=value'");
   }
-  if (const auto reason = music_text::unportable_name("key", key); !reason.empty()) {
-    fail(where, reason);
-  }
+  check_name("key", key, where);
   skip_blanks();
   const bool quoted = peek() == '"';
   if (peek() == '>' && key.find('.') != std::string::npos) {
     fail(where,
-         with_code(Code::syntax, "'{}=>' would be a key for MUSIC; write a connection with '->'",
-                   shown(key)));
+         fmt::format("'{}=>' would be a key for MUSIC; write a connection with '->'", shown(key)));
   }
   store(key, quoted ? parse_quoted(key, where) : parse_bare(key, where), where);
 }
@@ -251,10 +249,10 @@ std::string Parser::parse_quoted(const std::string& key, const Location& where) 
       get();
     }
     if (peek() == kEnd) {
-      fail(opening, with_code(Code::syntax,
-                              "the quote that opens the value of '{}' is never closed; write '\"' "
-                              "at its end, and '\\\"' for a quote inside",
-                              shown(key)));
+      fail(opening,
+           fmt::format("the quote that opens the value of '{}' is never closed; write '\"' "
+                       "at its end, and '\\\"' for a quote inside",
+                       shown(key)));
     }
     value += get();
   }
@@ -264,10 +262,9 @@ std::string Parser::parse_quoted(const std::string& key, const Location& where) 
     skip_comment();
   }
   if (!at_line_end()) {
-    fail(here(), with_code(Code::syntax,
-                           "text after the closing quote of '{}' (line {}); write '\\\"' for a "
-                           "quote inside the value, or '#' before a comment",
-                           shown(key), where.line));
+    fail(here(), fmt::format("text after the closing quote of '{}' (line {}); write '\\\"' for a "
+                             "quote inside the value, or '#' before a comment",
+                             shown(key), where.line));
   }
   return value;
 }
@@ -281,10 +278,9 @@ std::string Parser::parse_bare(const std::string& key, const Location& where) {
       continue;
     }
     if (peek() == kEnd) {
-      fail(where, with_code(Code::syntax,
-                            "the value of '{}' ends with a backslash at the end of the file; "
-                            "write '\\\\' for a backslash",
-                            shown(key)));
+      fail(where, fmt::format("the value of '{}' ends with a backslash at the end of the file; "
+                              "write '\\\\' for a backslash",
+                              shown(key)));
     }
     const char escaped = get();
     value += escaped;
@@ -351,42 +347,36 @@ Parser::Endpoint Parser::endpoint(const std::string& text, std::string_view role
   strip_trailing(result.app);
   strip_trailing(result.port);
   if (result.port.empty()) {
-    fail(where, with_code(Code::syntax,
-                          "the connection has no {} port; write 'A.out -> B.in [width]'", role));
+    fail(where, fmt::format("the connection has no {} port; write 'A.out -> B.in [width]'", role));
   }
   check_port(result.port, where);
   if (result.app.empty()) {
     if (!section_) {
-      fail(where, with_code(Code::syntax,
-                            "the {} application of port '{}' is missing; before the first "
-                            "section write 'application.{}'",
-                            role, shown(result.port), shown(result.port)));
+      fail(where, fmt::format("the {} application of port '{}' is missing; before the first "
+                              "section write 'application.{}'",
+                              role, shown(result.port), shown(result.port)));
     }
     result.app = file_.sections[*section_].label;
   }
-  if (const auto reason = music_text::unportable_name("label", result.app); !reason.empty()) {
-    fail(where, reason);
-  }
+  check_name("label", result.app, where);
   return result;
 }
 
 // MUSIC would take "in 10" or "in -> C.in" for the name of a port, which no program has.
 void Parser::check_port(const std::string& port, const Location& where) const {
   if (port.find("->") != std::string::npos || port.find("<-") != std::string::npos) {
-    fail(where, with_code(Code::syntax,
-                          "a second arrow in '{}'; write each connection on a line of its own",
-                          shown(port)));
+    fail(where, fmt::format("a second arrow in '{}'; write each connection on a line of its own",
+                            shown(port)));
   }
   const auto odd = std::find_if(port.begin(), port.end(),
                                 [](char c) { return is_space(c) || c == '=' || c == ']'; });
   if (odd != port.end()) {
-    fail(where,
-         with_code(Code::invalid_name,
-                   "'{}' is not a valid port name; write 'A.out -> B.in [width]'", shown(port)));
+    throw ConfigurationError(
+        where,
+        with_code(Code::invalid_name,
+                  "'{}' is not a valid port name; write 'A.out -> B.in [width]'", shown(port)));
   }
-  if (const auto reason = music_text::unportable_name("port", port); !reason.empty()) {
-    fail(where, reason);
-  }
+  check_name("port", port, where);
 }
 
 // What stands between '[' and ']'; a comment closes the bracket, too.
@@ -409,8 +399,8 @@ std::string Parser::read_width(bool& more) {
   bool gap = false;
   for (;;) {
     if (at_line_end()) {
-      fail(where, with_code(Code::syntax, "the width '[{}' has no ']'; write '[{}]'", shown(width),
-                            width.empty() ? "10" : shown(width)));
+      fail(where, fmt::format("the width '[{}' has no ']'; write '[{}]'", shown(width),
+                              width.empty() ? "10" : shown(width)));
     }
     if (peek() == '#') {
       skip_comment();
@@ -426,13 +416,13 @@ std::string Parser::read_width(bool& more) {
     } else if (c < '0' || c > '9') {
       const auto rest =
           text_.substr(position_, text_.find_first_of(",]\r\n\f", position_) - position_);
-      fail(where,
-           with_code(Code::unknown_width, "the width '{}' is not a whole number; write '[10]'",
-                     shown(width + c + std::string(rest))));
+      throw ConfigurationError(
+          where,
+          with_code(Code::unknown_width, "the width '{}' is not a whole number; write '[10]'",
+                    shown(width + c + std::string(rest))));
     } else if (gap) {
-      fail(where,
-           with_code(Code::syntax, "two numbers in a width, '{}' and '{}'; write one, '[{}]'",
-                     shown(width), c, shown(width)));
+      fail(where, fmt::format("two numbers in a width, '{}' and '{}'; write one, '[{}]'",
+                              shown(width), c, shown(width)));
     } else {
       width += c;
     }
@@ -445,8 +435,8 @@ std::string Parser::read_option(bool& more, bool last) {
   more = false;
   for (;;) {
     if (at_line_end()) {
-      fail(where, with_code(Code::syntax, "no ']' after '{}'; write '[10, point-to-point, tree]'",
-                            shown(option)));
+      fail(where,
+           fmt::format("no ']' after '{}'; write '[10, point-to-point, tree]'", shown(option)));
     }
     if (peek() == '#') {
       skip_comment();
@@ -475,26 +465,29 @@ void Parser::apply(const Options& options, MusicConnection& connection) const {
       width = std::min<std::uint64_t>(width * 10 + (digit - '0'), std::uint64_t{1} << 40);
     }
     if (width > std::numeric_limits<std::int32_t>::max()) {
-      fail(connection.where,
-           with_code(Code::unknown_width, "the width {} is too large; write at most 2147483647",
-                     shown(options.width)));
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::unknown_width, "the width {} is too large; write at most 2147483647",
+                    shown(options.width)));
     }
     connection.width = static_cast<std::uint32_t>(width);
   }
   if (options.communication == "collective") {
     connection.communication = Communication::collective;
   } else if (!options.communication.empty() && options.communication != "point-to-point") {
-    fail(connection.where,
-         with_code(Code::unknown_choice, "unknown communication '{}'{}",
-                   shown(options.communication),
-                   did_you_mean(options.communication, {"point-to-point", "collective"})));
+    throw ConfigurationError(
+        connection.where,
+        with_code(Code::unknown_choice, "unknown communication '{}'{}",
+                  shown(options.communication),
+                  did_you_mean(options.communication, {"point-to-point", "collective"})));
   }
   if (options.processing == "table") {
     connection.processing = Processing::table;
   } else if (!options.processing.empty() && options.processing != "tree") {
-    fail(connection.where,
-         with_code(Code::unknown_choice, "unknown processing '{}'{}", shown(options.processing),
-                   did_you_mean(options.processing, {"tree", "table"})));
+    throw ConfigurationError(
+        connection.where,
+        with_code(Code::unknown_choice, "unknown processing '{}'{}", shown(options.processing),
+                  did_you_mean(options.processing, {"tree", "table"})));
   }
 }
 

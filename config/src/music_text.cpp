@@ -40,8 +40,8 @@ std::string no_entry_message(std::string_view line) {
     remedy = fmt::format("write '{}={}', or '#' before a comment", shown(line.substr(0, blank)),
                          shown(line.substr(line.find_first_not_of(" \t", blank))));
   }
-  return with_code(Code::syntax, "'{}' is neither a section nor a key nor a connection; {}",
-                   shown(line), remedy);
+  return fmt::format("'{}' is neither a section nor a key nor a connection; {}", shown(line),
+                     remedy);
 }
 
 }  // namespace spikeloop::music_text

@@ -158,7 +158,7 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
        "f:1:12: no ']' after 'tree'; write '[10, point-to-point, tree]' [SL0101]"},
       {"A.a->B.b[1,,tree,x]",
        "f:1:13: a fourth option in the width's brackets; write at most '[10, point-to-point, "
-       "tree]'"},
+       "tree]' [SL0101]"},
       {"A.a->B.b[99999999999]",
        "f:1:1: the width 99999999999 is too large; write at most 2147483647 [SL0307]"},
       {"A.a->B.b[2147483648]",
@@ -216,7 +216,7 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
       {"A]",
        "f:1:1: 'A]" + no +
            "write '[label]' for a section and 'A.out -> B.in [width]' for a connection [SL0101]"},
-      {"=5", "f:1:1: no key before '='; write 'key=value'"},
+      {"=5", "f:1:1: no key before '='; write 'key=value' [SL0101]"},
       {"A.out => B.in",
        "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->' [SL0101]"},
       {"A.a -> B.b -> C.c [1]",
@@ -251,11 +251,11 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
        "letters, digits and '_' [SL0106]"},
       {"\xEF\xBB\xBFnp=1",
        "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC takes for a part of the "
-       "first line; save it as UTF-8 without byte order mark"},
+       "first line; save it as UTF-8 without byte order mark [SL0101]"},
       {std::string("\xFF\xFEn\0", 4),
-       "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark"},
+       "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark [SL0101]"},
       {std::string("a=1\nb\0", 6),
-       "f:2:2: a zero byte: this is not a text file; give the path of a .music file"},
+       "f:2:2: a zero byte: this is not a text file; give the path of a .music file [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;

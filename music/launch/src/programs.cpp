@@ -167,8 +167,8 @@ std::vector<Program> make_node_programs() {
 }
 
 const std::vector<Program>& known_node_programs() {
-  static const std::vector<Program> kPrograms = make_node_programs();
-  return kPrograms;
+  static const std::vector<Program> programs = make_node_programs();
+  return programs;
 }
 
 template <typename Table>
