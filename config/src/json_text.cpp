@@ -105,7 +105,8 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
   if (!twice.empty()) {
     throw ConfigurationError(
         place == std::string_view::npos ? Location{file} : locate(text, place, file),
-        fmt::format("the key '{}' is given twice; remove one", music_text::shown(twice)));
+        with_code(Code::duplicate_key, "the key '{}' is given twice; remove one",
+                  music_text::shown(twice)));
   }
   return value;
 }

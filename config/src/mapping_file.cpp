@@ -179,9 +179,9 @@ class MappingReader {
     mapping_.all_channels = true;
     if (minimum_ || maximum_) {
       complain(
-          "'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, or "
-          "map "
-          "every element: {\"mapping\": {\"data[0]\": 0}}",
+          with_code(Code::conflicting_keys,
+                    "'min' and 'max' do not hold for a Float64MultiArray without "
+                    "mapping; remove them, or map every element: {\"mapping\": {\"data[0]\": 0}}"),
           "they are ignored", {minimum_ ? "min" : "max"});
     }
   }
@@ -193,7 +193,8 @@ class MappingReader {
            {"mapping"});
     }
     if (mapping_.message_type == kArray && !strict_) {
-      complain("'mapping' does not hold for a Float64MultiArray; remove it",
+      complain(with_code(Code::conflicting_keys,
+                         "'mapping' does not hold for a Float64MultiArray; remove it"),
                "all channels are sent", {"mapping"});
       mapping_.all_channels = true;
       return;

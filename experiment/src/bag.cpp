@@ -108,7 +108,8 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
   resolve_keys(declared, {written, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   if (experiment.ros != Ros::none) {
     faults.add(result.where,
-               "key 'bag': a bag stands in the place of robot and ROS; leave  ros  out");
+               with_code(Code::conflicting_keys,
+                         "key 'bag': a bag stands in the place of robot and ROS; leave  ros  out"));
   }
   experiment.robot = result;
 }

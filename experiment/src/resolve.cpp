@@ -155,13 +155,15 @@ void check_ways(const Experiment& experiment, Faults& faults) {
   if (experiment.sync == Sync::sim_time) {
     faults.add(
         experiment.sync_where,
-        "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  ros: 2,  "
-        "or  sync: lockstep  for the robot in this process");
+        with_code(Code::conflicting_keys,
+                  "key 'sync': sim_time follows the topic /clock, and there is no ROS; write  "
+                  "ros: 2,  or  sync: lockstep  for the robot in this process"));
   } else if (experiment.sync == Sync::lockstep && !experiment.robot) {
-    faults.add(
-        experiment.sync_where,
-        "key 'sync': lockstep has no robot to step; write  robot: {simulator: mujoco},  ros: "
-        "2  for a robot that can be stepped (docs/stepping.md), or  sync: unpaced");
+    faults.add(experiment.sync_where,
+               with_code(Code::conflicting_keys,
+                         "key 'sync': lockstep has no robot to step; write  robot: "
+                         "{simulator: mujoco},  ros: 2  for a robot that can be stepped "
+                         "(docs/stepping.md), or  sync: unpaced"));
   }
 }
 

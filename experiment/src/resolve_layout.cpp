@@ -156,9 +156,10 @@ void take_processes(const Parameters& keys, bool whole, Experiment& experiment, 
   Layout& layout = experiment.layout;
   const std::size_t before = faults.count();
   if (keys.entries(kKey).empty()) {
-    faults.add(layout.where,
-               "key 'layout': there are no processes; write  layout: {vision: [camera], control: "
-               "[encoder, decoder, wheels]}, or leave it out");
+    faults.add(layout.where, with_code(Code::layout,
+                                       "key 'layout': there are no processes; "
+                                       "write  layout: {vision: [camera], control: "
+                                       "[encoder, decoder, wheels]}, or leave it out"));
   }
   for (const Parameters::Entry& process : keys.entries(kKey)) {
     faults.attempt(process.where, [&] { check_process(process.key, process.where, experiment); });

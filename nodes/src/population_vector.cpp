@@ -66,9 +66,10 @@ WeightTable written_directions(const NodeSetup& setup) {
                              fmt::format("key 'directions': {}", reason));
   };
   if (table.kind == WeightTable::Kind::uniform) {
-    refuse(
+    refuse(with_code(
+        Code::weights_differ,
         "in a uniform table all neurons prefer the same; write a table with a row an output and "
-        "a column a neuron, or even");
+        "a column a neuron, or even"));
   }
   for (const double value : table.values) {
     if (std::fabs(value) > kLargest) {

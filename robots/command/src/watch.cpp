@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/core/priority.hpp"
@@ -32,8 +33,10 @@ sigset_t watched_signals() {
 int checked(int result, const char* action) {
   if (result < 0) {
     const int reason = errno;  // before a string below may change it
-    throw TransportError(std::string("cannot watch the robot's commands: ") + action + " failed: " +
-                         std::strerror(reason) + "; raise the limit of open files (ulimit -n)");
+    throw TransportError(with_code(Code::no_access,
+                                   "cannot watch the robot's commands: {} failed: {}; raise the "
+                                   "limit of open files (ulimit -n)",
+                                   action, std::strerror(reason)));
   }
   return result;
 }
