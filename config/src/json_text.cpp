@@ -66,6 +66,17 @@ class Reading {
   const char** seen_;
 };
 
+/// Python writes NaN and Infinity, which are not JSON. `byte` counts from 1, as nlohmann-json does.
+std::string number_hint(std::string_view text, std::size_t byte) {
+  const std::string_view near = text.substr(std::max<std::size_t>(byte, 2) - 2, 9);
+  for (const std::string_view word : {"NaN", "nan", "Infinity", "inf"}) {
+    if (near.find(word) != std::string_view::npos) {
+      return fmt::format("; {} is not a number of JSON: write a finite one", word);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
@@ -97,8 +108,9 @@ nlohmann::ordered_json parse(std::string_view text, const std::string& file) {
     const char* const end = text.data() + text.size();
     value = json::parse(Reading(text.data(), &seen), Reading(end, &seen), watch, true, true);
   } catch (const json::parse_error& error) {
-    throw ConfigurationError(locate(text, error.byte == 0 ? 0 : error.byte - 1, file),
-                             with_code(Code::syntax, reason(error.what())));
+    throw ConfigurationError(
+        locate(text, error.byte == 0 ? 0 : error.byte - 1, file),
+        with_code(Code::syntax, "{}{}", reason(error.what()), number_hint(text, error.byte)));
   } catch (const json::exception& error) {
     throw ConfigurationError(Location{file}, with_code(Code::syntax, reason(error.what())));
   }

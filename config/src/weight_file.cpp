@@ -9,14 +9,13 @@
 #include <fstream>
 #include <optional>
 
-#include "json_text.hpp"
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "text_file.hpp"
-#include "weight_table_reader.hpp"
+#include "weight_json.hpp"
 
 namespace spikeloop {
 
@@ -153,28 +152,18 @@ std::optional<WeightTable> read_array(std::string_view bytes, const std::string&
 /// The table, or what is wrong with the JSON.
 std::optional<WeightTable> read_json(std::string_view text, const std::string& file,
                                      const WeightOptions& options, ConfigurationError& problem) {
-  const std::string not_text = json_text::not_text(text);
-  if (!not_text.empty()) {
-    problem = ConfigurationError(
-        Location{file},
-        with_code(Code::weight_file, "{}; write [[0.1, 0.2], [0.3, 0.4]], one row an output",
-                  not_text));
+  std::variant<WeightRows, WeightTable> read;
+  try {
+    read = read_weight_json(text, file, options.strict);
+  } catch (const ConfigurationError& error) {
+    problem = error;
     return std::nullopt;
   }
-  WeightTableReader reader(text, file);
-  nlohmann::json::sax_parse(text.begin(), text.end(), &reader, nlohmann::json::input_format_t::json,
-                            true, true);
-  if (!reader.error().reason.empty()) {
-    const Location where = locate(text, reader.error().offset, file);
-    problem = ConfigurationError(where, with_code(Code::weight_file, reader.error().reason));
-    if (options.strict || !reader.finished()) {
-      return std::nullopt;
-    }
-    log::warning("{}: text after the end of the table is left out", where.text());
+  if (auto* sparse = std::get_if<WeightTable>(&read)) {
+    return std::move(*sparse);
   }
-  return reader.is_sparse()
-             ? reader.sparse_table()
-             : dense_table(std::move(reader.values()), reader.row_begin(), file, options);
+  auto& rows = std::get<WeightRows>(read);
+  return dense_table(std::move(rows.values), rows.begin, file, options);
 }
 
 std::optional<double> short_form_weight(std::string_view text) {
