@@ -34,8 +34,8 @@ struct Arguments {
 
 int run(const Arguments& arguments, const status::Sender& sender) {
   const auto loaded = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
-  if (!loaded->faults.empty()) {
-    throw ConfigurationError(loaded->faults.front().text());
+  if (!loaded->diagnostics.empty()) {
+    throw ConfigurationError(loaded->diagnostics.front().text());
   }
   const experiment::Experiment& experiment = *loaded->experiment;
   status::Heartbeat heartbeat(sender);

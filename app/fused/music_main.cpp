@@ -129,8 +129,8 @@ int run(music::Process& process) {
   }
   const auto loaded =
       experiment::load(keys.text("experiment"), overrides_of(keys, common), fused::look_at_robot);
-  if (!loaded->faults.empty()) {
-    throw ConfigurationError(loaded->faults.front().text());
+  if (!loaded->diagnostics.empty()) {
+    throw ConfigurationError(loaded->diagnostics.front().text());
   }
   const auto experiment = experiment::with_layout_delays(*loaded->experiment);
   if (!watches(experiment, process.label())) {

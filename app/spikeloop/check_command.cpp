@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "diagnostic_text.hpp"
 #include "experiment_command.hpp"
-#include "fault_text.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -50,13 +50,13 @@ int check(const std::string& path, bool strict) {
   const MusicFile file = read_music_file(path);
   launch::RunOptions options;
   options.strict = strict;
-  const Diagnostics findings = launch::check_job(file, options);
-  if (!findings.empty() && findings.front().exit_code > 128) {
-    put(stderr, fmt::format("spikeloop: {}\n", findings.front().text()));
-    return findings.front().exit_code;
+  const Diagnostics diagnostics = launch::check_job(file, options);
+  if (!diagnostics.empty() && diagnostics.front().exit_code > 128) {
+    put(stderr, fmt::format("spikeloop: {}\n", diagnostics.front().text()));
+    return diagnostics.front().exit_code;
   }
-  if (!findings.empty()) {
-    return tell_faults(path, findings);
+  if (!diagnostics.empty()) {
+    return print_diagnostics(path, diagnostics);
   }
   put_result(summary_of(file));
   return 0;
@@ -93,8 +93,8 @@ void add(CLI::App& app, Action& action) {
 
 namespace spikeloop::app {
 
-int refuse(const Diagnostics& findings, const std::string& file) {
-  const Diagnostic first = first_error(findings, file);
+int refuse(const Diagnostics& diagnostics, const std::string& file) {
+  const Diagnostic first = first_error(diagnostics, file);
   put(stderr, fmt::format("spikeloop: {}\n", first.text()));
   return first.exit_code;
 }

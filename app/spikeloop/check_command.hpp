@@ -8,6 +8,6 @@
 namespace spikeloop::app {
 
 /// Prints the first error of a file that is not run, or not exported. Returns the exit code.
-int refuse(const Diagnostics& findings, const std::string& file);
+int refuse(const Diagnostics& diagnostics, const std::string& file);
 
 }  // namespace spikeloop::app

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "diagnostic_text.hpp"
 #include "experiment_places.hpp"
-#include "fault_text.hpp"
 #include "output.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
@@ -300,8 +300,8 @@ int run_separate(const ExperimentArguments& arguments, const Experiment& experim
 std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file,
                                                          const experiment::Overrides& overrides) {
   auto loaded = experiment::load(file, overrides, fused::look_at_robot);
-  if (loaded->faults.empty()) {
-    check_simulators(*loaded->experiment, loaded->faults);
+  if (loaded->diagnostics.empty()) {
+    check_simulators(*loaded->experiment, loaded->diagnostics);
   }
   return loaded;
 }
@@ -312,7 +312,7 @@ bool is_separate(const Experiment& experiment) {
 
 /// What MUSIC asks of an experiment in several processes.
 void check_layout(experiment::Loaded& loaded) {
-  if (!loaded.faults.empty()) {
+  if (!loaded.diagnostics.empty()) {
     return;
   }
   const Experiment& experiment = *loaded.experiment;
@@ -323,7 +323,7 @@ void check_layout(experiment::Loaded& loaded) {
       experiment::process_job(experiment::with_layout_delays(experiment), "", {});
     }
   } catch (const Error& error) {
-    loaded.faults.push_back(diagnostic_of(error));
+    loaded.diagnostics.push_back(diagnostic_of(error));
   }
 }
 
@@ -351,11 +351,11 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
 std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
                                                     const experiment::Overrides& overrides) {
   auto loaded = load_with_simulators(file, overrides);
-  if (!loaded->faults.empty()) {
-    put(stderr, text_of("spikeloop", loaded->faults.front()));
-    if (loaded->faults.size() > 1) {
+  if (!loaded->diagnostics.empty()) {
+    put(stderr, text_of("spikeloop", loaded->diagnostics.front()));
+    if (loaded->diagnostics.size() > 1) {
       put(stderr, fmt::format("spikeloop: {} more; see  spikeloop check {}\n",
-                              count_of(loaded->faults.size() - 1, "error"), file));
+                              count_of(loaded->diagnostics.size() - 1, "error"), file));
     }
   }
   return loaded;
@@ -364,17 +364,17 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
 int run_experiment(const ExperimentArguments& arguments) {
   const auto all = load_experiment(arguments.file, arguments.overrides);
   experiment::Loaded& loaded = *all;
-  if (!loaded.faults.empty()) {
-    return loaded.faults.front().exit_code;
+  if (!loaded.diagnostics.empty()) {
+    return loaded.diagnostics.front().exit_code;
   }
   const Experiment& experiment = *loaded.experiment;
   refuse_own_recordings(experiment, arguments.folder);
   refuse_spectators(arguments, experiment);
   check_ros_arguments(arguments.line, versions_of(experiment), !is_separate(experiment));
   check_layout(loaded);  // what cannot be is refused before there is a folder
-  if (!loaded.faults.empty()) {
-    put(stderr, text_of("spikeloop", loaded.faults.front()));
-    return loaded.faults.front().exit_code;
+  if (!loaded.diagnostics.empty()) {
+    put(stderr, text_of("spikeloop", loaded.diagnostics.front()));
+    return loaded.diagnostics.front().exit_code;
   }
   if (is_separate(experiment)) {
     return run_separate(arguments, experiment);
@@ -427,14 +427,15 @@ WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder)
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
   const auto loaded = load_with_simulators(file, {});
-  return loaded->faults.empty() ? use(*loaded->experiment) : tell_faults(file, loaded->faults);
+  return loaded->diagnostics.empty() ? use(*loaded->experiment)
+                                     : print_diagnostics(file, loaded->diagnostics);
 }
 
 int check_experiment(const std::string& file, bool strict) {
   const auto loaded = load_with_simulators(file, {});
   check_layout(*loaded);
-  if (!loaded->faults.empty()) {
-    const int exit_code = tell_faults(file, loaded->faults);
+  if (!loaded->diagnostics.empty()) {
+    const int exit_code = print_diagnostics(file, loaded->diagnostics);
     return exit_code == 0 && strict ? kWarningsOnly : exit_code;
   }
   const Experiment& experiment = *loaded->experiment;

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <sstream>
 
 #include "explanations.hpp"
 #include "output.hpp"
@@ -23,6 +24,28 @@ std::string example(const Explanation& each) {
              : fmt::format("\nWrong:\n\n    {}\n\nRight:\n\n    {}\n", each.wrong, each.right);
 }
 
+/// Lines of at most 80 columns.
+std::string wrapped(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  std::string lines;
+  std::size_t column = 0;
+  for (std::string word; words >> word; column += word.size() + 1) {
+    if (column + word.size() > 80) {
+      lines += "\n";
+      column = 0;
+    } else if (column > 0) {
+      lines += " ";
+    }
+    lines += word;
+  }
+  return lines;
+}
+
+/// Without its heading.
+std::string body(const Explanation& each) {
+  return fmt::format("{}\n{}", wrapped(each.text), example(each));
+}
+
 std::string list() {
   std::string text;
   for (const Explanation& each : explanations()) {
@@ -34,15 +57,13 @@ std::string list() {
 std::string page() {
   std::string text =
       "# Errors\n\n"
-      "Errors about files, connections, topics and runs end with a code. This page has all of "
-      "them; "
-      "it is what\n"
-      "\n    spikeloop explain --markdown\n\n"
-      "prints, and `spikeloop explain SL0103` prints one. Mistakes on a command line have no code: "
-      "see `--help`.\n";
+      "Errors about files, connections, topics and runs end with a code. This page lists all of "
+      "them.\n\n"
+      "    spikeloop explain SL0103         prints one\n"
+      "    spikeloop explain --markdown     prints this page\n\n"
+      "Mistakes on a command line have no code; see `--help`.\n";
   for (const Explanation& each : explanations()) {
-    text += fmt::format("\n## {}: {}\n\n{}\n{}", code_text(each.code), each.title, each.text,
-                        example(each));
+    text += fmt::format("\n## {}: {}\n\n{}", code_text(each.code), each.title, body(each));
   }
   return text;
 }
@@ -57,8 +78,7 @@ int explain(const std::string& code, bool markdown) {
     throw ConfigurationError(
         fmt::format("unknown code '{}'; write one that 'spikeloop explain' lists", code));
   }
-  put_result(fmt::format("{}: {}\n\n{}\n{}", code_text(found->code), found->title, found->text,
-                         example(*found)));
+  put_result(fmt::format("{}: {}\n\n{}", code_text(found->code), found->title, body(*found)));
   return 0;
 }
 

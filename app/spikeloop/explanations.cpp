@@ -13,7 +13,7 @@ constexpr Explanation kExplanations[] = {
      ".music file at all. The place in the message is where reading stopped; the mistake may be in "
      "the line above it.",
      "encoder: {node: rate_encoder", "encoder: {node: rate_encoder}"},
-    {Code::duplicate_key, "A key is written twice",
+    {Code::duplicate_key, "A key or an entry is written twice",
      "One of the two values would be lost. Keep one of them.",
      "encoder: {node: rate_encoder, rate_max: 200 Hz, rate_max: 100 Hz}",
      "encoder: {node: rate_encoder, rate_max: 200 Hz}"},
@@ -31,7 +31,7 @@ constexpr Explanation kExplanations[] = {
      "plugins: [my_encoder.so]"},
     {Code::invalid_name, "A name has characters that it must not have",
      "Names of nodes, ports and processes are also names of files and of MUSIC's ports: letters, "
-     "digits and '_'.",
+     "digits and '_'; in the name of an experiment '-' as well.",
      "experiment: my loop", "experiment: my_loop"},
     {Code::duplicate_name, "Two things have the same name",
      "Names identify the nodes of an experiment, the sections of a .music file, the node classes "
@@ -42,7 +42,8 @@ constexpr Explanation kExplanations[] = {
      "readout: {node: linear_readout, weights: no.json}",
      "readout: {node: linear_readout, weights: uniform}"},
     {Code::no_access, "A file or folder cannot be read or written",
-     "The message has the path and the reason of the operating system. Look at its permissions, at "
+     "The message has the path and the reason of the operating system. Look at its permissions and "
+     "format, at "
      "the free space of the disk, and whether another run writes there."},
 
     {Code::not_a_number, "A number is expected",
@@ -58,12 +59,12 @@ constexpr Explanation kExplanations[] = {
      "which a run fits into memory.",
      "encoder: {node: rate_encoder, rate_max: -1 Hz}",
      "encoder: {node: rate_encoder, rate_max: 200 Hz}"},
-    {Code::not_whole, "A whole number is expected", "The key counts something.", "seed: 1.5",
-     "seed: 1"},
+    {Code::not_whole, "A whole number is expected", "The key takes whole numbers only.",
+     "seed: 1.5", "seed: 1"},
     {Code::unknown_choice, "The value is not one of the choices",
      "The key takes one of a few words, which the message lists. Truth values are true and false.",
      "sync: realtme", "sync: realtime"},
-    {Code::wrong_order, "A minimum is not below its maximum",
+    {Code::wrong_order, "A minimum is above its maximum",
      "Two keys, or the two numbers of a pair, are the ends of a range: the first has to be the "
      "lower one.",
      "scan: {node: ros_sensor, topic: /scan, message: LaserScan, fields: [{path: ranges, min: 4, "
@@ -86,9 +87,10 @@ constexpr Explanation kExplanations[] = {
      "encoder: {node: function, function: \"min(x0\"}",
      "encoder: {node: function, function: \"min(x0, 1)\"}"},
 
-    {Code::unknown_node, "A connection names a node that does not exist",
-     "Usually a misspelling, or a node whose name was changed.", "- scan -> encodr [100]",
-     "- scan -> encoder [100]"},
+    {Code::unknown_node, "A node that does not exist is named",
+     "A connection, a layout or a network names a node or population that is not there: usually a "
+     "misspelling, or a name that was changed.",
+     "- scan -> encodr [100]", "- scan -> encoder [100]"},
     {Code::unknown_port, "A node has no such port",
      "`spikeloop describe NODE` lists the ports of a node class. A node with one input and one "
      "output needs no port name.",
@@ -98,9 +100,8 @@ constexpr Explanation kExplanations[] = {
      "two nodes.",
      "- scan -> readout [100]", "- scan -> encoder [100]"},
     {Code::two_senders, "Two connections lead to one input",
-     "An input has one sender. To add signals use a node with several inputs, such as "
-     "`weighted_sum`, or one wider connection.",
-     "- scan -> wheels [2]", "- scan -> encoder [100]"},
+     "An input has one sender. Remove one of the connections.", "- scan -> wheels [2]",
+     "- scan -> encoder [100]"},
     {Code::not_connected, "An input or output is not connected",
      "A node without its inputs computes nothing, and MUSIC waits for ever for a port that is not "
      "connected.",
@@ -109,8 +110,9 @@ constexpr Explanation kExplanations[] = {
      "The width is the number of channels, in brackets behind the connection. A node that joins "
      "channel by channel needs the same width at both of its ports.",
      "- encoder -> readout [90]", "- encoder -> readout [100]"},
-    {Code::unknown_width, "The width of a connection is not known",
-     "No node of the connection has a width of its own. Write the number of channels in brackets.",
+    {Code::unknown_width, "The width of a connection is not known or not valid",
+     "Write the number of channels in brackets behind the connection, when no node of it has a "
+     "width of its own.",
      "- readout -> wheels [two]", "- readout -> wheels [2]"},
     {Code::weights_differ, "The weights do not fit the ports",
      "A table of weights has one row for each output channel and one column for each input "
@@ -121,7 +123,7 @@ constexpr Explanation kExplanations[] = {
      "A weight file is JSON, [[0.1, 0.2], [0.3, 0.4]] with one row for each output, or sparse as "
      "{\"rows\": 2, \"columns\": 2, \"entries\": [[0, 1, 0.5]]}, or a .npy file of two "
      "dimensions."},
-    {Code::delay, "A delay cannot be kept",
+    {Code::delay, "A delay is not valid or cannot be kept",
      "A cycle of nodes, or a simulator in a process of its own, needs a delay of at least one "
      "tick. "
      "docs/experiment-file.md, \"Delays\", has the rules.",
@@ -138,7 +140,8 @@ constexpr Explanation kExplanations[] = {
     {Code::unknown_simulator, "A simulator is not known",
      "The simulators are builtin, nest, neuron, brian2 and python. `spikeloop doctor` shows which "
      "of them are installed.",
-     "encoder: {simulator: bultin, network: network.yaml}", "encoder: {node: rate_encoder}"},
+     "encoder: {simulator: bultin, network: network.yaml}",
+     "encoder: {simulator: builtin, network: network.yaml}"},
     {Code::script, "A script does not do what its simulator expects",
      "docs/simulators.md has a script for each simulator to begin with."},
     {Code::network, "A network file asks for what its models cannot do",
@@ -159,7 +162,7 @@ constexpr Explanation kExplanations[] = {
     {Code::message_definition, "A .msg file is not valid",
      "The message has the line. ROS 1 and ROS 2 differ: bounds and default values are of ROS 2 "
      "alone."},
-    {Code::field_path, "A message has no such field",
+    {Code::field_path, "A message has no such field, or no usual ones",
      "`spikeloop describe TYPE` prints the fields of a message. A path goes from field to field by "
      "dots, and to elements of an array by [index], [first:end] or [name=text].",
      "scan: {node: ros_sensor, topic: /scan, message: LaserScan, fields: [rangs]}",
@@ -215,9 +218,7 @@ constexpr Explanation kExplanations[] = {
 
     {Code::world, "The world file does not describe a world",
      "A world is a file in MuJoCo's format, MJCF, with a vehicle and a few named parts "
-     "(docs/robot.md).",
-     "robot: {simulator: mujoco, world: no_world.xml}",
-     "robot: {simulator: mujoco, world: arena.xml}"},
+     "(docs/robot.md)."},
 };
 
 }  // namespace
@@ -227,6 +228,7 @@ std::span<const Explanation> explanations() {
 }
 
 const Explanation* find_explanation(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isalnum(c) == 0; });  // "[SL0103]"
   if (text.size() > 2 && std::toupper(text[0]) == 'S' && std::toupper(text[1]) == 'L') {
     text.erase(0, 2);
   }

@@ -66,15 +66,15 @@ int export_job(const Arguments& arguments, const Translate& translate) {
   }
   MusicFile file = read_music_file(arguments.file);
   const launch::Hosts hosts = hosts_of(arguments, file);
-  Diagnostics findings = launch::check_job(file, {}, false);
-  for (Diagnostic& found : findings) {
+  Diagnostics diagnostics = launch::check_job(file, {}, false);
+  for (Diagnostic& found : diagnostics) {
     found = {{}, translate(found.text()), found.exit_code};
     if (!found.is_error()) {
       put(stderr, fmt::format("spikeloop: warning: {}\n", found.message));
     }
   }
-  if (has_errors(findings)) {
-    return refuse(findings, arguments.file);
+  if (has_errors(diagnostics)) {
+    return refuse(diagnostics, arguments.file);
   }
   const std::string directory = launch::directory_of(arguments.file);
   const launch::EffectiveFile effective = launch::make_effective(std::move(file), {});

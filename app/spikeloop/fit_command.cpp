@@ -69,16 +69,9 @@ void draw(const FitTask& task, const FitResult& result) {
                             {"decoded", result.trace.decoded},
                             {"training_error", result.training.total},
                             {"held_out_error", result.held_out.total}};
-  const std::string command =
-      fmt::format("PYTHONSAFEPATH=1 PYTHONPATH='{}' /usr/bin/python3 -m spikeloop.fit_plot '{}'",
-                  python_package(), fs::absolute(task.picture).string());
-  std::FILE* const python = ::popen(command.c_str(), "w");
-  if (python == nullptr) {
-    throw FileError("start python3 for the picture", task.picture, errno);
-  }
-  const std::string text = data.dump();
-  std::fwrite(text.data(), 1, text.size(), python);
-  if (::pclose(python) != 0) {
+  if (!feed({"env", "PYTHONSAFEPATH=1", "PYTHONPATH=" + python_package(), "/usr/bin/python3", "-m",
+             "spikeloop.fit_plot", fs::absolute(task.picture).string()},
+            data.dump())) {
     throw FileError(fmt::format("the picture {} was not drawn; python3-matplotlib says above why",
                                 task.picture));
   }
@@ -125,10 +118,9 @@ void check(const FitTask& task) {
     throw ConfigurationError(fmt::format(
         "--out {}: the name does not say the format; write a name with .json or .npy", task.out));
   }
-  if (!task.picture.empty() &&
-      (task.picture.find('\'') != std::string::npos || !task.picture.ends_with(".png"))) {
+  if (!task.picture.empty() && !task.picture.ends_with(".png")) {
     throw ConfigurationError(
-        fmt::format("--picture {}: write the name of a .png file without quotes", task.picture));
+        fmt::format("--picture {}: write the name of a .png file", task.picture));
   }
   check_writable(task.out);
   check_writable(task.picture);

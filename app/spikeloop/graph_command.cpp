@@ -14,6 +14,7 @@
 
 #include "diagram.hpp"
 #include "experiment_command.hpp"
+#include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
@@ -149,13 +150,6 @@ Diagram diagram_of(const MusicFile& file) {
   return diagram;
 }
 
-void refuse_structure(const MusicFile& file) {
-  const auto problems = find_structure_problems(file);
-  if (!problems.empty()) {
-    throw ConfigurationError(problems.front().where, problems.front().message);
-  }
-}
-
 std::string with_ending(const std::string& path, const std::string& ending) {
   const auto name = path.rfind('/') + 1;
   const auto dot = path.rfind('.');
@@ -205,11 +199,7 @@ void write_picture(const std::string& dot, const std::string& path, const std::s
     write_file("", path);  // with an error of ours
     words.insert(words.end(), {"-o", path});
   }
-  std::FILE* drawer = ::popen(launch::shell_text(words).c_str(), "w");
-  const bool written =
-      drawer != nullptr && std::fwrite(dot.data(), 1, dot.size(), drawer) == dot.size();
-  const int status = drawer == nullptr ? -1 : ::pclose(drawer);
-  if (!written || status != 0) {
+  if (!feed(words, dot)) {
     throw FileError(fmt::format("Graphviz's program 'dot' has failed for '{}'; write  --out {}",
                                 path, with_ending(path.empty() ? "FILE" : path, "dot")));
   }
@@ -230,7 +220,7 @@ int draw(const std::string& path, const std::string& out) {
         path, [&](const Experiment& experiment) { return show(diagram_of(experiment)); });
   }
   const MusicFile file = read_music_file(path);
-  refuse_structure(file);
+  check_structure(file);
   return show(diagram_of(file));
 }
 

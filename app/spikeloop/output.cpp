@@ -11,6 +11,7 @@
 
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/launch/mpirun.hpp"
 
 namespace spikeloop::app {
 
@@ -87,6 +88,15 @@ void put(std::FILE* stream, std::string_view text) noexcept {
   }
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
+}
+
+bool feed(const std::vector<std::string>& words, std::string_view text) {
+  std::FILE* const program = ::popen(launch::shell_text(words).c_str(), "w");
+  if (program == nullptr) {
+    return false;
+  }
+  const bool taken = std::fwrite(text.data(), 1, text.size(), program) == text.size();
+  return ::pclose(program) == 0 && taken;
 }
 
 std::string count_of(std::uint64_t number, std::string_view what) {

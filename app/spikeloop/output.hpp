@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace spikeloop::app {
 
@@ -14,6 +15,9 @@ void put(std::FILE* stream, std::string_view text) noexcept;
 
 /// For output that somebody asked for, as a file. @throws FileError when it cannot be written.
 void put_result(std::string_view text);
+
+/// Whether the program, run in a shell's way, took the text at its standard input and ended with 0.
+bool feed(const std::vector<std::string>& words, std::string_view text);
 
 /// "1 spike", "2 spikes".
 std::string count_of(std::uint64_t number, std::string_view what);

@@ -110,8 +110,8 @@ int replay(const Arguments& arguments) {
   }
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);
-  if (!loaded->faults.empty()) {
-    return loaded->faults.front().exit_code;
+  if (!loaded->diagnostics.empty()) {
+    return loaded->diagnostics.front().exit_code;
   }
   const experiment::Experiment experiment = experiment::with_layout_delays(*loaded->experiment);
   warn(doubts(run, fused::resolved_json(experiment)));

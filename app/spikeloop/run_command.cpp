@@ -232,12 +232,12 @@ int run_file(const RunArguments& arguments) {
   return run_experiment(experiment);
 }
 
-int dry_run(const launch::Job& job, const Diagnostics& findings, const std::string& path) {
-  if (has_errors(findings)) {
-    return refuse(findings, path);
+int dry_run(const launch::Job& job, const Diagnostics& diagnostics, const std::string& path) {
+  if (has_errors(diagnostics)) {
+    return refuse(diagnostics, path);
   }
   std::string text;
-  for (const Diagnostic& warning : findings) {
+  for (const Diagnostic& warning : diagnostics) {
     text += fmt::format("# warning: {}\n", warning.text());
   }
   put_result(text + fmt::format("# {}\n{}", job.command(), to_text(job.effective().file)));

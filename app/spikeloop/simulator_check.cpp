@@ -39,7 +39,7 @@ std::string trouble_with(const Simulator& simulator) {
 
 }  // namespace
 
-void check_simulators(const experiment::Experiment& experiment, Diagnostics& faults) {
+void check_simulators(const experiment::Experiment& experiment, Diagnostics& diagnostics) {
   std::map<std::string, std::string> known;
   for (const Node& node : experiment.nodes) {
     if (!experiment::is_simulator(node)) {
@@ -50,10 +50,10 @@ void check_simulators(const experiment::Experiment& experiment, Diagnostics& fau
       trouble->second = trouble_with(*experiment::find_simulator(node.kind));
     }
     if (!trouble->second.empty()) {
-      faults.push_back({node.where,
-                        fmt::format("node '{}': simulator '{}' is not installed: {}", node.name,
-                                    node.kind, trouble->second),
-                        TransportError::kExitCode});
+      diagnostics.push_back({node.where,
+                             fmt::format("node '{}': simulator '{}' is not installed: {}",
+                                         node.name, node.kind, trouble->second),
+                             TransportError::kExitCode});
     }
   }
 }

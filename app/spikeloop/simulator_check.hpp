@@ -7,8 +7,8 @@
 
 namespace spikeloop::app {
 
-/// Adds a fault for every node whose simulator the Python of scripts does not find. Looks for the
-/// module, and does not import it.
-void check_simulators(const experiment::Experiment& experiment, Diagnostics& faults);
+/// Adds a diagnostic for every node whose simulator the Python of scripts does not find. Looks for
+/// the module, and does not import it.
+void check_simulators(const experiment::Experiment& experiment, Diagnostics& diagnostics);
 
 }  // namespace spikeloop::app

@@ -23,7 +23,7 @@ FilesRead::~FilesRead() {
 }
 
 void FilesRead::note(const std::string& path) {
-  if (innermost != nullptr) {
+  if (innermost != nullptr && !path.empty()) {
     innermost->paths_.insert(std::filesystem::absolute(path).lexically_normal().string());
   }
 }

@@ -33,7 +33,7 @@ class Checker {
       add({file_.path}, with_code(Code::missing_key,
                                   "the file has no application; write '[label]', np=1, "
                                   "binary=program and its connections"));
-      return std::move(problems_);
+      return std::move(diagnostics_);
     }
     constexpr std::size_t kMost = 10'000;  // MUSIC can pass on fewer
     if (std::max(file_.sections.size(), file_.connections.size()) > kMost) {
@@ -41,7 +41,7 @@ class Checker {
                                   "the file has {} sections and {} connections; write at most {} "
                                   "of each",
                                   file_.sections.size(), file_.connections.size(), kMost));
-      return std::move(problems_);
+      return std::move(diagnostics_);
     }
     for (const auto& section : file_.sections) {
       check_section(section);
@@ -49,18 +49,18 @@ class Checker {
     for (const auto& connection : file_.connections) {
       check_connection(connection);
     }
-    if (problems_.empty()) {
+    if (diagnostics_.empty()) {
       check_size();
     }
-    std::stable_sort(problems_.begin(), problems_.end(), [](const auto& a, const auto& b) {
+    std::stable_sort(diagnostics_.begin(), diagnostics_.end(), [](const auto& a, const auto& b) {
       return std::tie(a.where.line, a.where.column) < std::tie(b.where.line, b.where.column);
     });
-    return std::move(problems_);
+    return std::move(diagnostics_);
   }
 
  private:
   void add(const Location& where, std::string message) {
-    problems_.push_back({where, std::move(message)});
+    diagnostics_.push_back({where, std::move(message)});
   }
 
   void check_section(const MusicSection& section) {
@@ -83,7 +83,7 @@ class Checker {
     }
     const auto processes = music_text::read_processes(file_, section);
     if (const auto* problem = std::get_if<Diagnostic>(&processes)) {
-      problems_.push_back(*problem);
+      diagnostics_.push_back(*problem);
     }
     const MusicKey* binary = file_.find_key(section, "binary");
     if (binary == nullptr) {
@@ -201,19 +201,19 @@ class Checker {
   std::map<PortName, int> outputs_;  // with the line of the first use
   std::map<PortName, int> inputs_;
   std::map<PortName, const MusicConnection*> receivers_;
-  Diagnostics problems_;
+  Diagnostics diagnostics_;
 };
 
 }  // namespace
 
-Diagnostics find_structure_problems(const MusicFile& file) {
+Diagnostics structure_diagnostics(const MusicFile& file) {
   return Checker(file).run();
 }
 
 void check_structure(const MusicFile& file) {
-  const auto problems = find_structure_problems(file);
-  if (!problems.empty()) {
-    throw ConfigurationError(problems.front().where, problems.front().message);
+  const auto diagnostics = structure_diagnostics(file);
+  if (!diagnostics.empty()) {
+    throw ConfigurationError(diagnostics.front().where, diagnostics.front().message);
   }
 }
 

@@ -67,7 +67,7 @@ class Parser {
   void check_port(const std::string& port, const Location& where) const;
   void store(const std::string& key, std::string value, const Location& where);
   void note(const Location& where, std::string message) {
-    file_.oddities.push_back(warning_at(where, message));
+    file_.warnings.push_back(warning_at(where, message));
   }
   void skip_blanks();
   void skip_comment();

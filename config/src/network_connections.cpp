@@ -92,9 +92,10 @@ void check_target(const Section& section, const Ends& ends) {
                         "{}: '{}' is an input, it only gets what arrives at port 'in'; write a "
                         "population of neurons or repeaters",
                         section.what(), ends.to.name)
-            : fmt::format("{}: '{}' is a {}, nothing can be connected to it; write a population "
-                          "of neurons or repeaters",
-                          section.what(), ends.to.name, model_name(ends.to.model)));
+            : with_code(Code::network,
+                        "{}: '{}' is a {}, nothing can be connected to it; write a population "
+                        "of neurons or repeaters",
+                        section.what(), ends.to.name, model_name(ends.to.model)));
   }
   if (is_current(ends.from.model) && !has_membrane(ends.to.model)) {
     throw ConfigurationError(
@@ -225,7 +226,7 @@ std::vector<Synapse> apply_rule(const std::string& rule, const Section& section,
   if (rule != "pairs" && section.has("pairs")) {
     throw ConfigurationError(
         section.where("pairs"),
-        with_code(Code::network,
+        with_code(Code::conflicting_keys,
                   "key 'pairs' is read with rule pairs only, but the rule is '{}'; write  rule: "
                   "pairs",
                   rule));
@@ -318,7 +319,7 @@ std::size_t find_population(const NetworkFile& network, const std::string& name,
     }
     names.push_back(network.populations[i].name);
   }
-  throw ConfigurationError(where, with_code(Code::unknown_choice, "{}: unknown population '{}'{}",
+  throw ConfigurationError(where, with_code(Code::unknown_node, "{}: unknown population '{}'{}",
                                             what, name, did_you_mean(name, names)));
 }
 

@@ -119,7 +119,7 @@ void check_bounds(const NetworkPlasticity& plasticity, const NetworkProjection& 
         section.has("Wmax") ? section.where("Wmax") : section.where(),
         stdp ? with_code(Code::wrong_order, "{}: Wmax 0 leaves weights no room; write  Wmax: 100 {}", section.what(),
                            unit)
-             : fmt::format("{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
+             : with_code(Code::wrong_order, "{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
                            section.what(), low, unit, high, unit));
   }
   for (const double weight : projection.weight) {

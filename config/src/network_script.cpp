@@ -1,7 +1,6 @@
 #include "spikeloop/config/network_script.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <cerrno>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/reason.hpp"
+#include "spikeloop/core/scratch_folder.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop {
@@ -27,38 +27,15 @@ constexpr const char* kSuffix = ".py";
 constexpr const char* kResult = "network.json";
 constexpr std::uint64_t kMostScriptBytes = 1'000'000'000;
 
-// A folder that is gone with the object.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "spikeloop-network-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw FileError("make a folder", name, errno);
-    }
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  fs::path file(const char* name) const { return path_ / name; }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 std::string python() {
   const char* const named = std::getenv("PYTHON");
   return named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
 }
 
 // What Python says of its own fault: the line in the file, 0 for none, and the text.
-[[noreturn]] void refuse(const std::string& file, const std::string& function, const Folder& folder,
-                         int exit_code) {
-  const fs::path fault = folder.file("fault");
+[[noreturn]] void refuse(const std::string& file, const std::string& function,
+                         const fs::path& folder, int exit_code) {
+  const fs::path fault = (folder / "fault");
   if (!fs::exists(fault)) {
     throw ConfigurationError(
         {file, 0, 0}, with_code(Code::script,
@@ -76,9 +53,9 @@ std::string python() {
 }
 
 // The line of the user's file behind each line of the network file that Python wrote.
-Location behind(const Location& where, const std::string& file, const Folder& folder) {
+Location behind(const Location& where, const std::string& file, const fs::path& folder) {
   std::istringstream lines(
-      read_text_file(folder.file("lines").string(), kMostScriptBytes, "lines of the network file"));
+      read_text_file((folder / "lines").string(), kMostScriptBytes, "lines of the network file"));
   int line = 0;
   for (int i = 0; i < where.line && lines >> line; ++i) {
   }
@@ -86,14 +63,14 @@ Location behind(const Location& where, const std::string& file, const Folder& fo
 }
 
 // Places in the file that Python wrote would tell nobody anything, nor do the names of its weights.
-void set_places(NetworkFile& network, const Location& where, const Folder& folder) {
+void set_places(NetworkFile& network, const Location& where, const fs::path& folder) {
   network.resolution_where = where;
   for (auto& population : network.populations) {
     population.where = where;
   }
   for (auto& projection : network.projections) {
     projection.where = where;
-    if (projection.rule.starts_with(folder.path().string())) {
+    if (projection.rule.starts_with(folder.string())) {
       projection.rule = "array";
     }
   }
@@ -102,9 +79,9 @@ void set_places(NetworkFile& network, const Location& where, const Folder& folde
   }
 }
 
-NetworkFile read_result(const std::string& file, const Folder& folder) {
+NetworkFile read_result(const std::string& file, const fs::path& folder) {
   const std::string text =
-      read_text_file(folder.file(kResult).string(), kMostScriptBytes, "network file");
+      read_text_file((folder / kResult).string(), kMostScriptBytes, "network file");
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});
@@ -139,10 +116,11 @@ NetworkFile run_network_script(const std::string& written) {
   require_regular_file(file, "network script");
   require_code_may_run(fmt::format("network '{}'", written));
   const HeldSignals held;  // the folder is gone before one of them ends this process
-  const Folder folder;
-  const int exit_code = run_python(
-      {python(), "-m", "spikeloop.network", file, function, folder.path().string()}, held);
-  if (exit_code != 0 || !fs::exists(folder.file(kResult))) {
+  const ScratchFolder scratch(fs::temp_directory_path().string());
+  const fs::path folder = scratch.path();
+  const int exit_code =
+      run_python({python(), "-m", "spikeloop.network", file, function, folder.string()}, held);
+  if (exit_code != 0 || !fs::exists((folder / kResult))) {
     refuse(file, function, folder, exit_code);
   }
   std::set<std::string> files{file};
@@ -153,7 +131,7 @@ NetworkFile run_network_script(const std::string& written) {
     files.insert(read.paths().begin(), read.paths().end());
   }
   for (const std::string& path : files) {
-    if (!path.starts_with(folder.path().string())) {
+    if (!path.starts_with(folder.string())) {
       FilesRead::note(path);
     }
   }

@@ -280,9 +280,10 @@ ConfigurationError cycle_error(const GraphPlan& plan, const std::vector<bool>& p
   for (auto i = walk.rbegin(); i != walk.rend() && *i != at; ++i) {
     text += " -> " + plan.elements[*i].name;
   }
-  return {last, fmt::format("the cycle {} -> {} has no delay; give one of its connections a delay "
-                            "of at least 1 tick",
-                            text, plan.elements[at].name)};
+  return {last, with_code(Code::delay,
+                          "the cycle {} -> {} has no delay; give one of its connections a delay "
+                          "of at least 1 tick",
+                          text, plan.elements[at].name)};
 }
 
 void order_elements(GraphPlan& plan, const ErrorHandler& report) {

@@ -11,7 +11,7 @@ namespace spikeloop::experiment {
 namespace {
 
 void add(const Error& error, Loaded& loaded) {
-  loaded.faults.push_back(diagnostic_of(error));
+  loaded.diagnostics.push_back(diagnostic_of(error));
 }
 
 /// What a plug-in that is refused would have brought is not said to be unknown.
@@ -63,7 +63,8 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
     const std::filesystem::path directory = directory_of(origin_of(file, overrides));
     load_plugins(file, directory, *loaded);
     const FilesRead files;
-    loaded->experiment = resolve(file, loaded->types, overrides, loaded->faults, look_at_robot);
+    loaded->experiment =
+        resolve(file, loaded->types, overrides, loaded->diagnostics, look_at_robot);
     note_files(file, directory, *loaded->experiment, overrides.replay.has_value());
     loaded->experiment->files = files.paths();
   } catch (const Error& error) {

@@ -262,12 +262,13 @@ void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::
   }
 }
 
-void check_topics(const Experiment& experiment, const std::set<std::string>& whole,
-                  Faults& faults) {
+/// A node whose topic is not one of the robot's is no longer `whole`.
+void check_topics(const Experiment& experiment, std::set<std::string>& whole, Faults& faults) {
   check_one_sender_a_topic(experiment, whole, faults);
   for (const Node& node : experiment.nodes) {
-    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none) {
-      faults.attempt(node.where, [&] { check_robot_topic(node, experiment); });
+    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none &&
+        !faults.attempt(node.where, [&] { check_robot_topic(node, experiment); })) {
+      whole.erase(node.name);
     }
   }
 }

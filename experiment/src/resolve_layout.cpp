@@ -65,9 +65,9 @@ void check_node(const std::string& name, const Location& where, const Experiment
           [&](const Process& process) { return process.nodes.contains(name); });
       in != experiment.layout.processes.end()) {
     throw ConfigurationError(
-        where, with_code(Code::duplicate_name,
-                         "key 'layout': node '{}' is in process '{}' already; write it once", name,
-                         in->name));
+        where,
+        with_code(Code::layout, "key 'layout': node '{}' is in process '{}' already; write it once",
+                  name, in->name));
   }
 }
 

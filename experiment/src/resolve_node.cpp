@@ -93,14 +93,14 @@ std::string kind_of(const ExperimentNode& entry, Node& node) {
     node.written.erase(key);
     return value;
   };
-  if (entry.keys.contains("node") == entry.keys.contains("simulator")) {
+  const bool both = entry.keys.contains("node");  // when there is a simulator as well
+  if (both == entry.keys.contains("simulator")) {
     throw ConfigurationError(
         entry.where,
-        with_code(Code::missing_key,
+        with_code(both ? Code::conflicting_keys : Code::missing_key,
                   "node '{}' says {}; write  node: rate_encoder, or  simulator: builtin",
                   entry.name,
-                  entry.keys.contains("node") ? "both 'node' and 'simulator'"
-                                              : "neither 'node' nor 'simulator'"));
+                  both ? "both 'node' and 'simulator'" : "neither 'node' nor 'simulator'"));
   }
   if (entry.keys.contains("node")) {
     return take("node").text;

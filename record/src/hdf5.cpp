@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::record::hdf5 {
@@ -80,7 +81,7 @@ std::string reason() {
 }
 
 void fail(std::string_view action, const std::string& path) {
-  throw FileError(fmt::format("cannot {} '{}': {}", action, path, reason()));
+  throw FileError(with_code(Code::no_access, "cannot {} '{}': {}", action, path, reason()));
 }
 
 bool Handle::close() {
@@ -218,7 +219,8 @@ bool Attributes::has(const char* name) const {
 
 Handle Attributes::open(const char* name) const {
   if (!has(name)) {
-    throw FileError(fmt::format("cannot read '{}': the attribute '{}' is missing", path_, name));
+    throw FileError(
+        with_code(Code::no_access, "cannot read '{}': the attribute '{}' is missing", path_, name));
   }
   return Handle(check(H5Aopen(object_, name, H5P_DEFAULT), "read", path_));
 }
@@ -227,8 +229,9 @@ void Attributes::require(const Handle& attribute, H5T_class_t kind, const char* 
   const Handle space(check(H5Aget_space(attribute.get()), "read", path_));
   const Handle stored(check(H5Aget_type(attribute.get()), "read", path_));
   if (H5Sget_simple_extent_npoints(space.get()) != 1 || H5Tget_class(stored.get()) != kind) {
-    throw FileError(
-        fmt::format("cannot read '{}': damaged: the attribute '{}' is not a number", path_, name));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': damaged: the attribute '{}' is not a number",
+                              path_, name));
   }
 }
 
@@ -242,13 +245,15 @@ std::vector<std::string> Attributes::texts(const char* name) const {
   const Handle space(H5Aget_space(attribute.get()));
   const Handle stored(H5Aget_type(attribute.get()));
   if (H5Tis_variable_str(stored.get()) <= 0) {
-    throw FileError(fmt::format("cannot read '{}': the attribute '{}' is not a text", path_, name));
+    throw FileError(with_code(Code::no_access, "cannot read '{}': the attribute '{}' is not a text",
+                              path_, name));
   }
   constexpr hssize_t kMost = 10'000'000;
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
   if (count < 0 || count > kMost) {
-    throw FileError(fmt::format("cannot read '{}': damaged: the attribute '{}' has {} texts", path_,
-                                name, count));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': damaged: the attribute '{}' has {} texts", path_,
+                              name, count));
   }
   std::vector<char*> pointers(static_cast<std::size_t>(count));
   const Handle type = text_type();

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "hdf5.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/trial.hpp"
@@ -30,16 +31,19 @@ hdf5::Handle open_file(const std::string& path) {
   H5Pset_file_locking(access.get(), 0, 1);  // its recorder may be at work
   hdf5::Handle opened(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()));
   if (!opened) {
-    throw FileError(fmt::format("cannot read '{}': not an HDF5 file, or damaged", path));
+    throw FileError(
+        with_code(Code::no_access, "cannot read '{}': not an HDF5 file, or damaged", path));
   }
   const hdf5::Attributes attributes(opened.get(), path);
   if (!attributes.has("spikeloop_format")) {
-    throw FileError(
-        fmt::format("cannot read '{}': an HDF5 file, but not a recording of Spikeloop's", path));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': an HDF5 file, but not a recording of Spikeloop's",
+                              path));
   }
   const auto format = attributes.number<std::uint32_t>("spikeloop_format");
   if (format > kFormat) {
-    throw FileError(fmt::format(
+    throw FileError(with_code(
+        Code::no_access,
         "cannot read '{}': it has format {}, this Spikeloop ({}) knows formats up to {}; read it "
         "with version {} or newer",
         path, format, SPIKELOOP_VERSION, kFormat, attributes.text("spikeloop_version")));
@@ -100,10 +104,10 @@ std::size_t rows_of(const hdf5::Handle& dataset, std::uint32_t width, const std:
   const std::uint64_t bytes = std::filesystem::file_size(path) + kNotYetWritten;
   const std::uint64_t row = std::max<std::uint64_t>(1, width) * sizeof(double);
   if (rank != (width == 0 ? 1 : 2) || (width > 0 && size[1] != width) || size[0] > bytes / row) {
-    throw FileError(
-        fmt::format("cannot read '{}': damaged: a dataset has not the size that its "
-                    "stream says, or a larger one than the file",
-                    path));
+    throw FileError(with_code(Code::no_access,
+                              "cannot read '{}': damaged: a dataset has not the size that its "
+                              "stream says, or a larger one than the file",
+                              path));
   }
   return size[0];
 }

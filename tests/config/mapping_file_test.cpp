@@ -165,7 +165,7 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "m:1:2: unknown key 'message_typ'; did you mean 'message_type'? [SL0103]"},
       {twist("{}"), "m:1:27: 'mapping' is empty; write " + kExample + " [SL0105]"},
       {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample + " [SL0105]"},
-      {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' is given twice; remove one"},
+      {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' is given twice; remove one [SL0102]"},
       {twist("{\"x\": 0.5}"),
        "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0 [SL0505]"},
       {twist("{\"x\": -2}"),
@@ -200,7 +200,7 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "m:1:32: 'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, "
        "or "
        "map "
-       "every element: {\"mapping\": {\"data[0]\": 0}}"},
+       "every element: {\"mapping\": {\"data[0]\": 0}} [SL0208]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(error(text), message) << text;
@@ -263,10 +263,10 @@ TEST(MappingFile, OlderProgramsIgnoreSomeMistakes) {
   EXPECT_EQ(log.messages[1],
             "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0 [SL0505]");
   EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0 [SL0104]"));
-  EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored"));
+  EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored [SL0208]"));
   EXPECT_EQ(log.messages[4],
             "m:1:39: 'mapping' does not hold for a Float64MultiArray; remove it; all "
-            "channels are sent");
+            "channels are sent [SL0208]");
 }
 
 TEST(MappingFile, MutatedFilesAreReadOrRefused) {

@@ -94,7 +94,7 @@ TEST(MusicCheck, ReportsAllProblemsInTheOrderOfTheFile) {
   const MusicFile file =
       parse_music("binary=b\n[A]\nA.x->A.y\n[B]\nnp=0\nB.x -> C.y\n[D]\nnp=1", "f");
   std::vector<int> lines;
-  for (const auto& problem : find_structure_problems(file)) {
+  for (const auto& problem : structure_diagnostics(file)) {
     lines.push_back(problem.where.line);
   }
   EXPECT_EQ(lines, (std::vector<int>{2, 3, 5, 6, 7}));

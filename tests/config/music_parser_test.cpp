@@ -315,13 +315,13 @@ TEST(AdoptLocations, WhereBothSayTheSame) {
 
 TEST(ParseMusic, NotesWhatIsHardlyMeant) {
   const MusicFile file = parse_music("x=1\nx=2\n[a]\nk=1\nk=2\n[b]\nk=1\n[a]\n", "f");
-  ASSERT_EQ(file.oddities.size(), 3U);
-  EXPECT_EQ(file.oddities[0].where.text(), "f:2:1");
-  EXPECT_EQ(file.oddities[0].message,
+  ASSERT_EQ(file.warnings.size(), 3U);
+  EXPECT_EQ(file.warnings[0].where.text(), "f:2:1");
+  EXPECT_EQ(file.warnings[0].message,
             "duplicate key 'x'; the first is at f:1:1; the last one holds [SL0102]");
-  EXPECT_EQ(file.oddities[1].where.text(), "f:5:1");
+  EXPECT_EQ(file.warnings[1].where.text(), "f:5:1");
   EXPECT_EQ(
-      file.oddities[2].message,
+      file.warnings[2].message,
       "the section '[a]' was opened in line 3 already, and MUSIC takes both for one; write it "
       "once [SL0107]");
 }

@@ -121,7 +121,7 @@ TEST(MusicParser, MutatedFilesAreReadOrRefused) {
     }
     ++read;
     ASSERT_EQ(parse_music(to_text(file), "f"), file) << text << "\n---\n" << to_text(file);
-    find_structure_problems(file);
+    structure_diagnostics(file);
     ASSERT_EQ(downstream_first(file).size(), file.sections.size());
   }
   EXPECT_GT(read, test::repetitions(20000) / 10);

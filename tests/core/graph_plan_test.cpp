@@ -45,7 +45,7 @@ TEST_F(GraphPlanFaults, AreToldTogether) {
           "the connection 'b.out -> a.in' is written twice; remove one [SL0304]",
           "input 'c.in' is not connected; write for example  SENDER.out -> c.in [10] [SL0305]",
           "the cycle a -> b -> a has no delay; give one of its connections a delay "
-          "of at least 1 tick"));
+          "of at least 1 tick [SL0310]"));
 }
 
 TEST_F(GraphPlanFaults, AnInputWithAMisspeltConnectionIsNotSaidToHaveNone) {

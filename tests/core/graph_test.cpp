@@ -322,7 +322,7 @@ TEST_F(GraphErrors, CycleWithoutDelayIsNamed) {
   graph_.connections = {{"a", "b"}, {"b", "a"}, {"laser", "wheels"}};
   EXPECT_EQ(message(),
             "the cycle a -> b -> a has no delay; give one of its connections a delay of at least 1 "
-            "tick");
+            "tick [SL0310]");
 }
 
 TEST_F(GraphErrors, Tick) {

@@ -27,14 +27,14 @@ TEST(Check, TellsEveryFaultWithItsLine) {
   EXPECT_EQ(
       outcome.err,
       "error: x.yaml:4:43: node 'encoder': key 'rate_max': 200 has no unit; write for example  "
-      "rate_max: 200 Hz\n"
+      "rate_max: 200 Hz [SL0202]\n"
       "    4 |   encoder: {node: rate_encoder, rate_max: 200}\n"
       "                                                  ^\n"
       "error: x.yaml:5:40: key 'tau': '30 mV': 'mV' is not a unit of time here; write one of: "
-      "ns, us, ms, s, min, h\n"
+      "ns, us, ms, s, min, h [SL0202]\n"
       "    5 |   decoder: {node: linear_readout, tau: 30 mV, weights: uniform}\n"
       "                                               ^\n"
-      "error: x.yaml:7:16: unknown node 'decodr'; did you mean 'decoder'?\n"
+      "error: x.yaml:7:16: unknown node 'decodr'; did you mean 'decoder'? [SL0301]\n"
       "    7 |   - encoder -> decodr [3]\n"
       "                       ^\n"
       "spikeloop: x.yaml: 3 errors\n");
@@ -60,7 +60,7 @@ TEST(Check, LongLinesAreCut) {
                                 "}\nconnections: [\"a -> a [2, delay 1 tick]\"]\n");
   const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_THAT(outcome.err,
-              HasSubstr(" 'x' is not a number; write for example 0.5\n    2 | ... " +
+              HasSubstr(" 'x' is not a number; write for example 0.5 [SL0201]\n    2 | ... " +
                         std::string(51, '1') + ", slope: x, y_offset: " + std::string(77, '1') +
                         " ...\n" + std::string(72, ' ') + "^\n"));
 }
@@ -85,7 +85,7 @@ TEST(Check, TellsWhatTheFusedLayoutRefusesOfSimulators) {
   const std::string said =
       ": x.yaml:2:3: no connection joins the simulators with the other nodes, which one process "
       "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "
-      "separate\n    2 |   a: {simulator: python, script: brain.py}\n          ^\n";
+      "separate [SL0305]\n    2 |   a: {simulator: python, script: brain.py}\n          ^\n";
   const Outcome checked = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(checked.exit_code, 2);
   EXPECT_EQ(checked.out, "");
@@ -100,12 +100,12 @@ TEST(Check, FilesThatCannotBeRead) {
   const Outcome missing = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(missing.exit_code, 4);
   EXPECT_EQ(missing.err,
-            "error: cannot open 'x.yaml': No such file or directory\n"
+            "error: cannot open 'x.yaml': No such file or directory [SL0109]\n"
             "spikeloop: x.yaml: 1 error\n");
   mkdir((directory.path() / "d.yaml").c_str(), 0755);
   const Outcome folder = spikeloop({"check", "d.yaml"}, directory);
   EXPECT_EQ(folder.exit_code, 4);
-  EXPECT_THAT(folder.err, HasSubstr("error: cannot read 'd.yaml': Is a directory\n"));
+  EXPECT_THAT(folder.err, HasSubstr("error: cannot read 'd.yaml': Is a directory [SL0109]\n"));
   mkfifo((directory.path() / "f.yaml").c_str(), 0644);
   EXPECT_THAT(spikeloop({"check", "f.yaml"}, directory).err, HasSubstr("not a regular file"));
   directory.write("big.yaml", "#" + std::string(17'000'000, 'x'));
@@ -147,7 +147,7 @@ TEST(Check, ADirectoryInPlaceOfAFile) {
   const Outcome outcome = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_THAT(outcome.err, HasSubstr("error: x.yaml:1:37: key 'weights': cannot read './out': Is a "
-                                     "directory; write the path of a file\n"));
+                                     "directory; write the path of a file [SL0108]\n"));
 }
 
 TEST(Check, PathsStartWhereALinkLies) {

@@ -168,7 +168,7 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
                           "one of them [SL0601]"));
   EXPECT_THAT(faults_of("{vision: [scan, encoder], control: [decoder, scan, wheels]}"),
               ElementsAre("x.yaml:4:54: key 'layout': node 'scan' is in process 'vision' already; "
-                          "write it once [SL0107]"));
+                          "write it once [SL0601]"));
   EXPECT_THAT(faults_of("{\"the eye\": [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:21: key 'layout': 'the eye' is not the name of a process; "
                           "write letters, digits and '_' [SL0106]"));
@@ -178,7 +178,7 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
   EXPECT_THAT(faults_of("{}"),
               ElementsAre("x.yaml:4:9: key 'layout': there are no processes; write  layout: "
                           "{vision: [camera], control: [encoder, decoder, wheels]}, or leave it "
-                          "out"));
+                          "out [SL0601]"));
   EXPECT_THAT(
       faults_of("parallel"),
       ElementsAre(

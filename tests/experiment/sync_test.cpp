@@ -46,7 +46,7 @@ TEST_F(SyncKey, TheCommandLinesHasNoLine) {
   EXPECT_THAT(
       read_with("sync: realtime", true, {{}, {}, {}, Sync::sim_time}).faults,
       ElementsAre("x.yaml: key 'sync': sim_time follows the topic /clock, and there is no ROS; "
-                  "write  ros: 2,  or  sync: lockstep  for the robot in this process"));
+                  "write  ros: 2,  or  sync: lockstep  for the robot in this process [SL0208]"));
 }
 
 TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {

@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  a: {node: sigmoid}\n  b: "
                     "{node: sigmoid}\n  c: {node: sigmoid}\n"}},
                   {"x.yaml:16:10: the cycle a -> b -> c -> a has no delay; give one of its "
-                   "connections a delay of at least 1 tick"}},
+                   "connections a delay of at least 1 tick [SL0310]"}},
         WrongFile{"to itself without delay",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - a -> a "
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(
                    {"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  a: {node: sigmoid}\n"}},
                   {"x.yaml:14:10: the cycle a -> a has no delay; give one of its connections a "
-                   "delay of at least 1 tick"}},
+                   "delay of at least 1 tick [SL0310]"}},
         WrongFile{"delay no multiple of the tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ms]"}},
                   {"x.yaml:12:31: delay '1.5 ms' is not a whole number of ticks from 0 to 1000000; "

@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"both node and simulator",
                   {{"simulator: builtin", "simulator: builtin, node: network"}},
                   {"x.yaml:8:3: node 'brain' says both 'node' and 'simulator'; write  node: "
-                   "rate_encoder, or  simulator: builtin [SL0104]"}},
+                   "rate_encoder, or  simulator: builtin [SL0208]"}},
         WrongFile{"unknown class",
                   {{"rate_encoder", "rate_encodr"}},
                   {"x.yaml:7:19: unknown node class 'rate_encodr'; did you mean 'rate_encoder'? "
@@ -217,15 +217,16 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:11:36: key 'topic': 'wheels' and 'more' both send to /cmd_vel, and the "
                    "robot would obey both in turn; write one node with all fields, or another "
                    "topic [SL0506]"}},
-        WrongFile{"sim_time",
-                  {{"tick: 1 ms", "sync: sim_time"}},
-                  {"x.yaml:3:7: key 'sync': sim_time follows the topic /clock, and there is no "
-                   "ROS; write  ros: 2,  or  sync: lockstep  for the robot in this process"}},
+        WrongFile{
+            "sim_time",
+            {{"tick: 1 ms", "sync: sim_time"}},
+            {"x.yaml:3:7: key 'sync': sim_time follows the topic /clock, and there is no "
+             "ROS; write  ros: 2,  or  sync: lockstep  for the robot in this process [SL0208]"}},
         WrongFile{"lockstep without robot",
                   {{"tick: 1 ms", "sync: lockstep"}, {"robot: {simulator: mujoco}\n", ""}},
                   {"x.yaml:3:7: key 'sync': lockstep has no robot to step; write  robot: "
                    "{simulator: mujoco},  ros: 2  for a robot that can be stepped "
-                   "(docs/stepping.md), or  sync: unpaced",
+                   "(docs/stepping.md), or  sync: unpaced [SL0208]",
                    "x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
                    "ros: 2, or  robot: {simulator: mujoco} [SL0507]",
                    "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "

@@ -15,20 +15,20 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::vector<std::string> texts_of(const Diagnostics& findings, bool errors) {
+std::vector<std::string> texts_of(const Diagnostics& diagnostics, bool errors) {
   std::vector<std::string> result;
-  for (const Diagnostic& found : findings) {
+  for (const Diagnostic& found : diagnostics) {
     if (found.is_error() == errors) {
       result.push_back(found.text());
     }
   }
   return result;
 }
-std::vector<std::string> texts(const Diagnostics& findings) {
-  return texts_of(findings, true);
+std::vector<std::string> texts(const Diagnostics& diagnostics) {
+  return texts_of(diagnostics, true);
 }
-std::vector<std::string> warnings(const Diagnostics& findings) {
-  return texts_of(findings, false);
+std::vector<std::string> warnings(const Diagnostics& diagnostics) {
+  return texts_of(diagnostics, false);
 }
 
 std::vector<std::string> program_problems(const std::string& text, const std::string& directory) {
@@ -58,13 +58,13 @@ TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
 TEST(CheckPrograms, SaysHowToInstallMpirun) {
   const std::string before = getenv("PATH");
   setenv("PATH", "/nowhere", 1);
-  const Diagnostics findings = check_programs(parse_music("[a]\nbinary=/bin/sh\n", "f"), "/");
+  const Diagnostics diagnostics = check_programs(parse_music("[a]\nbinary=/bin/sh\n", "f"), "/");
   setenv("PATH", before.c_str(), 1);
   EXPECT_THAT(
-      texts(findings),
+      texts(diagnostics),
       ElementsAre("cannot find 'mpirun' in PATH; install it (Debian: apt install openmpi-bin)",
                   "cannot find 'music' in PATH; install it (Debian: apt install music-bin)"));
-  EXPECT_EQ(findings.front().exit_code, 3);
+  EXPECT_EQ(diagnostics.front().exit_code, 3);
 }
 
 // binary=./x with this text in it.
@@ -282,10 +282,10 @@ TEST(CheckTogether, ALoopThatNothingCanClose) {
 }
 
 TEST(FirstError, SaysHowManyMoreThereAre) {
-  Diagnostics findings{warning_at({"f", 1, 1}, "odd"), error_at({"f", 2, 1}, "bad")};
-  EXPECT_EQ(first_error(findings, "f").text(), "f:2:1: bad");
-  findings.push_back(error_at({}, "worse"));
-  EXPECT_EQ(first_error(findings, "f").text(), "f:2:1: bad (and 1 more: spikeloop check f)");
+  Diagnostics diagnostics{warning_at({"f", 1, 1}, "odd"), error_at({"f", 2, 1}, "bad")};
+  EXPECT_EQ(first_error(diagnostics, "f").text(), "f:2:1: bad");
+  diagnostics.push_back(error_at({}, "worse"));
+  EXPECT_EQ(first_error(diagnostics, "f").text(), "f:2:1: bad (and 1 more: spikeloop check f)");
 }
 
 }  // namespace

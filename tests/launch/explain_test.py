@@ -39,6 +39,7 @@ output: [input]
     "SL0503": (["scan: {node: ros_sensor, topic: /scan, message: my/msg/Bad.msg, fields: [x]}"],
                {"my/msg/Bad.msg": "float64\n"}, {}),
     "SL0510": (["ros: 2", "sync: realtime"], {}, {"ROS_DOMAIN_ID": "many"}),
+    "SL0801": (["robot: {simulator: mujoco, world: empty.xml}"], {"empty.xml": "<mujoco/>"}, {}),
     "SL0704": (["encoder: {node: function, function: sqrt(x0 - 1000), not_finite: error}"], {}, {}),
 }
 # With these lines as well, the function of a node has its ports.

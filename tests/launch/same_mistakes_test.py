@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A mistake has the same words in an experiment and in a .music file."""
+"""A mistake has the same words and the same code in an experiment and in a .music file."""
 
 import argparse
 import json
@@ -174,7 +174,7 @@ SPELLINGS = [(r"^\S+?:\d+:\d+: ", ""), (r"^node '\w+': ", ""), (r"\bros_topic\b"
              (r"\bmessage_type\b", "message"), (r"\bmusic_timestep\b", "tick"),
              (r"(\w)=(\S)", r"\1: \2"), (r"'(emergency_stop|override)': key '", r"'\1_"),
              (r"'fields\.", "'mapping."), (r"\S+/bad.json|\bbad.json", "bad.json"),
-             (r"; the first is at .*|; known: .*", "")]
+             (r"(; the first is at |; known: ).*?( \[SL|$)", r"\2")]
 
 
 def said(spikeloop, folder, name, text):
@@ -206,7 +206,8 @@ def main():
                 values["connections"] = "\n".join(map(line.format, values["connections"]))
             ours = said(spikeloop, folder, "x.yaml", EXPERIMENT.format(**parts[0]))
             theirs = said(spikeloop, folder, "x.music", MUSIC.format(**parts[1]))
-            common = [text for text in ours if text in theirs and words in text]
+            common = [text for text in ours
+                      if text in theirs and words in text and re.search(r" \[SL\d{4}\]$", text)]
             if not common:
                 wrong += 1
                 print(f"{words}\n  experiment: {ours}\n  .music:     {theirs}")

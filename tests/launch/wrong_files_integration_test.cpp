@@ -40,13 +40,16 @@ TEST_P(WrongFiles, AreExplainedInOneSentence) {
 INSTANTIATE_TEST_SUITE_P(
     Programs, WrongFiles,
     testing::Values(
-        Wrong{
-            "np is 2", {{"[n]\nnp=1", "[n]\nnp=2"}}, "spikeloop-network runs in one; write  np=1"},
+        Wrong{"np is 2",
+              {{"[n]\nnp=1", "[n]\nnp=2"}},
+              "spikeloop-network runs in one; write  np=1 [SL0602]"},
         Wrong{"more parts than channels",
               {{"[e]\nnp=1", "[e]\nnp=2"}, {"rate_max=200", "threads=2"}},
               "port 'out' has 3 channels, too few for 4 parts (np times threads); write smaller "
               "ones"},
-        Wrong{"binary misspelt", {{"rate_encoder", "rate_encodr"}}, "did you mean 'rate_encoder'?"},
+        Wrong{"binary misspelt",
+              {{"rate_encoder", "rate_encodr"}},
+              "did you mean 'rate_encoder'? [SL0401]"},
         Wrong{"binary not there",
               {{"rate_encoder", "./brain"}},
               "there is no program './brain', seen"},
@@ -205,7 +208,7 @@ INSTANTIATE_TEST_SUITE_P(
               "mine.so"},
         Wrong{"unknown node class",
               {{"binary=rate_encoder", "binary=spikeloop-node\nnode=rate_encodr"}},
-              "did you mean 'rate_encoder'?"},
+              "did you mean 'rate_encoder'? [SL0401]"},
         Wrong{"impossible ZeroMQ address to publish at",
               {{"[c]\nnp=1\nbinary=cont_zmq_adapter",
                 "[c]\nnp=1\nbinary=cont_zmq_adapter\nzmq_addr=hello"}},

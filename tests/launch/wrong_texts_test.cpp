@@ -16,8 +16,8 @@ using testing::HasSubstr;
 Diagnostic first_error_of(const std::string& path) {
   try {
     // The programs need not be there: they judge keys and files, on which no row depends.
-    const Diagnostics findings = launch::check_job(read_music_file(path), {}, false);
-    return has_errors(findings) ? first_error(findings, path) : warning_at({}, "no error");
+    const Diagnostics diagnostics = launch::check_job(read_music_file(path), {}, false);
+    return has_errors(diagnostics) ? first_error(diagnostics, path) : warning_at({}, "no error");
   } catch (const Error& error) {
     return diagnostic_of(error);
   }

@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"output_unknown",
                     "populations:\n  relay: {model: repeater, size: 1}\noutput: [rellay]\n",
                     "net.yaml:3:10: key 'output': unknown population 'rellay'; did you mean "
-                    "'relay'? [SL0205]"},
+                    "'relay'? [SL0301]"},
         NetworkCase{
             "output_input", "populations:\n  a: {model: input, size: 1}\noutput: [a]\n",
             "net.yaml:3:10: key 'output': 'a' is an input; connect it to a repeater and write the "
@@ -224,10 +224,10 @@ INSTANTIATE_TEST_SUITE_P(
                     "net.yaml:6:5: connection 1: key 'to' is missing; write  to: relay [SL0104]"},
         NetworkCase{"unknown_from", with_connection("from: inptu, to: relay"),
                     "net.yaml:6:12: connection 1: unknown population 'inptu'; did you mean "
-                    "'input'? [SL0205]"},
+                    "'input'? [SL0301]"},
         NetworkCase{"unknown_to", with_connection("from: input, to: motor"),
                     "net.yaml:6:23: connection 1: unknown population 'motor'; known: input, relay "
-                    "[SL0205]"},
+                    "[SL0301]"},
         NetworkCase{
             "to_input", with_connection("from: relay, to: input"),
             "net.yaml:6:23: connection 1: 'input' is an input, it only gets what arrives at port "
@@ -295,7 +295,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"pairs_unused",
                     with_cell("rule: all_to_all, pairs: [], delay: 1 ms, weight: 3 pA"),
                     "net.yaml:5:54: key 'pairs' is read with rule pairs only, but the rule is "
-                    "'all_to_all'; write  rule: pairs [SL0405]"},
+                    "'all_to_all'; write  rule: pairs [SL0208]"},
         NetworkCase{
             "pairs_word", with_cell("rule: pairs, pairs: 3, delay: 1 ms, weight: 3 pA"),
             "net.yaml:5:49: key 'pairs': expected a list; write  pairs: [[0, 0], [1, 0]] [SL0105]"},

@@ -123,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{
             "to_source", connected("from: input, to: drive, rule: all_to_all, delay: 1"),
             "net.yaml:8:23: connection 1: 'drive' is a signal_input, nothing can be connected to "
-            "it; write a population of neurons or repeaters"},
+            "it; write a population of neurons or repeaters [SL0405]"},
         NetworkCase{
             "current_to_repeater", connected("from: wave, to: relay, rule: all_to_all"),
             "net.yaml:8:22: connection 1: 'relay' is a repeater, which takes no current; write a "
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"record_unknown",
                     kPopulations + std::string("record: {cells: {spikes: true}}\n"),
                     "net.yaml:7:10: key 'record': unknown population 'cells'; did you mean 'cell'? "
-                    "[SL0205]"},
+                    "[SL0301]"},
         NetworkCase{
             "record_nothing", kPopulations + std::string("record: {cell: {spikes: false}}\n"),
             "net.yaml:7:16: record of 'cell' has nothing to record; write  spikes: true  or  V_m: "
@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{
             "bounds_order", learning("rule: stdp_dopamine, reward: input, Wmin: 5, Wmax: 4"),
             "net.yaml:8:133: connection 1: plasticity: Wmin 5 pA is not below Wmax 4 pA; write a "
-            "Wmin below Wmax"},
+            "Wmin below Wmax [SL0206]"},
         NetworkCase{
             "weight_outside", learning("rule: stdp, Wmax: 10"),
             "net.yaml:8:5: connection 1: plasticity: the weight 20 pA is not from 0 to 10 pA; "
@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{
             "reward_unknown", learning("rule: stdp_dopamine, reward: inputs"),
             "net.yaml:8:111: connection 1: plasticity: unknown population 'inputs'; did you mean "
-            "'input'? [SL0205]"},
+            "'input'? [SL0301]"},
         NetworkCase{
             "reward_current", learning("rule: stdp_dopamine, reward: wave"),
             "net.yaml:8:111: connection 1: plasticity: reward 'wave' is a sine_current; write a "

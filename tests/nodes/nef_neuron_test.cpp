@@ -232,7 +232,7 @@ TEST(NefEncoderKeys, SaysWhatIsWrong) {
             "max_rate_low, max_rate_high, intercept_low and intercept_high [SL0208]");
   EXPECT_EQ(error({{"preset", "ma"}, {"radius", "2"}}),
             "test.yaml:7:3: key 'radius' is of the preset nengo; write preset=nengo, or gain_min, "
-            "gain_max, bias_min and bias_max");
+            "gain_max, bias_min and bias_max [SL0208]");
   EXPECT_EQ(
       error({{"max_rate_low", "500"}}),
       "test.yaml:7:3: key 'max_rate_low': 500 is above max_rate_high, 400; write max_rate_low "

@@ -220,7 +220,7 @@ TEST(PopulationVector, WhatDoesNotFitIsRefused) {
   };
   EXPECT_EQ(failure(WeightTable::uniform(), 4, 2),
             "test.yaml:8:3: key 'directions': in a uniform table all neurons prefer the same; "
-            "write a table with a row an output and a column a neuron, or even");
+            "write a table with a row an output and a column a neuron, or even [SL0308]");
   EXPECT_EQ(
       failure(WeightTable::dense(2, 2, {1, 2, 3, 4}), 3, 2),
       "test.yaml:8:3: key 'directions': the weights have 2 rows and 2 columns, but the ports "

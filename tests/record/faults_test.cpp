@@ -172,7 +172,7 @@ TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
             "cannot open '" + missing + "': No such file or directory [SL0109]");
   const std::string text = directory_.write("text.h5", "just a text");
   EXPECT_EQ(message<FileError>([&] { record::read_info(text); }),
-            "cannot read '" + text + "': not an HDF5 file, or damaged");
+            "cannot read '" + text + "': not an HDF5 file, or damaged [SL0109]");
   const std::string python =
       "import h5py\n"
       "h5py.File('" +
@@ -184,9 +184,9 @@ TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
       "f.attrs['spikeloop_format'] = 2\n"
       "f.attrs['spikeloop_version'] = '9.0.0'\n";
   ASSERT_EQ(test::run({.arguments = {"/usr/bin/python3", "-c", python}}).exit_code, 0);
-  EXPECT_EQ(
-      message<FileError>([&] { record::read_info(file("foreign.h5")); }),
-      "cannot read '" + file("foreign.h5") + "': an HDF5 file, but not a recording of Spikeloop's");
+  EXPECT_EQ(message<FileError>([&] { record::read_info(file("foreign.h5")); }),
+            "cannot read '" + file("foreign.h5") +
+                "': an HDF5 file, but not a recording of Spikeloop's [SL0109]");
   EXPECT_THAT(message<FileError>([&] { record::read_info(file("future.h5")); }),
               testing::AllOf(HasSubstr("': it has format 2, this Spikeloop ("),
                              HasSubstr(") knows formats up to 1; read it with version 9.0.0 or "

@@ -73,7 +73,7 @@ TEST_F(GuardErrorTest, no_master) {
   const guard::Link link(hello(uri));
   EXPECT_THAT(said_, ElementsAre("the guard refuses: no ROS master answers at " + uri +
                                  " within 3 s (Connection refused); start one with roscore, or set "
-                                 "ROS_MASTER_URI to where it is" +
+                                 "ROS_MASTER_URI to where it is [SL0701]" +
                                  kAlone));
 }
 
@@ -121,10 +121,10 @@ TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {
   const auto taken = run(guard_command({"--socket", directory_.write("file", "")}));
   EXPECT_EQ(taken.exit_code, 4);
   EXPECT_EQ(taken.err, "spikeloop-guard: cannot make the socket '" + directory_.path().string() +
-                           "/file': Address already in use\n");
+                           "/file': Address already in use [SL0109]\n");
   const auto nowhere = run(guard_command({"--socket", "/no/such/folder/guard"}));
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_THAT(nowhere.err, HasSubstr("No such file or directory"));
+  EXPECT_THAT(nowhere.err, HasSubstr("No such file or directory [SL0109]"));
   const auto longer = run(guard_command({"--socket", "/tmp/" + std::string(120, 'x')}));
   EXPECT_EQ(longer.exit_code, 4);
   EXPECT_THAT(longer.err, HasSubstr("File name too long"));
@@ -180,7 +180,7 @@ class NoGuardTest : public GuardedJob {
     return outcome.text();
   }
   const std::string end_ =
-      "; nothing stops the robot when its command adapter is killed or stopped\n";
+      "; nothing stops the robot when its command adapter is killed or stopped [SL0703]\n";
 };
 
 /// A job whose guard is played by the test.

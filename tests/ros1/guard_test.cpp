@@ -116,7 +116,7 @@ TEST_F(GuardTest, adapter_shut_down_by_ros) {
   const auto outcome = expect_zero_after_shut_down("/ros_command_node");
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: command: the ROS node /ros_command_node_"));
   EXPECT_THAT(outcome.err, HasSubstr(" has been shut down: another node took its name, or somebody "
-                                     "ended it (rosnode kill)\n"));
+                                     "ended it (rosnode kill) [SL0703]\n"));
   EXPECT_EQ(outcome.left_behind, 0);
 }
 

@@ -65,7 +65,7 @@ TEST(WorldErrors, MissingFile) {
               AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
                     HasSubstr("share/spikeloop/worlds"),
                     EndsWith("; write the path of an MJCF file, or arena, phototaxis or t_maze for "
-                             "a shipped world [SL0801]")));
+                             "a shipped world [SL0108]")));
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {

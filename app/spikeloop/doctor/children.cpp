@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/launch/folders.hpp"
+#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/process_tree.hpp"
 
@@ -92,7 +92,7 @@ std::string_view last_line(std::string_view text) {
 
 std::vector<Answer> ask(const std::vector<Command>& commands) {
   const auto begin = Clock::now();
-  std::optional<launch::Scratch> scratch;
+  std::optional<ScratchFolder> scratch;
   try {
     scratch.emplace();
   } catch (const FileError&) {  // without room for it the machine is examined all the same

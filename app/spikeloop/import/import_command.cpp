@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "../diagnostic_text.hpp"
 #include "../experiment_command.hpp"
-#include "../fault_text.hpp"
 #include "../option_values.hpp"
 #include "../output.hpp"
 #include "music_import.hpp"
@@ -72,12 +72,12 @@ int import_file(const ImportArguments& given) {
     launch::write_text(given.out, imported.text);
   }
   tell("warning", imported.notes);
-  tell("error", imported.problems);
-  if (imported.problems.empty()) {
+  tell("error", imported.errors);
+  if (imported.errors.empty()) {
     return 0;
   }
   put(stderr, fmt::format("spikeloop: {}: {}; the experiment is not complete\n", given.file,
-                          count_of(imported.problems.size(), "error")));
+                          count_of(imported.errors.size(), "error")));
   return kIncomplete;
 }
 

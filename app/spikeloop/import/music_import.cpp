@@ -53,7 +53,7 @@ class Importer {
 
  private:
   void problem(const Location& where, std::string text) {
-    result_.problems.push_back(error_at(where, text));
+    result_.errors.push_back(error_at(where, text));
   }
   void note(const Location& where, std::string text) {
     result_.notes.push_back(warning_at(where, text));
@@ -64,7 +64,7 @@ class Importer {
     try {
       node = nodes_.import(section);
     } catch (const Error& error) {
-      result_.problems.push_back(diagnostic_of(
+      result_.errors.push_back(diagnostic_of(
           ConfigurationError(error.located() ? error.where() : section.where, reason_of(error))));
       node.left_out = true;
     }

@@ -18,7 +18,7 @@ struct ImportOptions {
 struct Imported {
   std::string text;
   /// What an experiment file cannot say: the text has it as a comment.
-  Diagnostics problems;
+  Diagnostics errors;
   Diagnostics notes;  ///< what is otherwise than in the job
 };
 

@@ -13,6 +13,7 @@
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/sensor_mapping_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
@@ -127,10 +128,10 @@ ImportedNode NodeImporter::import(const MusicSection& section) {
     const bool ours = known != nullptr;
     throw ConfigurationError(
         section.where,
-        fmt::format("[{}] runs {}, {}; keep  spikeloop run {}", section.label, program,
-                    ours ? "which no node of an experiment does"
-                         : "which is none of Spikeloop's programs: an experiment cannot start it",
-                    fs::path(file_.path).filename().string()));
+        with_code(Code::program, "[{}] runs {}, {}; keep  spikeloop run {}", section.label, program,
+                  ours ? "which no node of an experiment does"
+                       : "which is none of Spikeloop's programs: an experiment cannot start it",
+                  fs::path(file_.path).filename().string()));
   }
   note_unused_keys(section);
   return std::move(node_);
@@ -188,8 +189,8 @@ std::string NodeImporter::path(const MusicSection& section, const std::string& w
   }
   if (!found) {
     throw ConfigurationError(
-        where, fmt::format("there is no {} '{}' in '{}'; write its path", what, written,
-                           fs::absolute(base).lexically_normal().string()));
+        where, with_code(Code::missing_file, "there is no {} '{}' in '{}'; write its path", what,
+                         written, fs::absolute(base).lexically_normal().string()));
   }
   return yaml_text((fs::path(written).is_absolute()
                         ? written

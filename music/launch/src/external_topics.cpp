@@ -72,7 +72,7 @@ class ExternalTopicsCheck {
     for (const auto& [topic, listener] : listeners_) {
       check_echo(topic, *listener);
     }
-    return std::move(findings_);
+    return std::move(diagnostics_);
   }
 
  private:
@@ -129,7 +129,7 @@ class ExternalTopicsCheck {
     }
     const auto [first, is_new] = nodes_.emplace(key->value, &section);
     if (!is_new) {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           key->where,
           with_code(Code::topic_conflict,
                     "'{}' and '{}' have the ros_node_name {}, and ROS would end the one that "
@@ -148,14 +148,14 @@ class ExternalTopicsCheck {
         fmt::format("'{}' and '{}' both publish {}", first->label, section.label,
                     program.ros ? place.name : "at " + place.name);
     if (program.ros) {
-      findings_.push_back(warning_at(
+      diagnostics_.push_back(warning_at(
           place.where,
           with_code(Code::topic_conflict,
                     "{}, and the robot obeys both in turn; write another ros_topic in one of them",
                     both),
           strict_));
     } else {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           place.where,
           with_code(Code::topic_conflict,
                     "{}, which only one program can; write another zmq_addr in one of them",
@@ -169,7 +169,7 @@ class ExternalTopicsCheck {
       return;
     }
     const MusicKey* key = file_.find_key(listener, "ros_topic");
-    findings_.push_back(warning_at(
+    diagnostics_.push_back(warning_at(
         key == nullptr ? listener.where : key->where,
         with_code(Code::topic_conflict,
                   "'{}' subscribes to {}, which '{}' publishes: the job hears itself; write "
@@ -183,7 +183,7 @@ class ExternalTopicsCheck {
   std::map<Key, const MusicSection*> writers_;
   std::map<Key, const MusicSection*> listeners_;
   std::map<std::string, const MusicSection*> nodes_;
-  Diagnostics findings_;
+  Diagnostics diagnostics_;
 };
 
 }  // namespace

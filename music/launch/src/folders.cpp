@@ -2,15 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -18,28 +15,6 @@
 namespace spikeloop::launch {
 
 namespace fs = std::filesystem;
-
-Scratch::Scratch() {
-  // Short, because Open MPI puts Unix sockets, whose paths end at 107 characters, below it.
-  std::string name =
-      access("/dev/shm", W_OK | X_OK) == 0 ? "/dev/shm/spikeloop-XXXXXX" : "/tmp/spikeloop-XXXXXX";
-  if (mkdtemp(name.data()) == nullptr) {
-    throw FileError("make", name, errno);
-  }
-  path_ = name;
-}
-
-Scratch::~Scratch() {
-  // Programs whose subreaper was killed may still write into it while they end.
-  for (int tries = 50; tries > 0; --tries) {
-    std::error_code error;
-    fs::remove_all(path_, error);
-    if (!error) {
-      return;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-}
 
 std::string directory_of(const std::string& file) {
   std::error_code ignored;

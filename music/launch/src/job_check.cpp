@@ -36,8 +36,8 @@ class TogetherCheck {
       : effective_(effective), file_(effective.file), strict_(any_strict(file_)) {}
 
   Diagnostics run() {
-    for (const Diagnostic& oddity : file_.oddities) {
-      findings_.push_back(warning_at(oddity.where, oddity.message, strict_));
+    for (const Diagnostic& warning : file_.warnings) {
+      diagnostics_.push_back(warning_at(warning.where, warning.message, strict_));
     }
     check_globals();
     check_ours();
@@ -45,11 +45,11 @@ class TogetherCheck {
       check_ranks(*section);
     }
     check_connections();
-    append(findings_, check_external_topics(file_, strict_));
+    append(diagnostics_, check_external_topics(file_, strict_));
     for (const std::string& warning : effective_.warnings) {
-      findings_.push_back(warning_at({}, warning, strict_ || all_ours(file_)));
+      diagnostics_.push_back(warning_at({}, warning, strict_ || all_ours(file_)));
     }
-    return std::move(findings_);
+    return std::move(diagnostics_);
   }
 
  private:
@@ -66,7 +66,7 @@ class TogetherCheck {
       const bool is_known = std::ranges::find(known, key.name) != known.end();
       const std::string meant = is_known ? "" : nearest(key.name, known);
       if (all_ours(file_) && !meant.empty()) {
-        findings_.push_back(
+        diagnostics_.push_back(
             warning_at(key.where,
                        with_code(Code::unknown_key,
                                  "unknown key '{}' at the top of the file; did you mean "
@@ -103,7 +103,7 @@ class TogetherCheck {
   void check_duration(const MusicSection& section) {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line == 0) {
-      findings_.push_back(
+      diagnostics_.push_back(
           error_at({}, with_code(Code::out_of_bounds,
                                  "--duration {} is less than the tick of {}; write a "
                                  "longer one, or a shorter music_timestep",
@@ -114,7 +114,7 @@ class TogetherCheck {
   void check_length(const MusicSection& section) {
     const MusicKey* key = file_.find_key(section, "stoptime");
     if (is_too_short(section) && key->where.line != 0) {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           key->where, with_code(Code::out_of_bounds,
                                 "'{}' runs for {}, less than its tick of {}; write a longer "
                                 "stoptime, or a shorter music_timestep",
@@ -127,7 +127,7 @@ class TogetherCheck {
     const TimeNs tick_a = tick_of(file_, a);
     const TimeNs tick_b = tick_of(file_, b);
     if (tick_a != tick_b) {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           where(b, "music_timestep"),
           with_code(Code::music_job,
                     "the tick of '{}' is {}, but that of '{}' is {}; MUSIC exchanges less and less "
@@ -143,7 +143,7 @@ class TogetherCheck {
     const auto length_a = stop_time(file_, a);
     const auto length_b = stop_time(file_, b);
     if (length_a != length_b) {
-      findings_.push_back(warning_at(
+      diagnostics_.push_back(warning_at(
           where(b, "stoptime"),
           with_code(Code::music_job,
                     "'{}' runs {}, but '{}' {}; write one stoptime at the top of the file", b.label,
@@ -155,7 +155,7 @@ class TogetherCheck {
   void check_barriers(const MusicSection& a, const MusicSection& b) {
     const bool barrier_a = !says(file_, a, "barrier", "false");
     if (barrier_a == says(file_, b, "barrier", "false")) {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           where(b, "barrier"),
           with_code(Code::music_job,
                     "'{}' waits at the barrier before the first tick, '{}' does not, and the job "
@@ -171,7 +171,7 @@ class TogetherCheck {
     }
     const auto sends = [&](const MusicConnection& c) { return c.from_app == section.label; };
     if (std::any_of(file_.connections.begin(), file_.connections.end(), sends)) {
-      findings_.push_back(warning_at(
+      diagnostics_.push_back(warning_at(
           where(section, "np"),
           with_code(Code::music_job,
                     "'{}' sends from {} processes: MUSIC mixes up the ticks of several senders; "
@@ -191,7 +191,7 @@ class TogetherCheck {
           senders.emplace(connection.from_app + "." + connection.from_port, &connection);
       const Program* sender = find_program(file_, connection.from_app);
       if (!is_new && sender != nullptr && first->second->width != connection.width) {
-        findings_.push_back(
+        diagnostics_.push_back(
             error_at(connection.where,
                      with_code(Code::widths_differ,
                                "the output '{}' has another width in line {}; write the same "
@@ -208,7 +208,7 @@ class TogetherCheck {
         connection.to_port != "in" || !from->output || !to->input || from->output == to->input) {
       return;
     }
-    findings_.push_back(error_at(
+    diagnostics_.push_back(error_at(
         connection.where,
         kinds_differ(connection.from_app + ".out", *from->output, connection.to_app + ".in")));
   }
@@ -218,7 +218,7 @@ class TogetherCheck {
     const bool ours = find_program(file_, connection.from_app) != nullptr ||
                       find_program(file_, connection.to_app) != nullptr;
     if (ours && connection.width == 0U) {
-      findings_.push_back(error_at(
+      diagnostics_.push_back(error_at(
           connection.where, with_code(Code::unknown_width,
                                       "the connection '{}' has width 0; write at least 1 (0 is for "
                                       "message ports between other programs)",
@@ -229,7 +229,7 @@ class TogetherCheck {
   const EffectiveFile& effective_;
   const MusicFile& file_;
   bool strict_;
-  Diagnostics findings_;
+  Diagnostics diagnostics_;
 };
 
 }  // namespace

@@ -165,18 +165,18 @@ bool JobRun::check() {
   if (!options_.program.empty()) {
     return !outcome_;
   }
-  Diagnostics findings = check_together(effective_);
-  for (const Diagnostic& warning : findings) {
+  Diagnostics diagnostics = check_together(effective_);
+  for (const Diagnostic& warning : diagnostics) {
     if (!warning.is_error()) {
       log::warning("{}", translated(warning.text()));
     }
   }
-  append(findings, check_programs(effective_.file, directory_));
+  append(diagnostics, check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
   SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.path()});
-  append(findings, sections.run([this] { return outcome_.has_value(); }));
-  if (!outcome_ && has_errors(findings)) {
-    const Diagnostic first = first_error(findings, effective_.file.path);
+  append(diagnostics, sections.run([this] { return outcome_.has_value(); }));
+  if (!outcome_ && has_errors(diagnostics)) {
+    const Diagnostic first = first_error(diagnostics, effective_.file.path);
     fail(first.exit_code, first.text());
   }
   if (!outcome_) {

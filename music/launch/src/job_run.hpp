@@ -10,6 +10,7 @@
 #include "job_state.hpp"
 #include "process_group.hpp"
 #include "run_folder.hpp"
+#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
 #include "start_watch.hpp"
@@ -80,7 +81,7 @@ class JobRun {
   const JobOptions& options_;
   const std::string& directory_;
   const JobEvents& events_;
-  Scratch scratch_;
+  ScratchFolder scratch_;
   RunFolder run_folder_;
   std::string folder_;  ///< scratch when there is no run folder
   std::string file_;    ///< the effective file

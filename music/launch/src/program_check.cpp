@@ -51,22 +51,22 @@ class ProgramCheck {
         check(*section, *binary);
       }
     }
-    return std::move(findings_);
+    return std::move(diagnostics_);
   }
 
  private:
   void need(const char* program, const char* package) {
     if (find_executable(program, "", path_).empty()) {
-      findings_.push_back({{},
-                           fmt::format("cannot find '{}' in PATH; install it (Debian: apt "
-                                       "install {})",
-                                       program, package),
-                           TransportError::kExitCode});
+      diagnostics_.push_back({{},
+                              fmt::format("cannot find '{}' in PATH; install it (Debian: apt "
+                                          "install {})",
+                                          program, package),
+                              TransportError::kExitCode});
     }
   }
 
   void add(const MusicSection& section, const MusicKey& key, const std::string& message) {
-    findings_.push_back(
+    diagnostics_.push_back(
         error_at(key.where, fmt::format("section '{}': {}", section.label, message)));
   }
 
@@ -163,7 +163,7 @@ class ProgramCheck {
   const MusicFile& file_;
   const std::string& directory_;
   std::string path_;
-  Diagnostics findings_;
+  Diagnostics diagnostics_;
 };
 
 }  // namespace

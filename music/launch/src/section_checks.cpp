@@ -12,6 +12,7 @@
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 
@@ -108,19 +109,19 @@ void SectionChecks::take(Section& section, const OutputLine& line) const {
     return diagnostic(section, line.text.substr(kind.size()), exit_code);
   };
   if (line.text.starts_with(kWarning)) {
-    section.findings.push_back(found(kWarning, 0));
+    section.diagnostics.push_back(found(kWarning, 0));
   } else if (line.text.starts_with(kError)) {
-    section.findings.push_back(found(kError, 2));
+    section.diagnostics.push_back(found(kError, 2));
   } else if (line.error && !line.text.empty()) {
     section.last_error = found("", 2).text();
   }
 }
 
 void SectionChecks::finish(Section& section) {
-  Diagnostics& findings = section.findings;
+  Diagnostics& diagnostics = section.diagnostics;
   if (!section.process->gone()) {
     section.process->tree().kill();
-    findings.push_back(error_at(
+    diagnostics.push_back(error_at(
         {}, with_code(Code::program,
                       "{}: has not checked its section within {:g} s; see whether one of "
                       "its files is a pipe or a network drive that does not answer",
@@ -131,13 +132,13 @@ void SectionChecks::finish(Section& section) {
   if (code == 0) {
     return;
   }
-  if (!has_errors(findings)) {
-    findings.push_back(
+  if (!has_errors(diagnostics)) {
+    diagnostics.push_back(
         error_at({}, section.last_error.empty()
                          ? fmt::format("{}: its check ended with exit code {}", section.label, code)
                          : section.last_error));
   }
-  std::ranges::find_if(findings, &Diagnostic::is_error)->exit_code = code;
+  std::ranges::find_if(diagnostics, &Diagnostic::is_error)->exit_code = code;
 }
 
 Diagnostics SectionChecks::run(const std::function<bool()>& stopped) {
@@ -146,7 +147,7 @@ Diagnostics SectionChecks::run(const std::function<bool()>& stopped) {
                        [](const Section& section) { return section.process->gone(); });
   };
   group_.turn_until([&] { return all_gone() || stopped(); }, kCheckDeadline);
-  Diagnostics findings;
+  Diagnostics diagnostics;
   for (Section& section : sections_) {
     if (stopped()) {
       section.process->tree().kill();
@@ -154,30 +155,30 @@ Diagnostics SectionChecks::run(const std::function<bool()>& stopped) {
       finish(section);
     }
     drop_repeated(section);
-    append(findings, section.findings);
+    append(diagnostics, section.diagnostics);
   }
-  return findings;
+  return diagnostics;
 }
 
 /// Every section reports a key at the top of the file: once is enough.
 void SectionChecks::drop_repeated(Section& section) {
-  std::erase_if(section.findings, [&](const Diagnostic& found) {
+  std::erase_if(section.diagnostics, [&](const Diagnostic& found) {
     return !found.where.file.empty() && !said_.insert(found.text()).second;
   });
 }
 
 Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool here) {
-  Diagnostics findings = find_structure_problems(file);
-  if (!findings.empty()) {
-    return findings;
+  Diagnostics diagnostics = structure_diagnostics(file);
+  if (!diagnostics.empty()) {
+    return diagnostics;
   }
   const EffectiveFile effective = make_effective(file, options);
   const std::string directory = directory_of(file.path);
-  append(findings, check_together(effective));
+  append(diagnostics, check_together(effective));
   if (here) {
-    append(findings, check_programs(effective.file, directory));
+    append(diagnostics, check_programs(effective.file, directory));
   }
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const std::string path = scratch.path() + "/effective.music";
   write_text(path, to_text(effective.file));
   status::Receiver receiver(scratch.path() + "/status");
@@ -185,11 +186,11 @@ Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool her
   ProcessGroup group(receiver,
                      {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
   SectionChecks sections(group, effective.file, {path, directory, scratch.path()});
-  append(findings, sections.run([&signal] { return signal != 0; }));
+  append(diagnostics, sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
     return {{{}, stopped_by(signal), 128 + signal}};
   }
-  return findings;
+  return diagnostics;
 }
 
 }  // namespace spikeloop::launch

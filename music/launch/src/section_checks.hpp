@@ -34,7 +34,7 @@ class SectionChecks {
   struct Section {
     std::string label;
     Process* process = nullptr;
-    Diagnostics findings{};
+    Diagnostics diagnostics{};
     std::string last_error{};  ///< a line without "error: " before it
   };
 

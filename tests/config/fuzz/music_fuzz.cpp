@@ -21,7 +21,7 @@ void need(bool condition) {
 }
 
 void check(const MusicFile& file) {
-  if (!find_structure_problems(file).empty()) {
+  if (!structure_diagnostics(file).empty()) {
     return;
   }
   const MusicFile again = parse_music(to_text(file), "again");

@@ -29,7 +29,7 @@ TEST(Errors, AConnectionWithoutWidthSaysWhereToWriteIt) {
   expect_error(job, 2,
                "encoder: " + job.place("source.values") +
                    ": the connection to 'encoder.in' has no width; write  "
-                   "source.values -> encoder.in [100]  for 100 channels");
+                   "source.values -> encoder.in [100]  for 100 channels [SL0307]");
 }
 
 TEST(Errors, AnUnconnectedPortSaysHowToConnectIt) {
@@ -38,7 +38,7 @@ TEST(Errors, AnUnconnectedPortSaysHowToConnectIt) {
   job.raw("sink").ours("encoder", "rate_encoder").connect("encoder.out -> sink.spikes_in [3]");
   expect_error(job, 2,
                "encoder: input 'encoder.in' is not connected; write for example  "
-               "SENDER.out -> encoder.in [10]");
+               "SENDER.out -> encoder.in [10] [SL0305]");
 }
 
 TEST(Errors, APortThatIsNotThereIsNamedBeforeMusicHangs) {
@@ -48,7 +48,7 @@ TEST(Errors, APortThatIsNotThereIsNamedBeforeMusicHangs) {
   job.connect("source.values -> encoder.in [3]").connect("encoder.outt -> sink.spikes_in [3]");
   expect_error(job, 2,
                "encoder: " + job.place("encoder.outt") +
-                   ": 'encoder' has no output port 'outt'; did you mean 'out'?");
+                   ": 'encoder' has no output port 'outt'; did you mean 'out'? [SL0302]");
 }
 
 TEST(Errors, AMisspeltInputIsNamedRatherThanTheMissingOne) {
@@ -56,7 +56,7 @@ TEST(Errors, AMisspeltInputIsNamedRatherThanTheMissingOne) {
   encoder_job(job, "", "source.values -> encoder.inn [3]");
   expect_error(job, 2,
                "encoder: " + job.place("encoder.inn") +
-                   ": 'encoder' has no input port 'inn'; did you mean 'in'?");
+                   ": 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]");
 }
 
 TEST(Errors, NoPortAtAll) {
@@ -67,7 +67,7 @@ TEST(Errors, NoPortAtAll) {
   expect_error(
       job, 2,
       "cell: no port of 'cell' is connected, and MUSIC would wait for ever; connect one, or "
-      "leave the section out");
+      "leave the section out [SL0305]");
 }
 
 TEST(Errors, APortInTheWrongDirection) {
@@ -78,7 +78,7 @@ TEST(Errors, APortInTheWrongDirection) {
   expect_error(job, 2,
                "encoder: " + job.place("other.spikes") +
                    ": 'encoder.out' is an output, but the file uses it as an input; "
-                   "write  encoder.out -> RECEIVER.in [WIDTH]");
+                   "write  encoder.out -> RECEIVER.in [WIDTH] [SL0602]");
 }
 
 TEST(Errors, WidthsThatTheNodeCannotJoin) {
@@ -86,9 +86,10 @@ TEST(Errors, WidthsThatTheNodeCannotJoin) {
   job.global("stoptime=0.01");
   job.raw("sink").ours("encoder", "rate_encoder").raw("source");
   job.connect("source.values -> encoder.in [3]").connect("encoder.out -> sink.spikes_in [4]");
-  expect_error(job, 2,
-               "encoder: " + job.place("encoder.out ->") +
-                   ": port 'encoder.out' has 4 channels but must have 3, as many as 'encoder.in'");
+  expect_error(
+      job, 2,
+      "encoder: " + job.place("encoder.out ->") +
+          ": port 'encoder.out' has 4 channels but must have 3, as many as 'encoder.in' [SL0306]");
 }
 
 TEST(Errors, AValueThatIsNoNumber) {
@@ -104,11 +105,11 @@ TEST(Errors, AValueThatIsNoNumber) {
 TEST(Errors, AMisspeltKeyIsAWarningAndInAStrictJobAnError) {
   Job lax;
   encoder_job(lax, "rate_mx=5");
-  const std::string place = ": unknown key 'rate_mx'; did you mean 'rate_max'?";
+  const std::string place = ": unknown key 'rate_mx'; did you mean 'rate_max'? [SL0103]";
   const auto outcome = lax.run();
   expect_clean(outcome);
-  EXPECT_TRUE(
-      outcome.says("encoder: warning: " + lax.place("rate_mx") + place + "; it is ignored\n"))
+  EXPECT_TRUE(outcome.says("encoder: warning: " + lax.place("rate_mx") + place +
+                           "; it is ignored [SL0103]\n"))
       << outcome.text();
   Job strict;
   encoder_job(strict, "rate_mx=5\nstrict=true");
@@ -125,7 +126,7 @@ TEST(Errors, BothSpellingsOfTheWeights) {
   expect_error(job, 2,
                "mean: " + job.place("weights_filename") +
                    ": 'weights' and 'weights_filename' are two spellings of one key; "
-                   "leave out 'weights_filename'");
+                   "leave out 'weights_filename' [SL0102]");
 }
 
 TEST(Errors, MoreThanOneProcess) {
@@ -137,7 +138,7 @@ TEST(Errors, MoreThanOneProcess) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(
       outcome.says("/job.music:4:1: np=2 asks for 2 processes, but spikeloop-network runs in one; "
-                   "write  np=1\n"))
+                   "write  np=1 [SL0602]\n"))
       << outcome.text();
 }
 
@@ -149,7 +150,7 @@ TEST(Errors, AnUnknownNodeClass) {
   expect_error(job, 2,
                "cell: " + job.place("node=rate") +
                    ": unknown node class 'rate_encodr'; did you mean "
-                   "'rate_encoder'?");
+                   "'rate_encoder'? [SL0401]");
 }
 
 TEST(Errors, ANodeThatFailsInTheMiddleEndsTheJobAtOnce) {
@@ -168,7 +169,7 @@ TEST(Errors, AnArgumentIsIgnoredWithAWarning) {
   encoder_job(job, "args=--rate 5");
   const auto outcome = job.run();
   expect_clean(outcome);
-  EXPECT_TRUE(outcome.says(words + "; it is ignored\n")) << outcome.text();
+  EXPECT_TRUE(outcome.says(words + "; it is ignored [SL0103]\n")) << outcome.text();
   Job strict;
   encoder_job(strict, "args=--rate 5\nstrict=true");
   EXPECT_TRUE(strict.run().says(words + "\n"));

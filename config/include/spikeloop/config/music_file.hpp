@@ -56,7 +56,7 @@ struct MusicFile {
   std::vector<MusicConnection> connections;
   /// What MUSIC reads without a word, and is hardly meant: a key written twice, a section opened
   /// again.
-  Diagnostics oddities;
+  Diagnostics warnings;
 
   /// Null when there is no such section.
   const MusicSection* find_section(std::string_view label) const;
@@ -80,7 +80,7 @@ const MusicKey* find_key(const std::vector<MusicKey>& keys, std::string_view nam
 /// Replaces the value, or adds the key at the end.
 void set_key(std::vector<MusicKey>& keys, std::string_view name, std::string_view value);
 
-/// Equal when they say the same; locations, paths and oddities do not count.
+/// Equal when they say the same; locations, paths and warnings do not count.
 bool operator==(const MusicKey& a, const MusicKey& b);
 bool operator==(const MusicSection& a, const MusicSection& b);
 bool operator==(const MusicConnection& a, const MusicConnection& b);
@@ -112,9 +112,9 @@ void adopt_locations(MusicFile& file, const MusicFile& origin);
 /// used in both directions, two senders to one input, repeated connection, application without
 /// connection, width 0, configuration too large for the environment string that carries it. In the
 /// order of the file.
-Diagnostics find_structure_problems(const MusicFile& file);
+Diagnostics structure_diagnostics(const MusicFile& file);
 
-/// @throws ConfigurationError with the first of `find_structure_problems`.
+/// @throws ConfigurationError with the first of `structure_diagnostics`.
 void check_structure(const MusicFile& file);
 
 /// What MUSIC's launcher puts into `_MUSIC_CONFIG_` for an application: label, place, applications,

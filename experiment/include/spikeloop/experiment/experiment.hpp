@@ -156,16 +156,16 @@ using LookAtRobot = std::function<SensorWidth(const Robot&, messages::Dialect)>;
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
 /// have; makes every node once. Relative paths start where the file lies. `types` must outlive the
-/// result, which is not to be used when there are faults. These are added to `faults`, which is
-/// then in the file's order.
+/// result, which is not to be used when there are diagnostics. These are added to `diagnostics`,
+/// which is then in the file's order.
 /// @param look_at_robot empty: sensors are not held against the robot
 Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
-                   Diagnostics& faults, const LookAtRobot& look_at_robot = {});
+                   Diagnostics& diagnostics, const LookAtRobot& look_at_robot = {});
 
 /// An experiment with all that it points to, or what is wrong with it.
 struct Loaded {
   NodeTypes types;
-  Diagnostics faults;
+  Diagnostics diagnostics;
   std::optional<Experiment> experiment;  ///< there when the file could be read
 };
 

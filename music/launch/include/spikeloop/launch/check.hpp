@@ -10,7 +10,7 @@
 namespace spikeloop::launch {
 
 /// What concerns more than one program of an effective file: ticks, lengths, barriers, kinds and
-/// widths of ports, cycles, processes, oddities of the text.
+/// widths of ports, cycles, processes, warnings of the text.
 Diagnostics check_together(const EffectiveFile& effective);
 
 /// Whether every section's `binary` can be started by MUSIC's launcher from the section's `wd`,

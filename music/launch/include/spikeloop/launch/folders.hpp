@@ -8,22 +8,6 @@
 
 namespace spikeloop::launch {
 
-/// A directory that is removed with everything in it: sockets, session files, shared memory. In
-/// memory where the machine has such a place.
-class Scratch {
- public:
-  /// @throws FileError
-  Scratch();
-  ~Scratch();
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 /// Absolute.
 std::string directory_of(const std::string& file);
 

@@ -1,4 +1,4 @@
-#include "fault_text.hpp"
+#include "diagnostic_text.hpp"
 
 #include <fmt/format.h>
 
@@ -67,28 +67,28 @@ std::string source_line(const Location& where) {
 
 }  // namespace
 
-std::string text_of(const char* kind, const Diagnostic& fault) {
-  return fmt::format("{}: {}\n{}", kind, fault.text(), source_line(fault.where));
+std::string text_of(const char* kind, const Diagnostic& diagnostic) {
+  return fmt::format("{}: {}\n{}", kind, diagnostic.text(), source_line(diagnostic.where));
 }
 
-int tell_faults(const std::string& file, const Diagnostics& faults) {
+int print_diagnostics(const std::string& file, const Diagnostics& diagnostics) {
   constexpr std::size_t kMost = 20;
-  Diagnostics errors_first = faults;
+  Diagnostics errors_first = diagnostics;
   std::ranges::stable_partition(errors_first, &Diagnostic::is_error);
-  for (const Diagnostic& fault : errors_first | std::views::take(kMost)) {
-    put(stderr, text_of(fault.is_error() ? "error" : "warning", fault));
+  for (const Diagnostic& diagnostic : errors_first | std::views::take(kMost)) {
+    put(stderr, text_of(diagnostic.is_error() ? "error" : "warning", diagnostic));
   }
-  if (faults.size() > kMost) {
-    put(stderr, fmt::format("... and {} more\n", faults.size() - kMost));
+  if (diagnostics.size() > kMost) {
+    put(stderr, fmt::format("... and {} more\n", diagnostics.size() - kMost));
   }
   const auto errors =
-      static_cast<std::size_t>(std::ranges::count_if(faults, &Diagnostic::is_error));
-  const auto first = std::ranges::find_if(faults, &Diagnostic::is_error);
-  put(stderr,
-      fmt::format(
-          "spikeloop: {}: {}{}\n", file, count_of(errors, "error"),
-          errors == faults.size() ? "" : ", " + count_of(faults.size() - errors, "warning")));
-  return first == faults.end() ? 0 : first->exit_code;
+      static_cast<std::size_t>(std::ranges::count_if(diagnostics, &Diagnostic::is_error));
+  const auto first = std::ranges::find_if(diagnostics, &Diagnostic::is_error);
+  put(stderr, fmt::format("spikeloop: {}: {}{}\n", file, count_of(errors, "error"),
+                          errors == diagnostics.size()
+                              ? ""
+                              : ", " + count_of(diagnostics.size() - errors, "warning")));
+  return first == diagnostics.end() ? 0 : first->exit_code;
 }
 
 }  // namespace spikeloop::app
