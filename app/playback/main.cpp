@@ -10,9 +10,9 @@ music::ProgramText program_text(const std::string& name) {
   const bool spikes = name != "signal_playback";
   music::ProgramText text;
   text.name = spikes ? "spike_playback" : "signal_playback";
-  text.summary = spikes ? "Recorded spikes once more" : "A recorded continuous signal once more";
-  text.ports = spikes ? "  out  output  spikes      what was recorded, at its own times\n"
-                      : "  out  output  continuous  what was recorded, at its own times\n";
+  text.summary = spikes ? "Plays back recorded spikes" : "Plays back a recorded continuous signal";
+  text.ports = spikes ? "  out  output  spikes      recorded data, at the recorded times\n"
+                      : "  out  output  continuous  recorded data, at the recorded times\n";
   text.parameters = record::playback_parameters();
   text.example = "  [input]\n  binary=" + text.name +
                  "\n  np=1\n  file=run1/encoder.h5\n  input.out -> RECEIVER.in [100]\n";

@@ -18,7 +18,7 @@ std::vector<ParameterDescription> event_parameters(const RosProgram& program) {
 music::ProgramText event_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "The events of a camera as spikes, each at its own time";
+  text.summary = "Converts the events of an event camera to spikes, each at its own time";
   text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
   text.parameters = event_parameters(program);
   text.example = fmt::format(

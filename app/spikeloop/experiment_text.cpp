@@ -35,9 +35,8 @@ std::string how_to_write(const NodeDescription& description) {
     return how_to_simulate();
   }
   return description.name == experiment::kNetwork
-             ? "Write  simulator: builtin  in an experiment file; network: takes a file, or the "
-               "map "
-               "that would stand in one. Its populations say how wide the ports are."
+             ? "Write  simulator: builtin  in an experiment file. The key network is a file, or a "
+               "map with the same content. Its populations define the widths of the ports."
              : fmt::format("Write  node: {}  in an experiment file.", description.name);
 }
 
@@ -67,15 +66,14 @@ std::string experiment_class_text(const NodeDescription& description) {
 }
 
 std::string experiment_reference(const experiment::NodeTypes& types, bool markdown) {
-  std::string text = section("The file",
-                             "What stands at the left margin, beside robot, plugins, nodes "
-                             "and connections.",
-                             parameter_text(experiment_parameters()), markdown);
+  std::string text =
+      section("The file", "Top-level keys besides robot, plugins, nodes and connections.",
+              parameter_text(experiment_parameters()), markdown);
   text += section("robot",
-                  "The robot that is simulated in this process, or a bag in its place: write  "
+                  "Robot that is simulated in this process, or a bag that replaces it: write  "
                   "simulator  or  bag.",
                   parameter_text(robot_parameters()), markdown);
-  text += section("connections", "The keys of a connection that is written as a map.",
+  text += section("connections", "Keys of a connection that is written as a map.",
                   parameter_text(connection_parameters()), markdown);
   for (const std::string& name : experiment_classes(types)) {
     const NodeDescription& description = types.find(name).description;

@@ -9,51 +9,50 @@ std::vector<ParameterDescription> experiment_parameters() {
       {.name = "experiment",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "Its name; that of the file when it is left out"},
+       .text = "Name of the experiment; not given: name of the file"},
       {.name = "duration",
        .unit = "s",
        .default_value = "",
        .minimum = 0,
        .maximum = 9e9,
-       .text =
-           "Simulated time, a whole number of ticks; without it, the experiment runs until it is "
-           "stopped"},
+       .text = "Simulated time, a whole number of ticks; not given: the experiment runs until it "
+               "is stopped"},
       {.name = "tick",
        .unit = "s",
        .default_value = "1 ms",
        .minimum = 1e-9,
        .maximum = 1000,
-       .text = "How often sensors, network and commands exchange their data"},
+       .text = "Interval at which sensors, network and commands exchange data"},
       {.name = "seed",
        .type = ParameterType::integer,
        .default_value = "1",
        .minimum = 0,
-       .text = "Seed of all random numbers, with the node's name"},
+       .text = "Seed of all random numbers, combined with the node's name"},
       {.name = "sync",
        .type = ParameterType::choice,
        .default_value = "realtime",
        .choices = {"realtime", "unpaced", "lockstep", "sim_time"},
        .text =
-           "What simulated time waits for: the wall clock, nothing, the robot simulator tick by "
-           "tick, the topic /clock (ros: 1 or 2)"},
+           "What simulated time waits for. realtime: the wall clock; unpaced: nothing; lockstep: "
+           "the robot simulator, tick by tick; sim_time: the topic /clock (ros: 1 or 2)"},
       {.name = "real_time_factor",
        .unit = "1",
        .default_value = "1",
        .minimum = 0.001,
        .maximum = 1000,
-       .text = "Simulated time over wall time, with sync: realtime"},
+       .text = "Ratio of simulated time to wall time, with sync: realtime"},
       {.name = "ros",
        .type = ParameterType::choice,
        .default_value = "none",
        .choices = {"none", "1", "2"},
-       .text = "What carries messages; none: memory, between this process and its own robot"},
+       .text = "ROS version for messages; none: messages stay in memory, between this process and "
+               "its own robot"},
       {.name = "layout",
        .type = ParameterType::map,
        .default_value = "fused",
        .choices = {"fused", "separate"},
-       .text =
-           "Which nodes share a process: fused (all of them), separate (none), or a map from names "
-           "of processes to lists of nodes; simulators have processes of their own",
+       .text = "Which nodes share a process: fused (all), separate (none), or a map from process "
+               "names to lists of nodes; simulators always run in separate processes",
        .inner = {{.name = kAnyKey,
                   .type = ParameterType::list,
                   .inner = {{.name = "node", .type = ParameterType::text}},
@@ -63,34 +62,32 @@ std::vector<ParameterDescription> experiment_parameters() {
 }
 
 std::vector<ParameterDescription> robot_parameters() {
-  return {
-      {.name = "simulator",
-       .type = ParameterType::choice,
-       .default_value = "",
-       .choices = {"mujoco"},
-       .text = "What simulates the robot"},
-      {.name = "world",
-       .type = ParameterType::text,
-       .default_value = "arena.xml",
-       .text = "An MJCF file, or the name of a shipped world"},
-      {.name = "seed",
-       .type = ParameterType::integer,
-       .default_value = "",
-       .minimum = 0,
-       .text = "Places the obstacles; the experiment's when it is left out"},
-      {.name = "camera",
-       .type = ParameterType::map,
-       .default_value = "",
-       .text =
-           "Its pictures on /camera/image_raw: {width: 64, height: 48, rate: 20 Hz, fov: 80 deg}; "
-           "off when it is left out",
-       .inner = camera_parameters(),
-       .example = "{width: 64, height: 48}"},
-      {.name = "bag",
-       .type = ParameterType::text,
-       .default_value = "",
-       .text = "A bag of ROS 1 in the robot's place, alone: sensors take their topics' messages "
-               "from it"}};
+  return {{.name = "simulator",
+           .type = ParameterType::choice,
+           .default_value = "",
+           .choices = {"mujoco"},
+           .text = "Simulator of the robot"},
+          {.name = "world",
+           .type = ParameterType::text,
+           .default_value = "arena.xml",
+           .text = "MJCF file, or name of a shipped world"},
+          {.name = "seed",
+           .type = ParameterType::integer,
+           .default_value = "",
+           .minimum = 0,
+           .text = "Seed of the obstacle positions; not given: seed of the experiment"},
+          {.name = "camera",
+           .type = ParameterType::map,
+           .default_value = "",
+           .text = "Camera that publishes images on /camera/image_raw: {width: 64, height: 48, "
+                   "rate: 20 Hz, fov: 80 deg}; not given: off",
+           .inner = camera_parameters(),
+           .example = "{width: 64, height: 48}"},
+          {.name = "bag",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "ROS 1 bag that replaces the robot, without other keys; sensors receive the "
+                   "messages of their topics from it"}};
 }
 
 std::vector<ParameterDescription> camera_parameters() {
@@ -99,41 +96,40 @@ std::vector<ParameterDescription> camera_parameters() {
            .default_value = "64",
            .minimum = 1,
            .maximum = 4096,
-           .text = "Pixels from left to right"},
+           .text = "Image width in pixels"},
           {.name = "height",
            .type = ParameterType::integer,
            .default_value = "48",
            .minimum = 1,
            .maximum = 4096,
-           .text = "Pixels from top to bottom"},
+           .text = "Image height in pixels"},
           {.name = "rate",
            .unit = "Hz",
            .default_value = "20 Hz",
            .minimum = 0.001,
            .maximum = 1000,
-           .text = "Pictures in a simulated second"},
+           .text = "Images per simulated second"},
           {.name = "fov",
            .unit = "deg",
            .default_value = "80 deg",
            .minimum = 1,
            .maximum = 170,
-           .text = "Field of view, from the left edge to the right one"}};
+           .text = "Horizontal field of view"}};
 }
 
 std::vector<ParameterDescription> connection_parameters() {
-  return {{.name = "from", .type = ParameterType::text, .text = "NODE or NODE.PORT that sends"},
-          {.name = "to", .type = ParameterType::text, .text = "NODE or NODE.PORT that receives"},
+  return {{.name = "from", .type = ParameterType::text, .text = "Sender: NODE or NODE.PORT"},
+          {.name = "to", .type = ParameterType::text, .text = "Receiver: NODE or NODE.PORT"},
           {.name = "width",
            .type = ParameterType::integer,
            .default_value = "",
            .minimum = 1,
            .maximum = kMaximumChannels,
-           .text = "Number of channels; what the nodes and other connections say when it is left "
-                   "out"},
+           .text = "Number of channels; not given: derived from the nodes and other connections"},
           {.name = "delay",
            .type = ParameterType::text,
            .default_value = "",
-           .text = "A time, or ticks: 5 ms, 2 ticks; a cycle needs one"}};
+           .text = "Time or number of ticks: 5 ms, 2 ticks; a cycle needs a delay"}};
 }
 
 }  // namespace spikeloop

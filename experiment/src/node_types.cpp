@@ -39,43 +39,40 @@ Parameter number(const char* name, const char* unit, const char* value, double m
 NodeDescription ros_sensor() {
   NodeDescription sensor;
   sensor.name = kRosSensor;
-  sensor.text = "The newest message of a topic as a continuous signal";
+  sensor.text = "Converts the newest message of a topic to a continuous signal";
   sensor.source = "Weidel et al. 2016, section 2.2";
-  sensor.ports = {out(PortKind::signal, "The message's numbers")};
-  sensor.parameters = {
-      required("topic", "Topic of the messages", "/scan"),
-      required(
-          "message",
-          "Type of the messages: sensor_msgs/LaserScan, geometry_msgs/Twist, nav_msgs/Odometry, "
-          "std_msgs/Float64MultiArray, sensor_msgs/Image; with fields any other, or the path "
-          "of a .msg file",
-          "sensor_msgs/LaserScan")};
+  sensor.ports = {out(PortKind::signal, "Numbers of the message")};
+  sensor.parameters = {required("topic", "Topic to subscribe to", "/scan"),
+                       required("message",
+                                "Message type: sensor_msgs/LaserScan, geometry_msgs/Twist, "
+                                "nav_msgs/Odometry, std_msgs/Float64MultiArray, sensor_msgs/Image; "
+                                "with fields, any other type or the path of a .msg file",
+                                "sensor_msgs/LaserScan")};
   std::ranges::move(sensing::sensor_parameters(), std::back_inserter(sensor.parameters));
   sensor.parameters.push_back(
-      text("initial", "none", "Value of every channel before the first message; none: silence"));
-  sensor.parameters.push_back(number(
-      "timeout", "s", "1 s", 0,
-      "So long without a message that has a reading, and the robot is stopped; 0: never; not "
-      "given: as sensor_timeout of the command says"));
+      text("initial", "none", "Value of every channel before the first message; none: no value"));
+  sensor.parameters.push_back(
+      number("timeout", "s", "1 s", 0,
+             "Time without a message with a valid reading after which the robot is stopped; 0: "
+             "never; not given: sensor_timeout of the command"));
   return sensor;
 }
 
 NodeDescription ros_event_sensor() {
   NodeDescription sensor;
   sensor.name = kRosEventSensor;
-  sensor.text = "The events of a camera as spikes, each at its own time";
-  sensor.ports = {out(PortKind::spikes, "A channel a pixel, or a block of pixels")};
-  sensor.parameters = {required("topic", "Topic of the messages", "/dvs/events"),
-                       required("message",
-                                "Type of the messages: dvs_msgs/EventArray, or "
-                                "event_camera_msgs/EventPacket, encoded as evt3, "
-                                "evt2 or mono",
-                                "dvs_msgs/EventArray")};
+  sensor.text = "Converts the events of an event camera to spikes, each at its own time";
+  sensor.ports = {out(PortKind::spikes, "One channel per pixel or block of pixels")};
+  sensor.parameters = {
+      required("topic", "Topic to subscribe to", "/dvs/events"),
+      required("message",
+               "Message type: dvs_msgs/EventArray, or event_camera_msgs/EventPacket with the "
+               "encoding evt3, evt2 or mono",
+               "dvs_msgs/EventArray")};
   std::ranges::move(sensing::event_parameters(), std::back_inserter(sensor.parameters));
-  sensor.parameters.push_back(
-      number("timeout", "s", "0", 0,
-             "So long without a message, and the robot is stopped; 0: never, as a camera that sees "
-             "nothing new may send nothing"));
+  sensor.parameters.push_back(number("timeout", "s", "0", 0,
+                                     "Time without a message after which the robot is stopped; 0: "
+                                     "never (a camera may send nothing while nothing changes)"));
   return sensor;
 }
 
@@ -95,75 +92,76 @@ Parameter command_fields() {
     return Parameter{.name = name, .default_value = value, .text = line};
   };
   return of_fields("fields",
-                   "Channel of each field, or a map of more; a Float64MultiArray without it has "
-                   "all channels",
+                   "Channel of each field, or a map of further keys; without it, a "
+                   "Float64MultiArray has all channels",
                    {.type = ParameterType::map,
                     .inner = {{.name = "channel",
                                .type = ParameterType::integer,
                                .minimum = 0,
                                .maximum = kMaximumChannels - 1,
-                               .text = "Its number, from 0"},
-                              channel("scale", "1", "Factor of the channel"),
-                              channel("offset", "0", "What is added to it then"),
-                              channel("min", "", "Least value of the field"),
-                              channel("max", "", "Greatest value"),
-                              channel("slew", "", "Fastest change, a second")},
+                               .text = "Channel number, from 0"},
+                              channel("scale", "1", "Factor applied to the channel"),
+                              channel("offset", "0", "Added after the factor"),
+                              channel("min", "", "Minimum of the field"),
+                              channel("max", "", "Maximum of the field"),
+                              channel("slew", "", "Largest change per second")},
                     .plain_key = "channel",
                     .example = "{channel: 1, scale: 0.5}"},
                    "{linear.x: 0, angular.z: 1}");
 }
 
 Parameter limits() {
-  Parameter limits = of_fields(
-      "limits",
-      "Least and greatest values of fields; velocities of a Twist without them have [-1, 1] m/s "
-      "and [-3, 3] rad/s; none: no field has any",
-      {.type = ParameterType::list,
-       .inner = {{.name = "end"}},
-       .count = 2,
-       .example = "[-0.5, 0.5]"},
-      "{linear.x: [-0.5, 0.5]}");
+  Parameter limits = of_fields("limits",
+                               "Minimum and maximum of fields; default for velocities of a Twist: "
+                               "[-1, 1] m/s and [-3, 3] rad/s; none: no limits",
+                               {.type = ParameterType::list,
+                                .inner = {{.name = "end"}},
+                                .count = 2,
+                                .example = "[-0.5, 0.5]"},
+                               "{linear.x: [-0.5, 0.5]}");
   limits.choices = {kNoLimits};
   return limits;
 }
 
 Parameter slew() {
-  return of_fields("slew", "Fastest change of fields, a second; of others any", {.minimum = 0},
-                   "{linear.x: 1.0}");
+  return of_fields("slew", "Largest change of fields per second; other fields: no limit",
+                   {.minimum = 0}, "{linear.x: 1.0}");
 }
 
 NodeDescription ros_command() {
   NodeDescription command;
   command.name = kRosCommand;
-  command.text = "A continuous signal as command messages, and a robot that is never left driving";
+  command.text =
+      "Sends a continuous signal as command messages; stops the robot when data are missing or the "
+      "run ends";
   command.source = "Weidel et al. 2016, section 2.2";
-  command.ports = {{"in", PortKind::signal, Direction::input, {}, "The numbers to send"}};
+  command.ports = {{"in", PortKind::signal, Direction::input, {}, "Numbers to send"}};
   command.parameters = {
-      required("topic", "Topic of the commands", "/cmd_vel"),
+      required("topic", "Topic to publish to", "/cmd_vel"),
       required("message",
-               "Type of the commands: geometry_msgs/Twist, std_msgs/Float64MultiArray, any other "
-               "with fields, "
-               "or the path of a .msg file",
+               "Message type: geometry_msgs/Twist, std_msgs/Float64MultiArray; with fields, any "
+               "other type or the path of a .msg file",
                "geometry_msgs/Twist"),
       command_fields(),
       limits(),
       slew(),
       number("command_rate", "Hz", "20 Hz", 0,
-             "Commands are sent again that often, times the real-time factor; 0: never"),
+             "Rate at which commands are repeated, multiplied by the real-time factor; 0: never"),
       number("deadband", "1", "0.01", 0,
-             "Part of its range by which a field must move to be sent at once"),
-      number(
-          "min_interval", "s", "10 ms", 0,
-          "Least time between two commands; not given: one tick, at least 10 ms; in lockstep 1 ms"),
+             "Change of a field, as a fraction of its range, that is sent immediately"),
+      number("min_interval", "s", "10 ms", 0,
+             "Shortest time between two commands; not given: one tick, at least 10 ms; in lockstep "
+             "1 ms"),
       number("watchdog", "s", "100 ms", 1e-3,
-             "Wall time without a tick after which a zero is sent; not given: 3 ticks, at least "
-             "100 ms"),
-      number("max_age", "s", "1 s", 0, "Data older than that stop the robot; 0: never"),
+             "Wall time without a tick after which a zero command is sent; not given: 3 ticks, at "
+             "least 100 ms"),
+      number("max_age", "s", "1 s", 0,
+             "Age of the data above which the robot is stopped; 0: never"),
       number("sensor_timeout", "s", "1 s", 0,
-             "A sensor on the way here that is silent for longer stops the robot; 0: never; not "
-             "given: max_age"),
+             "Time without a message from an upstream sensor after which the robot is stopped; 0: "
+             "never; not given: max_age"),
       number("spike_timeout", "s", "0", 0,
-             "No spike on the way here for that long stops the robot; 0: a network may be silent"),
+             "Time without an upstream spike after which the robot is stopped; 0: never"),
       emergency_stop_parameter(),
       override_parameter()};
   return command;
@@ -173,7 +171,7 @@ NodeDescription playback(const char* name, PortKind kind, const char* line) {
   NodeDescription result;
   result.name = name;
   result.text = line;
-  result.ports = {out(kind, "What was recorded, at its own times")};
+  result.ports = {out(kind, "Recorded data, at the recorded times")};
   result.parameters = record::playback_parameters();
   return result;
 }
@@ -189,9 +187,9 @@ NodeTypes::NodeTypes() {
   add(Role::source, ros_sensor());
   add(Role::source, ros_event_sensor());
   add(Role::sink, ros_command());
-  add(Role::source, playback(kSpikePlayback, PortKind::spikes, "Recorded spikes once more"));
+  add(Role::source, playback(kSpikePlayback, PortKind::spikes, "Plays back recorded spikes"));
   add(Role::source,
-      playback(kSignalPlayback, PortKind::signal, "A recorded continuous signal once more"));
+      playback(kSignalPlayback, PortKind::signal, "Plays back a recorded continuous signal"));
 }
 
 void NodeTypes::load_plugin(const std::string& path) {

@@ -81,40 +81,40 @@ Parameter emergency_stop_parameter() {
       .type = ParameterType::map,
       .default_value = "/emergency_stop",
       .text =
-          "Topic over ROS on which true stops the robot and false releases it, or a map of more; "
-          "none",
+          "ROS topic on which true stops the robot and false releases it, or a map of further "
+          "keys; none: no topic",
       .inner = {text("topic", "/emergency_stop",
-                     "Topic on which true stops the robot and false releases it; none"),
-                text("message", "std_msgs/Bool", "Type of its messages"),
-                text("field", "data", "Path of the number that stops the robot when it is not 0"),
-                boolean("latched", "Once stopped, the robot stands until the run is over"),
-                boolean("required", "The robot stands while the topic has no publisher"),
+                     "Topic on which true stops the robot and false releases it; none: no topic"),
+                text("message", "std_msgs/Bool", "Message type"),
+                text("field", "data", "Path of the field that stops the robot when it is not 0"),
+                boolean("latched", "The robot stays stopped until the end of the run"),
+                boolean("required", "The robot is stopped while the topic has no publisher"),
                 {.name = "timeout",
                  .unit = "s",
                  .default_value = "0",
                  .minimum = 0,
-                 .text = "Wall time without a message that stops the robot; 0: any"}},
+                 .text = "Wall time without a message after which the robot is stopped; 0: never"}},
       .plain_key = "topic",
       .example = "{topic: /stop, required: true}"};
 }
 
 Parameter override_parameter() {
-  return {
-      .name = "override",
-      .type = ParameterType::map,
-      .default_value = "",
-      .text =
-          "Topic over ROS of commands by hand in place of the network's, or a map of more; none",
-      .inner = {text("topic", "",
-                     "Topic of commands by hand, in place of the network's; not given: that of the "
-                     "commands with _manual behind it; none"),
-                {.name = "timeout",
-                 .unit = "s",
-                 .default_value = "500 ms",
-                 .minimum = 1e-3,
-                 .text = "So long a manual command holds"}},
-      .plain_key = "topic",
-      .example = "{topic: /by_hand, timeout: 1 s}"};
+  return {.name = "override",
+          .type = ParameterType::map,
+          .default_value = "",
+          .text =
+              "ROS topic of manual commands, which replace those of the network, or a map of "
+              "further keys; none: no topic",
+          .inner = {text("topic", "",
+                         "Topic of manual commands, which replace those of the network; not given: "
+                         "the topic of the commands with the suffix _manual; none: no topic"),
+                    {.name = "timeout",
+                     .unit = "s",
+                     .default_value = "500 ms",
+                     .minimum = 1e-3,
+                     .text = "How long a manual command stays in effect"}},
+          .plain_key = "topic",
+          .example = "{topic: /by_hand, timeout: 1 s}"};
 }
 
 command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros) {

@@ -161,14 +161,14 @@ Json weights() {
   Json entry = row;
   entry["minItems"] = entry["maxItems"] = 3;
   const Json size{{"type", "integer"}, {"minimum", 1}};
-  return {{"anyOf",
-           {{{"type", "string"},
-             {"description", "A file, JSON or NumPy's, or uniform, one_to_one, blocks"}},
-            {{"type", "array"}, {"minItems", 1}, {"items", row}},
-            {{"type", "object"},
-             {"properties", {{"rows", size}, {"columns", size}, {"entries", list_of(entry)}}},
-             {"required", {"rows", "columns", "entries"}},
-             {"additionalProperties", false}}}}};
+  return {
+      {"anyOf",
+       {{{"type", "string"}, {"description", "JSON or NumPy file, or uniform, one_to_one, blocks"}},
+        {{"type", "array"}, {"minItems", 1}, {"items", row}},
+        {{"type", "object"},
+         {"properties", {{"rows", size}, {"columns", size}, {"entries", list_of(entry)}}},
+         {"required", {"rows", "columns", "entries"}},
+         {"additionalProperties", false}}}}};
 }
 
 Json network() {
@@ -225,14 +225,15 @@ Json node(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     cases.push_back(if_then("node", name, name));
   }
-  return {{"type", "object"},
-          {"properties",
-           {{"node", {{"enum", names}, {"description", "Its class: spikeloop describe"}}},
-            {"simulator",
-             {{"enum", simulating},
-              {"description", "builtin: node: network; or what a script of yours runs"}}}}},
-          {"oneOf", {{{"required", {"node"}}}, {{"required", {"simulator"}}}}},
-          {"allOf", cases}};
+  return {
+      {"type", "object"},
+      {"properties",
+       {{"node", {{"enum", names}, {"description", "Node class; spikeloop describe lists all"}}},
+        {"simulator",
+         {{"enum", simulating},
+          {"description", "builtin (node: network), or the simulator of a script"}}}}},
+      {"oneOf", {{{"required", {"node"}}}, {{"required", {"simulator"}}}}},
+      {"allOf", cases}};
 }
 
 Json connections() {
@@ -264,12 +265,12 @@ std::string json_schema(const NodeTypes& types) {
   Json& properties = schema["properties"];
   properties["robot"] = object_of(robot_parameters());
   properties["robot"]["description"] =
-      "The robot that is simulated in this process, or a bag in its place";
+      "Robot that is simulated in this process, or a bag that replaces it";
   properties["robot"]["oneOf"] = {{{"required", {"simulator"}}},
                                   {{"required", {"bag"}}, {"maxProperties", 1}}};
   properties["plugins"] = list_of({{"type", "string"}});
   properties["plugins"]["description"] =
-      "Files with more classes of nodes, from where this one lies";
+      "Files with further node classes; paths are relative to this file";
   properties["nodes"] = {{"type", "object"},
                          {"minProperties", 1},
                          {"propertyNames", {{"pattern", "^[A-Za-z0-9_]+$"}}},

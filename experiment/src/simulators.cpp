@@ -44,18 +44,19 @@ constexpr std::array kReserved{"binary",
 NodeDescription description() {
   NodeDescription result;
   result.name = "simulator";
-  result.text = "A script with neurons of NEST, NEURON, Brian2 or its own, in a process of its own";
-  result.ports = {{"in", PortKind::spikes, Direction::input, {}, "As the script declares"},
-                  {"out", PortKind::spikes, Direction::output, {}, "As the script declares"}};
+  result.text =
+      "Runs a script with neurons of NEST, NEURON, Brian2 or its own, in a separate process";
+  result.ports = {{"in", PortKind::spikes, Direction::input, {}, "As declared by the script"},
+                  {"out", PortKind::spikes, Direction::output, {}, "As declared by the script"}};
   result.parameters = {{.name = "script",
                         .type = ParameterType::text,
-                        .text = "A Python file; other keys are its parameters"},
+                        .text = "Python file; other keys are its parameters"},
                        {.name = "np",
                         .type = ParameterType::integer,
                         .default_value = "1",
                         .minimum = 1,
                         .maximum = 1000,
-                        .text = "Its processes, for NEURON's ParallelContext"}};
+                        .text = "Number of processes, for NEURON's ParallelContext"}};
   return result;
 }
 

@@ -203,15 +203,16 @@ std::unique_ptr<Node> make_network(NetworkFile network, const std::string& name,
 NodeClass network_class() {
   NodeDescription description;
   description.name = "network";
-  description.text = "A small network of repeaters and integrate-and-fire neurons from a file";
+  description.text =
+      "Simulates a small network of repeaters and integrate-and-fire neurons from a file";
   description.source = "Rotter & Diesmann 1999, Biol. Cybern. 81:381-402";
-  description.ports = {
-      port("in", PortKind::spikes, Direction::input, 0, "The input populations"),
-      port("out", PortKind::spikes, Direction::output, 0, "The file's list output"),
-      port("signal", PortKind::signal, Direction::input, 0,
-           "The populations of model signal_input: currents, rewards"),
-      port("potential", PortKind::signal, Direction::output, 0,
-           "Membrane potentials of the file's list potential, mV")};
+  description.ports = {port("in", PortKind::spikes, Direction::input, 0, "Input populations"),
+                       port("out", PortKind::spikes, Direction::output, 0,
+                            "Populations in the list output of the file"),
+                       port("signal", PortKind::signal, Direction::input, 0,
+                            "Populations of model signal_input: currents, rewards"),
+                       port("potential", PortKind::signal, Direction::output, 0,
+                            "Membrane potentials in the list potential of the file, mV")};
   ParameterDescription path;
   path.name = "network";
   path.type = ParameterType::text;

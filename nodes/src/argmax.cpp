@@ -35,9 +35,9 @@ class Argmax final : public SignalFunction {
 NodeClass argmax_class() {
   NodeDescription description = signal_function_description();
   description.name = "argmax";
-  description.text = "The index of the largest channel";
+  description.text = "Index of the channel with the largest value";
   description.source = "music-adapters, argmax adapter";
-  description.ports[1].text = "One channel: the index, counted from 0; of equal ones the first";
+  description.ports[1].text = "One channel: the index, counted from 0; on a tie, the lowest";
   return {description, [](const NodeSetup& setup) { return std::make_unique<Argmax>(setup); }};
 }
 

@@ -80,11 +80,11 @@ class Connect final : public SignalFunction {
 NodeClass connect_class() {
   NodeDescription description = signal_function_description({weights_parameter()});
   description.name = "connect";
-  description.text = "Maps continuous signals linearly onto others";
+  description.text = "Multiplies a continuous signal by a weight matrix";
   description.source = "Weidel et al. 2016, connect adapter";
   description.ports = {
-      {"in", PortKind::signal, Direction::input, {}, "One value a column of the weights"},
-      {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights"}};
+      {"in", PortKind::signal, Direction::input, {}, "One value per column of the weights"},
+      {"out", PortKind::signal, Direction::output, {}, "One value per row of the weights"}};
   return {description, [](const NodeSetup& setup) { return std::make_unique<Connect>(setup); }};
 }
 

@@ -73,13 +73,12 @@ class Delay final : public Node {
 NodeClass delay_class() {
   NodeDescription description;
   description.name = "delay";
-  description.text = "Gives a signal back after some time, in whole ticks";
+  description.text = "Delays a signal by a whole number of ticks";
   description.source = "y(t) = x(t - delay)";
   description.ports = {
       {"in", PortKind::signal, Direction::input, {}, "The values to delay"},
       {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), "The delayed values"}};
-  description.parameters = {
-      number_parameter("delay", "s", "0.1", 0, 1e6, "How much later the values come out")};
+  description.parameters = {number_parameter("delay", "s", "0.1", 0, 1e6, "Delay of the output")};
   append_finite_input_policy(description.parameters);
   return {description, [](const NodeSetup& setup) { return std::make_unique<Delay>(setup); }};
 }

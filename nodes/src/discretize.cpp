@@ -76,13 +76,13 @@ NodeClass discretize_class() {
   NodeDescription description = signal_function_description(
       {{.name = "grid",
         .type = ParameterType::weights,
-        .text = "File of the place cells, a row a cell: its centre, then its widths (sigma)"}});
+        .text = "File of the place cells, one row per cell: centre, then widths (sigma)"}});
   description.name = "discretize";
-  description.text = "A position as the activity of place cells with Gaussian fields";
+  description.text = "Encodes a position as the activity of place cells with Gaussian fields";
   description.source = "music-adapters, discretize adapter";
   description.ports = {
-      {"in", PortKind::signal, Direction::input, {}, "One coordinate a channel"},
-      {"out", PortKind::signal, Direction::output, {}, "One place cell a row of the grid"}};
+      {"in", PortKind::signal, Direction::input, {}, "One coordinate per channel"},
+      {"out", PortKind::signal, Direction::output, {}, "One place cell per row of the grid"}};
   return {description, [](const NodeSetup& setup) { return std::make_unique<Discretize>(setup); }};
 }
 

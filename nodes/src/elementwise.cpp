@@ -91,26 +91,28 @@ ParameterDescription number(std::string name, std::string value, std::string tex
 
 NodeClass threshold_class() {
   NodeDescription description = signal_function_description(
-      {number("threshold", "0", "Values from here on are above it"),
+      {number("threshold", "0", "Smallest value that counts as above the threshold"),
        {.name = "is_heaviside",
         .type = ParameterType::boolean,
         .default_value = "true",
-        .text = "Values above the threshold become 1; false: they stay"},
-       number("scale", "1", "Factor of the result"),
+        .text = "true: values above the threshold become 1; false: they are unchanged"},
+       number("scale", "1", "Factor applied to the result"),
        number("shift", "0", "Added to the scaled result")});
   description.name = "threshold";
-  description.text = "Channels below a threshold become 0, the others 1 or stay as they are";
+  description.text =
+      "Sets values below a threshold to 0; sets the others to 1 or leaves them unchanged";
   description.source = "music-adapters, threshold adapter";
   return {description, make_threshold};
 }
 
 NodeClass sigmoid_class() {
   NodeDescription description = signal_function_description(
-      {number("scale", "1", "Height of the curve"), number("slope", "1", "Factor of the input"),
-       number("x_offset", "0", "Taken from the input after its factor"),
+      {number("scale", "1", "Height of the curve"),
+       number("slope", "1", "Factor applied to the input"),
+       number("x_offset", "0", "Subtracted from the input after the factor"),
        number("y_offset", "0", "Added to the result")});
   description.name = "sigmoid";
-  description.text = "The logistic function of each channel";
+  description.text = "Logistic function of each channel";
   description.source = "music-adapters, sigmoid adapter";
   return {description, make_sigmoid};
 }
@@ -118,10 +120,10 @@ NodeClass sigmoid_class() {
 NodeClass clip_class() {
   constexpr double kMost = 1e300;
   NodeDescription description = signal_function_description(
-      {number_parameter("min", "1", "-1", -kMost, kMost, "Smaller values become this"),
-       number_parameter("max", "1", "1", -kMost, kMost, "Larger values become this")});
+      {number_parameter("min", "1", "-1", -kMost, kMost, "Lower bound"),
+       number_parameter("max", "1", "1", -kMost, kMost, "Upper bound")});
   description.name = "clip";
-  description.text = "Keeps each channel between two bounds";
+  description.text = "Limits each channel to a range";
   description.source = "y = min(max(x, min), max)";
   return {description, make_clip};
 }
@@ -129,14 +131,14 @@ NodeClass clip_class() {
 NodeClass normalise_class() {
   constexpr double kMost = 1e100;
   NodeDescription description = signal_function_description(
-      {number_parameter("in_min", "1", "0", -kMost, kMost, "The input that becomes out_min"),
-       number_parameter("in_max", "1", "1", -kMost, kMost, "The input that becomes out_max"),
-       number_parameter("out_min", "1", "-1", -kMost, kMost, "What in_min becomes"),
-       number_parameter("out_max", "1", "1", -kMost, kMost, "What in_max becomes"),
+      {number_parameter("in_min", "1", "0", -kMost, kMost, "Input value that is mapped to out_min"),
+       number_parameter("in_max", "1", "1", -kMost, kMost, "Input value that is mapped to out_max"),
+       number_parameter("out_min", "1", "-1", -kMost, kMost, "Output value for in_min"),
+       number_parameter("out_max", "1", "1", -kMost, kMost, "Output value for in_max"),
        {.name = "clip",
         .type = ParameterType::boolean,
         .default_value = "true",
-        .text = "Inputs outside the range become the nearer bound; false: they are extrapolated"}});
+        .text = "true: clip inputs to the range; false: extrapolate"}});
   description.name = "normalise";
   description.text = "Maps one range of values linearly onto another";
   description.source = "y = out_min + (x - in_min) / (in_max - in_min) (out_max - out_min)";

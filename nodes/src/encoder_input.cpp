@@ -19,7 +19,7 @@ ParameterDescription initial_of_encoder_parameter() {
   return {.name = "initial",
           .type = ParameterType::text,
           .default_value = "none",
-          .text = "Input value assumed until the first one comes; none: silence"};
+          .text = "Input value before the first one arrives; none: no spikes"};
 }
 
 std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_value) {
@@ -38,9 +38,9 @@ std::optional<double> initial_of_encoder(const Parameters& parameters, bool any_
 }
 
 std::vector<PortDescription> encoder_ports() {
-  return {
-      {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one a channel"},
-      {"out", PortKind::spikes, Direction::output, WidthRule::same_as(0), "One neuron a channel"}};
+  return {{"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one per channel"},
+          {"out", PortKind::spikes, Direction::output, WidthRule::same_as(0),
+           "One neuron per channel"}};
 }
 
 std::vector<ParameterDescription> encoder_parameters() {

@@ -23,7 +23,7 @@ Expressions expressions_of(const NodeSetup& setup) {
     Expressions expressions(given.text("function"), setup.widths[0]);
     if (expressions.outputs() != setup.widths[1]) {
       throw ConfigurationError(
-          with_code(Code::expression,
+          with_code(Code::widths_differ,
                     "there are {} expressions, but port 'out' has {} channels; write one an "
                     "output, separated by ';'",
                     expressions.outputs(), setup.widths[1]));
@@ -101,20 +101,19 @@ class Function final : public Node {
 NodeClass function_class() {
   NodeDescription description;
   description.name = "function";
-  description.text = "Expressions of the inputs, one an output";
+  description.text = "Evaluates expressions of the inputs, one per output";
   description.source = "the language of muParser 2.3";
   description.ports = {
       {"in", PortKind::signal, Direction::input, {}, "The variables x0, x1, ..."},
-      {"out", PortKind::signal, Direction::output, {}, "One expression a channel"}};
-  description.parameters = {
-      {.name = "function",
-       .type = ParameterType::text,
-       .text = "Expressions of x0, x1, ... (one input: also x), separated by ';': sin(pi*x0); "
-               "x0*x1"}};
+      {"out", PortKind::signal, Direction::output, {}, "One expression per channel"}};
+  description.parameters = {{.name = "function",
+                             .type = ParameterType::text,
+                             .text = "Expressions of x0, x1, ... (with one input also x), "
+                                     "separated by ';', e.g. sin(pi*x0); x0*x1"}};
   append_finite_input_policy(description.parameters);
   description.parameters.back().text =
-      "Inputs and results that are NaN or infinite: hold the channel's last good value, take 0, or "
-      "end the run";
+      "NaN or infinite inputs and results: hold the channel's last finite value, use 0, or end the "
+      "run with an error";
   return {description, [](const NodeSetup& setup) { return std::make_unique<Function>(setup); }};
 }
 

@@ -12,18 +12,18 @@ void append_finite_input_policy(std::vector<ParameterDescription>& parameters) {
                         .type = ParameterType::choice,
                         .default_value = "hold",
                         .choices = {"hold", "zero", "error"},
-                        .text =
-                            "Input values that are NaN or infinite: hold the channel's last good "
-                            "value, take 0, or end the run"});
+                        .text = "NaN or infinite input values: hold the channel's last finite "
+                                "value, use 0, or end the run with an error"});
 }
 
 void append_encoder_input_policy(std::vector<ParameterDescription>& parameters) {
-  parameters.push_back({.name = "out_of_range",
-                        .type = ParameterType::choice,
-                        .default_value = "clip",
-                        .choices = {"clip", "pass", "error"},
-                        .text = "Input values outside [-1, 1], infinite ones too: take the nearer "
-                                "bound, extrapolate (rates within 0 and 1 MHz), or end the run"});
+  parameters.push_back(
+      {.name = "out_of_range",
+       .type = ParameterType::choice,
+       .default_value = "clip",
+       .choices = {"clip", "pass", "error"},
+       .text = "Input values outside [-1, 1], including infinity: clip, extrapolate (rates from 0 "
+               "to 1 MHz), or end the run with an error"});
   append_finite_input_policy(parameters);
 }
 

@@ -174,11 +174,11 @@ class LinearReadout final : public Node {
 NodeClass linear_readout_class() {
   NodeDescription description;
   description.name = "linear_readout";
-  description.text = "Filters spikes with an exponential kernel and adds them with weights";
+  description.text = "Weighted sum of spikes that are filtered with an exponential kernel";
   description.source = "Weidel et al. 2016, linear readout decoder";
   description.ports = {
-      {"in", PortKind::spikes, Direction::input, {}, "One neuron a column of the weights"},
-      {"out", PortKind::signal, Direction::output, {}, "One value a row of the weights, in 1/s"}};
+      {"in", PortKind::spikes, Direction::input, {}, "One neuron per column of the weights"},
+      {"out", PortKind::signal, Direction::output, {}, "One value per row of the weights, in 1/s"}};
   description.parameters = {kernel_tau_parameter(), weights_parameter()};
   description.shareable = true;
   return {description,

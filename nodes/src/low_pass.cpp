@@ -94,8 +94,7 @@ NodeClass low_pass_class() {
   description.parameters = {
       number_parameter("tau", "s", "0.1", 1e-6, 1e6, "Time constant of the filter"),
       number_or_word_parameter("initial", "none",
-                               "Where the output begins when the first value comes; none: at that "
-                               "value")};
+                               "Output when the first value arrives; none: that value")};
   append_finite_input_policy(description.parameters);
   return {description, [](const NodeSetup& setup) { return std::make_unique<LowPass>(setup); }};
 }

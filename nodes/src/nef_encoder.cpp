@@ -103,8 +103,8 @@ NodeClass nef_encoder_class() {
   description.text = "Encodes a vector in the spikes of a population of neurons";
   description.source = "Weidel et al. 2016, eq. 3 and 4; Eliasmith & Anderson 2003, ch. 4";
   description.ports = {
-      {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one a dimension"},
-      {"out", PortKind::spikes, Direction::output, {}, "One neuron a channel"}};
+      {"in", PortKind::signal, Direction::input, {}, "Values in [-1, 1], one per dimension"},
+      {"out", PortKind::spikes, Direction::output, {}, "One neuron per channel"}};
   description.parameters = nef_parameters();
   description.shareable = true;
   return {description, [](const NodeSetup& setup) { return std::make_unique<NefEncoder>(setup); }};

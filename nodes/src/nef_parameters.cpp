@@ -65,9 +65,10 @@ void check_keys(const Parameters& given) {
                             "key '{}' is of the presets rma and ma; write preset=rma, or "
                             "max_rate_low, max_rate_high, intercept_low and intercept_high",
                             key)
-                : fmt::format("key '{}' is of the preset nengo; write preset=nengo, or gain_min, "
-                              "gain_max, bias_min and bias_max",
-                              key));
+                : with_code(Code::conflicting_keys,
+                            "key '{}' is of the preset nengo; write preset=nengo, or gain_min, "
+                            "gain_max, bias_min and bias_max",
+                            key));
     }
   };
   nengo ? std::ranges::for_each(kOfCurrents, refuse) : std::ranges::for_each(kOfNengo, refuse);
@@ -202,35 +203,42 @@ std::vector<ParameterDescription> nef_parameters() {
        .type = ParameterType::choice,
        .default_value = "nengo",
        .choices = {"nengo", "rma", "ma"},
-       .text = "Whose constants hold: Nengo's, or those of an older program"},
-      number_parameter("tau_m", "s", "0.02", 1e-6, 1e3, "Time constant of the membrane (ma: 0.01)"),
+       .text =
+           "Parameter set: that of Nengo, of ros_music_adapter (rma) or of music-adapters (ma)"},
+      number_parameter("tau_m", "s", "0.02", 1e-6, 1e3, "Membrane time constant (ma: 0.01)"),
       number_parameter("t_ref", "s", "0.002", 0, 1e3, "Refractory period"),
       number_parameter("max_rate_low", "Hz", "200", 1e-3, 1e6,
-                       "nengo: rates at the radius are drawn between this"),
-      number_parameter("max_rate_high", "Hz", "400", 1e-3, 1e6, "and this"),
-      number_parameter("intercept_low", "1", "-1", -1e3, 0.999,
-                       "nengo: inputs at which firing begins are drawn between this"),
-      number_parameter("intercept_high", "1", "0.9", -1e3, 0.999, "and this"),
-      number_parameter("radius", "1", "1", 1e-9, kMost, "nengo: length of the longest input"),
-      number_parameter("c_m", "pF", "250", 1e-6, kMost, "rma, ma: capacitance of the membrane"),
+                       "nengo: lower bound of the random firing rates at the radius"),
+      number_parameter("max_rate_high", "Hz", "400", 1e-3, 1e6,
+                       "nengo: upper bound of the random firing rates at the radius"),
+      number_parameter(
+          "intercept_low", "1", "-1", -1e3, 0.999,
+          "nengo: lower bound of the random intercepts (inputs at which firing begins)"),
+      number_parameter("intercept_high", "1", "0.9", -1e3, 0.999,
+                       "nengo: upper bound of the random intercepts"),
+      number_parameter("radius", "1", "1", 1e-9, kMost, "nengo: largest norm of the input vector"),
+      number_parameter("c_m", "pF", "250", 1e-6, kMost, "rma, ma: membrane capacitance"),
       number_parameter("v_th", "mV", "10", 1e-6, kMost,
-                       "rma, ma: threshold above the resting and reset potential (ma: 15)"),
+                       "rma, ma: threshold, relative to the resting and reset potential (ma: 15)"),
       number_parameter("gain_min", "pA", "0", -kMost, kMost,
-                       "rma, ma: gains are drawn between this (ma: 100)"),
-      number_parameter("gain_max", "pA", "300", -kMost, kMost, "and this (ma: 100)"),
+                       "rma, ma: lower bound of the random gains (ma: 100)"),
+      number_parameter("gain_max", "pA", "300", -kMost, kMost,
+                       "rma, ma: upper bound of the random gains (ma: 100)"),
       number_parameter("bias_min", "pA", "0", -kMost, kMost,
-                       "rma, ma: constant currents are drawn between this (ma: 275)"),
-      number_parameter("bias_max", "pA", "200", -kMost, kMost, "and this (ma: 475)"),
+                       "rma, ma: lower bound of the random bias currents (ma: 275)"),
+      number_parameter("bias_max", "pA", "200", -kMost, kMost,
+                       "rma, ma: upper bound of the random bias currents (ma: 475)"),
       {.name = "one_hot",
        .type = ParameterType::boolean,
        .default_value = "false",
-       .text = "Each neuron encodes one channel alone"},
+       .text = "Each neuron encodes a single channel"},
       {.name = "spike_times",
        .type = ParameterType::choice,
        .default_value = "grid",
        .choices = {"grid", "interpolated"},
-       .text = "At the next point of a grid, as neural simulators have them, or exact"},
-      number_parameter("resolution", "s", "0.001", 1e-6, 1, "Of the grid"),
+       .text = "grid: spike times are rounded up to a time grid, as in neural simulators; "
+               "interpolated: they are exact"},
+      number_parameter("resolution", "s", "0.001", 1e-6, 1, "Step of the time grid"),
       initial_of_encoder_parameter()};
   append_encoder_input_policy(parameters);
   return parameters;

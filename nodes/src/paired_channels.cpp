@@ -6,12 +6,13 @@
 namespace spikeloop {
 
 std::vector<PortDescription> paired_channel_ports() {
-  return {{"in", PortKind::signal, Direction::input, {}, "The values whose changes are encoded"},
-          {"out",
-           PortKind::spikes,
-           Direction::output,
-           {},
-           "Two channels a value: 2d spikes when value d goes up, 2d+1 when it goes down"}};
+  return {
+      {"in", PortKind::signal, Direction::input, {}, "Values whose changes are encoded"},
+      {"out",
+       PortKind::spikes,
+       Direction::output,
+       {},
+       "Two channels per value: channel 2d spikes when value d increases, 2d+1 when it decreases"}};
 }
 
 void require_paired_channels(const NodeSetup& setup) {

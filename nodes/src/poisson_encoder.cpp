@@ -37,7 +37,7 @@ class PoissonEncoder final : public Node {
 NodeClass poisson_encoder_class() {
   NodeDescription description;
   description.name = "poisson_encoder";
-  description.text = "Turns each value into Poisson spikes at a proportional rate";
+  description.text = "Encodes each value as Poisson spikes with a rate that is linear in the value";
   description.source = "Weidel et al. 2016, eq. 2";
   description.ports = encoder_ports();
   description.parameters = encoder_parameters();

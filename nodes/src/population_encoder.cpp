@@ -118,9 +118,9 @@ std::vector<ParameterDescription> parameters_of_population() {
                         .type = ParameterType::choice,
                         .default_value = "regular",
                         .choices = {"regular", "poisson"},
-                        .text = "Spikes at regular intervals, or of a Poisson process"});
+                        .text = "Regular spikes, or a Poisson process"});
   parameters.push_back(number_or_word_parameter(
-      "initial", "none", "Input value assumed until the first one comes; none: silence"));
+      "initial", "none", "Input value before the first one arrives; none: no spikes"));
   append_finite_input_policy(parameters);
   return parameters;
 }
@@ -138,7 +138,8 @@ NodeClass population_encoder_class() {
        PortKind::spikes,
        Direction::output,
        {},
-       "A multiple of the input's width: the neurons of the first value, of the second, ..."}};
+       "A multiple of the input width: the neurons of the first value, then those of the second, "
+       "..."}};
   description.parameters = parameters_of_population();
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<PopulationEncoder>(setup); }};

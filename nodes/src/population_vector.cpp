@@ -194,23 +194,22 @@ class PopulationVector final : public Node {
 NodeClass population_vector_class() {
   NodeDescription description;
   description.name = "population_vector";
-  description.text = "The mean of what neurons prefer, weighted with their filtered rates";
+  description.text = "Mean of the neurons' preferred values, weighted by their filtered rates";
   description.source = "Georgopoulos, Schwartz & Kettner 1986";
   description.ports = {
       {"in",
        PortKind::spikes,
        Direction::input,
        {},
-       "One neuron a channel; even directions: a "
-       "multiple of the output's width"},
-      {"out", PortKind::signal, Direction::output, {}, "One decoded value a channel"}};
+       "One neuron per channel; with directions=even, a multiple of the output width"},
+      {"out", PortKind::signal, Direction::output, {}, "One decoded value per channel"}};
   description.parameters = {
       kernel_tau_parameter(),
       {.name = "directions",
        .type = ParameterType::weights,
        .default_value = "even",
-       .text = "What each neuron prefers, a row an output and a column a neuron; even: evenly "
-               "spaced values, as many neurons for each output"}};
+       .text = "Preferred values, one row per output and one column per neuron; even: evenly "
+               "spaced, with the same number of neurons for each output"}};
   append_value_range(description.parameters);
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<PopulationVector>(setup); }};

@@ -66,7 +66,7 @@ ParameterDescription weights_parameter() {
       .name = "weights",
       .type = ParameterType::weights,
       .default_value = "uniform",
-      .text = "Weights, a row an output and a column an input; uniform: the mean of all inputs"};
+      .text = "Weights, one row per output and one column per input; uniform: mean of all inputs"};
 }
 
 WeightTable port_weights(const NodeSetup& setup, std::uint32_t output_width,

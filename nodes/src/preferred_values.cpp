@@ -13,10 +13,11 @@ void append_value_range(std::vector<ParameterDescription>& parameters) {
       number_parameter("value_min", "1", "-1", -kMost, kMost, "Smallest preferred value"));
   parameters.push_back(
       number_parameter("value_max", "1", "1", -kMost, kMost, "Largest preferred value"));
-  parameters.push_back({.name = "circular",
-                        .type = ParameterType::boolean,
-                        .default_value = "false",
-                        .text = "Values are angles: value_max is the same as value_min"});
+  parameters.push_back(
+      {.name = "circular",
+       .type = ParameterType::boolean,
+       .default_value = "false",
+       .text = "The range is circular, as for angles: value_max is equivalent to value_min"});
 }
 
 ValueRange value_range(const Parameters& given) {

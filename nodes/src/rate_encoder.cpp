@@ -45,7 +45,7 @@ class RateEncoder final : public Node {
 NodeClass rate_encoder_class() {
   NodeDescription description;
   description.name = "rate_encoder";
-  description.text = "Turns each value into regular spikes at a proportional rate";
+  description.text = "Encodes each value as regular spikes with a rate that is linear in the value";
   description.source = "Weidel et al. 2016, eq. 1";
   description.ports = encoder_ports();
   description.parameters = encoder_parameters();
@@ -55,7 +55,7 @@ NodeClass rate_encoder_class() {
        .type = ParameterType::choice,
        .default_value = "zero",
        .choices = {"zero", "random"},
-       .text = "Part of the first interspike interval that is over at the start"});
+       .text = "Fraction of the first interspike interval that has elapsed at the start"});
   return {description, [](const NodeSetup& setup) { return std::make_unique<RateEncoder>(setup); }};
 }
 

@@ -77,11 +77,11 @@ class RateWindow final : public Node {
 NodeClass rate_window_class() {
   NodeDescription description;
   description.name = "rate_window";
-  description.text = "The rate of each neuron: its spikes in a sliding window";
+  description.text = "Firing rate of each neuron: spike count in a sliding window";
   description.source = "Dayan & Abbott 2001, sec. 1.2";
-  description.ports = {
-      {"in", PortKind::spikes, Direction::input, {}, "One neuron a channel"},
-      {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), "Its rate in Hz"}};
+  description.ports = {{"in", PortKind::spikes, Direction::input, {}, "One neuron per channel"},
+                       {"out", PortKind::signal, Direction::output, WidthRule::same_as(0),
+                        "Firing rate of the neuron, in Hz"}};
   description.parameters = {
       number_parameter("window", "s", "0.1", 1e-6, 1e6, "Length of the window")};
   return {description, [](const NodeSetup& setup) { return std::make_unique<RateWindow>(setup); }};

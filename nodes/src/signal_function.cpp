@@ -42,7 +42,7 @@ std::vector<Counter> SignalFunction::counters() const {
 NodeDescription signal_function_description(std::vector<ParameterDescription> parameters) {
   NodeDescription description;
   description.ports = {{"in", PortKind::signal, Direction::input, {}, "The values to map"},
-                       {"out", PortKind::signal, Direction::output, {}, "One value a channel"}};
+                       {"out", PortKind::signal, Direction::output, {}, "One value per channel"}};
   description.parameters = std::move(parameters);
   append_finite_input_policy(description.parameters);
   return description;

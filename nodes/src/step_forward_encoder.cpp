@@ -117,16 +117,16 @@ class StepForwardEncoder final : public Node {
 NodeClass step_forward_encoder_class() {
   NodeDescription description;
   description.name = "step_forward_encoder";
-  description.text = "A spike for each step that a value has gone up or down";
+  description.text = "One spike per step by which a value increases or decreases";
   description.source = "Kasabov et al. 2016; Petro, Kasabov & Kiss 2020, step-forward encoding";
   description.ports = paired_channel_ports();
   description.parameters = {
-      number_parameter("threshold", "1", "0.1", 1e-9, 1e9, "Size of a step"),
+      number_parameter("threshold", "1", "0.1", 1e-9, 1e9, "Step size"),
       number_parameter("min_interval", "s", "0.001", 1e-6, 1e3,
-                       "Shortest interval between the spikes of one input"),
-      number_or_word_parameter("initial_base", "none",
-                               "What the first value is compared with; none: nothing, it becomes "
-                               "the base")};
+                       "Shortest interval between spikes of one input"),
+      number_or_word_parameter(
+          "initial_base", "none",
+          "Value with which the first input is compared; none: the first input itself")};
   append_finite_input_policy(description.parameters);
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<StepForwardEncoder>(setup); }};

@@ -57,12 +57,11 @@ class TemporalContrastEncoder final : public Node {
 NodeClass temporal_contrast_encoder_class() {
   NodeDescription description;
   description.name = "temporal_contrast_encoder";
-  description.text = "A spike for each large difference between successive values";
+  description.text = "One spike per large difference between successive values";
   description.source = "Petro, Kasabov & Kiss 2020, threshold-based representation";
   description.ports = paired_channel_ports();
-  description.parameters = {
-      number_parameter("threshold", "1", "0.1", 0, 1e9,
-                       "Differences above it, and below its negative, give a spike")};
+  description.parameters = {number_parameter("threshold", "1", "0.1", 0, 1e9,
+                                             "Absolute difference above which a spike is emitted")};
   append_finite_input_policy(description.parameters);
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<TemporalContrastEncoder>(setup); }};

@@ -107,17 +107,17 @@ class TimeToFirstSpikeEncoder final : public Node {
 std::vector<ParameterDescription> parameters_of_latency() {
   std::vector<ParameterDescription> parameters = {
       number_parameter("period", "s", "0.1", 1e-5, 1e6,
-                       "Length of a window; windows begin at its multiples"),
-      number_parameter("t_min", "s", "0.001", kShortest, 1e6, "Latency of the value 1"),
-      number_parameter("t_max", "s", "0.05", kShortest, 1e6, "Latency of the value -1"),
+                       "Window length; windows start at its multiples"),
+      number_parameter("t_min", "s", "0.001", kShortest, 1e6, "Spike latency for the value 1"),
+      number_parameter("t_max", "s", "0.05", kShortest, 1e6, "Spike latency for the value -1"),
       number_or_word_parameter("threshold", "none",
-                               "Values below it give no spike; none: every value gives one"),
+                               "Values below it emit no spike; none: every value emits one"),
       initial_of_encoder_parameter()};
   append_encoder_input_policy(parameters);
   const auto range = std::ranges::find(parameters, "out_of_range", &ParameterDescription::name);
   range->text =
-      "Input values outside [-1, 1], infinite ones too: take the nearer bound, extrapolate "
-      "(latencies within 1 us and the period), or end the run";
+      "Input values outside [-1, 1], including infinity: clip, extrapolate (latencies from 1 us to "
+      "the period), or end the run with an error";
   return parameters;
 }
 
@@ -126,7 +126,7 @@ std::vector<ParameterDescription> parameters_of_latency() {
 NodeClass time_to_first_spike_encoder_class() {
   NodeDescription description;
   description.name = "time_to_first_spike_encoder";
-  description.text = "One spike a window and value: the larger the value, the earlier the spike";
+  description.text = "One spike per value and window; larger values spike earlier";
   description.source = "Thorpe, Delorme & Van Rullen 2001";
   description.ports = encoder_ports();
   description.parameters = parameters_of_latency();

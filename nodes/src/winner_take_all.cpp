@@ -115,23 +115,25 @@ class WinnerTakeAll final : public Node {
 NodeClass winner_take_all_class() {
   NodeDescription description;
   description.name = "winner_take_all";
-  description.text = "Which neuron has the highest filtered rate";
+  description.text = "Selects the neuron with the highest filtered rate";
   description.source = "Maass 2000, On the computational power of winner-take-all";
-  description.ports = {{"in", PortKind::spikes, Direction::input, {}, "One neuron a channel"},
+  description.ports = {{"in", PortKind::spikes, Direction::input, {}, "One neuron per channel"},
                        {"out",
                         PortKind::signal,
                         Direction::output,
                         {},
-                        "As wide as the input; an index: one channel"}};
+                        "As wide as the input; with output=index, one channel"}};
   description.parameters = {
       kernel_tau_parameter(),
-      number_parameter("margin", "1", "0", 0, 1e9,
-                       "By what fraction of the winner's rate another must exceed it to win"),
+      number_parameter(
+          "margin", "1", "0", 0, 1e9,
+          "Fraction by which another neuron's rate must exceed the winner's rate to replace it"),
       {.name = "output",
        .type = ParameterType::choice,
        .default_value = "one_hot",
        .choices = {"one_hot", "index", "rate"},
-       .text = "1 in the winner's channel, its number, or its rate in Hz in its channel"}};
+       .text = "one_hot: 1 in the winner's channel; index: the winner's index; rate: the winner's "
+               "rate in Hz, in its channel"}};
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<WinnerTakeAll>(setup); }};
 }

@@ -59,11 +59,11 @@ class SignalPlayback : public Source {
 std::vector<ParameterDescription> playback_parameters() {
   return {{.name = "file",
            .type = ParameterType::text,
-           .text = "A recording of a run folder, as run1/encoder.h5"},
+           .text = "Recording in a run folder, e.g. run1/encoder.h5"},
           {.name = "stream",
            .type = ParameterType::text,
            .default_value = "out",
-           .text = "Its name in the file: the port that was recorded"}};
+           .text = "Name of the stream in the file: the recorded port"}};
 }
 
 std::unique_ptr<Source> make_spike_playback(const std::string& file, const std::string& stream) {

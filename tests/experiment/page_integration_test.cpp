@@ -109,10 +109,11 @@ TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
   const TemporaryDirectory directory;
   const Outcome sensor = spikeloop({"describe", "ros_sensor"}, directory);
   EXPECT_EQ(sensor.exit_code, 0) << sensor.err;
-  EXPECT_THAT(sensor.out,
-              StartsWith("ros_sensor: The newest message of a topic as a continuous signal\n"
-                         "Source: Weidel et al. 2016, section 2.2\n\nPorts:\n  out  output  "
-                         "continuous  any width  The message's numbers\n\nParameters:\n  topic "));
+  EXPECT_THAT(
+      sensor.out,
+      StartsWith("ros_sensor: Converts the newest message of a topic to a continuous signal\n"
+                 "Source: Weidel et al. 2016, section 2.2\n\nPorts:\n  out  output  "
+                 "continuous  any width  Numbers of the message\n\nParameters:\n  topic "));
   EXPECT_THAT(sensor.out, testing::EndsWith("\nWrite  node: ros_sensor  in an experiment file.\n"));
   for (const char* name :
        {"ros_command", "spike_playback", "signal_playback", "network", "simulator"}) {
@@ -176,11 +177,8 @@ TEST(DescribeExperiment, ShowsTheFilesKeys) {
   const Outcome outcome = spikeloop({"describe", "--experiment"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\n  tick "));
-  EXPECT_THAT(
-      outcome.out,
-      HasSubstr(
-          "\nrobot: The robot that is simulated in this process, or a bag in its place: write  "
-          "simulator  or  bag.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nrobot: Robot that is simulated in this process, or a bag "
+                                     "that replaces it: write  simulator  or  bag.\n"));
   EXPECT_EQ(spikeloop({"describe", "connect", "--experiment"}, directory).exit_code, 2);
 }
 

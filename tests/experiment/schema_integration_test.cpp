@@ -18,9 +18,10 @@ TEST(Schema, SaysWhatKeysMean) {
   const TemporaryDirectory directory;
   const Outcome outcome = spikeloop({"schema"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, testing::HasSubstr("How often sensors, network and commands exchange "
-                                              "their data (default: 1 ms)"));
-  EXPECT_THAT(outcome.out, testing::HasSubstr("Topic of the messages (must be given)"));
+  EXPECT_THAT(outcome.out,
+              testing::HasSubstr(
+                  "Interval at which sensors, network and commands exchange data (default: 1 ms)"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("Topic to subscribe to (must be given)"));
 }
 
 }  // namespace

@@ -215,8 +215,8 @@ INSTANTIATE_TEST_SUITE_P(
             {{"w.json", "[[1, 0], [0, 1]]"}}},
         WrongFile{"weights file that is not JSON",
                   {},
-                  {"x.yaml:9:56: key 'weights': w.json: the table is the number 1; write an array "
-                   "of rows, [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]"},
+                  {"x.yaml:9:56: key 'weights': w.json:1:3: not JSON: unexpected number literal; "
+                   "expected end of input [SL0101]"},
                   {{"w.json", "1 0 0"}}},
         WrongFile{
             "inline weights of the wrong shape",
@@ -230,11 +230,11 @@ INSTANTIATE_TEST_SUITE_P(
                    "weight an input in every row [SL0309]"}},
         WrongFile{"inline weights with a word",
                   {{"w.json", "[[1, 0, x], [0, 1, 0]]"}},
-                  {"x.yaml:9:56: key 'weights': row 0, column 2 is the text \"x\"; write a finite "
+                  {"x.yaml:9:56: key 'weights': row 0, column 2 is \"x\"; write a finite "
                    "number [SL0309]"}},
         WrongFile{"inline weights not finite",
                   {{"w.json", "[[1, 0, .inf], [0, 1, 0]]"}},
-                  {"x.yaml:9:56: key 'weights': row 0, column 2 is the text \".inf\"; write a "
+                  {"x.yaml:9:56: key 'weights': row 0, column 2 is \".inf\"; write a "
                    "finite number [SL0309]"}},
         WrongFile{
             "inline weights with an unknown key",
@@ -287,12 +287,12 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{
             "recording without file",
             {{"{node: ros_sensor, topic: /scan, message: LaserScan}", "{node: signal_playback}"}},
-            {"x.yaml:6:3: node 'scan': key 'file' is missing (A recording of a run folder, as "
+            {"x.yaml:6:3: node 'scan': key 'file' is missing (Recording in a run folder, e.g. "
              "run1/encoder.h5); write  file: ... [SL0104]"}},
         WrongFile{"recording that is none",
                   {{"{node: ros_sensor, topic: /scan, message: LaserScan}",
                     "{node: spike_playback, file: w.json}"}},
-                  {"x.yaml:6:38: cannot read 'w.json': not an HDF5 file, or damaged"}},
+                  {"x.yaml:6:38: cannot read 'w.json': not an HDF5 file, or damaged [SL0109]"}},
         WrongFile{
             "unknown message type of a sensor with fields",
             {{"message: LaserScan", "message: nowhere/LaserScan, fields: [ranges]"},

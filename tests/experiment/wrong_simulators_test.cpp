@@ -20,7 +20,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"nothing", {{kBuiltin, kBrain}}, {}, {{"brain.py", kScript}}},
         WrongFile{"no script",
                   {{kBuiltin, "{simulator: nest}"}},
-                  {"x.yaml:8:3: node 'brain': key 'script' is missing (A Python file; other keys "
+                  {"x.yaml:8:3: node 'brain': key 'script' is missing (Python file; other keys "
                    "are its parameters); write  script: ... [SL0104]"}},
         WrongFile{"script that is not there",
                   {{kBuiltin, kBrain}},

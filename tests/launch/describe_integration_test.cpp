@@ -44,7 +44,10 @@ TEST(Describe, ListsClassesInGroups) {
   EXPECT_LT(decoders, text.find("\n  linear_readout "));
   EXPECT_LT(text.find("\n  linear_readout "), adapters);
   EXPECT_LT(adapters, text.find("\n  connect "));
-  EXPECT_THAT(text, HasSubstr("  Turns each value into regular spikes at a proportional rate\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "  Encodes each value as regular spikes with a rate that is linear in the value\n"));
 }
 
 TEST(Describe, ShowsPortsAndParametersOfAClass) {
@@ -52,11 +55,12 @@ TEST(Describe, ShowsPortsAndParametersOfAClass) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
               testing::StartsWith(
-                  "rate_encoder: Turns each value into regular spikes at a proportional rate\n"
+                  "rate_encoder: Encodes each value as regular spikes with a rate that is linear "
+                  "in the value\n"
                   "Source: Weidel et al. 2016, eq. 1\n\n"
                   "Ports:\n"
-                  "  in   input   continuous  any width      Values in [-1, 1], one a channel\n"
-                  "  out  output  spikes      as wide as in  One neuron a channel\n\n"
+                  "  in   input   continuous  any width      Values in [-1, 1], one per channel\n"
+                  "  out  output  spikes      as wide as in  One neuron per channel\n\n"
                   "Parameters:\n"
                   "  rate_min "));
   EXPECT_THAT(outcome.out, HasSubstr("\nRun it with binary=rate_encoder, or with "

@@ -93,15 +93,15 @@ TEST(Function, InputsThatAreNoNumbersAreHeld) {
 TEST(Function, WhatDoesNotFitIsRefused) {
   EXPECT_EQ(message_of([] { function("x0; x1; 1", 2, 2); }),
             "test.yaml:7:3: key 'function': there are 3 expressions, but port 'out' has 2 "
-            "channels; write one an output, separated by ';' [SL0209]");
+            "channels; write one an output, separated by ';' [SL0306]");
   EXPECT_EQ(message_of([] { function("x0 +", 2, 1); }),
             "test.yaml:7:3: key 'function': 'x0 +', character 4: there is no value behind '+'; "
             "write one [SL0209]");
   EXPECT_EQ(message_of([] {
               NodeHarness("function", {1, 1});
             }),
-            "key 'function' is missing (Expressions of x0, x1, ... (one input: also x), separated "
-            "by ';': sin(pi*x0); x0*x1); write  function=... [SL0104]");
+            "key 'function' is missing (Expressions of x0, x1, ... (with one input also x), "
+            "separated by ';', e.g. sin(pi*x0); x0*x1); write  function=... [SL0104]");
 }
 
 }  // namespace

@@ -36,9 +36,9 @@ class CommandMapNode : public Node {
 NodeClass command_map_class(ComponentMap map) {
   NodeDescription description;
   description.name = "command_map";
-  description.text = "The fields of a command from channels";
+  description.text = "Maps channels to the fields of a command";
   description.ports = {{"in", PortKind::signal, Direction::input, {}, "The channels"},
-                       {"out", PortKind::signal, Direction::output, {}, "A value a field"}};
+                       {"out", PortKind::signal, Direction::output, {}, "One value per field"}};
   return {description, [map = std::move(map)](const NodeSetup&) {
             return std::make_unique<CommandMapNode>(map);
           }};

@@ -63,41 +63,42 @@ std::optional<std::uint32_t> ImageSettings::values() const {
 
 std::vector<ParameterDescription> image_parameters() {
   return {
-      pixels("crop", 4, 0, 1e6, "Only this part: [x, y, width, height] in pixels",
+      pixels("crop", 4, 0, 1e6, "Region of the image to use: [x, y, width, height] in pixels",
              "[0, 120, 640, 240]"),
       pixels("resize", 2, 1, kLongestSide,
-             "Averages of areas, so many: [width, height]; without it every pixel", "[40, 30]"),
-      choice("channel", kChannels, "Which light: a plane of values, three for rgb"),
+             "Size of the result, by area averaging: [width, height]; not given: every pixel",
+             "[40, 30]"),
+      choice("channel", kChannels, "Colour channel: one plane of values, or three for rgb"),
       {.name = "range",
        .type = ParameterType::list,
        .default_value = "",
-       .text = "What becomes -1 and 1: [0, 255]; must be given for 32FC1 (metres) and 16UC1 "
-               "(millimetres)",
+       .text = "Values that are mapped to -1 and 1, e.g. [0, 255]; required for 32FC1 (metres) and "
+               "16UC1 (millimetres)",
        .inner = {{.name = "end"}},
        .count = 2,
        .example = "[0, 255]"},
-      choice("intensity", kIntensities, "log: equal ratios of light are equal steps"),
+      choice("intensity", kIntensities, "log: equal ratios of intensity become equal steps"),
       choice("filter", kFilters,
-             "centre_surround: contrast to the surround; on_off: its brighter part, then its "
-             "darker one, in planes of their own"),
+             "centre_surround: contrast between centre and surround; on_off: its positive and its "
+             "negative part, in separate planes"),
       {.name = "centre",
        .unit = "1",
        .default_value = "1",
        .minimum = 0.1,
        .maximum = 100,
-       .text = "Standard deviation of the filter's centre, in pixels of the result"},
+       .text = "Standard deviation of the filter centre, in pixels of the result"},
       {.name = "surround",
        .unit = "1",
        .default_value = "3",
        .minimum = 0.1,
        .maximum = 100,
-       .text = "Standard deviation of its surround; above that of the centre"},
+       .text = "Standard deviation of the filter surround; larger than centre"},
       {.name = "gain",
        .unit = "1",
        .default_value = "1",
        .minimum = 0,
        .maximum = 1000,
-       .text = "Factor of the contrast before it is limited"},
+       .text = "Factor applied to the contrast before it is clipped"},
   };
 }
 

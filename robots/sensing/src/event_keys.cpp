@@ -16,18 +16,18 @@ std::vector<ParameterDescription> event_parameters() {
            .type = ParameterType::choice,
            .default_value = "both",
            .choices = {"both", "on", "off", "split"},
-           .text = "Events that are sent: all alike, those of brighter or of darker pixels, or "
-                   "each on channels of their own"},
+           .text = "Events to send. both: all, without distinction; on: brighter pixels; off: "
+                   "darker pixels; split: on and off in separate channels"},
           {.name = "downsample",
            .type = ParameterType::integer,
            .default_value = "1",
            .minimum = 1,
            .maximum = kMostPixels,
-           .text = "Blocks of so many by so many pixels share a channel"},
+           .text = "Side length in pixels of the square blocks that share a channel"},
           {.name = "roi",
            .type = ParameterType::list,
            .default_value = "",
-           .text = "Only this part of the camera, in pixels: x, y, width, height",
+           .text = "Region of the camera image to use, in pixels: x, y, width, height",
            .inner = {{.name = "pixel",
                       .type = ParameterType::integer,
                       .minimum = 0,
@@ -39,14 +39,14 @@ std::vector<ParameterDescription> event_parameters() {
            .default_value = "40 ms",
            .minimum = 0,
            .maximum = kLongest,
-           .text = "How long after it happened an event is sent; at least as long as the driver "
-                   "collects events for a message, and a tick"},
+           .text = "Delay from an event to its spike; at least the time for which the driver "
+                   "collects events for a message, plus a tick"},
           {.name = "refractory",
            .unit = "s",
            .default_value = "0",
            .minimum = 0,
            .maximum = kLongest,
-           .text = "Events of a channel so soon after its last one are left out"}};
+           .text = "Time after an event during which further events of the channel are dropped"}};
 }
 
 messages::EventSettings event_settings(const Parameters& parameters,

@@ -27,22 +27,22 @@ Parameter field() {
       .name = "fields",
       .type = ParameterType::map,
       .inner = {{.name = "path", .type = ParameterType::text, .text = "Path of the field"},
-                number("scale", "1", "Factor of its numbers"),
-                number("offset", "0", "What is added to them then"),
-                number("min", "", "Least value of the channel"),
-                number("max", "", "Greatest value"),
+                number("scale", "1", "Factor applied to the numbers"),
+                number("offset", "0", "Added after the factor"),
+                number("min", "", "Minimum of the channel"),
+                number("max", "", "Maximum of the channel"),
                 {.name = "range",
                  .type = ParameterType::list,
                  .default_value = "",
-                 .text = "What becomes -1 and 1, in place of these four",
+                 .text = "Values that are mapped to -1 and 1; replaces scale, offset, min and max",
                  .inner = {{.name = "end"}},
                  .count = 2,
                  .example = "[0, 4]"},
                 {.name = "nan",
                  .type = ParameterType::text,
                  .default_value = "pass",
-                 .text = "What becomes of a value that is not a number: pass, hold, skip, zero, "
-                         "or a number in its place"}},
+                 .text =
+                     "How NaN is treated: pass, hold, skip, zero, or a number that replaces it"}},
       .plain_key = "path",
       .example = "[{path: ranges, scale: 2}]"};
 }
@@ -124,13 +124,14 @@ std::vector<Parameter> sensor_parameters() {
   return {{.name = "fields",
            .type = ParameterType::list,
            .default_value = "",
-           .text = "Other fields than the type's usual ones, their paths or maps of more",
+           .text = "Fields to use instead of the default ones of the message type: paths, or maps "
+                   "of further keys",
            .inner = {field()},
            .example = "[pose.pose.position.x]"},
           {.name = "image",
            .type = ParameterType::map,
            .default_value = "",
-           .text = "What is taken of a sensor_msgs/Image or CompressedImage (docs/images.md)",
+           .text = "Conversion of a sensor_msgs/Image or CompressedImage (docs/images.md)",
            .inner = images::image_parameters(),
            .example = "{resize: [40, 30]}"}};
 }
