@@ -183,7 +183,7 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
        "0.5]]} [SL0309]"},
       {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'? [SL0309]"},
-      {"{\"rows\": 2, \"rows\": 2}", "w:1:13: the key 'rows' is given twice; remove one [SL0102]"},
+      {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
       {"{\"rows\": 0, \"columns\": 3, \"entries\": []}",
        "w: 'rows' is 0; write a whole number from 1 to 16777216 [SL0309]"},
       {"{\"rows\": 2, \"columns\": 16777217, \"entries\": []}",

@@ -188,7 +188,7 @@ TEST(Check, SensorsHaveTheWidthOfTheRobot) {
   EXPECT_THAT(narrow.err,
               testing::ContainsRegex("error: x.yaml:[0-9]+:13: node 'scan': a message of the "
                                      "robot's topic /scan gives 100 values, but 'scan.out' has 90 "
-                                     "channels; write \\[100\\] in its connection\n"));
+                                     "channels; write \\[100\\] in its connection \\[SL0505\\]\n"));
   directory.write("x.yaml", new_with(directory, chain,
                                      "sectors -> encoder -> brain -> decoder -> "
                                      "wheels"));

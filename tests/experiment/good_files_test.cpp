@@ -339,9 +339,8 @@ TEST_F(GoodFiles, ARecordingKnowsItsWidth) {
 }
 
 TEST_F(GoodFiles, RosNeedsNoRobot) {
-  const Experiment experiment = good(with({{"robot: {simulator: mujoco}", "ros: 1"},
-                                           {"/scan", "/laser"},
-                                           {"/cmd_vel", "/wheels"}}));
+  const Experiment experiment = good(with(
+      {{"robot: {simulator: mujoco}", "ros: 1"}, {"/scan", "/laser"}, {"/cmd_vel", "/wheels"}}));
   EXPECT_EQ(experiment.ros, experiment::Ros::ros1);
   EXPECT_FALSE(experiment.robot);
 }

@@ -142,7 +142,8 @@ TEST(GraphPicture, OfWrongFiles) {
   directory.write("y.yaml", spikeloop({"new"}, directory).out);
   const Outcome nowhere = spikeloop({"graph", "y.yaml", "--out", "no/x.svg"}, directory);
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_EQ(nowhere.err, "spikeloop: cannot write 'no/x.svg': No such file or directory\n");
+  EXPECT_EQ(nowhere.err,
+            "spikeloop: cannot write 'no/x.svg': No such file or directory [SL0109]\n");
 }
 
 /// Width and height of a PNG, from its header.
@@ -170,7 +171,7 @@ TEST(Graph, PngIsTwiceAsLargeAsTheSvg) {
   EXPECT_NEAR(width, 2 * std::stod(size[1]), 3);
   EXPECT_NEAR(height, 2 * std::stod(size[2]), 3);
   EXPECT_EQ(spikeloop({"graph", "y.yaml", "--out", "no/x.png"}, directory).err,
-            "spikeloop: cannot write 'no/x.png': No such file or directory\n");
+            "spikeloop: cannot write 'no/x.png': No such file or directory [SL0109]\n");
 }
 
 TEST(Graph, WithoutGraphvizThereIsItsInput) {

@@ -120,7 +120,7 @@ TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
     EXPECT_THAT(spikeloop({"describe", name}, directory).out, StartsWith(name + std::string(": ")));
   }
   EXPECT_THAT(spikeloop({"describe", "network"}, directory).out,
-              HasSubstr("Write  simulator: builtin  in an experiment file; "));
+              HasSubstr("Write  simulator: builtin  in an experiment file. "));
   EXPECT_THAT(spikeloop({"describe"}, directory).out,
               HasSubstr("In experiment files alone: topics, recordings, the network, simulators\n"
                         "  network  "));
@@ -150,7 +150,8 @@ TEST(DescribeMessage, ShowsWhatBothRosHave) {
   EXPECT_THAT(spikeloop({"describe", "geometry_msgs/VelocityStamped"}, directory).out,
               HasSubstr("\n  ROS 1: none\n"));
   EXPECT_EQ(spikeloop({"describe", "std_msgs/Headr"}, directory).err,
-            "spikeloop: unknown message type 'std_msgs/Headr'; did you mean 'std_msgs/Header'?\n");
+            "spikeloop: unknown message type 'std_msgs/Headr'; did you mean 'std_msgs/Header'? "
+            "[SL0502]\n");
 }
 
 TEST(DescribeMessage, ReadsAFileOfOnesOwn) {
@@ -161,7 +162,7 @@ TEST(DescribeMessage, ReadsAFileOfOnesOwn) {
               HasSubstr("my_robot/Arm\n  ROS 1: none\n  ROS 2: RIHS01_"));
   EXPECT_EQ(spikeloop({"describe", "my_robot/msg/Leg.msg"}, directory).err,
             "spikeloop: message definition 'my_robot/msg/Leg.msg' cannot be read; write the path "
-            "of a .msg file\n");
+            "of a .msg file [SL0502]\n");
 }
 
 TEST(DescribeMessage, ListsThemAll) {

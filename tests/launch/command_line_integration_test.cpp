@@ -131,7 +131,7 @@ TEST(CommandLine, ARunFolderThatCannotBeMade) {
   const Outcome outcome = type({"run", job.file(), "--out", "/proc/none"});
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_EQ(outcome.err,
-            "spikeloop: cannot make the folder '/proc/none': No such file or directory\n");
+            "spikeloop: cannot make the folder '/proc/none': No such file or directory [SL0109]\n");
 }
 
 TEST(CommandLine, AFileThatMusicWouldHangOn) {

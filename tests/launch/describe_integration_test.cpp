@@ -84,7 +84,7 @@ TEST(Describe, KnowsPlugins) {
   const Outcome nowhere = describe({}, "/nowhere");
   EXPECT_EQ(nowhere.exit_code, 4);
   EXPECT_EQ(nowhere.err,
-            "spikeloop: cannot read plug-in directory '/nowhere': No such file or directory\n");
+            "spikeloop: cannot read plug-in directory '/nowhere': No such file or directory [SL0109]\n");
 }
 
 TEST(Describe, SuggestsANode) {

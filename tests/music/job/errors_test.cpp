@@ -105,7 +105,7 @@ TEST(Errors, AValueThatIsNoNumber) {
 TEST(Errors, AMisspeltKeyIsAWarningAndInAStrictJobAnError) {
   Job lax;
   encoder_job(lax, "rate_mx=5");
-  const std::string place = ": unknown key 'rate_mx'; did you mean 'rate_max'? [SL0103]";
+  const std::string place = ": unknown key 'rate_mx'; did you mean 'rate_max'?";
   const auto outcome = lax.run();
   expect_clean(outcome);
   EXPECT_TRUE(outcome.says("encoder: warning: " + lax.place("rate_mx") + place +
@@ -113,7 +113,7 @@ TEST(Errors, AMisspeltKeyIsAWarningAndInAStrictJobAnError) {
       << outcome.text();
   Job strict;
   encoder_job(strict, "rate_mx=5\nstrict=true");
-  expect_error(strict, 2, "encoder: " + strict.place("rate_mx") + place);
+  expect_error(strict, 2, "encoder: " + strict.place("rate_mx") + place + " [SL0103]");
 }
 
 TEST(Errors, BothSpellingsOfTheWeights) {
@@ -159,7 +159,7 @@ TEST(Errors, ANodeThatFailsInTheMiddleEndsTheJobAtOnce) {
   job.raw("sink")
       .node("cell", "edge_spiker", "fail_at=0.05")
       .connect("cell.out -> sink.spikes_in [2]");
-  expect_error(job, 5, "cell: node 'cell': the cell has burst (plug-in '" TEST_NODES "')");
+  expect_error(job, 5, "cell: node 'cell': the cell has burst (plug-in '" TEST_NODES "') [SL0704]");
 }
 
 TEST(Errors, AnArgumentIsIgnoredWithAWarning) {
@@ -169,10 +169,10 @@ TEST(Errors, AnArgumentIsIgnoredWithAWarning) {
   encoder_job(job, "args=--rate 5");
   const auto outcome = job.run();
   expect_clean(outcome);
-  EXPECT_TRUE(outcome.says(words + "; it is ignored [SL0103]\n")) << outcome.text();
+  EXPECT_TRUE(outcome.says(words + "; it is ignored [SL0602]\n")) << outcome.text();
   Job strict;
   encoder_job(strict, "args=--rate 5\nstrict=true");
-  EXPECT_TRUE(strict.run().says(words + "\n"));
+  EXPECT_TRUE(strict.run().says(words + " [SL0602]\n"));
 }
 
 TEST(Errors, WithoutALineNumberWhenTheFileIsOutOfReach) {

@@ -137,7 +137,7 @@ TEST(Status, TellsOfAFailureWithItsSentence) {
   ASSERT_FALSE(messages.empty());
   EXPECT_EQ(messages.back().at("exit_code"), 5);
   EXPECT_EQ(messages.back().at("message"),
-            "node 'cell': the cell has burst (plug-in '" TEST_NODES "')");
+            "node 'cell': the cell has burst (plug-in '" TEST_NODES "') [SL0704]");
 }
 
 // Whoever reports must have counted for all: only the first of several processes does report.
