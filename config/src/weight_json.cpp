@@ -192,8 +192,9 @@ std::variant<WeightRows, WeightTable> read_weight_json(std::string_view text,
   try {
     json = Json::parse(text, nullptr, true, true);  // json_text::parse() takes twice as long
   } catch (const Json::exception&) {
-    const auto first = whole ? std::nullopt : first_value(text, file);
-    json = first ? *first : json_text::parse(text, file);  // which throws with the place
+    auto first = whole ? std::nullopt : first_value(text, file);
+    // Moved: the copy of what is nested deeply overflows the stack. parse() throws with the place.
+    json = first ? std::move(*first) : json_text::parse(text, file);
   }
   const WeightJson reader(text, file);
   if (json.is_object()) {

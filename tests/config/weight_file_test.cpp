@@ -349,6 +349,9 @@ TEST(WeightFile, DeepNestingIsRefused) {
   EXPECT_EQ(error("{\"rows\": 1, \"columns\": 1, \"entries\": " + std::string(depth, '[') +
                   std::string(depth, ']') + "}"),
             "w: entry 0 has 1 items; write [row, column, weight] [SL0309]");
+  EXPECT_EQ(
+      parse_weights(std::string(depth, '[') + std::string(depth, ']') + " x", "w", lax()).kind,
+      Kind::uniform);
 }
 
 }  // namespace

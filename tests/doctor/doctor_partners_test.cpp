@@ -79,12 +79,14 @@ TEST(DoctorPlugins, SaysWhyOneIsRefused) {
   EXPECT_EQ(seen.line(second),
             "missing | there is already a node class 'gain', of " + first +
                 " | give it another name, or take one of the two out of SPIKELOOP_PLUGIN_PATH");
-  EXPECT_EQ(seen.line(old),
-            "missing | was built for plug-in ABI 0, this Spikeloop has 2; rebuild it" + kRemove);
+  EXPECT_EQ(
+      seen.line(old),
+      "missing | was built for plug-in ABI 0, this Spikeloop has 2; rebuild it [SL0402]" + kRemove);
   EXPECT_THAT(seen.line(text), AllOf(StartsWith("missing | cannot be loaded: "),
                                      HasSubstr("file too short"), EndsWith(kRemove)));
   EXPECT_EQ(seen.line("/nowhere"),
-            "missing | cannot read '/nowhere': No such file or directory | correct that, or take "
+            "missing | cannot read '/nowhere': No such file or directory [SL0109] | correct that, "
+            "or take "
             "it out of SPIKELOOP_PLUGIN_PATH");
 }
 
@@ -118,7 +120,7 @@ TEST(DoctorRos, SaysWhyThereIsNoMaster) {
             "warning | no master answers at " + silent.uri() + kStartMaster);
   EXPECT_EQ(examine({{"ROS_MASTER_URI", "moon"}}).line("ROS master"),
             "warning | ROS_MASTER_URI is 'moon', which is not a master's address; write "
-            "http://HOST:PORT, such as http://localhost:11311" +
+            "http://HOST:PORT, such as http://localhost:11311 [SL0701]" +
                 kStartMaster);
 }
 
@@ -168,7 +170,7 @@ TEST(DoctorRos, SaysWhereRos2Looks) {
   EXPECT_EQ(
       line({{"ROS_DOMAIN_ID", "abc"}}),
       "warning | ROS_DOMAIN_ID is 'abc', which is not a domain of ROS 2; write a whole number "
-      "from 0 to 232 | docs/ros2.md has these variables");
+      "from 0 to 232 [SL0510] | docs/ros2.md has these variables");
 }
 
 /// Answers to `import`; $4 is the module.

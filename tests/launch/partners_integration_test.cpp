@@ -46,7 +46,7 @@ TEST(OwnRosMaster, ThatEndsAtOnceIsTheReason) {
   const Outcome outcome = run_with(job, "rosmaster", "echo 'no port' >&2; exit 1", {"--roscore"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: rosmaster ended before it answered; it says: no port");
+            "spikeloop: rosmaster ended before it answered; it says: no port [SL0701]");
 }
 
 // Its last line is where its traceback is.
@@ -59,13 +59,13 @@ TEST(OwnRosMaster, ThatGivesAReasonIsQuoted) {
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: rosmaster ended before it answered; it says: Unable to contact my own "
-            "server");
+            "server [SL0701]");
 }
 
 TEST(OwnRosMaster, ThatEndsWithoutAWordToo) {
   const TwoPrograms job;
   const Outcome outcome = run_with(job, "rosmaster", "", {"--roscore"});
-  EXPECT_EQ(last_line(outcome.err), "spikeloop: rosmaster ended before it answered");
+  EXPECT_EQ(last_line(outcome.err), "spikeloop: rosmaster ended before it answered [SL0701]");
 }
 
 }  // namespace

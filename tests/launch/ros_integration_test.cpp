@@ -28,7 +28,7 @@ TEST(RosMasterOfAJob, IsMissed) {
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: no ROS master answers at " + command.environment["ROS_MASTER_URI"] +
                 "; start one (roscore), write its address into ROS_MASTER_URI, or let us start one "
-                "of our own: --roscore");
+                "of our own: --roscore [SL0701]");
 }
 
 TEST(RosMasterOfAJob, HasNoAddress) {
@@ -44,7 +44,7 @@ TEST(RosMasterOfAJob, HasNoAddress) {
                   "spikeloop: no ROS master answers at http://no-such-host.invalid:11311: the host "
                   "name 'no-such-host.invalid' cannot be resolved \\([^)]+\\); add the line "
                   "'IP-ADDRESS no-such-host.invalid' to /etc/hosts, or write another address into "
-                  "ROS_MASTER_URI"));
+                  "ROS_MASTER_URI \\[SL0701\\]"));
 }
 
 TEST(RosMasterOfAJob, IsStartedAndStopped) {

@@ -72,7 +72,7 @@ TEST(Run, ASecondOneMayUseTheFolderWhenTheFirstHasEnded) {
   EXPECT_EQ(second.exit_code, 4);
   EXPECT_EQ(second.err, "spikeloop: another run that has not ended writes to the folder '" +
                             job.folder() +
-                            "'; wait for its end, or give another folder with --out\n");
+                            "'; wait for its end, or give another folder with --out [SL0109]\n");
   first.signal(SIGINT);
   EXPECT_EQ(first.wait().exit_code, 130);
   EXPECT_EQ(job.summary()["exit_code"], 130);
@@ -166,7 +166,7 @@ TEST(Run, AJobThatDoesNotBeginIsEnded) {
       "'b' (spikeloop-network); waiting for the others: 'a' (poisson_encoder). A program that "
       "does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs "
       "barrier=false in "
-      "the file; one that starts slowly needs a longer --start-timeout");
+      "the file; one that starts slowly needs a longer --start-timeout [SL0703]");
   EXPECT_EQ(outcome.left_behind, 0);
 }
 

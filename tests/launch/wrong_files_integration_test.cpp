@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
               "ones"},
         Wrong{"binary misspelt",
               {{"rate_encoder", "rate_encodr"}},
-              "did you mean 'rate_encoder'? [SL0401]"},
+              "did you mean 'rate_encoder'? [SL0603]"},
         Wrong{"binary not there",
               {{"rate_encoder", "./brain"}},
               "there is no program './brain', seen"},

@@ -93,7 +93,7 @@ def a_foreign_program(spikeloop, folder):
     out, said = call(spikeloop, folder, "vehicle.music", code=1)
     assert out == IMPORTED, out
     assert ("error: vehicle.music:12:1: [nest] runs nest_script.py, which is none of Spikeloop's "
-            "programs: an experiment cannot start it; keep  spikeloop run vehicle.music\n"
+            "programs: an experiment cannot start it; keep  spikeloop run vehicle.music [SL0603]\n"
             "   12 | [nest]\n        ^\n"
             "spikeloop: vehicle.music: 1 error; the experiment is not complete\n") in said, said
     assert "warning: vehicle.music:2:1: 'sensor': a message of another length" in said, said

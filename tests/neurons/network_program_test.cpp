@@ -259,7 +259,7 @@ TEST_F(NetworkProgram, CheckRefusesWhatIsWrong) {
   EXPECT_EQ(outcome.err,
             "spikeloop-network: net.yaml:2:14: population 'a': unknown model 'parrot'; known: "
             "input, repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
-            "sine_current, noise_current\n");
+            "sine_current, noise_current [SL0205]\n");
   outcome = run_program({"--check"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,

@@ -318,7 +318,7 @@ TEST_F(OlderRosExample, BothSpellingsOfTheCommandRate) {
   EXPECT_THAT(outcome.text(),
               HasSubstr("command: warning: 'command_rate' and 'command_update_rate' are two "
                         "spellings of one key; leave out 'command_rate', which cont_ros_adapter "
-                        "ignores\n"));
+                        "ignores [SL0102]\n"));
 }
 
 }  // namespace

@@ -146,9 +146,9 @@ TEST_F(FilmTest, WhatCannotBeWrittenIsRefused) {
             "cannot write pictures into '" + path("old") +
                 "': it has 'frame_000007.png' already; remove them, or write another directory");
   EXPECT_EQ(refusal<FileError>(vehicle, {.path = "/proc/frames"}),
-            "cannot make directory '/proc/frames': No such file or directory");
+            "cannot make directory '/proc/frames': No such file or directory [SL0109]");
   EXPECT_EQ(refusal<FileError>(vehicle, {.path = "/nowhere/end.png"}),
-            "cannot write '/nowhere/end.png': No such file or directory");
+            "cannot write '/nowhere/end.png': No such file or directory [SL0109]");
   EXPECT_EQ(refusal<FileError>(vehicle, {.path = "/nowhere/film.mp4"}),
             "cannot write '/nowhere/film.mp4': ffmpeg has ended with an error, see above; write "
             "another name, or a directory for single pictures");

@@ -75,7 +75,7 @@ TEST(PythonJob, AnExceptionEndsTheRunWithItsPlaceAndTheTraceback) {
   const Outcome outcome = run_it("    def step(self, step):\n        1 / step.begin\n");
   EXPECT_EQ(outcome.exit_code, 5) << outcome.text();
   EXPECT_TRUE(outcome.says("cell: node 'cell': ")) << outcome.text();
-  EXPECT_TRUE(outcome.says("nodes.py:7: in step: ZeroDivisionError: division by zero\n"));
+  EXPECT_TRUE(outcome.says("nodes.py:7: in step: ZeroDivisionError: division by zero [SL0704]\n"));
   EXPECT_TRUE(outcome.says("cell: warning: Traceback (most recent call last):\n"));
   EXPECT_TRUE(outcome.says("cell: warning:     1 / step.begin\n"));
   EXPECT_EQ(outcome.left_behind, 0);
@@ -86,7 +86,7 @@ TEST(PythonJob, AnExceptionInCountersDoes) {
       "    def step(self, step): ...\n"
       "    def counters(self): raise KeyError('a')\n");
   EXPECT_EQ(outcome.exit_code, 5) << outcome.text();
-  EXPECT_TRUE(outcome.says("nodes.py:7: in counters: KeyError: 'a'\n")) << outcome.text();
+  EXPECT_TRUE(outcome.says("nodes.py:7: in counters: KeyError: 'a' [SL0704]\n")) << outcome.text();
 }
 
 TEST(PythonJob, AnExceptionInInitIsAnErrorOfTheSection) {
@@ -95,7 +95,7 @@ TEST(PythonJob, AnExceptionInInitIsAnErrorOfTheSection) {
       "    def step(self, step): ...\n");
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text();
   EXPECT_TRUE(outcome.says("'cell': ")) << outcome.text();
-  EXPECT_TRUE(outcome.says("nodes.py:6: in __init__: ValueError: no\n")) << outcome.text();
+  EXPECT_TRUE(outcome.says("nodes.py:6: in __init__: ValueError: no [SL0402]\n")) << outcome.text();
 }
 
 TEST(PythonJob, ParametersAreCheckedAsAllOthers) {
@@ -146,7 +146,7 @@ TEST(PythonDescribe, WithoutNumPyItSaysWhatToInstall) {
   EXPECT_EQ(outcome.err, "spikeloop: plug-in '" ENCODER_FILE
                          "': nodes in Python need NumPy and the package spikeloop: "
                          "ModuleNotFoundError: No module named 'numpy'; install python3-numpy, or "
-                         "Spikeloop again\n");
+                         "Spikeloop again [SL0402]\n");
 }
 
 TEST(PythonDescribe, WhenPythonDoesNotStartItSaysWhy) {
@@ -156,7 +156,7 @@ TEST(PythonDescribe, WhenPythonDoesNotStartItSaysWhy) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr(": Python does not start: "));
   EXPECT_THAT(outcome.err,
-              EndsWith("; unset PYTHONHOME and PYTHONPATH, or install python3 again\n"));
+              EndsWith("; unset PYTHONHOME and PYTHONPATH, or install python3 again [SL0402]\n"));
 }
 
 TEST(PythonDescribe, AVirtualEnvironmentOfTheSamePythonIsUsed) {
@@ -173,7 +173,7 @@ TEST(PythonDescribe, AVirtualEnvironmentOfTheSamePythonIsUsed) {
                   "raise ValueError(sys.prefix)\n");
   const Outcome outcome = describe("where", {{"SPIKELOOP_PLUGIN_PATH", directory.path().string()},
                                              {"VIRTUAL_ENV", environment}});
-  EXPECT_THAT(outcome.err, EndsWith("where.py:4: ValueError: " + environment + "\n"));
+  EXPECT_THAT(outcome.err, EndsWith("where.py:4: ValueError: " + environment + " [SL0402]\n"));
 }
 
 }  // namespace

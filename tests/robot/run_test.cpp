@@ -135,7 +135,7 @@ TEST(RobotErrors, NoMaster) {
               testing::MatchesRegex("spikeloop-robot: no ROS master answers at "
                                     "http://127.0.0.1:[0-9]+ within 300 ms \\(Connection "
                                     "refused\\); start one with roscore, or set ROS_MASTER_URI to "
-                                    "where it is\n"));
+                                    "where it is \\[SL0701\\]\n"));
   EXPECT_EQ((*receiver.next(std::chrono::milliseconds(100)))["exit_code"], 3);
 }
 
@@ -149,7 +149,7 @@ TEST(RobotErrors, AMasterWithoutAnAddress) {
                   "spikeloop-robot: no ROS master answers at http://no-such-host.invalid:11311 "
                   "within 0 s: the host name 'no-such-host.invalid' cannot be resolved "
                   "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to /etc/hosts, "
-                  "or set ROS_MASTER_URI to where the master is\n"));
+                  "or set ROS_MASTER_URI to where the master is \\[SL0701\\]\n"));
 }
 
 TEST(RobotRun, CanBeStoppedWhileItWaitsForTheMaster) {
@@ -174,7 +174,7 @@ TEST(RobotErrors, AMalformedMaster) {
   expect_failure(
       job, {}, 2,
       "ROS_MASTER_URI is 'elsewhere', which is not an address; write http://HOST:PORT, as in "
-      "http://localhost:11311");
+      "http://localhost:11311 [SL0510]");
 }
 
 TEST(RobotErrors, Names) {
@@ -182,34 +182,37 @@ TEST(RobotErrors, Names) {
   job.start_core();
   expect_failure(job, {"--scan-topic", "/my scan"}, 2,
                  "'/my scan' is not a valid ROS topic name; write letters, digits, '_' and '/', "
-                 "beginning with a letter or '/', as in /cmd_vel");
+                 "beginning with a letter or '/', as in /cmd_vel [SL0501]");
   expect_failure(
       job, {"--cmd-topic", "a-b"}, 2,
       "'/a-b' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning "
-      "with a letter or '/', as in /cmd_vel");
+      "with a letter or '/', as in /cmd_vel [SL0501]");
   const std::string node =
-      "'a/b' is not a valid ROS node name; write a letter followed by letters, digits and '_'";
+      "'a/b' is not a valid ROS node name; write a letter followed by letters, digits and '_' "
+      "[SL0501]";
   expect_failure(job, {"--node-name", "a/b"}, 2, node);
   expect_failure(job, {"__name:=a/b"}, 2, node);
   expect_failure(job, {"/my scan:=/scan"}, 2,
                  "an argument NAME:=VALUE for ROS has no name of ROS: Character [ ] at element [3] "
                  "is not valid in Graph Resource Name [/my scan].  Valid characters are a-z, A-Z, "
-                 "0-9, / and _.");
+                 "0-9, / and _. [SL0501]");
 }
 
 TEST(RobotErrors, Files) {
   RobotJob job;
   job.start_core();
   expect_failure(job, {"--world", "/nowhere/arena.xml"}, 4,
-                 "cannot open world '/nowhere/arena.xml': No such file or directory");
+                 "cannot open world '/nowhere/arena.xml': No such file or directory [SL0109]");
   expect_failure(job, {"--out", "/dev/null/run"}, 4,
-                 "cannot make directory '/dev/null/run': Not a directory");
+                 "cannot make directory '/dev/null/run': Not a directory [SL0109]");
   std::filesystem::create_directories(job.directory().path() / "run/trajectory.csv");
-  expect_failure(job, {"--out", "run"}, 4, "cannot write 'run/trajectory.csv': Is a directory");
+  expect_failure(job, {"--out", "run"}, 4,
+                 "cannot write 'run/trajectory.csv': Is a directory [SL0109]");
   std::filesystem::create_directories(job.directory().path() / "other/world.json");
-  expect_failure(job, {"--out", "other"}, 4, "cannot write 'other/world.json': Is a directory");
+  expect_failure(job, {"--out", "other"}, 4,
+                 "cannot write 'other/world.json': Is a directory [SL0109]");
   expect_failure(job, {"--out", "/dev/null"}, 4,
-                 "cannot make directory '/dev/null': Not a directory");
+                 "cannot make directory '/dev/null': Not a directory [SL0109]");
 }
 
 TEST(RobotErrors, CommandLine) {

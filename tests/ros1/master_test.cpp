@@ -32,10 +32,10 @@ TEST(Master, address) {
   EXPECT_EQ(parse_master_uri("http://robot:11311/").port, 11311);
   for (const std::string uri : {"", "robot:11311", "http://robot", "http://:11311", "http://r:0",
                                 "http://r:99999", "http://r:x", "https://robot:11311"}) {
-    EXPECT_EQ(
-        error_of<Error>([&] { parse_master_uri(uri); }),
-        "ROS_MASTER_URI is '" + uri +
-            "', which is not an address; write http://HOST:PORT, as in http://localhost:11311");
+    EXPECT_EQ(error_of<Error>([&] { parse_master_uri(uri); }),
+              "ROS_MASTER_URI is '" + uri +
+                  "', which is not an address; write http://HOST:PORT, as in "
+                  "http://localhost:11311 [SL0510]");
   }
 }
 
@@ -54,7 +54,7 @@ TEST(Master, nobody_there) {
   EXPECT_EQ(error_of<Error>([&] { require_master(uri, 300 * kMs); }),
             "no ROS master answers at " + uri +
                 " within 300 ms (Connection refused); start one with roscore, or set "
-                "ROS_MASTER_URI to where it is");
+                "ROS_MASTER_URI to where it is [SL0701]");
   EXPECT_LT(wall_now() - begin, 3 * kNsPerSecond);
 }
 
@@ -64,7 +64,7 @@ TEST(Master, no_such_host) {
       MatchesRegex("no ROS master answers at http://no-such-host.invalid:11311 within "
                    "100 ms: the host name 'no-such-host.invalid' cannot be resolved "
                    "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to "
-                   "/etc/hosts, or set ROS_MASTER_URI to where the master is"));
+                   "/etc/hosts, or set ROS_MASTER_URI to where the master is \\[SL0701\\]"));
 }
 
 // Something listens but never answers: roscpp would hang.
@@ -119,9 +119,9 @@ TEST(Master, real_one_answers) {
 TEST(Session, names) {
   const test::RosCore core;
   for (const std::string name : {"", "1robot", "a/b", "a b", "~a"}) {
-    const std::string text =
-        "'" + name +
-        "' is not a valid ROS node name; write a letter followed by letters, digits and '_'";
+    const std::string text = "'" + name +
+                             "' is not a valid ROS node name; write a letter followed by letters, "
+                             "digits and '_' [SL0501]";
     EXPECT_EQ(error_of<Error>([&] { Session(test::node_at(core.uri(), name)); }), text);
     SessionSettings with_argument = test::node_at(core.uri(), "robot");
     with_argument.arguments = {{"__name", name}};

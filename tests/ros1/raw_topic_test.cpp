@@ -142,7 +142,7 @@ TEST_F(RawTopicTest, errors) {
     const std::string text = "'" + topic +
                              "' is not a valid ROS topic name; write letters, digits, '_' and '/', "
                              "beginning with a letter "
-                             "or '/', as in /cmd_vel";
+                             "or '/', as in /cmd_vel [SL0501]";
     const auto error_of = [](auto action) -> std::string {
       try {
         action();

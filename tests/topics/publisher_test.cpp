@@ -58,7 +58,7 @@ TEST_P(PublisherTest, errors) {
               testing::StartsWith("'a b' is not a valid ROS"));
   EXPECT_EQ(error_of("/a", "geometry_msgs/Twist", "linear.w"),
             "field path 'linear.w' of geometry_msgs/Twist: geometry_msgs/Vector3 has no field 'w'; "
-            "did you mean 'x'?");
+            "did you mean 'x'? [SL0504]");
 }
 
 INSTANTIATE_TEST_SUITE_P(AllSessions, PublisherTest, test::kinds());

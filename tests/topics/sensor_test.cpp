@@ -116,7 +116,7 @@ TEST_P(SensorTest, another_type_on_the_topic) {
   ASSERT_TRUE(until_taken(*scans, [&] { robot_.publish_twist("/in", 1, 2); }));
   EXPECT_EQ(error_of(*scans, data),
             "topic '/in' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; write "
-            "geometry_msgs/Twist as the type of the messages, or another topic");
+            "geometry_msgs/Twist as the type of the messages, or another topic [SL0508]");
 }
 
 TEST_P(SensorTest, warnings_come_once) {
@@ -149,7 +149,7 @@ TEST_P(SensorTest, strict_ends_the_run) {
   }));
   EXPECT_EQ(error_of(source, data),
             "a std_msgs/Float64MultiArray brought 3 values, but the port has 2 channels; write [3] "
-            "in its connection");
+            "in its connection [SL0505]");
 }
 
 TEST_P(SensorTest, impossible_topic) {
