@@ -15,12 +15,13 @@ namespace spikeloop::app {
 
 namespace fs = std::filesystem;
 
-std::string python_program() {
+std::string python_name() {
   const char* const named = std::getenv("PYTHON");
-  if (named == nullptr || *named == '\0') {
-    return launch::find_executable("/usr/bin/python3", "", "");
-  }
-  const std::string name = named;
+  return named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
+}
+
+std::string python_program() {
+  const std::string name = python_name();
   return name.find('/') == std::string::npos ? doctor::in_path(name)
                                              : launch::find_executable(name, ".", "");
 }

@@ -6,7 +6,10 @@
 
 namespace spikeloop::app {
 
-/// What stands in PYTHON, else /usr/bin/python3; empty: there is none.
+/// The variable PYTHON, else /usr/bin/python3.
+std::string python_name();
+
+/// The file of that program; empty: there is none.
 std::string python_program();
 
 /// Where the package is, from the program's own place: built or installed.

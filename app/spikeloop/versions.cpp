@@ -4,7 +4,6 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -158,8 +157,6 @@ Partners partners_of(const MusicFile& file, bool robot) {
 }
 
 std::vector<Probe> versions() {
-  const char* const named = std::getenv("PYTHON");
-  const std::string python = named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
   const auto absent = [](const char* program, const char* package) {
     return missing(doctor::not_in_path(program),
                    fmt::format("apt-get install {}, or add its directory to PATH", package));
@@ -181,7 +178,7 @@ std::vector<Probe> versions() {
           simulator("NEURON", "neuron"),
           simulator("Brian2", "brian2"),
           program({"Python", false,
-                   missing(fmt::format("no program '{}'", python),
+                   missing(fmt::format("no program '{}'", python_name()),
                            "apt-get install python3, or set PYTHON to another one")},
                   python_program(), "Python "),
           package("numpy", "numpy", "apt-get install python3-numpy"),

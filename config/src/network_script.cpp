@@ -35,7 +35,7 @@ std::string python() {
 // What Python says of its own fault: the line in the file, 0 for none, and the text.
 [[noreturn]] void refuse(const std::string& file, const std::string& function,
                          const fs::path& folder, int exit_code) {
-  const fs::path fault = (folder / "fault");
+  const fs::path fault = folder / "fault";
   if (!fs::exists(fault)) {
     throw ConfigurationError(
         {file, 0, 0}, with_code(Code::script,
@@ -120,7 +120,7 @@ NetworkFile run_network_script(const std::string& written) {
   const fs::path folder = scratch.path();
   const int exit_code =
       run_python({python(), "-m", "spikeloop.network", file, function, folder.string()}, held);
-  if (exit_code != 0 || !fs::exists((folder / kResult))) {
+  if (exit_code != 0 || !fs::exists(folder / kResult)) {
     refuse(file, function, folder, exit_code);
   }
   std::set<std::string> files{file};

@@ -273,7 +273,7 @@ class Faults(Case):
         self.assertEqual(code, 2)
         self.assertTrue(text.startswith(
             "brain.py:5:1: Python says: ZeroDivisionError: division by zero; at line 5 in deeper, "
-            "called at line 2 in make\n"), text)
+            "called at line 2 in make [SL0404]\n"), text)
 
     def test_an_error_in_another_file_has_the_line_that_led_there(self):
         self.write("def half(x):\n    return [][x]\n", "helper.py")
@@ -281,7 +281,7 @@ class Faults(Case):
         self.assertEqual(code, 2)
         self.assertEqual(text, "brain.py:4:1: Python says: IndexError: list index out of range; at "
                                f"line 2 of {self.folder}/helper.py in half, called at line 4 in "
-                               "make\n")
+                               "make [SL0404]\n")
 
     def test_a_file_that_is_no_python(self):
         code, text = self.told("def make(:\n")
@@ -291,15 +291,16 @@ class Faults(Case):
 
     def test_a_function_that_is_not_there(self):
         code, text = self.told("def build():\n    pass\n", "brain.py:make")
-        self.assertEqual((code, text), (2, "brain.py: there is no function 'make'; known: build\n"))
+        self.assertEqual((code, text),
+                         (2, "brain.py: there is no function 'make'; known: build [SL0404]\n"))
         code, text = self.told("x = 1\n", "brain.py:other")
         self.assertEqual((code, text),
-                         (2, "brain.py: there is no function 'other'; write  def other():\n"))
+                         (2, "brain.py: there is no function 'other'; write  def other(): [SL0404]\n"))
 
     def test_something_else_returned(self):
         self.assertEqual(self.refused("return {}"),
                          "brain.py:4:1: the function 'make' returned dict, no "
-                         "spikeloop.network.Network; write  return net\n")
+                         "spikeloop.network.Network; write  return net [SL0404]\n")
 
     def test_a_file_that_is_not_there(self):
         done = self.check("nowhere.py:make")
@@ -324,13 +325,13 @@ class Faults(Case):
                                 f"os._exit({code})")
             self.assertTrue(text.startswith("bye\n"))
             self.assertIn(f"brain.py: Python ended with exit code {code} before the function 'make' "
-                          "was over; what it said stands above\n", text)
+                          "was over; what it said stands above [SL0404]\n", text)
 
     def test_a_function_that_ends_python(self):
         for value, said in (("0", "SystemExit: 0"), ("", "SystemExit"), ("'no'", "SystemExit: no")):
             self.assertEqual(self.refused(f"import sys\nsys.exit({value})"),
                              "brain.py:6:1: Python was ended before the function was over: "
-                             f"{said}; at line 6 in make\n")
+                             f"{said}; at line 6 in make [SL0404]\n")
 
     def test_what_the_network_file_refuses_has_the_line_of_the_call(self):
         for line, wanted in (
@@ -374,7 +375,7 @@ class Faults(Case):
                  "a -> b: there is no target -1; they count from 0 to 2")):
             text = self.refused(self.NET + line)
             self.assertTrue(text.startswith(f"brain.py:8:1: Python says: ValueError: {wanted}; at line 8 in "
-                                            "make\n"),
+                                            "make [SL0404]\n"),
                             text)
 
 

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/scratch_folder.hpp"
 
 namespace spikeloop::status {
 namespace {
@@ -26,22 +27,18 @@ using nlohmann::json;
 class Status : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = testing::TempDir() + "/spikeloop-status-XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    directory_ = pattern;
-    path_ = directory_ + "/status";
+    path_ = directory_.path() + "/status";
     setenv(kSocketVariable, path_.c_str(), 1);
     receiver_ = std::make_unique<Receiver>(path_);
   }
   void TearDown() override {
     receiver_.reset();
     unsetenv(kSocketVariable);
-    std::filesystem::remove_all(directory_);
   }
   /// A busy machine may take long to send a large report.
   json next() { return receiver_->next(60s).value_or(json()); }
 
-  std::string directory_;
+  const ScratchFolder directory_;
   std::string path_;
   std::unique_ptr<Receiver> receiver_;
 };
@@ -100,7 +97,8 @@ TEST_F(Status, WithoutALauncherNothingHappens) {
 }
 
 TEST_F(Status, APathThatLeadsNowhereIsNoLauncher) {
-  for (const std::string& path : {std::string(), directory_ + "/nobody", std::string(200, 'x')}) {
+  for (const std::string& path :
+       {std::string(), directory_.path() + "/nobody", std::string(200, 'x')}) {
     setenv(kSocketVariable, path.c_str(), 1);
     Sender("a").failure(1, "x");
   }
