@@ -36,7 +36,7 @@ std::vector<ParameterDescription> own_parameters() {
            .default_value = "60",
            .minimum = 0,
            .text = "longest wall time that a stepped robot may take to answer; 0: any"},
-          text("layout", "", "fused, in place of the experiment's layout"),
+          text("layout", "", "fused or separate, in place of the experiment's layout"),
           text("about", "", "what resolved.json says beside the experiment, JSON"),
           text("replay_origin", "", "of a replay: the file that was run"),
           text("replay_bag", "", "of a replay: the messages in the robot's place")};

@@ -287,15 +287,6 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   return exit_code;
 }
 
-int run_separate(const ExperimentArguments& arguments, const Experiment& experiment) {
-  ExperimentFolder folder = folder_for(arguments, experiment);
-  const WrittenJob music = write_music_job(experiment, folder.path());
-  nlohmann::json resolved = fused::resolved_json(experiment);
-  resolved.update(about_run(partners_of(experiment, true)));
-  launch::write_text(folder.path() + "/resolved.json", resolved.dump(2) + "\n");
-  return run_music_job(arguments, experiment, folder, music);
-}
-
 /// What is wrong with the file comes first.
 std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file,
                                                          const experiment::Overrides& overrides) {
@@ -306,10 +297,6 @@ std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file
   return loaded;
 }
 
-bool is_separate(const Experiment& experiment) {
-  return experiment.layout.kind == experiment::Layout::Kind::separate;
-}
-
 /// What MUSIC asks of an experiment in several processes.
 void check_layout(experiment::Loaded& loaded) {
   if (!loaded.diagnostics.empty()) {
@@ -317,9 +304,7 @@ void check_layout(experiment::Loaded& loaded) {
   }
   const Experiment& experiment = *loaded.experiment;
   try {
-    if (is_separate(experiment)) {
-      experiment::music_job(experiment, "");
-    } else if (experiment::needs_music(experiment)) {
+    if (experiment::needs_music(experiment)) {
       experiment::process_job(experiment::with_layout_delays(experiment), "", {});
     }
   } catch (const Error& error) {
@@ -370,14 +355,12 @@ int run_experiment(const ExperimentArguments& arguments) {
   const Experiment& experiment = *loaded.experiment;
   refuse_own_recordings(experiment, arguments.folder);
   refuse_spectators(arguments, experiment);
-  check_ros_arguments(arguments.line, versions_of(experiment), !is_separate(experiment));
+  check_ros_arguments(arguments.line, versions_of(experiment),
+                      experiment::one_meets_robot(experiment));
   check_layout(loaded);  // what cannot be is refused before there is a folder
   if (!loaded.diagnostics.empty()) {
     put(stderr, text_of("spikeloop", loaded.diagnostics.front()));
     return loaded.diagnostics.front().exit_code;
-  }
-  if (is_separate(experiment)) {
-    return run_separate(arguments, experiment);
   }
   if (experiment::needs_music(experiment)) {
     ExperimentFolder folder = folder_for(arguments, experiment);

@@ -57,7 +57,7 @@ struct WrittenJob {
 };
 /// Writes experiment.music, and what stands in the experiment but has to be a file for a process.
 WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder);
-/// The same of the separate layout.
+/// The job of programs with the older names, a program a node.
 WrittenJob write_music_job(const experiment::Experiment& experiment, const std::string& folder);
 
 /// Gives an experiment that is right to `use`; else says everything that is wrong, each with its

@@ -115,8 +115,7 @@ int export_file(const Arguments& arguments) {
   }
   return use_experiment(arguments.file, [&](const experiment::Experiment& experiment) {
     if (experiment.layout.kind == experiment::Layout::Kind::written) {
-      put(stderr,
-          "spikeloop: warning: the job has a process a node, whatever the key 'layout' says\n");
+      put(stderr, "spikeloop: warning: key 'layout': an exported job has one program per node\n");
     }
     Arguments job = arguments;
     const WrittenJob written = write_music_job(experiment, launch::make_folder(arguments.folder));

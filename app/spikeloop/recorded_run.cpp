@@ -52,10 +52,7 @@ void check_kind(const std::string& folder, const json& resolved) {
         "run FILE.yaml  has named");
   }
   if (!resolved.contains("recorded") || !resolved.contains("experiment_file")) {
-    refuse(folder, fs::exists(path / "experiment.music")
-                       ? "it was run with --layout separate, which keeps no messages; run the "
-                         "experiment without it"
-                       : "an earlier version ran it, which kept no messages; run it once more");
+    refuse(folder, "an earlier version ran it, which kept no messages; run it once more");
   }
   if (!resolved["recorded"].get<bool>()) {
     refuse(folder, "it was run with --no-record; run it without");
@@ -82,8 +79,11 @@ void check_files(const std::string& folder, const RecordedRun& run) {
                                fused::kExperimentFile));
   }
   if (!run.replay.bag.empty() && !fs::exists(run.replay.bag)) {
-    refuse(folder, fmt::format("there is no {} in it, the messages that its nodes took",
-                               fused::kMessagesFile));
+    refuse(folder,
+           fmt::format("there is no {} in it, the messages that its nodes took; a run whose "
+                       "sensors and commands are in several processes has none: use  "
+                       "--layout fused",
+                       fused::kMessagesFile));
   }
 }
 

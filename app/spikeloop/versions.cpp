@@ -132,8 +132,8 @@ json machine() {
 
 }  // namespace
 
-Partners partners_of(const experiment::Experiment& experiment, bool separate) {
-  return {.music = separate,
+Partners partners_of(const experiment::Experiment& experiment, bool music) {
+  return {.music = music,
           .ros1 = experiment.ros == experiment::Ros::ros1,
           .ros2 = experiment.ros == experiment::Ros::ros2,
           .mujoco = experiment.robot.has_value(),

@@ -179,9 +179,7 @@ Experiment with_layout_delays(const Experiment& experiment) {
     const std::uint32_t least = least_delay(experiment, connection);
     if (connection.delay_ticks.value_or(least) < least) {
       const bool fused = experiment.layout.kind == Layout::Kind::fused;
-      const char* const instead = fused                        ? ", or use --layout separate"
-                                  : !has_simulator(experiment) ? ", or use the fused layout"
-                                                               : "";
+      const char* const instead = has_simulator(experiment) ? "" : ", or use the fused layout";
       throw ConfigurationError(
           connection.where,
           with_code(Code::delay,

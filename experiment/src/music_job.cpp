@@ -188,12 +188,11 @@ class Writer : JobWriter {
     write_people(node);
     write_sensors_behind(node);
     if (spike_timeout(node) != 0) {
-      throw ConfigurationError(
-          node.parameters.where("spike_timeout"),
-          with_code(
-              Code::layout,
-              "key 'spike_timeout': the separate layout has none, because no spike reaches the "
-              "command's process; leave it out, or use the fused layout"));
+      throw ConfigurationError(node.parameters.where("spike_timeout"),
+                               with_code(Code::layout,
+                                         "key 'spike_timeout': an exported job has none, because "
+                                         "no spike reaches the command's "
+                                         "program; leave it out"));
     }
   }
 
@@ -245,8 +244,8 @@ class Writer : JobWriter {
         throw ConfigurationError(
             connection.where,
             with_code(Code::layout,
-                      "the inputs '{}' and '{}' have different delays, which the separate layout "
-                      "does not have; write one delay, or use the fused layout",
+                      "the inputs '{}' and '{}' have different delays, and the inputs of a program "
+                      "in an exported job have one; write the same delay",
                       first->to, connection.to));
       }
       first = &connection;
@@ -264,11 +263,11 @@ class Writer : JobWriter {
     if (connection.kind == PortKind::signal && connection.delay_ticks == 0U) {
       throw ConfigurationError(
           connection.where,
-          with_code(Code::delay,
-                    "the continuous connection '{}' -> '{}' has the delay 0, but "
-                    "between processes it takes a tick; write a delay of at least 1 "
-                    "tick, leave it out, or use the fused layout",
-                    connection.from, connection.to));
+          with_code(
+              Code::delay,
+              "the continuous connection '{}' -> '{}' has the delay 0, but takes a tick in an "
+              "exported job; write a delay of at least 1 tick, or leave it out",
+              connection.from, connection.to));
     }
   }
   static std::uint32_t ticks(const Connection& connection) {
@@ -300,9 +299,8 @@ void check_ends(const Experiment& experiment) {
     if (by_weights && !sends) {
       throw ConfigurationError(
           node.where, with_code(Code::not_connected,
-                                "nothing is connected to an output of '{}', and the separate "
-                                "layout knows its width from a connection alone; connect it, or "
-                                "use the fused layout",
+                                "nothing is connected to an output of '{}', and a program in an "
+                                "exported job knows its width from a connection; connect it",
                                 node.name));
     }
   }
@@ -314,24 +312,21 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder) {
   if (experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time) {
     throw ConfigurationError(
         experiment.sync_where,
-        with_code(Code::layout,
-                  "key 'sync': the separate layout has no {}; write realtime or unpaced, or use "
-                  "the fused layout",
+        with_code(Code::layout, "key 'sync': an exported job has no {}; write realtime or unpaced",
                   name_of(experiment.sync)));
   }
   if (experiment.robot && !experiment.robot->bag.empty()) {
     throw ConfigurationError(
         experiment.robot->where,
-        with_code(Code::layout,
-                  "a bag in the robot's place needs the fused layout; in the separate "
-                  "one write  ros: 1, and play it by  rosbag play"));
+        with_code(
+            Code::layout,
+            "an exported job has no bag in the robot's place; write  ros: 1, and play it with  "
+            "rosbag play"));
   }
   if (experiment.robot && experiment.ros == Ros::none) {
     throw ConfigurationError(
         experiment.robot->where,
-        with_code(Code::layout,
-                  "in the separate layout the robot is reached over ROS; write  ros: 2, "
-                  "or use the fused layout"));
+        with_code(Code::layout, "an exported job reaches the robot over ROS; write  ros: 2"));
   }
   check_ends(experiment);
   return Writer(experiment, folder).write();

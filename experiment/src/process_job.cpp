@@ -56,8 +56,8 @@ class ProcessWriter : JobWriter {
     add("binary", kProgram);
     add_directory({});
     add("experiment", std::filesystem::absolute(experiment_.path).string());
-    if (experiment_.layout.kind == Layout::Kind::fused) {
-      add("layout", "fused");
+    if (experiment_.layout.kind != Layout::Kind::written) {
+      add("layout", name_of(experiment_.layout));
     }
     add("pace", waits_for_clock(experiment_, process.name) ? "true" : "false");
     add("ros", name_of(experiment_.ros));
@@ -164,7 +164,7 @@ class ProcessWriter : JobWriter {
   }
 
   [[noreturn]] void refuse_alone(const std::string& process) const {
-    if (experiment_.layout.kind == Layout::Kind::written) {
+    if (experiment_.layout.kind != Layout::Kind::fused) {
       throw ConfigurationError(
           experiment_.layout.where,
           with_code(Code::not_connected,

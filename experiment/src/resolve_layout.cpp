@@ -110,7 +110,7 @@ std::string fused_label(const Experiment& experiment) {
   return label;
 }
 
-/// One process has all nodes; the separate layout is for music_job().
+/// One process has all nodes.
 void take_fused(Experiment& experiment) {
   Process process{fused_label(experiment)};
   for (const Node& node : experiment.nodes) {
@@ -119,6 +119,19 @@ void take_fused(Experiment& experiment) {
     }
   }
   experiment.layout.processes.push_back(std::move(process));
+}
+
+/// A process for each node.
+void take_separate(bool whole, Experiment& experiment, Faults& faults) {
+  for (const Node& node : experiment.nodes) {
+    if (!is_simulator(node)) {
+      faults.attempt(node.where, [&] { check_process(node.name, node.where, experiment); });
+      experiment.layout.processes.push_back({node.name, {node.name}});
+    }
+  }
+  if (whole) {
+    faults.attempt(experiment.layout.where, [&] { check_robot(experiment); });
+  }
 }
 
 /// The processes, simulators among them, that take from one.
@@ -148,7 +161,7 @@ void find_cycles(Experiment& experiment) {
         }
       }
     }
-    process.in_cycle = has_simulator(experiment) || reached.contains(process.name);
+    process.in_cycle = reached.contains(process.name);
   }
 }
 
@@ -190,6 +203,8 @@ void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, 
                                      : Layout::Kind::fused;
   if (layout.kind == Layout::Kind::written) {
     take_processes(keys, whole, experiment, faults);
+  } else if (layout.kind == Layout::Kind::separate) {
+    take_separate(whole, experiment, faults);
   }
   if (layout.processes.empty()) {
     take_fused(experiment);

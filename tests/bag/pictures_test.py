@@ -146,7 +146,7 @@ def main():
 
 
 def check_export(spikeloop, scratch):
-    """The separate layout writes the rules as files, which its programs understand."""
+    """An exported job has the rules in files, which its programs read."""
     file = scratch / "ros.yaml"
     file.write_text(EXPERIMENT.replace("robot: {robot}\n", "ros: 1\nduration: 1 s\n").format(more=""))
     bags.spikeloop(spikeloop, "export", file, "--out", scratch / "job")

@@ -66,16 +66,6 @@ def no_runs(replays):
     replays.cannot("music", "it is the run of a .music file, whose messages are not recorded; its "
                             "recordings (record=true) are sources for spike_playback and "
                             "signal_playback")
-    file = scratch / "separate.yaml"
-    file.write_text("""duration: 0.2 s
-nodes:
-  old: {node: spike_playback, file: run/encoder.h5}
-  decoder: {node: rate_window}
-connections: [old -> decoder]
-""")
-    bags.spikeloop(replays.spikeloop, "run", file, "--layout", "separate", "--out", scratch / "sep")
-    replays.cannot("sep", "it was run with --layout separate, which keeps no messages; run the "
-                          "experiment without it")
 
 
 def incomplete_runs(replays):

@@ -99,9 +99,9 @@ def main():
         assert "12" in bags.spikeloop(spikeloop, "check", scratch / "x.yaml", code=2)
         bags.experiment(scratch / "x.yaml", "good.bag")
         bags.spikeloop(spikeloop, "check", scratch / "x.yaml")
-        printed = bags.spikeloop(spikeloop, "run", scratch / "x.yaml", "--layout", "separate", code=2)
-        assert ("x.yaml:3:14: a bag in the robot's place needs the fused layout; in the separate one "
-                "write  ros: 1, and play it by  rosbag play") in printed, printed
+        printed = bags.spikeloop(spikeloop, "export", scratch / "x.yaml", "--out", scratch / "job", code=2)
+        assert ("x.yaml:3:14: an exported job has no bag in the robot's place; write  ros: 1, and play it "
+                "with  rosbag play") in printed, printed
         own_folder(spikeloop, scratch)
     print(number, "wrong bags are refused")
 

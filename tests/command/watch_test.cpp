@@ -86,12 +86,12 @@ TEST_F(WatchTest, rest_ends_the_watch) {
 }
 
 TEST_F(WatchTest, sends_what_is_due_between_ticks_until_silence) {
-  Watch watch(200 * kMs, actions());
+  Watch watch(1000 * kMs, actions());
   watch.heartbeat(spikeloop::wall_now() + kMs);
   EXPECT_TRUE(eventually([&] { return silent_ == 1; }));
   const int polls = polls_;
   EXPECT_GE(polls, 5);
-  EXPECT_LE(polls, 220);
+  EXPECT_LE(polls, 1100);
   const double before = processor_seconds();
   std::this_thread::sleep_for(400ms);
   EXPECT_EQ(polls_, polls);

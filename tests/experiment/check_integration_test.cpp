@@ -213,7 +213,7 @@ TEST(Check, AWorldThatIsNotThere) {
               testing::ContainsRegex("error: x.yaml:[0-9]+:35: cannot find world 'maze.xml'"));
 }
 
-/// In the separate layout a program says what it thinks of its section.
+/// A program checks its section.
 TEST(Export, SpeaksOfTheExperimentsLines) {
   const TemporaryDirectory directory;
   directory.write("x.yaml",

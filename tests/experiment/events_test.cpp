@@ -110,7 +110,7 @@ TEST_F(Events, SilenceStopsTheRobotOnlyWhenThatIsWritten) {
   EXPECT_EQ(sensors[0].timeout, 300'000'000);
 }
 
-TEST_F(Events, AreAProgramInTheSeparateLayout) {
+TEST_F(Events, AreAProgramInAnExportedJob) {
   const Experiment experiment =
       good(events(", polarity: split, downsample: 2, roi: [1, 2, 3, 4], latency: 20 ms, "
                   "refractory: 1 ms, timeout: 300 ms",

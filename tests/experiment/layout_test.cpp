@@ -25,6 +25,13 @@ connections:
   - scan -> encoder [3] -> decoder [3] -> wheels [1]
 )";
 
+/// As `--layout separate`.
+const experiment::Overrides separate = [] {
+  experiment::Overrides overrides;
+  overrides.layout = "separate";
+  return overrides;
+}();
+
 class LayoutTest : public testing::Test {
  protected:
   /// The text with a part replaced.
@@ -74,7 +81,7 @@ TEST_F(LayoutTest, NodesRunInTheProcessesThatAreWritten) {
   EXPECT_EQ(name_of(experiment.layout), "vision, control");
 }
 
-// No way leads back: as in the separate layout spikes take no time, and values a tick.
+// No way leads back: spikes take no time, and values a tick.
 TEST_F(LayoutTest, ForwardSpikesTakeNoTimeAndValuesATick) {
   EXPECT_THAT(texts(loop()), ElementsAre("scan.out -> encoder.in 0", "encoder.out -> decoder.in 0",
                                          "decoder.out -> wheels.in 0", "scan.pace -> wheels.pace 1",
@@ -155,8 +162,29 @@ TEST_F(LayoutTest, TheCommandLineGoesBeforeTheFile) {
   EXPECT_THAT(names(result.experiment), ElementsAre("experiment"));
   EXPECT_FALSE(needs_music(result.experiment));
   EXPECT_EQ(name_of(result.experiment.layout), "fused");
-  EXPECT_EQ(name_of(read_with("duration", "duration", {.layout = "separate"}).experiment.layout),
-            "separate");
+}
+
+TEST_F(LayoutTest, SeparateIsAProcessANode) {
+  const Read result = read_with("duration", "duration", separate);
+  EXPECT_THAT(result.faults, testing::IsEmpty());
+  EXPECT_EQ(name_of(result.experiment.layout), "separate");
+  EXPECT_THAT(names(result.experiment), ElementsAre("scan", "encoder", "decoder", "wheels"));
+  const Experiment experiment = experiment::with_layout_delays(result.experiment);
+  EXPECT_THAT(texts(experiment),
+              ElementsAre("scan.out -> encoder.in 1", "encoder.out -> decoder.in 0",
+                          "decoder.out -> wheels.in 1", "scan.pace -> wheels.pace 2",
+                          "scan.pace -> wheels.sensor_0 1"));
+  EXPECT_EQ(key(experiment::process_job(experiment, "", {}).file, "wheels", "layout"), "separate");
+}
+
+// The simulator's process counts as any other: the data of `control` do not come back to it.
+TEST_F(LayoutTest, ASimulatorMakesNoCycle) {
+  const Experiment experiment = loop(
+      "connections:\n",
+      "  brain: {simulator: python, script: brain.py}\nconnections:\n  - encoder -> brain [3]\n");
+  for (const experiment::Process& process : experiment.layout.processes) {
+    EXPECT_FALSE(process.in_cycle) << process.name;
+  }
 }
 
 TEST_F(LayoutTest, SaysWhatIsWrong) {
@@ -175,6 +203,12 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
   EXPECT_THAT(faults_of("{robot: [scan, encoder], control: [decoder, wheels]}"),
               ElementsAre("x.yaml:4:17: key 'layout': 'robot' is the process of the robot; give "
                           "this one another name [SL0601]"));
+  const Read robot = read_with(
+      "connections:\n", "  robot: {node: clip}\nconnections:\n  - scan -> robot -> decoder [3]\n",
+      separate);
+  EXPECT_THAT(robot.faults,
+              testing::Contains("x.yaml:10:3: key 'layout': 'robot' is the process of the robot; "
+                                "give this one another name [SL0601]"));
   EXPECT_THAT(faults_of("{}"),
               ElementsAre("x.yaml:4:9: key 'layout': there are no processes; write  layout: "
                           "{vision: [camera], control: [encoder, decoder, wheels]}, or leave it "

@@ -152,13 +152,12 @@ TEST_F(ProcessJob, RefusesWhatCannotBe) {
   EXPECT_EQ(
       refusal("  - a -> one [2] -> b [2, delay 0]\n  - a -> two [2]\n"),
       "x.yaml:14:21: spikes from 'one.out' to 'b.in' take at least 1 tick in the fused layout, "
-      "and here it is 0 ticks; write  delay 1 tick, leave it out, or use --layout separate "
-      "[SL0310]");
+      "and here it is 0 ticks; write  delay 1 tick, or leave it out [SL0310]");
   EXPECT_EQ(refusal("  - a -> one [2] -> b [2]\n  - a -> two [2]\n  - c -> one.level [2, delay 1 "
                     "tick]\n"),
             "x.yaml:16:10: continuous values from 'c.out' to 'one.level' take at least 2 ticks in "
-            "the fused layout, and here it is 1 tick; write  delay 2 ticks, leave it out, or use "
-            "--layout separate [SL0310]");
+            "the fused layout, and here it is 1 tick; write  delay 2 ticks, or leave it out "
+            "[SL0310]");
   EXPECT_EQ(
       refusal("  - a -> one [2] -> two [2, delay 2 ticks] -> b [2]\n  - a -> two.more [2, delay 1 "
               "tick]\n"),
@@ -178,7 +177,7 @@ TEST_F(ProcessJob, RefusesWhatCannotBe) {
       "separate [SL0305]");
 }
 
-TEST_F(ProcessJob, TheSeparateLayoutHasASectionMore) {
+TEST_F(ProcessJob, AnExportedJobHasAProgramANode) {
   const auto cells = experiment("  - a -> one [2, delay 2 ticks] -> two [2] -> b [2]\n");
   const MusicFile file = experiment::music_job(cells, "out").file;
   EXPECT_THAT(file.labels(), testing::ElementsAre("a", "b", "c", "one", "two"));

@@ -49,7 +49,7 @@ TEST_F(SyncKey, TheCommandLinesHasNoLine) {
                   "write  ros: 2,  or  sync: lockstep  for the robot in this process [SL0208]"));
 }
 
-TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {
+TEST_F(SyncKey, AnExportedJobHasTwoOfThem) {
   for (const Sync sync : {Sync::lockstep, Sync::sim_time}) {
     const std::string name(experiment::name_of(sync));
     const Read result = read_with("ros: 1\nsync: " + name);
@@ -58,8 +58,8 @@ TEST_F(SyncKey, TheSeparateLayoutHasTwoOfThem) {
       FAIL() << name;
     } catch (const ConfigurationError& error) {
       EXPECT_EQ(files_.back()->plain(error.what()),
-                "x.yaml:4:7: key 'sync': the separate layout has no " + name +
-                    "; write realtime or unpaced, or use the fused layout [SL0601]");
+                "x.yaml:4:7: key 'sync': an exported job has no " + name +
+                    "; write realtime or unpaced [SL0601]");
     }
   }
   for (const char* name : {"realtime", "unpaced"}) {

@@ -72,12 +72,12 @@ def refused(spikeloop, scratch):
 
 
 def music(spikeloop, folder):
-    """A .music file of the run before hands its sections what its command line says."""
+    """A .music file, that of the run before, gives every section what its command line says."""
     def dry_run(*words):
         done = subprocess.run([spikeloop, "run", str(folder / "experiment.music"), "--dry-run", *words],
                               capture_output=True, text=True, check=False)
         return done.returncode, done.stdout.count("ros_arguments=/scan:=/front/scan\n"), done.stderr
-    assert dry_run(NAMES[0])[:2] == (0, 2), dry_run(NAMES[0])
+    assert dry_run(NAMES[0])[:2] == (0, 6), dry_run(NAMES[0])
     assert dry_run()[:2] == (0, 0)
     assert "'__name:=brain' names a node" in dry_run("__name:=brain")[2]
 

@@ -154,7 +154,7 @@ def wrong_options(spikeloop, scratch):
     for arguments, text in (
             (["--roscore"], "--roscore is for .music files, an experiment file says such things "
                             "itself; leave it out"),
-            (["--layout", "separate"], "in the separate layout the robot is reached over ROS"),
+            (["--layout", "separate"], "a robot without ROS needs all sensors and commands in one process"),
             (["--sync", "locked"], "--sync")):
         done = subprocess.run([spikeloop, "run", str(file), *arguments], cwd=scratch,
                               capture_output=True, text=True, check=False)
@@ -165,9 +165,10 @@ def wrong_options(spikeloop, scratch):
         " output: [n]}},\n  r: {node: linear_readout, weights: [[1]]}}\n"
         "connections: [a -> r]\nduration: 1 s\nsync: unpaced\n")
     runs.run(spikeloop, open_end, scratch / "end")
-    done = subprocess.run([spikeloop, "run", str(open_end), "--layout", "separate"], cwd=scratch,
+    runs.run(spikeloop, open_end, scratch / "apart", "--layout", "separate")
+    done = subprocess.run([spikeloop, "export", str(open_end), "--out", str(scratch / "job")], cwd=scratch,
                           capture_output=True, text=True, check=False)
-    text = "end.yaml:2:3: nothing is connected to an output of 'r', and the separate layout knows"
+    text = "end.yaml:2:3: nothing is connected to an output of 'r', and a program in an exported job knows"
     assert done.returncode == 2 and text in done.stderr, done
     music = scratch / "a.music"
     music.write_text("[a]\nnp=1\nbinary=b\n")

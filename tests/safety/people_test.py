@@ -115,7 +115,7 @@ def lose_a_sensor(person, printed):
 
 
 @contextlib.contextmanager
-def run_that_drives(spikeloop, person, version, layout, out, *options, experiment=EXPERIMENT):
+def run_that_drives(person, version, layout, out, *options, experiment=EXPERIMENT):
     """Gives the process and the path of what it prints."""
     (out.parent / "people.yaml").write_text(experiment)
     (out.parent / "clerk.py").write_text(CLERK)
@@ -123,8 +123,8 @@ def run_that_drives(spikeloop, person, version, layout, out, *options, experimen
     person.forget()
     with open(printed, "w", encoding="utf-8") as log:
         process = subprocess.Popen(
-            [spikeloop, "run", str(out.parent / "people.yaml"), "--ros", version, "--layout", layout, "--out",
-             str(out), *options], stdout=log, stderr=log)
+            [*time_to_zero.command(out.parent / "people.yaml", version, layout), "--out", out, *options],
+            stdout=log, stderr=log)
     try:
         ros.until(lambda: person.is_driven() or process.poll() is not None, "a command", 90)
         assert process.poll() is None, printed.read_text()
@@ -134,8 +134,8 @@ def run_that_drives(spikeloop, person, version, layout, out, *options, experimen
         process.wait(30)
 
 
-def without_a_sensor_at_the_end(spikeloop, person, version, layout, out):
-    with run_that_drives(spikeloop, person, version, layout, out, "--duration", "8",
+def without_a_sensor_at_the_end(person, version, layout, out):
+    with run_that_drives(person, version, layout, out, "--duration", "8",
                          experiment=WITH_CLERK) as (process, printed):
         person.odometry(False)
         assert process.wait(60) == 3, printed.read_text()
@@ -149,8 +149,8 @@ def without_a_sensor_at_the_end(spikeloop, person, version, layout, out):
     clerk.unlink()
 
 
-def with_people(spikeloop, person, version, layout, folder):
-    with run_that_drives(spikeloop, person, version, layout, folder / layout) as (_, printed):
+def with_people(person, version, layout, folder):
+    with run_that_drives(person, version, layout, folder / layout) as (_, printed):
         stop_and_release(person)
         drive_by_hand(person, printed)
         lose_a_sensor(person, printed)
@@ -171,11 +171,11 @@ def main():
             version, programs, pathlib.Path(scratch)) as person:
         person.scans(True)
         person.odometry(True)
-        for layout in ("fused", "separate"):
-            with_people(str(programs / "spikeloop"), person, version, layout, pathlib.Path(scratch))
-            without_a_sensor_at_the_end(str(programs / "spikeloop"), person, version, layout,
+        for layout in ("fused", "music"):
+            with_people(person, version, layout, pathlib.Path(scratch))
+            without_a_sensor_at_the_end(person, version, layout,
                                         pathlib.Path(scratch) / f"{layout}_without")
-    print(f"people stop and drive the robot in both layouts over ROS {version}")
+    print(f"people stop and drive the robot, in one process and in a job, over ROS {version}")
 
 
 if __name__ == "__main__":

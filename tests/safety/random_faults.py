@@ -44,7 +44,7 @@ class Launch:
 
     def __init__(self, dice, layout):
         self.layout = layout
-        self.text = WITHOUT_SCRIPT if layout != "separate" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
+        self.text = WITHOUT_SCRIPT if layout != "music" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
         self.phase = dice.choice(PHASES)
         self.signal = dice.choice(SIGNALS)
         self.moment_s = dice.uniform(0, {"start": 1.5, "driven": 0.5, "end": 0.3}[self.phase])
@@ -63,9 +63,8 @@ class Launch:
             started = time.monotonic()
             with open(self.folder / "printed", "w", encoding="utf-8") as log:
                 self.process = subprocess.Popen(
-                    [PROGRAMS / "spikeloop", "run", "faults.yaml", "--ros", robot.version,
-                     *time_to_zero.LAYOUTS[self.layout], "--out", "run", "--start-timeout", str(START_S),
-                     "--stall-timeout", str(STALL_S)],
+                    [*time_to_zero.command(self.folder / "faults.yaml", robot.version, self.layout), "--out", "run",
+                     "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)],
                     cwd=self.folder, env=dict(os.environ, SPIKELOOP_FAULTS=name, TMPDIR=f"{name}/tmp"),
                     stdout=log, stderr=log, start_new_session=True)
             try:

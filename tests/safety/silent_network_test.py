@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """spike_timeout in one process, its robot there or over ROS 1 or 2: a network that falls silent stops the robot where that is asked for, at its
-simulated time, and nowhere else; the separate layout refuses the key."""
+simulated time, and nowhere else; an exported job refuses the key."""
 
 import contextlib
 import json
@@ -50,15 +50,14 @@ def stops(spikeloop, version):
 
 
 def is_refused(spikeloop):
-    """In the separate layout."""
+    """In an exported job."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "silent.yaml"
         file.write_text(EXPERIMENT.format(more=", spike_timeout: 1 s").replace("lockstep", "realtime\nros: 2"))
         done = subprocess.run([spikeloop, "export", str(file), "--out", folder + "/job"],
                               capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "silent.yaml:" in done.stderr and "key 'spike_timeout': the " \
-        "separate layout has none, because no spike reaches the command's process; leave it out, " \
-        "or use the fused layout" in done.stderr, done
+    assert done.returncode == 2 and "silent.yaml:" in done.stderr and "key 'spike_timeout': an " \
+        "exported job has none, because no spike reaches the command's program; leave it out" in done.stderr, done
 
 
 def main():

@@ -1,5 +1,5 @@
-// An experiment as a .music file: the separate layout, a process a node; and any other one, a
-// process for each simulator and one for the nodes that share it.
+// An experiment as a .music file: with a section for each process of its layout, to be run; or with
+// a program for each node, to be exported.
 #pragma once
 
 #include <map>
@@ -17,7 +17,8 @@ struct MusicJob {
   std::map<std::string, std::string> files;
 };
 
-/// Sections and connections as the experiment has them. A declared delay is kept; a continuous
+/// The job of `spikeloop export`: each node is a section of the program of its class, which users of
+/// MUSIC can edit and run without an experiment file. A declared delay is kept; a continuous
 /// connection without one gets what MUSIC takes, a tick.
 /// @param folder where `files` will lie
 /// @throws ConfigurationError for what MUSIC cannot do: lockstep, a robot without ROS, a continuous
@@ -27,8 +28,7 @@ MusicJob music_job(const Experiment& experiment, const std::string& folder);
 /// A port of a process that has nodes: "brain__in" leads to the port `in` of the simulator `brain`.
 std::string process_port(const std::string& end);
 
-/// A section for every process of a layout but the separate one: for each simulator, and for the
-/// nodes that share a process.
+/// A section for each process of the layout, and for each simulator.
 /// @param experiment as with_layout_delays() gives it
 /// @param keys of every section that has nodes, beside those that the experiment gives it
 /// @throws ConfigurationError when MUSIC cannot do it: nothing joins a process with the others,
