@@ -112,18 +112,18 @@ int main(int argc, char** argv) {
   Arguments arguments;
   arguments.overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
   app.add_option("FILE", arguments.file, "Experiment file")->required();
-  app.add_option("--out", arguments.run.folder, "Run folder, which must be there");
+  app.add_option("--out", arguments.run.folder, "Run folder; must exist");
   app.add_option("--duration", arguments.overrides.duration_s, "Simulated time, s");
   app.add_option("--seed", arguments.overrides.seed, "Seed of the random numbers");
   app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
-                 "Simulated time over wall time");
-  app.add_option("--sync", arguments.sync, "In place of the key sync");
-  app.add_option("--ros", arguments.ros, "In place of the key ros");
-  app.add_option("--ros-arguments", arguments.ros_arguments, "NAME:=VALUE ... for the node of ROS");
+                 "Simulated time / wall time");
+  app.add_option("--sync", arguments.sync, "Replaces the key sync");
+  app.add_option("--ros", arguments.ros, "Replaces the key ros");
+  app.add_option("--ros-arguments", arguments.ros_arguments, "NAME:=VALUE ... for the ROS node");
   app.add_option("--stall-timeout", arguments.stall_timeout_s,
-                 "Longest wall time that a stepped robot may take to answer, s; 0: any");
-  app.add_option("--about", arguments.about, "What resolved.json says beside the experiment, JSON");
-  app.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
+                 "Longest wall time until a stepped robot answers, s; 0: no limit");
+  app.add_option("--about", arguments.about, "Additional content of resolved.json, JSON");
+  app.add_flag("--no-record", arguments.no_record, "Do not record the outputs of nodes");
   CLI11_PARSE(app, argc, argv);
   arguments.run.record = !arguments.no_record;
   arguments.run.about = nlohmann::json::parse(arguments.about, nullptr, false);

@@ -23,30 +23,30 @@ std::vector<ParameterDescription> own_parameters() {
     return ParameterDescription{
         .name = name, .type = ParameterType::text, .default_value = std::move(value), .text = line};
   };
-  return {text("experiment", std::nullopt, "the experiment file"),
-          text("wait_for", "realtime", "the experiment's sync"),
+  return {text("experiment", std::nullopt, "Experiment file"),
+          text("wait_for", "realtime", "Key sync of the experiment"),
           {.name = "ros",
            .type = ParameterType::choice,
            .default_value = "none",
            .choices = {"none", "1", "2"},
-           .text = "the experiment's ros"},
-          text("ros_arguments", "", "NAME:=VALUE ... for the node of ROS"),
+           .text = "Key ros of the experiment"},
+          text("ros_arguments", "", "NAME:=VALUE ... for the ROS node"),
           {.name = "stall_timeout",
            .unit = "s",
            .default_value = "60",
            .minimum = 0,
-           .text = "longest wall time that a stepped robot may take to answer; 0: any"},
-          text("layout", "", "fused or separate, in place of the experiment's layout"),
-          text("about", "", "what resolved.json says beside the experiment, JSON"),
-          text("replay_origin", "", "of a replay: the file that was run"),
-          text("replay_bag", "", "of a replay: the messages in the robot's place")};
+           .text = "Longest wall time until a stepped robot answers; 0: no limit"},
+          text("layout", "", "fused or separate: replaces the key layout"),
+          text("about", "", "Additional content of resolved.json, JSON"),
+          text("replay_origin", "", "Replay: original experiment file"),
+          text("replay_bag", "", "Replay: bag that replaces the robot")};
 }
 
 music::ProgramText program_text() {
   music::ProgramText text;
   text.name = "spikeloop-fused-music";
-  text.summary = "The nodes of an experiment that share a process, beside others";
-  text.ports = "  as the experiment's connections with its other processes\n";
+  text.summary = "Runs those nodes of an experiment that share a process";
+  text.ports = "  those of the connections to the other processes\n";
   text.parameters = own_parameters();
   text.example = "  spikeloop run FILE.yaml  writes its section\n";
   return text;

@@ -23,7 +23,7 @@ constexpr const char* kExample =
     "  encoder.out -> network.in [100]\n"
     "  network.out -> decoder.in [102]\n"
     "\n"
-    "and brain.yaml (docs/network-file.md has all keys):\n"
+    "brain.yaml (all keys: docs/network-file.md):\n"
     "  resolution: 0.1 ms\n"
     "  populations:\n"
     "    input: {model: input, size: 100}\n"
@@ -40,11 +40,11 @@ music::ProgramText program_text() {
   text.name = "spikeloop-network";
   text.summary = description.text;
   text.ports =
-      "  in         spikes      the input populations, in the file's order\n"
-      "  signal     continuous  the populations of model signal_input, in the file's order\n"
-      "  out        spikes      the populations of the list `output`, in its order\n"
-      "  potential  continuous  membrane potentials of the list `potential`, mV\n"
-      "  NAME_spikes, NAME_V_m  what the file records of population NAME\n";
+      "  in         spikes      Input populations, in the order of the file\n"
+      "  signal     continuous  Populations of model signal_input, in the order of the file\n"
+      "  out        spikes      Populations in the list `output`, in its order\n"
+      "  potential  continuous  Membrane potentials in the list `potential`, mV\n"
+      "  NAME_spikes, NAME_V_m  Recorded data of population NAME\n";
   text.parameters = description.parameters;
   text.example = kExample;
   text.notes =

@@ -73,11 +73,9 @@ music::ProgramText text_of(const NodeProgram& program) {
   if (program.older_key != nullptr) {
     text.notes = fmt::format("{}=FILE is the older spelling of {}=FILE.\n", program.older_key,
                              program.table);
-    text.notes +=
-        reads_grid(description)
-            ? ""
-            : "Unless strict=true, a file that is missing or not readable gives 1 / inputs, with a "
-              "warning.\n";
+    text.notes += reads_grid(description) ? ""
+                                          : "Without strict=true, a missing or unreadable file is "
+                                            "a warning; all weights are 1 / inputs.\n";
   }
   for (const ParameterDescription& parameter : text.parameters) {
     if (const char* older = older_spelling_of(program.name, parameter.name)) {
@@ -85,10 +83,9 @@ music::ProgramText text_of(const NodeProgram& program) {
     }
   }
   if (program.table != nullptr) {
-    text.notes += fmt::format(
-        "A file for {} is JSON, [[0.1, 0.2], [0.3, 0.4]], or an array that numpy.save wrote "
-        "(.npy).\n",
-        program.table);
+    text.notes +=
+        fmt::format("The file of {} is JSON, [[0.1, 0.2], [0.3, 0.4]], or a NumPy array (.npy).\n",
+                    program.table);
   }
   text.notes += dialect_note(program.name);
   text.defaults.accept_one_tick = program.accept_one_tick;
@@ -174,23 +171,22 @@ music::ProgramText node_program_text(const std::string& name) {
   text.name = "spikeloop-node";
   text.summary = "Runs one node of any class, built in or from a plug-in";
   text.parameters = {
-      {.name = "node", .type = ParameterType::text, .text = "Class of the node; --list shows them"},
+      {.name = "node", .type = ParameterType::text, .text = "Node class; --list prints all"},
       {.name = "plugin",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "A plug-in to load first, *.so or *.py; those in SPIKELOOP_PLUGIN_PATH are always "
-               "loaded"},
+       .text = "Plug-in to load, *.so or *.py; those in SPIKELOOP_PLUGIN_PATH are always loaded"},
       {.name = "ports",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "Of a plug-in's class, for the launcher: continuous->spikes or the like"}};
-  text.ports = "  those of the class, under the same names\n";
+       .text = "Kinds of a plug-in's ports, for the launcher: continuous->spikes"}};
+  text.ports = "  those of the class, with the same names\n";
   text.example =
       "  [encoder]\n  binary=spikeloop-node\n  np=1\n  node=rate_encoder\n  rate_max=200\n"
       "  SENDER.out -> encoder.in [100]\n  encoder.out -> RECEIVER.in [100]\n";
-  text.notes = "The class's own parameters are keys of the section as well.\n";
+  text.notes = "The parameters of the class are also keys of the section.\n";
   text.defaults.many_processes = true;
-  text.options["--list"] = {"the node classes", class_list};
+  text.options["--list"] = {"Print the node classes", class_list};
   return text;
 }
 

@@ -11,8 +11,8 @@ music::ProgramText program_text(const std::string& name) {
   music::ProgramText text;
   text.name = spikes ? "spike_playback" : "signal_playback";
   text.summary = spikes ? "Plays back recorded spikes" : "Plays back a recorded continuous signal";
-  text.ports = spikes ? "  out  output  spikes      recorded data, at the recorded times\n"
-                      : "  out  output  continuous  recorded data, at the recorded times\n";
+  text.ports = spikes ? "  out  output  spikes      Recorded data, at the recorded times\n"
+                      : "  out  output  continuous  Recorded data, at the recorded times\n";
   text.parameters = record::playback_parameters();
   text.example = "  [input]\n  binary=" + text.name +
                  "\n  np=1\n  file=run1/encoder.h5\n  input.out -> RECEIVER.in [100]\n";

@@ -204,7 +204,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures the latency from a scan to the first command that follows it, for spikeloop bench",
       "spikeloop-latency-probe");
-  app.add_option("--ros", options.ros, "version of ROS")->check(CLI::IsMember({1, 2}));
+  app.add_option("--ros", options.ros, "ROS version")->check(CLI::IsMember({1, 2}));
   app.add_option("--scan-topic", options.scan_topic);
   app.add_option("--command-topic", options.command_topic);
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);

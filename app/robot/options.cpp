@@ -10,25 +10,23 @@ namespace spikeloop::robot {
 namespace {
 
 constexpr const char* kDescription =
-    "A skid-steered vehicle in a simulated world (MuJoCo), as a node of ROS 1 or 2. Publishes\n"
-    "laser scans (20 Hz), odometry, joint states, /tf (50 Hz), inertial data (100 Hz), light in a\n"
-    "world with lamps (50 Hz), pictures when asked to, and the clock, all in simulated time; "
-    "drives as\n"
-    "geometry_msgs/Twist says (linear.x, angular.z). docs/robot.md has topics, frames and worlds.";
+    "Simulates a skid-steered vehicle (MuJoCo) as a node of ROS 1 or 2. Publishes laser scans\n"
+    "(20 Hz), odometry, joint states, /tf (50 Hz), inertial data (100 Hz), light in a world with\n"
+    "lamps (50 Hz), optional camera images, and the clock, all in simulated time. Follows\n"
+    "geometry_msgs/Twist (linear.x, angular.z). Topics, frames and worlds: docs/robot.md.";
 
 constexpr const char* kExamples =
     "Examples:\n"
     "  spikeloop-robot                               the shipped arena, seed 1, until Ctrl-C\n"
     "  spikeloop-robot --seed 3 --duration 60 --out run    one minute, path and world in run/\n"
-    "  spikeloop-robot --world lab.xml --real-time-factor 0.5    your world at half speed\n"
-    "  spikeloop-robot --world phototaxis --camera 64x48    a lamp to see, and a camera\n"
+    "  spikeloop-robot --world lab.xml --real-time-factor 0.5    a custom world at half speed\n"
+    "  spikeloop-robot --world phototaxis --camera 64x48    a world with a lamp; a camera\n"
     "  spikeloop-robot --duration 20 --render drive.mp4 --render-view above+chase\n"
-    "  spikeloop-robot --step                        moves when an experiment with sync: lockstep "
-    "says so\n"
+    "  spikeloop-robot --step                        stepped by an experiment with sync: lockstep\n"
     "  rostopic pub -r 10 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.3}, angular: {z: 0.5}}'\n"
     "\n"
-    "Exit codes: 0 done or stopped, 2 wrong option or world, 3 no ROS master, 4 a file could not\n"
-    "be read or written, 5 the simulation failed.";
+    "Exit codes: 0 finished or stopped, 2 invalid option or world, 3 no ROS master, 4 a file\n"
+    "cannot be read or written, 5 the simulation failed.";
 
 /// CLI::Range takes NaN for a number between any two.
 CLI::Validator within(double least, double most) {
@@ -59,20 +57,19 @@ void take(const PictureWords& words, RunOptions& options) {
 
 void declare_pictures(CLI::App& app, PictureWords& words) {
   auto* camera =
-      app.add_option("--camera", words.camera, "camera/image_raw: pictures of WIDTHxHEIGHT pixels");
-  app.add_option("--camera-rate", words.seen.rate_hz, "pictures in a simulated second")
+      app.add_option("--camera", words.camera, "WIDTHxHEIGHT of the images on camera/image_raw");
+  app.add_option("--camera-rate", words.seen.rate_hz, "Images per simulated second")
       ->check(within(0.001, 1000.0))
       ->capture_default_str()
       ->needs(camera);
-  app.add_option("--camera-fov", words.seen.field_of_view_deg,
-                 "degrees from the left edge to the right one")
+  app.add_option("--camera-fov", words.seen.field_of_view_deg, "Horizontal field of view, degrees")
       ->check(within(1.0, 170.0))
       ->capture_default_str()
       ->needs(camera);
   auto* render = app.add_option(
       "--render", words.spectators.render,
-      "a film: FILE.mp4 (.webm, .mkv, .gif; needs ffmpeg), a directory of pictures, or FILE.png: "
-      "the end, with the path driven");
+      "Film of the robot, FILE.mp4 (.webm, .mkv, .gif; needs ffmpeg); folder of images; or "
+      "FILE.png, the final state with the path");
   app.add_option("--render-view", words.spectators.view,
                  "above, chase, camera, or several: above+chase")
       ->capture_default_str()
@@ -80,52 +77,51 @@ void declare_pictures(CLI::App& app, PictureWords& words) {
   app.add_option("--render-size", words.spectators.size, "WIDTHxHEIGHT in pixels")
       ->capture_default_str()
       ->needs(render);
-  app.add_option("--render-rate", words.spectators.rate_hz, "pictures in a simulated second")
+  app.add_option("--render-rate", words.spectators.rate_hz, "Images per simulated second")
       ->check(within(0.001, 1000.0))
       ->capture_default_str()
       ->needs(render);
-  app.add_flag("--view", words.spectators.window, "a window on the world; needs a display");
+  app.add_flag("--view", words.spectators.window, "Show the robot in a window; needs a display");
 }
 
 void declare(CLI::App& app, RunOptions& options) {
   app.set_version_flag("--version", std::string("spikeloop-robot ") + SPIKELOOP_VERSION);
   app.footer(kExamples);
-  app.add_option("--world", options.vehicle.world, "MJCF file, or the name of a shipped one")
+  app.add_option("--world", options.vehicle.world, "MJCF file, or name of a shipped world")
       ->capture_default_str();
-  app.add_option("--seed", options.vehicle.seed, "places the obstacles and the start pose")
+  app.add_option("--seed", options.vehicle.seed, "Seed of obstacles and start pose")
       ->capture_default_str();
   auto* duration =
-      app.add_option("--duration", options.duration_s, "simulated seconds; 0: until stopped")
+      app.add_option("--duration", options.duration_s, "Simulated time, s; 0: until stopped")
           ->check(within(0.0, 1e9))
           ->capture_default_str();
   app.add_option("--real-time-factor", options.real_time_factor,
-                 "simulated seconds in a second of the wall clock")
+                 "Ratio of simulated time to wall time")
       ->check(within(1e-3, 1e3))
       ->capture_default_str();
-  app.add_option("--clock-rate", options.clock_rate_hz,
-                 "how often /clock is published, Hz of simulated time")
+  app.add_option("--clock-rate", options.clock_rate_hz, "Rate of /clock in simulated time, Hz")
       ->check(within(1.0, 1000.0))
       ->capture_default_str();
   app.add_flag("--step", options.step,
-               "waits for nothing but an experiment that steps it (sync: lockstep)")
+               "Advance only when an experiment steps the robot (sync: lockstep)")
       ->excludes(duration);
-  app.add_option("--out", options.out, "directory for trajectory.csv and world.json");
-  app.add_option("--topic-prefix", options.topic_prefix, "before topics without a leading '/'")
+  app.add_option("--out", options.out, "Folder for trajectory.csv and world.json");
+  app.add_option("--topic-prefix", options.topic_prefix, "Prefix of topics without leading '/'")
       ->capture_default_str();
-  app.add_option("--scan-topic", options.scan_topic, "sensor_msgs/LaserScan out")
+  app.add_option("--scan-topic", options.scan_topic, "Output topic, sensor_msgs/LaserScan")
       ->capture_default_str();
-  app.add_option("--odom-topic", options.odometry_topic, "nav_msgs/Odometry out")
+  app.add_option("--odom-topic", options.odometry_topic, "Output topic, nav_msgs/Odometry")
       ->capture_default_str();
-  app.add_option("--clock-topic", options.clock_topic, "rosgraph_msgs/Clock out")
+  app.add_option("--clock-topic", options.clock_topic, "Output topic, rosgraph_msgs/Clock")
       ->capture_default_str();
-  app.add_option("--cmd-topic", options.command_topic, "geometry_msgs/Twist in")
+  app.add_option("--cmd-topic", options.command_topic, "Input topic, geometry_msgs/Twist")
       ->capture_default_str();
-  app.add_option("--ros", options.ros, "version of ROS")
+  app.add_option("--ros", options.ros, "ROS version")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
-  app.add_option("--node-name", options.node_name, "name of the ROS node")->capture_default_str();
+  app.add_option("--node-name", options.node_name, "Name of the ROS node")->capture_default_str();
   app.add_option("--master-timeout", options.master_timeout_s,
-                 "seconds to wait for the master of ROS 1")
+                 "Time to wait for the ROS 1 master, s")
       ->check(within(0.0, 1e6))
       ->capture_default_str();
 }

@@ -29,8 +29,8 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
   return program_parameters(
       program,
       {text("message_mapping_filename", program.mapping_file,
-            "File that says which channel goes to which field"),
-       text("message_type", "", "Without a mapping file: FloatArray; with one, the file decides"),
+            "File that assigns channels to fields"),
+       text("message_type", "", "FloatArray without a mapping file; with one, its type applies"),
        {.name = "command_update_rate",
         .unit = "Hz",
         .default_value = program.command_rate,
@@ -40,12 +40,12 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
         .type = ParameterType::integer,
         .default_value = "0",
         .minimum = 0,
-        .text = "Ticks that the data take longer than the pace, which waits for them"},
+        .text = "Delay of the data relative to pace, in ticks; pace is delayed by it"},
        {.name = "default_limits",
         .type = ParameterType::boolean,
         .default_value = "false",
-        .text = "Velocities of a Twist without limits in the mapping file have [-1, 1] m/s and "
-                "[-3, 3] rad/s, as in experiments"},
+        .text = "Twist velocities without limits in the mapping file are limited to [-1, 1] m/s "
+                "and [-3, 3] rad/s"},
        sensor_topics_parameter()});
 }
 
@@ -146,10 +146,10 @@ command::CommandSettings command_settings(const music::Process& process, const S
 music::ProgramText command_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "A continuous signal as command messages on a ROS topic";
+  text.summary = "Sends a continuous signal as ROS command messages";
   text.ports =
-      "  in         input   continuous  the numbers to send\n"
-      "  pace       input   continuous  [1] from ros_sensor_adapter: the age of the data\n";
+      "  in         input   continuous  Numbers to send\n"
+      "  pace       input   continuous  [1] From ros_sensor_adapter: age of the data\n";
   text.parameters = command_parameters(program);
   text.example = fmt::format(
       "  [command]\n  binary={}\n  np=1\n  ros_topic=/cmd_vel\n"
@@ -159,15 +159,11 @@ music::ProgramText command_text(const RosProgram& program) {
       "   \"min\": -1, \"max\": 1}}\n",
       program.name);
   text.notes =
-      "A command that has moved by more than the deadband leaves at once. A zero command leaves "
-      "when\n"
-      "the run ends in whatever way, when no tick comes, when data are too old (this needs the "
-      "port\n"
-      "pace), and instead of a command with NaN or infinity in it. With SPIKELOOP_GUARD=PATH,\n"
-      "spikeloop-guard sends it when this program cannot: killed by SIGKILL, or stopped by "
-      "SIGSTOP.\n"
-      "The topics emergency_stop and override are read the moment a message comes. docs/safety.md\n"
-      "has all of it.\n";
+      "A command that changes by more than the deadband is sent at once. A zero command is sent\n"
+      "when the run ends for any reason, when ticks are missing, when data are too old (needs the\n"
+      "port pace), and instead of a command with NaN or infinity. With SPIKELOOP_GUARD=PATH,\n"
+      "spikeloop-guard sends it when this program is killed (SIGKILL) or stopped (SIGSTOP).\n"
+      "Messages on emergency_stop and override take effect at once. See docs/safety.md.\n";
   return text;
 }
 

@@ -19,7 +19,7 @@ music::ProgramText event_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
   text.summary = "Converts the events of an event camera to spikes, each at its own time";
-  text.ports = "  out        output  spikes      a channel a pixel, or a block of pixels\n";
+  text.ports = "  out        output  spikes      One channel per pixel or block of pixels\n";
   text.parameters = event_parameters(program);
   text.example = fmt::format(
       "  stoptime=10\n  [event]\n  binary={}\n  np=1\n  ros_topic=/dvs/events\n"
@@ -27,18 +27,16 @@ music::ProgramText event_text(const RosProgram& program) {
       "  event.out -> RECEIVER.in [2048]\n",
       program.name);
   text.notes =
-      "Pixel (x, y) is channel y * W + x, where W is the width of the camera, or of the roi, over\n"
-      "downsample, rounded up; with H for the height the port has W * H channels. polarity=split:\n"
-      "brighter (on) as before, darker (off) on channel W * H + y * W + x; 2 * W * H channels.\n\n"
-      "The newest event of the first message is taken to have happened when the message came. All\n"
-      "events are sent `latency` after they happened, with the spacing of their stamps; what "
-      "comes\n"
-      "too late for that is sent at once, and counted (late_events). When the camera's clock "
-      "jumps\n"
-      "back, as that of a bag that begins again, or by more than 1 s ahead, the next message is a\n"
-      "first one again (clock_jumps). Nothing is sent of messages from before the run began.\n\n"
-      "There is no port pace: a camera that sees nothing new sends nothing, so a command adapter\n"
-      "cannot tell how old its commands' data are, and max_age does nothing.\n";
+      "Pixel (x, y) is channel y * W + x. W is the width of the camera, or of the roi, divided by\n"
+      "downsample and rounded up; with the height H the port has W * H channels. polarity=split:\n"
+      "brighter (on) as above, darker (off) on channel W * H + y * W + x; 2 * W * H channels.\n\n"
+      "The newest event of the first message is assumed to have happened when the message\n"
+      "arrived. Every event is sent `latency` after it happened, with the spacing of the stamps.\n"
+      "Later events are sent at once and counted (late_events). If the camera's clock jumps back,\n"
+      "as in a bag that starts again, or ahead by more than 1 s, the next message counts as the\n"
+      "first one (clock_jumps). Messages from before the start of the run are left out.\n\n"
+      "There is no port pace, because a camera sends nothing while nothing changes. So a command\n"
+      "adapter does not know the age of its data, and max_age has no effect.\n";
   text.defaults.pace = true;
   return text;
 }

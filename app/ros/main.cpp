@@ -13,14 +13,12 @@ namespace {
 music::ProgramText general_text() {
   music::ProgramText text;
   text.name = "spikeloop-ros";
-  text.summary = "Connects ROS topics with MUSIC, under the name of an adapter";
+  text.summary = "Connects ROS topics with MUSIC; run by the name of an adapter";
   text.notes =
-      "Write binary=ros_sensor_adapter (messages to channels), binary=ros_event_sensor_adapter "
-      "(an\n"
-      "event camera to spikes) or binary=ros_command_adapter (channels to messages); each answers\n"
-      "--help. ros_cont_adapter and cont_ros_adapter are the first and the last with the defaults "
-      "of\n"
-      "ros-music-adapters.\n";
+      "Write binary=ros_sensor_adapter (messages to channels), binary=ros_event_sensor_adapter\n"
+      "(events of a camera to spikes) or binary=ros_command_adapter (channels to messages); each\n"
+      "has --help. ros_cont_adapter and cont_ros_adapter are the first and the last one with the\n"
+      "defaults of ros-music-adapters.\n";
   return text;
 }
 

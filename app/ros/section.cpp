@@ -13,22 +13,22 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
   return {{.name = "ros_node_name",
            .type = ParameterType::text,
            .default_value = program.node_name,
-           .text = "Name of the ROS node; the default gets a suffix that makes it unique"},
+           .text = "Name of the ROS node; the default has a unique suffix"},
           {.name = "ros",
            .type = ParameterType::choice,
            .default_value = "1",
            .choices = {"1", "2"},
-           .text = "Version of ROS"},
+           .text = "ROS version"},
           {.name = "ros_arguments",
            .type = ParameterType::text,
            .default_value = "",
-           .text = "NAME:=VALUE ... as for any node of ROS: other names of topics, __ns"},
+           .text = "NAME:=VALUE ... as for any ROS node: remapped topics, __ns"},
           {.name = "master_timeout",
            .unit = "s",
            .default_value = "5",
            .minimum = 0,
            .maximum = 86400,
-           .text = "How long to wait for the master of ROS 1 (ROS_MASTER_URI)"}};
+           .text = "Time to wait for the ROS 1 master (ROS_MASTER_URI)"}};
 }
 
 /// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
@@ -77,7 +77,7 @@ ParameterDescription update_rate_parameter() {
           .unit = "Hz",
           .default_value = "30",
           .minimum = 0,
-          .text = "Accepted for older files; messages are taken when they arrive"};
+          .text = "No effect, for older files; messages are used when they arrive"};
 }
 
 Section read_section(const music::Process& process, const RosProgram& program,

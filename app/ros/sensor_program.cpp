@@ -18,12 +18,12 @@ constexpr const char* kMapping = "sensor_mapping_filename";
 
 std::vector<ParameterDescription> sensor_parameters(const RosProgram& program) {
   return program_parameters(
-      program, {{.name = kMapping,
-                 .type = ParameterType::text,
-                 .default_value = "",
-                 .text = "File with fields and their scales and limits, or with what is taken of a "
-                         "picture"},
-                update_rate_parameter()});
+      program,
+      {{.name = kMapping,
+        .type = ParameterType::text,
+        .default_value = "",
+        .text = "File with fields, their scales and limits, or with the settings of an image"},
+       update_rate_parameter()});
 }
 
 /// The file has the keys `fields` and `image` of the node.
@@ -64,24 +64,23 @@ Location rule_place(const music::Process& process, const Parameters& parameters)
 music::ProgramText sensor_text(const RosProgram& program) {
   music::ProgramText text;
   text.name = program.name;
-  text.summary = "The newest message of a ROS topic as a continuous signal";
+  text.summary = "Converts the newest ROS message to a continuous signal";
   text.ports =
-      "  out        output  continuous  the message's numbers\n"
-      "  pace       output  continuous  [1] when the newest message came (monotonic clock, s)\n";
+      "  out        output  continuous  Numbers of the message\n"
+      "  pace       output  continuous  [1] Arrival of the newest message (monotonic clock, s)\n";
   text.parameters = sensor_parameters(program);
   text.example = fmt::format(
       "  [sensor]\n  binary={}\n  np=1\n  ros_topic=/scan\n"
       "  message_type=Laserscan\n  sensor.out -> RECEIVER.in [100]\n",
       program.name);
   text.notes =
-      "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; nearer than range_min and -inf\n"
-      "are -1, beyond range_max and +inf are 1; NaN and 0 are no reading, the beam keeps its "
-      "value.\n"
-      "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: as it is. Odometry:\n"
+      "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; below range_min and -inf: -1;\n"
+      "above range_max and +inf: 1; NaN and 0 are no reading, the beam keeps its value.\n"
+      "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: unchanged. Odometry:\n"
       "x[, y[, z]] in metres. Image, CompressedImage: grey, -1 to 1.\n"
       "Older names of types: Laserscan, Twist, FloatArray, Odom.\n"
-      "fields=PATH,PATH takes other fields than the type's usual ones, their numbers as they are.\n"
-      "A mapping file holds  {\"fields\": [\"PATH\", {\"path\": \"PATH\", \"scale\": 2}]}  or\n"
+      "fields=PATH,PATH selects other fields; their numbers are not scaled.\n"
+      "A mapping file contains  {\"fields\": [\"PATH\", {\"path\": \"PATH\", \"scale\": 2}]}  or\n"
       "{\"image\": {\"resize\": [40, 30]}}  (docs/images.md).\n";
   text.defaults.pace = true;
   return text;

@@ -44,7 +44,7 @@ ParameterDescription sensor_topics_parameter() {
   return {.name = "sensor_topics",
           .type = ParameterType::text,
           .default_value = "",
-          .text = "Topics that stop the robot when they are silent, as TOPIC:TYPE:SECONDS,..."};
+          .text = "Topics with timeouts that stop the robot: TOPIC:TYPE:SECONDS,..."};
 }
 
 std::vector<SensorTopic> sensor_topics(const Parameters& keys, messages::Dialect ros) {

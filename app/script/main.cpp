@@ -27,15 +27,15 @@ constexpr const char* kName = "spikeloop-script";
 constexpr const char* kCheckOption = "--check-section";
 
 constexpr const char* kHelp =
-    R"(spikeloop-script: runs a script in Python as a program of a MUSIC job
+    R"(spikeloop-script: runs a Python script as a program of a MUSIC job
 
   [brain]
     np=1
     binary=spikeloop-script
     script=brain.py
 
-The script takes part by the package spikeloop (docs/simulators.md). It need not be executable; it
-is run by /usr/bin/python3, or by the one that PYTHON names.
+The script uses the package spikeloop (docs/simulators.md). It need not be executable;
+/usr/bin/python3 runs it, or the interpreter in PYTHON.
 )";
 
 /// MUSIC's launcher changes into the section's directory, but leaves PWD.

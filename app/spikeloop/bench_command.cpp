@@ -18,26 +18,26 @@ namespace spikeloop::app::bench_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop bench --quick                       two minutes, no simulators: does it work here?
-  spikeloop bench --out results                 everything, for hours; Ctrl-C keeps what there is
+  spikeloop bench --quick                       two minutes at most, no simulators: a quick test
+  spikeloop bench --out results                 everything; takes hours, Ctrl-C keeps the results
   spikeloop bench --out results --part a --encoders rate --simulators none
   spikeloop bench --out results --part c --ticks 1,50 --steps 12
-  spikeloop bench --out results --draw          table and pictures of what has been measured
+  spikeloop bench --out results --draw          draws table and figures again
 
-The measurements of Weidel, Djurfeldt, Duarte & Morrison 2016 (Front. Neuroinform. 10:31):
-  a  real-time factor over the number of encoding neurons, and the largest number in real time
-  b  real-time factor over the firing rate of 50,000 neurons
-  c  latency from a laser scan to the command that answers it, over the tick; over ROS 1
-  d  real-time factor over tick and number of neurons
-In a, b and d a laser of 100 beams at 20 Hz is made in the job: no ROS. scan -> connect -> encoder ->
-(repeaters in a simulator) -> readout -> low pass, uniform weights. All programs build, meet at a
-barrier, and run as fast as they can: only the run counts.
+Repeats the measurements of Weidel, Djurfeldt, Duarte & Morrison 2016 (Front. Neuroinform. 10:31):
+  a  real-time factor vs. number of encoding neurons, and the largest number in real time
+  b  real-time factor vs. firing rate of 50,000 neurons
+  c  latency from a laser scan to the resulting command vs. tick, over ROS 1
+  d  real-time factor vs. tick and number of neurons
+Parts a, b and d play back a laser of 100 beams at 20 Hz inside the job, without ROS. The chain is
+scan -> connect -> encoder -> (repeaters in a simulator) -> readout -> low pass, with uniform
+weights. All programs start at a barrier and run as fast as possible. Build time does not count.
 
---out has results.json, added to after every run of the chain, and a PNG a part. What it has already
-is not measured again, so that any part can be done at any time, and a stopped bench goes on.
+The folder of --out has results.json, which is updated after every run, and one PNG per part.
+Results in it are not measured again, so a stopped bench can be continued.
 
-Exit codes: 0 measured, 1 some of it could not be (said, and in results.json), 2 an option cannot be
-met, 3 Python or a package of it is missing, 4 a file cannot be read or written, 130 Ctrl-C)";
+Exit codes: 0 measured, 1 some parts could not be measured (see results.json), 2 an option is
+invalid, 3 Python or a package is missing, 4 a file cannot be read or written, 130 Ctrl-C)";
 
 constexpr double kLongest_s = 1e6;
 
@@ -112,7 +112,7 @@ std::string quick_help() {
   for (const Quick& quick : kQuick) {
     words.push_back(fmt::format("{} {}", quick.option, quick.text));
   }
-  return fmt::format("Two minutes at the most: {}, each unless it is written; few points",
+  return fmt::format("Two minutes at most, with few points; other defaults: {}",
                      fmt::join(words, ", "));
 }
 
@@ -220,35 +220,36 @@ void add_lists(CLI::App& command, BenchArguments& given) {
   const auto add = [&command](const List& list, std::string& text, const char* help) {
     command.add_option(list.option, text, help)->type_name(list_type(list));
   };
-  add(parts(), given.parts, "What to measure, divided by commas [all]");
-  add(layouts(), given.layouts, "Of these layouts [both]");
-  add(simulators(), given.simulators, "With repeaters in these between encoder and readout [all]");
-  add(encoders(), given.encoders, "With these encoders, in a [all]; b and d have the rate encoder");
+  add(parts(), given.parts, "Parts to measure, comma-separated [all]");
+  add(layouts(), given.layouts, "Layouts [both]");
+  add(simulators(), given.simulators, "Simulators of the repeaters after the encoder [all]");
+  add(encoders(), given.encoders, "Encoders of part a [all]; b and d have the rate encoder");
 }
 
 void add_numbers(CLI::App& command, BenchArguments& given) {
-  command.add_option("--ticks", given.ticks, "Of c and d, ms")
+  command.add_option("--ticks", given.ticks, "Ticks of c and d, ms")
       ->type_name("MS,MS")
       ->capture_default_str();
-  command.add_option("--rates", given.rates, "Of b, Hz")->type_name("HZ,HZ")->capture_default_str();
-  command.add_option("--trials", given.trials, "Runs a point of a, b and d")
+  command.add_option("--rates", given.rates, "Rates of b, Hz")
+      ->type_name("HZ,HZ")
+      ->capture_default_str();
+  command.add_option("--trials", given.trials, "Runs per point of a, b and d")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--steps", given.steps, "Steps of the laser's range that c answers, a point")
+  command.add_option("--steps", given.steps, "Steps of the laser range per point of c")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--neurons", given.neurons, "Of b")
+  command.add_option("--neurons", given.neurons, "Neurons of b")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--most", given.most, "Largest number of neurons to try in a and d")
+  command.add_option("--most", given.most, "Largest number of neurons in a and d")
       ->type_name("NUMBER")
       ->capture_default_str();
   command.add_option("--duration", given.duration, "Simulated time of a run")
       ->type_name("TIME")
       ->capture_default_str();
   command
-      .add_option("--limit", given.limit,
-                  "Wall time after which a run is stopped: it is slower than that [2 x duration]")
+      .add_option("--limit", given.limit, "Wall time after which a run is stopped [2 x duration]")
       ->type_name("TIME");
 }
 
@@ -257,16 +258,15 @@ void add_numbers(CLI::App& command, BenchArguments& given) {
 void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<BenchArguments>();
   CLI::App* command =
-      app.add_subcommand("bench", "Measure speed and latency as the toolchain's paper did");
+      app.add_subcommand("bench", "Measure speed and latency as in Weidel et al. 2016");
   add_lists(*command, *given);
   add_numbers(*command, *given);
   command
-      ->add_option("--out", given->out,
-                   "Folder of results.json and the pictures [bench, bench-quick]")
+      ->add_option("--out", given->out, "Folder of results.json and figures [bench, bench-quick]")
       ->check(named("folder"));
   command->add_flag("--quick", given->quick, quick_help());
-  command->add_flag("--again", given->again, "Measure what is in results.json once more");
-  command->add_flag("--draw", given->draw, "Measure nothing: table and pictures of results.json");
+  command->add_flag("--again", given->again, "Measure the points in results.json again");
+  command->add_flag("--draw", given->draw, "Only draw table and figures of results.json");
   command->footer(kFooter);
   command->callback([given, command, &action] {
     if (given->quick) {

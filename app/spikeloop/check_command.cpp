@@ -21,20 +21,20 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop check braitenberg.music
-  spikeloop check loop.music --strict     warnings are errors, too
-  spikeloop check braitenberg.yaml        an experiment file: each error with its line
-  spikeloop check --no-code brain.yaml    runs nothing that brain.yaml names
+  spikeloop check loop.music --strict     warnings are errors
+  spikeloop check braitenberg.yaml        every error of an experiment file with its line
+  spikeloop check --no-code brain.yaml    runs no code that brain.yaml names
 
-Starts no job and needs no ROS. Checks MUSIC's grammar, how the programs are connected, whether they
-can be started, and lets each of our programs check its section, its keys and its files. The keys of
-other people's programs are not judged. `spikeloop run` makes the same checks.
+Checks the MUSIC grammar, the connections of the programs, and whether they can be started. Each
+Spikeloop program checks its section, keys and files. The keys of other programs are not checked.
+Starts no job and needs no ROS. `spikeloop run` makes the same checks.
 
-Loads the plug-ins that FILE names and runs its networks in Python (network: brain.py): both can do
-whatever you can. For a stranger's file write --no-code: all else is checked, and what is not, told.
+Loads the plug-ins that FILE names and runs its networks in Python (network: brain.py), with your
+permissions. Use --no-code for an untrusted file; it reports what it does not check.
 
 `spikeloop explain SL0103` explains the code at the end of an error.
 
-Exit codes: 0 nothing wrong, 2 something is, 3 mpirun or music is missing, 4 a file cannot be read,
+Exit codes: 0 no errors, 2 errors, 3 mpirun or music is missing, 4 a file cannot be read,
 130 Ctrl-C)";
 
 std::string summary_of(const MusicFile& file) {
@@ -72,10 +72,10 @@ void add(CLI::App& app, Action& action) {
   };
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("check", "Say what is wrong with an experiment file or a .music file");
+      app.add_subcommand("check", "Report errors in an experiment file or a .music file");
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
-  command->add_flag("--strict", arguments->strict, "Take warnings for errors");
+  command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
   command->add_flag("--no-code", arguments->no_code, "Run no code that FILE names");
   command->footer(kFooter);
   command->callback([arguments, &action] {

@@ -23,19 +23,19 @@ namespace spikeloop::app::describe_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop describe                      the node classes, a line each
+  spikeloop describe                      lists the node classes
   spikeloop describe rate_encoder         its ports and parameters
-  spikeloop describe --markdown           the page of all built-in classes: docs/nodes.md
+  spikeloop describe --markdown           the page of all built-in classes, docs/nodes.md
 
-  spikeloop describe sensor_msgs/JointState   a message: its definition, sums and field paths
-  spikeloop describe my_robot/msg/Arm.msg     the same of a file of one's own
-  spikeloop describe --messages               all messages that Spikeloop knows
+  spikeloop describe sensor_msgs/JointState   definition, checksums, field paths of a message
+  spikeloop describe my_robot/msg/Arm.msg     the same for a message file
+  spikeloop describe --messages               lists the built-in message types
 
   spikeloop describe --experiment         the keys of experiment files
   spikeloop describe --experiment --markdown   the same for docs/experiment-file.md
 
 Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included, but not in the page. MUSIC
-programs that are no node classes, like ros_sensor_adapter, answer --help.)";
+programs that are not node classes, such as ros_sensor_adapter, have --help.)";
 
 [[noreturn]] void refuse(const std::string& name, const Registry& registry) {
   std::vector<std::string> known = all_programs();
@@ -130,7 +130,7 @@ int describe(const DescribeArguments& arguments) {
   load_plugins(registry);
   if (arguments.name.empty()) {
     put_result(class_list(registry) + experiment_class_list(types) +
-               "spikeloop describe NODE tells more of one.\n");
+               "spikeloop describe NODE prints details.\n");
     return 0;
   }
   if (!registry.contains(arguments.name)) {
@@ -144,20 +144,19 @@ int describe(const DescribeArguments& arguments) {
 
 void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<DescribeArguments>();
-  CLI::App* command = app.add_subcommand("describe", "Show what a node class or a message has");
+  CLI::App* command = app.add_subcommand("describe", "Describe a node class or a message type");
   auto* name = command
                    ->add_option("NODE", arguments->name,
-                                "Its name, or a message type's; without one, all classes")
+                                "Node class or message type; not given: all classes")
                    ->check(named("node class"));
   auto* markdown =
       command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")
           ->excludes(name);
-  auto* experiment =
-      command
-          ->add_flag("--experiment", arguments->experiment,
-                     "The keys of experiment files, and the nodes that only they have")
-          ->excludes(name);
-  command->add_flag("--names", arguments->names, "Print the names alone, a line each")
+  auto* experiment = command
+                         ->add_flag("--experiment", arguments->experiment,
+                                    "Print the keys of experiment files and their additional nodes")
+                         ->excludes(name);
+  command->add_flag("--names", arguments->names, "Print only the names, one per line")
       ->excludes(name)
       ->excludes(markdown)
       ->excludes(experiment);

@@ -50,7 +50,7 @@ std::vector<std::string> experiment_classes(const experiment::NodeTypes& types) 
 }
 
 std::string experiment_class_list(const experiment::NodeTypes& types) {
-  std::string text = "In experiment files alone: topics, recordings, the network, simulators\n";
+  std::string text = "Only in experiment files: topics, recordings, the network, simulators\n";
   for (const std::string& name : experiment_classes(types)) {
     text += fmt::format("  {:<27}  {}\n", name, types.find(name).description.text);
   }

@@ -14,8 +14,8 @@ namespace spikeloop::app::explain_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop explain                what all codes mean, a line each
-  spikeloop explain SL0103         why it is an error, with an example
+  spikeloop explain                lists all codes
+  spikeloop explain SL0103         explains the error, with an example
   spikeloop explain --markdown     the page docs/errors.md)";
 
 std::string example(const Explanation& each) {
@@ -92,7 +92,7 @@ void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("explain", "Explain the code of an error");
   auto* code = command->add_option("CODE", arguments->code,
-                                   "As SL0103, from the end of an error; without one, all codes");
+                                   "Code of an error, such as SL0103; not given: all codes");
   command->add_flag("--markdown", arguments->markdown, "Print the page of all codes")
       ->excludes(code);
   command->footer(kFooter);

@@ -24,15 +24,15 @@ namespace spikeloop::app::export_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop export loop.music                        the file that would be run, and mpirun's line
-  spikeloop export explorer.yaml --out job           an experiment as a MUSIC job, a process a node
-  spikeloop export loop.music --out job              writes job/effective.music; prints the line
-  spikeloop export loop.music --out job --srun       also job/programs.conf; prints srun's line
+  spikeloop export loop.music                        prints effective file and mpirun command
+  spikeloop export explorer.yaml --out job           writes a MUSIC job with one process per node
+  spikeloop export loop.music --out job              writes job/effective.music; prints the command
+  spikeloop export loop.music --out job --srun       also writes job/programs.conf, for srun
   spikeloop export loop.music --out job --hostfile hosts
 
-For clusters where a batch system starts programs. Nobody supervises such a job: a program that
-hangs, hangs all of it. Our programs must be in PATH on every host, for scripts that import our
-package also share/spikeloop/python in PYTHONPATH.)";
+For clusters on which a batch system starts programs. Such a job is not supervised: if a program
+hangs, the whole job hangs. On every host, the Spikeloop programs must be in PATH, and for scripts
+that import spikeloop also share/spikeloop/python in PYTHONPATH.)";
 
 struct Arguments {
   std::string file;
@@ -129,12 +129,12 @@ int export_file(const Arguments& arguments) {
 void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("export", "Write the file that would be run, and the line that runs it");
+      app.add_subcommand("export", "Write the effective .music file; print the command to run it");
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
-  command->add_option("--out", arguments->folder, "Folder to write to")->check(named("folder"));
-  auto* srun = command->add_flag("--srun", arguments->srun, "For Slurm's srun instead of mpirun");
-  command->add_option("--hostfile", arguments->hostfile, "Open MPI's file of hosts")
+  command->add_option("--out", arguments->folder, "Output folder")->check(named("folder"));
+  auto* srun = command->add_flag("--srun", arguments->srun, "Use Slurm's srun instead of mpirun");
+  command->add_option("--hostfile", arguments->hostfile, "Open MPI hostfile")
       ->check(named("hostfile"))
       ->excludes(srun);
   command->footer(kFooter);

@@ -25,20 +25,20 @@ namespace fs = std::filesystem;
 constexpr const char* kFooter = R"(Examples:
   spikeloop fit nef_encoder --neurons 200 --out readout.json
   spikeloop fit nef_encoder max_rate_high=300 --dimensions 2 --function "x0*x1" --out product.npy
-  spikeloop fit nef_encoder --rates                     the error of rates: no spikes, no kernel
+  spikeloop fit nef_encoder --rates                     fits steady rates: no spikes, no kernel
   spikeloop fit --spikes run/encoder.h5 --target run/sensor.h5 --out readout.json
 
-The encoder's neurons are those of a section with this label (--name), seed and these keys; a line of
-the output says how to write it, because older program names have other defaults.
-Without --rates they fire while their input is band-limited noise, and their spikes are filtered with
-the decoder's kernel, exp(-t / tau) / tau, as is the target. The weights minimise
+The neurons are those of a section with the same label (--name), seed and keys. The output shows
+this section, because the older program names have other defaults.
+Without --rates the input is band-limited noise, and spikes and target are filtered with the kernel
+of the decoder, exp(-t / tau) / tau. The weights minimise
 |activities weights - target|^2 + (regularisation * highest activity)^2 |weights|^2 over the first
-three quarters; the error of the last quarter tells how well they decode what they have not seen.
+three quarters of the samples. The held-out error is that of the last quarter.
 
-Weights go to a .json or .npy file, one row an output: weights=FILE in a linear_readout_decoder with
-the same tau.
+The weights are a .json or .npy file, one row per output: weights=FILE in a linear_readout_decoder
+with the same tau.
 
-Exit codes: 0 written, 2 an option cannot be met, 4 a file cannot be read or written)";
+Exit codes: 0 success, 2 an option is invalid, 4 a file cannot be read or written)";
 
 void write_json(const std::string& path, const FitResult& result) {
   std::ofstream file(path);
@@ -168,10 +168,10 @@ CLI::Validator between(double least, double most) {
 
 /// What draws neurons and makes them fire; a recording has it all.
 std::vector<CLI::Option*> add_encoder_options(CLI::App& command, FitTask& task) {
-  auto* neurons = command.add_option("--neurons", task.neurons, "Its output channels")
+  auto* neurons = command.add_option("--neurons", task.neurons, "Number of neurons")
                       ->check(CLI::Range(1U, kMostNeurons))
                       ->capture_default_str();
-  auto* dimensions = command.add_option("--dimensions", task.dimensions, "Its input channels")
+  auto* dimensions = command.add_option("--dimensions", task.dimensions, "Input channels")
                          ->check(CLI::Range(1U, 1000U))
                          ->capture_default_str();
   auto* name = command.add_option("--name", task.name, "Label of the encoder's section")
@@ -180,11 +180,11 @@ std::vector<CLI::Option*> add_encoder_options(CLI::App& command, FitTask& task) 
                    ->capture_default_str();
   auto* seed = command.add_option_function<std::string>(
       "--seed", [&task](const std::string& text) { task.seed = app::seed(text); },
-      "Of the encoder's random numbers [1]");
+      "Seed of the random numbers [1]");
   seed->type_name("NUMBER");
   auto* rates = command.add_flag("--rates", task.from_rates,
                                  "Fit to steady rates instead of filtered spikes");
-  auto* points = command.add_option("--points", task.points, "Inputs for --rates [ten a neuron]")
+  auto* points = command.add_option("--points", task.points, "Inputs for --rates [10 per neuron]")
                      ->check(CLI::Range(10U, 10'000'000U))
                      ->needs(rates);
   auto* duration = command.add_option("--duration", task.duration_s, "Simulated time, s")
@@ -208,20 +208,19 @@ void add_options(CLI::App& command, FitTask& task) {
   for (CLI::Option* option : of_encoder) {
     spikes->excludes(option);
   }
-  command.add_option("--target", task.target, "Recorded signal to decode, likewise");
+  command.add_option("--target", task.target, "Recorded signal to decode, in the same form");
   command
       .add_option("--function", task.function,
-                  "What to decode: expressions of x0, x1, ... with ';' between the outputs")
+                  "Function to decode: expressions of x0, x1, ..., separated by ';'")
       ->type_name("EXPRESSION");
   command.add_option("--tau", task.tau_s, "Time constant of the decoder's kernel, s")
       ->check(between(1e-4, 100.0))
       ->capture_default_str();
-  command.add_option("--regularisation", task.regularisation, "Share of the highest activity")
+  command.add_option("--regularisation", task.regularisation, "Fraction of the highest activity")
       ->check(between(0.0, 100.0))
       ->capture_default_str();
   command.add_option("--out", task.out, "File for the weights, .json or .npy");
-  command.add_option("--picture", task.picture,
-                     "Picture of target, decoded signal and error, .png");
+  command.add_option("--picture", task.picture, "Figure of target, decoded signal and error, .png");
 }
 
 }  // namespace

@@ -33,10 +33,11 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop graph explorer.yaml --out explorer.svg
   spikeloop graph explorer.yaml --out explorer.png
   spikeloop graph loop.music > loop.svg
-  spikeloop graph explorer.yaml --out explorer.dot    for Graphviz's other programs
+  spikeloop graph explorer.yaml --out explorer.dot    for other programs of Graphviz
 
-Nodes with their classes, connections with their kinds, widths and delays, the robot. A .music file is
-drawn with a box a section. The ending says what is drawn. Graphviz draws it (Debian: graphviz).)";
+Shows nodes with their classes, connections with kind, width and delay, and the robot. A .music
+file has one box per section. The file extension selects the format. Needs Graphviz (Debian:
+graphviz).)";
 
 constexpr const char* kDrawer = "dot";
 const std::vector<std::string> kFormats = {"svg", "png", "pdf", "dot"};
@@ -236,7 +237,7 @@ void add(CLI::App& app, Action& action) {
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
   command->add_option("--out", arguments->out,
-                      "The picture, FILE.svg, .png, .pdf or .dot; else SVG to standard output");
+                      "Output file: FILE.svg, .png, .pdf or .dot [SVG to standard output]");
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] { return draw(arguments->file, arguments->out); };

@@ -126,7 +126,7 @@ std::string message_list() {
                                     : "") +
             "\n";
   }
-  return text + "spikeloop describe PACKAGE/TYPE tells more of one.\n";
+  return text + "spikeloop describe PACKAGE/TYPE prints details.\n";
 }
 
 bool is_message_type(const std::string& name) {

@@ -15,29 +15,29 @@ namespace {
 constexpr const char* kExperiment =
     R"(# A vehicle that explores an arena, steered by ten spiking neurons.
 #
-#   spikeloop check explorer.yaml      says what is wrong with this file
-#   spikeloop run explorer.yaml        runs it; what happened is in runs/NAME-1
+#   spikeloop check explorer.yaml      reports errors in this file
+#   spikeloop run explorer.yaml        runs it and writes the results to runs/NAME-1
 #   spikeloop graph explorer.yaml --out explorer.svg      draws it
 #
-# `spikeloop describe` lists the nodes there are, `spikeloop describe NODE` what one takes.
+# `spikeloop describe` lists the node classes, `spikeloop describe NODE` their parameters.
 experiment: NAME
-duration: 5 s        # of simulated time; without it, until Ctrl-C
-tick: 1 ms           # how often sensors, network and commands exchange their data
+duration: 5 s        # simulated time; without this line, until Ctrl-C
+tick: 1 ms           # interval at which sensors, network and commands exchange data
 seed: 1              # of all random numbers
-sync: realtime       # or lockstep: as fast as possible, and the same to the bit every time
+sync: realtime       # or lockstep: as fast as possible; repeated runs are bit-identical
 
-# The robot is simulated in this process; without this line and with  ros: 1  it is any robot that
-# speaks ROS.
+# The robot is simulated in this process. To use any ROS robot, write  ros: 1  or  ros: 2  in place
+# of this line.
 robot: {simulator: mujoco, world: arena.xml}
 
 nodes:
-  # 100 laser beams, from right to left: -1 is near, 1 is far.
+  # 100 laser beams from right to left: -1 is near, 1 is far.
   scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
-  # The mean of ten neighbouring beams each.
+  # Each channel is the mean of ten neighbouring beams.
   sectors: {node: connect, weights: blocks}
-  # A neuron a sector: it fires the faster the farther away things are.
+  # One neuron per sector; its rate increases with the distance of the obstacles.
   encoder: {node: rate_encoder, rate_min: 1 Hz, rate_max: 200 Hz}
-  # The network, written in place; a larger one stands in a file of its own:  network: brain.yaml
+  # The network can also be in a separate file:  network: brain.yaml
   brain:
     simulator: builtin
     network:
@@ -47,7 +47,7 @@ nodes:
       connections:
         - {from: input, to: relay, rule: one_to_one, delay: 1 ms}
       output: [relay]
-  # Speed and turning rate: weighted sums of the neurons' rates.
+  # Speed and turning rate: weighted sums of the firing rates.
   decoder:
     node: linear_readout
     tau: 30 ms
@@ -60,17 +60,17 @@ nodes:
     message: geometry_msgs/Twist
     fields:
       linear.x: {channel: 0}                  # m/s
-      angular.z: {channel: 1, offset: 0.2}    # rad/s, to the left
+      angular.z: {channel: 1, offset: 0.2}    # rad/s, positive: left
     limits: {linear.x: [0, 0.8], angular.z: [-2.2, 1.7]}
 
 connections:
-  # NODE -> NODE [width]; a delay stands beside the width: [10, delay 5 ms].
+  # NODE -> NODE [width]; with a delay: [10, delay 5 ms].
   - scan -> sectors [100] -> encoder [10] -> brain [10] -> decoder [10] -> wheels [2]
 )";
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop new > explorer.yaml && spikeloop run explorer.yaml
-  spikeloop new maze > maze.yaml         the same under another name)";
+  spikeloop new maze > maze.yaml         the same with another name)";
 
 std::string named_experiment(const std::string& name) {
   constexpr std::string_view kPlace = "NAME";
@@ -100,7 +100,7 @@ int print_new(const std::string& name) {
 void add(CLI::App& app, Action& action) {
   const auto name = std::make_shared<std::string>("explorer");
   CLI::App* command =
-      app.add_subcommand("new", "Print an experiment file to begin with, commented, ready to run");
+      app.add_subcommand("new", "Print a commented experiment file that is ready to run");
   command->add_option("NAME", *name, "Name of the experiment")->check(named("experiment"));
   command->footer(kFooter);
   command->callback([name, &action] { action = [name] { return print_new(*name); }; });

@@ -31,10 +31,10 @@ constexpr const char* kPageBegin = R"(# Node classes
 
 <!-- Printed by `spikeloop describe --markdown`; a test compares. Do not edit. -->
 
-`spikeloop describe NODE` prints the same of one class, those of plug-ins in `SPIKELOOP_PLUGIN_PATH`
-included. Parameters are keys of the section that runs the class. Numbers may carry a unit (`30 ms`);
-without one they are in the unit that stands behind the name. The defaults are those of the class:
-`PROGRAM --help` prints those of a program of an older name.
+`spikeloop describe NODE` describes one class, also of plug-ins in `SPIKELOOP_PLUGIN_PATH`.
+Parameters are keys of the node or section that runs the class. Experiment files need units
+(`30 ms`); in `.music` files the second column is the default unit. The defaults are those of the
+class; `PROGRAM --help` prints those of a program with an older name.
 )";
 
 bool has_spikes(const NodeDescription& description, Direction direction) {

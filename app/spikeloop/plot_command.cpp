@@ -21,15 +21,15 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop plot runs/explorer-1 --from 2 --to 2500ms --format pdf --out figures
   spikeloop plot runs/braitenberg --network network
 
-Draws what the run left, of an experiment file or of a .music file, and says what it did not have:
+Draws figures of a run of an experiment or a .music file, and reports missing data:
   trajectory  the robot's path through its arena
   spikes      sensors, spikes and rates of every population, commands, above one time axis
-  signals     what the other nodes put out
-  latency     from a sensor's message to the first command that was computed from it
-PYTHON names another python3 than /usr/bin/python3; it needs matplotlib, h5py and numpy.
+  signals     outputs of the other nodes
+  latency     from a sensor message to the first command computed from it
+PYTHON selects an interpreter other than /usr/bin/python3; it needs matplotlib, h5py and numpy.
 
-Exit codes: 0 all that the run has was drawn, 1 something could not be, 2 an option cannot be met,
-3 Python or a package of it is missing, 4 nothing could be drawn)";
+Exit codes: 0 all data were drawn, 1 some data could not be drawn, 2 an option is invalid,
+3 Python or a package is missing, 4 nothing could be drawn)";
 
 struct PlotArguments {
   std::string folder;
@@ -96,18 +96,18 @@ int plot(const PlotArguments& given) {
 
 void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<PlotArguments>();
-  CLI::App* command = app.add_subcommand("plot", "Draw what a run has left in its folder");
+  CLI::App* command = app.add_subcommand("plot", "Draw figures of a run");
   command->add_option("RUN", given->folder, "Run folder")->required()->check(named("folder"));
-  command->add_option("--out", given->out, "Folder for the pictures [the run folder]")
+  command->add_option("--out", given->out, "Folder for the figures [the run folder]")
       ->check(named("folder"));
-  command->add_option("--format", given->format, "Of the pictures")
+  command->add_option("--format", given->format, "File format")
       ->check(CLI::IsMember({"png", "svg", "pdf"}))
       ->capture_default_str();
-  command->add_option("--from", given->from, "Begin of the time axis, s")->type_name("S");
+  command->add_option("--from", given->from, "Start of the time axis, s")->type_name("S");
   command->add_option("--to", given->to, "End of the time axis, s")->type_name("S");
   command->add_option("--sensor", given->sensor, "Node or process that recorded the sensor")
       ->type_name("LABEL");
-  command->add_option("--network", given->network, "Node or process whose spikes to draw alone")
+  command->add_option("--network", given->network, "Draw only spikes of this node or process")
       ->type_name("LABEL");
   command->add_option("--command", given->command, "Node or process that recorded the command")
       ->type_name("LABEL");

@@ -24,18 +24,18 @@ namespace fs = std::filesystem;
 constexpr int kDifferent = 6;
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop replay runs/explorer-1                 leaves runs/explorer-1-replay-1
+  spikeloop replay runs/explorer-1                 writes runs/explorer-1-replay-1
   spikeloop replay runs/explorer-1 --out again
 
-Runs the experiment of a run folder once more, as fast as the machine allows, with its messages.bag in
-place of robot and ROS, as far as the run came; then compares all recorded spikes. The experiment is
-the copy in the folder; weights, networks and plug-ins are read where they were, and a replay tells
-which of them have changed since.
+Runs the experiment of a run folder again, as fast as possible, for the same simulated time. The
+messages.bag of the folder replaces robot and ROS. Then all recorded spikes are compared. The
+experiment file is the copy in the folder. Weights, networks and plug-ins are read from their
+original paths; warnings list those that have changed since.
 
 Exit codes:
-  0  the same spikes       6  other spikes
-  2  the folder cannot be replayed           4  a file could not be read or written
-  5  a node failed         129, 130, 131, 138, 143  stopped, as with 'spikeloop run')";
+  0  the same spikes       6  different spikes
+  2  the folder cannot be replayed           4  a file cannot be read or written
+  5  a node failed         129, 130, 131, 138, 143  stopped, as in 'spikeloop run')";
 
 struct Arguments {
   std::string run;
@@ -126,14 +126,14 @@ int replay(const Arguments& arguments) {
 
 void add(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "replay", "Run a run's experiment once more with its recorded messages; compare the spikes");
+      "replay", "Repeat a run with its recorded messages and compare the spikes");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("RUN", arguments->run, "Run folder of an experiment")
       ->required()
       ->check(named("run folder"));
-  command->add_option("--out", arguments->folder, "Run folder of the replay; else RUN-replay-N")
+  command->add_option("--out", arguments->folder, "Run folder of the replay [RUN-replay-N]")
       ->check(named("folder"));
-  command->add_flag("-q,--quiet", arguments->quiet, "Show only the result, warnings and failures");
+  command->add_flag("-q,--quiet", arguments->quiet, "Print only the result, warnings and errors");
   command->footer(kFooter);
   command->callback([arguments, &action] { action = [arguments] { return replay(*arguments); }; });
 }

@@ -45,26 +45,27 @@ struct RunArguments {
 };
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop run braitenberg.yaml          an experiment file, in one process; leaves runs/braitenberg-1
+  spikeloop run braitenberg.yaml          runs an experiment; writes runs/braitenberg-1
   spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
-  spikeloop run explorer.yaml /scan:=/front/scan               other names of topics, as in ROS 1
+  spikeloop run explorer.yaml /scan:=/front/scan               remaps a topic, as in ROS 1
   spikeloop run explorer.yaml --ros-args -r /scan:=/front/scan -r __ns:=/arena       as in ROS 2
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
   spikeloop run loop.music --seed 7 --record --out run2
-  spikeloop run loop.music --dry-run      what would be started, and how
-  spikeloop run loop.music --hostfile hosts --out run3     all hosts must see the folders
+  spikeloop run loop.music --dry-run      prints file and command; starts nothing
+  spikeloop run loop.music --hostfile hosts --out run3     all hosts must share the folders
 
-The programs run in the directory of FILE. Keys that FILE has are never changed, save by the options
-that say so. Ctrl-C ends the programs' loops, as do SIGUSR1, SIGTERM, SIGQUIT and SIGHUP: whatever is
-left after 2 s is ended, and killed 1 s later; a second Ctrl-C kills at once.
+The programs run in the directory of FILE. The keys in FILE are used unchanged, unless an option
+replaces them. Ctrl-C, SIGUSR1, SIGTERM, SIGQUIT and SIGHUP end the loops of the programs. Programs
+that still run after 2 s are terminated, and 1 s later killed. A second Ctrl-C kills them at once.
 
 Exit codes:
-  0  finished              2  the file or an option cannot be run as written
-  3  a partner (program, robot, ROS master) is missing, stands still or ended too early
-  4  a file could not be read or written                    5  a node failed
+  0  finished              2  the file or an option is invalid
+  3  a program, the robot or the ROS master is missing, stalls or ends too early
+  4  a file cannot be read or written                       5  a node failed
   129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
-  128 + N  a program was killed by signal N; else the code of the first program that failed)";
+  128 + N  a program was killed by signal N
+  other    exit code of the first program that failed)";
 
 /// An option whose text goes through `parse`, which throws.
 template <typename Target, typename Parse>
@@ -79,18 +80,16 @@ CLI::Option* add_value(CLI::App& command, const char* name, Target& target, Pars
 void add_values(CLI::App& command, RunArguments& arguments) {
   auto& run = arguments.job.run;
   add_value(command, "--duration", run.duration_s, duration_s, "TIME",
-            "Simulated time, in s or with its unit (5min): stoptime of every section");
-  add_value(command, "--seed", run.seed, seed, "NUMBER",
-            "Seed of the random numbers of every section");
+            "Simulated time, in s or with a unit (5min); stoptime of every section");
+  add_value(command, "--seed", run.seed, seed, "NUMBER", "Seed of all random numbers");
   add_value(command, "--real-time-factor", run.real_time_factor, real_time_factor, "NUMBER",
-            "Simulated time over wall time (rtf) of every section, and of the robot");
+            "Ratio of simulated time to wall time, also of the robot");
   arguments.timeouts = {
       add_value(command, "--start-timeout", arguments.start_timeout_s, start_timeout_s, "TIME",
-                "Longest time until every program of ours has ticked")
+                "Longest time until every Spikeloop program has ticked")
           ->default_str("60"),
       add_value(command, "--stall-timeout", arguments.stall_timeout_s, stall_timeout_s, "TIME",
-                "Longest time in which a program of ours, or a stepped robot, may not tick; 0: "
-                "for ever")
+                "Longest time without a tick of a Spikeloop program or stepped robot; 0: no limit")
           ->default_str("60")};
 }
 
@@ -101,38 +100,37 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   add_values(command, arguments);
   command
       .add_option("--ros", arguments.ros,
-                  "Version of ROS, in place of the key ros of every section, or of the experiment")
+                  "ROS version; replaces the key ros of the experiment or of every section")
       ->check(CLI::IsMember({"1", "2"}));
   // For help and completion: main() takes it from the command line with all that follows.
   command.add_flag("--ros-args")
       ->description(
-          "What follows, to the end or --, is for ROS: -r NAME:=VALUE gives a topic another name, "
-          "as does NAME:=VALUE without --ros-args");
+          "ROS arguments, up to the end or --: -r NAME:=VALUE remaps a topic, as does NAME:=VALUE "
+          "without --ros-args");
   auto* out =
       command
-          .add_option("--out", job.folder,
-                      "Run folder: summary.json, recordings, logs; an experiment without it makes "
-                      "runs/NAME-N")
+          .add_option(
+              "--out", job.folder,
+              "Run folder for summary.json, recordings and logs [runs/NAME-N for experiments]")
           ->check(named("folder"));
-  command
-      .add_flag("--record", job.run.record, "Record the outputs of our programs to the run folder")
+  command.add_flag("--record", job.run.record, "Record the outputs of all Spikeloop programs")
       ->needs(out);
-  command.add_option("--hostfile", job.hostfile, "Open MPI's file of hosts to run on")
+  command.add_option("--hostfile", job.hostfile, "Open MPI hostfile of the job")
       ->check(named("hostfile"))
       ->needs(out);
-  command.add_flag("--roscore", job.roscore, "Start a ROS master of our own when none answers");
-  auto* robot = command.add_flag("--robot", job.robot,
-                                 "Start spikeloop-robot unless /scan is published already");
+  command.add_flag("--roscore", job.roscore, "Start a ROS 1 master if none responds");
+  auto* robot =
+      command.add_flag("--robot", job.robot, "Start spikeloop-robot if /scan has no publisher");
   command
       .add_option("--robot-arg", job.robot_arguments,
-                  "Passed on to spikeloop-robot; may be repeated: --robot-arg=--world=arena.xml")
+                  "Argument for spikeloop-robot; repeatable: --robot-arg=--world=arena.xml")
       ->allow_extra_args(false)
       ->needs(robot);
   command.add_flag("--no-pace", arguments.no_pace,
-                   "Do not connect sensor adapter and command adapter by a pace connection");
-  command.add_flag("--dry-run", arguments.dry_run, "Print the file that would be run, and how");
-  auto* quiet = command.add_flag("-q,--quiet", arguments.quiet, "Show only warnings and failures");
-  command.add_flag("-v,--verbose", arguments.verbose, "Show mpirun's own output, too")
+                   "Do not add a pace connection from sensor adapter to command adapter");
+  command.add_flag("--dry-run", arguments.dry_run, "Print only effective file and command");
+  auto* quiet = command.add_flag("-q,--quiet", arguments.quiet, "Print only warnings and errors");
+  command.add_flag("-v,--verbose", arguments.verbose, "Also print the output of mpirun")
       ->excludes(quiet);
 }
 
@@ -140,8 +138,8 @@ void add_options(CLI::App& command, RunArguments& arguments) {
 void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
   auto* render = command.add_option(
       "--render", spectators.render,
-      "Film the robot: FILE.mp4 (.webm, .mkv, .gif; needs ffmpeg), a folder of pictures, or "
-      "FILE.png: the end, with the path driven");
+      "Film of the robot, FILE.mp4 (.webm, .mkv, .gif; needs ffmpeg); folder of images; or "
+      "FILE.png, the final state with the path");
   command
       .add_option("--render-view", spectators.view, "above, chase, camera, or several: above+chase")
       ->capture_default_str()
@@ -149,7 +147,7 @@ void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
   command.add_option("--render-size", spectators.size, "WIDTHxHEIGHT in pixels")
       ->capture_default_str()
       ->needs(render);
-  command.add_option("--render-rate", spectators.rate_hz, "Pictures in a simulated second")
+  command.add_option("--render-rate", spectators.rate_hz, "Images per simulated second")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str()
       ->needs(render);
@@ -158,16 +156,14 @@ void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
 
 /// Those that only one kind of file has stand under a heading of their own.
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
-  command
-      .add_option("--sync", arguments.sync, "What the experiment waits for, in place of its key")
+  command.add_option("--sync", arguments.sync, "Clock of the experiment; replaces the key sync")
       ->check(CLI::IsMember({"realtime", "unpaced", "lockstep", "sim_time"}));
   command
-      .add_option(
-          "--layout", arguments.layout,
-          "fused: all nodes in one process; separate: a process a node, joined by MUSIC; in "
-          "place of the experiment's key")
+      .add_option("--layout", arguments.layout,
+                  "fused: all nodes in one process; separate: one process per node, connected by "
+                  "MUSIC; replaces the key layout")
       ->check(CLI::IsMember({"fused", "separate"}));
-  command.add_flag("--no-record", arguments.no_record, "Do not record what nodes put out");
+  command.add_flag("--no-record", arguments.no_record, "Do not record the outputs of nodes");
   add_picture_options(command, arguments.spectators);
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
                                 std::initializer_list<const char*> names) {

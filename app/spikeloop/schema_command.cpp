@@ -11,13 +11,13 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   spikeloop schema > spikeloop.schema.json
 
-and, as the first line of an experiment beside it,
+and, as the first line of an experiment file in the same folder,
 
   # yaml-language-server: $schema=spikeloop.schema.json
 
-Then editors with YAML's language server complete and check keys, units and values while they are
-written. Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included. `spikeloop check` sees
-more: files, widths, cycles, topics.)";
+Editors with the YAML language server then complete and check keys, units and values as you type.
+Plug-ins in the directories of SPIKELOOP_PLUGIN_PATH are included. `spikeloop check` also checks
+files, widths, cycles and topics.)";
 
 int print_schema() {
   experiment::NodeTypes types;

@@ -12,19 +12,19 @@ std::vector<ParameterDescription> parameters_of_command() {
   return {{.name = "message_type",
            .type = ParameterType::text,
            .default_value = "",
-           .text = "GymCommand or FloatArray; must be given"},
+           .text = "GymCommand or FloatArray; required"},
           {.name = "zmq_addr",
            .type = ParameterType::text,
            .default_value = "tcp://127.0.0.1:5556",
-           .text = "Address to publish at: binds there"},
+           .text = "Address to bind for publishing"},
           {.name = "min",
            .unit = "1",
            .default_value = "0",
-           .text = "GymCommand: lower end of the values' range, sent with them; must be given"},
+           .text = "GymCommand: lower bound of the values, sent with them; required"},
           {.name = "max",
            .unit = "1",
            .default_value = "0",
-           .text = "GymCommand: upper end of the values' range, sent with them; must be given"}};
+           .text = "GymCommand: upper bound of the values, sent with them; required"}};
 }
 
 }  // namespace
@@ -32,8 +32,8 @@ std::vector<ParameterDescription> parameters_of_command() {
 music::ProgramText zmq_command_text() {
   music::ProgramText text;
   text.name = "cont_zmq_adapter";
-  text.summary = "A continuous signal as JSON messages of a ZeroMQ publisher, one a tick";
-  text.ports = "  in         input   continuous  the numbers to send\n";
+  text.summary = "Publishes a continuous signal as JSON over ZeroMQ at every tick";
+  text.ports = "  in         input   continuous  Numbers to send\n";
   text.parameters = parameters_of_command();
   text.example =
       "  [command]\n  binary=cont_zmq_adapter\n  np=1\n  message_type=GymCommand\n"
@@ -41,7 +41,7 @@ music::ProgramText zmq_command_text() {
   text.notes =
       "GymCommand: [{\"value\": x, \"ts\": s, \"max\": b, \"min\": a}, ...]; FloatArray: [x, "
       "...].\n"
-      "Nothing is sent before the first value, nor a message with NaN or infinity in it.\n";
+      "No message is sent before the first value, or if a value is NaN or infinite.\n";
   return text;
 }
 

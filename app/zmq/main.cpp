@@ -11,10 +11,10 @@ using namespace spikeloop;
 music::ProgramText general_text() {
   music::ProgramText text;
   text.name = "spikeloop-zmq";
-  text.summary = "Connects ZeroMQ sockets with MUSIC, under one of two names";
+  text.summary = "Connects ZeroMQ sockets with MUSIC; run by one of two names";
   text.notes =
       "Write binary=zmq_cont_adapter (messages to channels) or binary=cont_zmq_adapter (channels\n"
-      "to messages); each answers --help.\n";
+      "to messages); each has --help.\n";
   return text;
 }
 

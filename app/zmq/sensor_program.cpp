@@ -20,11 +20,11 @@ std::vector<ParameterDescription> parameters_of_sensor() {
       {.name = "message_type",
        .type = ParameterType::text,
        .default_value = "",
-       .text = "GymObservation or FloatArray; must be given"},
+       .text = "GymObservation or FloatArray; required"},
       {.name = "zmq_addr",
        .type = ParameterType::text,
        .default_value = "tcp://localhost:5555",
-       .text = "Address of the publisher, to connect to"},
+       .text = "Address of the publisher"},
       number_or_word_parameter("initial", "none",
                                "Value of every channel before the first message; none: no value")};
 }
@@ -51,15 +51,15 @@ const std::string& required_type(const music::Process& process, const Parameters
 music::ProgramText zmq_sensor_text() {
   music::ProgramText text;
   text.name = "zmq_cont_adapter";
-  text.summary = "The newest JSON message of a ZeroMQ publisher as a continuous signal";
-  text.ports = "  out        output  continuous  the message's numbers\n";
+  text.summary = "Converts the newest JSON message over ZeroMQ to a continuous signal";
+  text.ports = "  out        output  continuous  Numbers of the message\n";
   text.parameters = parameters_of_sensor();
   text.example =
       "  [observation]\n  binary=zmq_cont_adapter\n  np=1\n  message_type=GymObservation\n"
       "  zmq_addr=tcp://localhost:5556\n  observation.out -> RECEIVER.in [4]\n";
   text.notes =
       "GymObservation: [{\"value\": v, \"min\": a, \"max\": b, \"ts\": s}, ...] becomes\n"
-      "2 (v - a) / (b - a) - 1, limited to [-1, 1]. FloatArray: [x, ...] as it is.\n";
+      "2 (v - a) / (b - a) - 1, limited to [-1, 1]. FloatArray: [x, ...], unchanged.\n";
   text.defaults.pace = true;
   return text;
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Drives the Braitenberg vehicle through several arenas and judges it.
+"""Drives the Braitenberg vehicle through several arenas and checks the result.
 
     benchmarks/braitenberg/drive_seeds.py [--seeds 1,2,3,4,5] [--duration 60] [--controls]
 
 Each seed must give no collision, a mean speed of at least 0.2 m/s, and at least 30 % of the free
-0.5 m cells visited. `--controls` adds the same vehicle with its encoder cut (no spikes) and with its
-readout weights swapped left for right: it must collide or stand still. Exit code 1 when it does not.
+0.5 m cells visited. `--controls` adds the same vehicle without spikes, and with left and right readout
+weights swapped: it must collide or not move. Exit code 1 if a check fails.
 """
 
 import argparse
@@ -60,9 +60,9 @@ def drive(programs, seed, duration, change=None):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", default="1,2,3,4,5", help="divided by commas")
-    parser.add_argument("--duration", type=float, default=60, help="simulated seconds")
-    parser.add_argument("--controls", action="store_true")
+    parser.add_argument("--seeds", default="1,2,3,4,5", help="separated by commas")
+    parser.add_argument("--duration", type=float, default=60, help="simulated time, s")
+    parser.add_argument("--controls", action="store_true", help="also run the controls")
     parser.add_argument("--build", default=ROOT / "build/release", type=pathlib.Path)
     options = parser.parse_args()
     variants = [("as it is", None)]

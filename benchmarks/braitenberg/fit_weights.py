@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Fits the knots of examples/01_braitenberg/make_weights.py by an evolution strategy (CMA-ES, Hansen &
-Ostermeier 2001, Evol. Comput. 9:159-195), 60 simulated seconds a drive.
+Ostermeier 2001, Evol. Comput. 9:159-195), with drives of 60 simulated seconds.
 
-    scripts/bench --help       builds what this needs (build/release/benchmarks/bin)
+    scripts/bench nodes        builds the program that it needs (build/release/benchmarks/bin)
     benchmarks/braitenberg/fit_weights.py --minutes 60
 
-Prints a line a generation, and at its end the knots to write into make_weights.py. A drive's score is
-its coverage up to 36 %, less 0.5 when that is below 30 %, and -1 when the vehicle touches something.
+Prints one line per generation, and finally the knots for make_weights.py. The score of a drive is its
+coverage up to 36 %, minus 0.5 if that is below 30 %, and -1 if the vehicle touches something.
 """
 
 import argparse
@@ -132,8 +132,8 @@ class EvolutionStrategy:
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--minutes", type=float, default=60)
-    parser.add_argument("--programs", type=int, default=2, help="how many drive at once")
+    parser.add_argument("--minutes", type=float, default=60, help="wall time")
+    parser.add_argument("--programs", type=int, default=2, help="number of parallel drives")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     if not PROGRAM.exists():

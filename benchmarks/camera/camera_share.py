@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""What a camera costs the experiment's process: 640 x 480 rgb8 at 30 Hz over ROS 1 into 1,200 channels.
+"""Processor time for a camera: 640 x 480 rgb8 at 30 Hz over ROS 1 into 1,200 channels.
 
-Two runs of the same experiment in real time, one with the camera's pictures, one with pictures of
-40 x 30 pixels: what is more in the first is the large picture's way through socket, message and
-averages. Prints the processor time of spikeloop-fused, its share of a core, and the difference.
+Runs an experiment twice in real time, with images of this size and of 40 x 30 pixels. The difference is
+the cost of large images: socket, message and averages. Prints the processor time of spikeloop-fused
+as a fraction of a core, and the difference.
 """
 
 import argparse

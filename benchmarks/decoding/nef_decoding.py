@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""How well spikes of a NEF population decode, and whether NumPy can do better.
+"""Decoding error of a NEF population, compared with an implementation in NumPy.
 
-For populations of 25 to 3200 neurons and kernels of 5 to 200 ms: the held-out error of `spikeloop
-fit`, beside that of neurons which NumPy draws, simulates and decodes with the same mathematics and
-not a line of ours. Prints a table and draws OUT/nef_decoding.png.
+For populations of 25 to 3200 neurons and kernels of 5 to 200 ms, the held-out error of `spikeloop fit`
+is compared with that of neurons which NumPy draws, simulates and decodes, without code of Spikeloop.
+Prints a table and draws OUT/nef_decoding.png.
 
     benchmarks/decoding/nef_decoding.py [--out OUT] [--neurons 25,100,...] [--tau 0.005,...]
 """

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Latency from a scan to the first command that follows it, over the tick: the paper's figure.
+"""Latency from a scan to the resulting command, as a function of the tick: the paper's figure.
 
     benchmarks/latency/measure_latency.py [--ticks 1,10,50] [--trials 100] [--network]
                                           [--layouts separate,fused] [--ros 1,2] [--json FILE]
 
-Part c of `spikeloop bench` by itself, over ROS 1, ROS 2 or both (python/spikeloop/bench/latency.py
-has the protocol).
-`--network` puts a repeater of the built-in network between encoder and decoder.
+This is part c of `spikeloop bench`, over ROS 1, ROS 2 or both (the protocol is described in
+python/spikeloop/bench/latency.py).
+`--network` adds a repeater of the built-in network between encoder and decoder.
 """
 
 import argparse
@@ -33,10 +33,10 @@ def measure(place, options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--ticks", default="1,10,50", help="ms, divided by commas")
+    parser.add_argument("--ticks", default="1,10,50", help="ms, separated by commas")
     parser.add_argument("--trials", type=int, default=100)
-    parser.add_argument("--layouts", default="separate,fused", help="divided by commas")
-    parser.add_argument("--ros", default="1", help="versions, divided by commas")
+    parser.add_argument("--layouts", default="separate,fused", help="separated by commas")
+    parser.add_argument("--ros", default="1", help="versions, separated by commas")
     parser.add_argument("--network", action="store_true", help="also with the built-in network")
     parser.add_argument("--build", default=ROOT / "build/release", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path, help="write the rows to this file")

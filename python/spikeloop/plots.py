@@ -1,21 +1,21 @@
-"""Draws what a run left in its folder; `spikeloop plot RUN` calls it.
+"""Draws the figures of a run; `spikeloop plot RUN` calls it.
 
     /usr/bin/python3 -m spikeloop.plots RUN_FOLDER
 
-writes into the folder, as far as the run has it:
+writes into the folder, if the run has the data:
 
     trajectory.png  the robot's path through its arena
     spikes.png      sensors, spikes and rates of every population, commands, above one time axis
-    signals.png     what the other nodes put out
-    latency.png     from a sensor's message to the first command that was computed from it
+    signals.png     outputs of the other nodes
+    latency.png     from a sensor message to the first command computed from it
 
-What is not there is not drawn; a line on standard error says what is missing. In Python:
+Missing data are not drawn, and reported on standard error. In Python:
 
     from spikeloop.plots import plot_run
     result = plot_run("runs/braitenberg")     # result.pictures, result.missing, result.notes
 
-Exit code: 0 everything that the run has was drawn; 1 something could not be; 2 a mistake on the
-command line; 3 a package of Python's is missing; 4 nothing could be drawn.
+Exit codes: 0 all data were drawn; 1 some data could not be drawn; 2 an option is invalid; 3 a Python
+package is missing; 4 nothing could be drawn.
 """
 
 import argparse
@@ -107,15 +107,15 @@ def _refuse_other_folders(run):
 
 def _arguments(arguments):
     parser = argparse.ArgumentParser(
-        prog="spikeloop.plots", description="Draws the pictures of a run folder.")
-    parser.add_argument("folder", metavar="RUN_FOLDER", help="what `spikeloop run` wrote")
-    parser.add_argument("--out", metavar="FOLDER", help="where to write (default: RUN_FOLDER)")
-    parser.add_argument("--format", choices=FORMATS, default="png", help="of the pictures")
+        prog="spikeloop.plots", description="Draws the figures of a run.")
+    parser.add_argument("folder", metavar="RUN_FOLDER", help="written by `spikeloop run`")
+    parser.add_argument("--out", metavar="FOLDER", help="output folder (default: RUN_FOLDER)")
+    parser.add_argument("--format", choices=FORMATS, default="png", help="file format")
     parser.add_argument("--sensor", metavar="LABEL", help="process that recorded the sensor")
     parser.add_argument("--network", metavar="LABEL", help="process that recorded the neurons")
     parser.add_argument("--command", metavar="LABEL", help="process that recorded the command")
     parser.add_argument("--from", dest="begin", type=float, metavar="S",
-                        help="begin of the time axis (s, default 0)")
+                        help="start of the time axis (s, default 0)")
     parser.add_argument("--to", dest="end", type=float, metavar="S",
                         help="end of the time axis (s, default: end of the run)")
     return parser.parse_args(arguments)

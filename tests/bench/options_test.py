@@ -92,9 +92,9 @@ class Options(unittest.TestCase):
         for text in ("Weidel, Djurfeldt, Duarte & Morrison 2016", "spikeloop bench --quick",
                      "--layouts LIST:{fused,separate}", "Exit codes: 0 measured"):
             self.assertIn(text, said)
-        self.assertIn("Two minutes at the most: --simulators none, --ticks 1,50, --rates 40,800, "
-                      "--trials 1, --steps 3, --most 1000000, --duration 1 s, each unless it is "
-                      "written; few points", " ".join(said.split()))
+        self.assertIn("Two minutes at most, with few points; other defaults: --simulators none, "
+                      "--ticks 1,50, --rates 40,800, --trials 1, --steps 3, --most 1000000, "
+                      "--duration 1 s", " ".join(said.split()))
 
     def test_completion(self):
         script = ("source <(\"$0\" completion bash); COMP_WORDS=(spikeloop bench \"$@\"); "

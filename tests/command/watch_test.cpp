@@ -184,7 +184,7 @@ TEST_F(WatchTest, says_when_the_system_has_no_descriptors_left) {
   }
   EXPECT_EQ(message,
             "cannot watch the robot's commands: signalfd failed: Too many open files; raise the "
-            "limit of open files (ulimit -n)");
+            "limit of open files (ulimit -n) [SL0109]");
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST(DescribeExperiment, KnowsTopicsRecordingsAndTheNetwork) {
   EXPECT_THAT(spikeloop({"describe", "network"}, directory).out,
               HasSubstr("Write  simulator: builtin  in an experiment file. "));
   EXPECT_THAT(spikeloop({"describe"}, directory).out,
-              HasSubstr("In experiment files alone: topics, recordings, the network, simulators\n"
+              HasSubstr("Only in experiment files: topics, recordings, the network, simulators\n"
                         "  network  "));
   EXPECT_EQ(spikeloop({"describe", "ros_senser"}, directory).err,
             "spikeloop: unknown node class 'ros_senser'; did you mean 'ros_sensor'?\n");

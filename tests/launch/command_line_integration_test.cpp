@@ -27,8 +27,8 @@ TEST(CommandLine, HelpHasExamplesAndExitCodes) {
   EXPECT_THAT(outcome.out, HasSubstr("spikeloop run braitenberg.music --roscore --robot"));
   EXPECT_THAT(outcome.out, HasSubstr("Exit codes:"));
   EXPECT_THAT(outcome.out,
-              HasSubstr("  3  a partner (program, robot, ROS master) is missing, stands "
-                        "still or ended too early\n"));
+              HasSubstr("  3  a program, the robot or the ROS master is missing, stalls or ends "
+                        "too early\n"));
   EXPECT_THAT(outcome.out, HasSubstr("129, 130, 131, 138, 143  stopped by SIGHUP (a closed "
                                      "terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM\n"));
   EXPECT_THAT(outcome.out, HasSubstr("--start-timeout TIME=60 "));

@@ -14,17 +14,14 @@ constexpr const char* kFooter = R"(Examples:
   source <(spikeloop completion bash)    in ~/.bashrc
   source <(spikeloop completion zsh)     in ~/.zshrc, after compinit
 
-cmake --install puts the script where bash finds it by itself.)";
+cmake --install installs the script for bash.)";
 
 }  // namespace
 
 void add(CLI::App& app, Action& action) {
   const auto shell = std::make_shared<std::string>();  // both have the same script
-  CLI::App* command =
-      app.add_subcommand("completion", "Print a script for your shell's completion (Tab)");
-  command->add_option("SHELL", *shell, "Your shell")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh"}));
+  CLI::App* command = app.add_subcommand("completion", "Print a shell script for completion (Tab)");
+  command->add_option("SHELL", *shell, "Shell")->required()->check(CLI::IsMember({"bash", "zsh"}));
   command->footer(kFooter);
   command->callback([shell, &app, &action] {
     action = [&app] {

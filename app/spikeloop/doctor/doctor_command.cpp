@@ -26,14 +26,14 @@ using doctor::Status;
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop doctor
-  PYTHON=~/nest/bin/python3 spikeloop doctor      of another Python
+  PYTHON=~/nest/bin/python3 spikeloop doctor      checks another Python
   spikeloop doctor --json
 
-Starts no job. Everything that may hang or crash runs in a process of its own, all at once, and is
-killed after {} s. Uses SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and ROS 2's variables (docs/ros2.md).
+Starts no job. Checks that may hang or crash run in separate processes, all at once, and are killed
+after {} s. Uses SPIKELOOP_PLUGIN_PATH, ROS_MASTER_URI and ROS 2's variables (docs/ros2.md).
 
-Exit codes: 0 all that every spikeloop run needs is there, 3 something of it is missing. The rest
-changes no exit code.)";
+Exit codes: 0 everything that `spikeloop run` always needs is installed, 3 some of it is missing.
+Optional software does not change the exit code.)";
 
 constexpr std::array kWords{"ok", "warning", "missing"};            // by Status
 constexpr std::array kColours{"\x1b[32m", "\x1b[33m", "\x1b[31m"};  // green, yellow, red
@@ -135,9 +135,9 @@ void add(CLI::App& app, Action& action) {
     std::string probe;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("doctor", "List what Spikeloop can use on this machine");
-  command->add_flag("--json", arguments->json, "Print the same as JSON");
-  command->add_option("--probe", arguments->probe, "For its own children")->group("");
+  CLI::App* command = app.add_subcommand("doctor", "Check the installation and optional software");
+  command->add_flag("--json", arguments->json, "Print the results as JSON");
+  command->add_option("--probe", arguments->probe, "Internal")->group("");
   command->footer(fmt::format(kFooter, doctor::kPatience.count()));
   command->callback([arguments, &action] {
     action = [arguments] {

@@ -23,13 +23,12 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop import loop.music --out loop.yaml && spikeloop run loop.yaml
   spikeloop import braitenberg.music --robot > robot.yaml
 
-Sections become nodes, with the keys and defaults of their programs in the words of experiment files;
-connections become lines, with the delays of a MUSIC job, so that with the same recorded input the
-experiment gives the job's spikes. Paths start where the new file will lie: in the folder of --out,
-else in this one. What cannot be said in an experiment is told with its place, and stands in the file
-as a comment.
+Writes a node for every section, with the keys and defaults of its program, and a line for every
+connection, with the delays of a MUSIC job. With the same recorded input the experiment gives the
+job's spikes. Paths are relative to the folder of --out, by default to the current folder. Parts
+that an experiment cannot have are reported with their place, and written to the file as comments.
 
-Exit codes: 0 all is imported, 1 something had to be left out, 2 the file is wrong,
+Exit codes: 0 everything is imported, 1 parts are left out, 2 the file is invalid,
 4 a file cannot be read or written)";
 
 constexpr int kIncomplete = 1;
@@ -85,11 +84,11 @@ int import_file(const ImportArguments& given) {
 
 void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<ImportArguments>();
-  CLI::App* command = app.add_subcommand("import", "Make an experiment file of a .music file");
+  CLI::App* command = app.add_subcommand("import", "Convert a .music file to an experiment");
   command->add_option("FILE", given->file, "MUSIC configuration file")->required();
-  command->add_option("--out", given->out, "The experiment file; else standard output")
+  command->add_option("--out", given->out, "Experiment file [standard output]")
       ->check(named("file"));
-  command->add_flag("--robot", given->robot, "With Spikeloop's simulated robot in place of ROS");
+  command->add_flag("--robot", given->robot, "Use Spikeloop's simulated robot instead of ROS");
   command->footer(kFooter);
   command->callback([given, &action] { action = [given] { return import_file(*given); }; });
 }

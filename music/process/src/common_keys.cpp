@@ -57,19 +57,18 @@ void set_latency(const Parameters& parameters, const CommonDefaults& defaults, C
 
 std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaults) {
   return {
-      number(
-          "stoptime", "s", "none", 0,
-          "simulated time at which the program ends; without it, it runs until stopped, in dialect "
-          "ma for 1 s"),
+      number("stoptime", "s", "none", 0,
+             "Simulated time at which the program ends; not given: until stopped, or 1 s in "
+             "dialect ma"),
       {.name = "music_timestep",
        .unit = "s",
        .default_value = "0.001",
        .minimum = 1e-9,
        .maximum = 1000,
-       .text = "the tick, the same in all programs of a job"},
+       .text = "Tick; the same in all programs of a job"},
       boolean("barrier", true,
-              "MPI_Barrier on all programs of the job, once before the first tick; true when all "
-              "programs do so, false beside programs that do not"),
+              "Call MPI_Barrier once before the first tick, on all programs of the job; false if "
+              "a program does not call it"),
       {"seed",
        ParameterType::integer,
        "",
@@ -77,22 +76,23 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        0,
        kInfinity,
        {},
-       "seed of all random numbers, with the section's name"},
-      choice("dialect", {"rma", "ma", "auto"},
-             "whose defaults hold where older programs of these names differ; auto: those of the "
-             "family that the job's programs belong to"),
-      boolean("strict", false, "what is only warned of becomes an error"),
-      boolean("pace", defaults.pace, "wait for the wall clock; true in one program of a job"),
-      number("rtf", "1", "1.0", 1e-6, "real-time factor of the program that paces"),
-      choice("sync", {"realtime", "unpaced"}, "what a program that paces waits for"),
+       "Seed of all random numbers, combined with the label"},
+      choice(
+          "dialect", {"rma", "ma", "auto"},
+          "Defaults of ros_music_adapter (rma) or music-adapters (ma); auto: those of the family "
+          "of the job's programs"),
+      boolean("strict", false, "Treat warnings as errors"),
+      boolean("pace", defaults.pace, "Wait for the wall clock; true in one program of a job"),
+      number("rtf", "1", "1.0", 1e-6, "Real-time factor; used if pace=true"),
+      choice("sync", {"realtime", "unpaced"}, "Clock of the program with pace=true"),
       boolean("stamp_guard", true,
-              "move outgoing spikes to at least 1 us after the begin of their tick, because NEST "
-              "blocks a channel for ever after an earlier one"),
+              "Move output spikes to at least 1 us after the start of their tick; NEST blocks a "
+              "channel forever after an earlier spike"),
       number("accept_latency", "s", "0", 0,
              defaults.accept_one_tick
-                 ? "acceptable latency of spike inputs; in dialect rma, unless written, one tick, "
+                 ? "Acceptable latency of spike inputs; default in dialect rma: one tick, "
                    "which is added to their times"
-                 : "acceptable latency of spike inputs; a tick of it delays them by one tick"),
+                 : "Acceptable latency of spike inputs; each whole tick delays them by a tick"),
       {"signal_delay",
        ParameterType::integer,
        "",
@@ -100,9 +100,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        0,
        1000,
        {},
-       "whole ticks by which continuous inputs are delayed, beside the one that each hop costs; "
-       "the "
-       "delays and latencies around a closed loop must add up to a tick a hop"},
+       "Delay of continuous inputs in whole ticks, in addition to one tick per hop; in a cycle, "
+       "delays and latencies must add up to one tick per hop"},
       {"spike_delay",
        ParameterType::integer,
        "",
@@ -110,8 +109,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        0,
        1'000'000,
        {},
-       "whole ticks by which spike inputs are delayed: their times grow by as much"},
-      boolean("record", false, "record what this program puts out to $SPIKELOOP_OUT/LABEL.h5"),
+       "Delay of spike inputs in whole ticks; it is added to their times"},
+      boolean("record", false, "Record the outputs of this program in $SPIKELOOP_OUT/LABEL.h5"),
   };
 }
 

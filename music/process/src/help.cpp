@@ -11,9 +11,9 @@ std::string option_table(const ProgramText& text) {
   const auto line = [&](const std::string& name, const std::string& words) {
     table += fmt::format("  {:<27} {}\n", name, words);
   };
-  line("--help", "this text");
-  line("--version", "the version");
-  line("--check-section FILE LABEL", "what is wrong with that section; starts nothing");
+  line("--help", "Print this help");
+  line("--version", "Print the version");
+  line("--check-section FILE LABEL", "Report errors in this section; start nothing");
   for (const auto& [name, option] : text.options) {
     line(name, option.text);
   }
@@ -21,11 +21,10 @@ std::string option_table(const ProgramText& text) {
 }
 
 constexpr const char* kBarrierNote =
-    "If a job hangs before its first tick, the programs may not agree on the barrier: with\n"
-    "barrier=true, the default and the older programs' way, every program of the job must call\n"
-    "MPI_Barrier(MPI_COMM_WORLD) exactly once between MUSIC's Setup and Runtime. An ordinary "
-    "PyNEST\n"
-    "script and MUSIC's own tools do not: write barrier=false into all our sections then.\n";
+    "If a job hangs before its first tick, check the key barrier. With barrier=true, the default,\n"
+    "every program of the job must call MPI_Barrier(MPI_COMM_WORLD) exactly once between MUSIC's\n"
+    "Setup and Runtime, as the older programs do. Ordinary PyNEST scripts and MUSIC's own tools\n"
+    "do not: with them, write barrier=false in all sections of Spikeloop programs.\n";
 
 }  // namespace
 

@@ -163,7 +163,7 @@ std::vector<ParameterDescription> sharing_parameters() {
            .default_value = "1",
            .minimum = 1,
            .maximum = 1024,
-           .text = "Of each process, that share the output's channels"}};
+           .text = "Threads per process that share the output channels"}};
 }
 
 int run_node(Process& process, const NodeClass& node_class, const Parameters& parameters,
