@@ -25,12 +25,12 @@ connections:
   - scan -> encoder [3] -> decoder [3] -> wheels [1]
 )";
 
-/// As `--layout separate`.
-const experiment::Overrides separate = [] {
+/// As `--layout NAME`.
+experiment::Overrides with_layout(const char* name) {
   experiment::Overrides overrides;
-  overrides.layout = "separate";
+  overrides.layout = name;
   return overrides;
-}();
+}
 
 class LayoutTest : public testing::Test {
  protected:
@@ -158,14 +158,14 @@ TEST_F(LayoutTest, AJobHasASectionAProcess) {
 }
 
 TEST_F(LayoutTest, TheCommandLineGoesBeforeTheFile) {
-  const Read result = read_with("duration", "duration", {.layout = "fused"});
+  const Read result = read_with("duration", "duration", with_layout("fused"));
   EXPECT_THAT(names(result.experiment), ElementsAre("experiment"));
   EXPECT_FALSE(needs_music(result.experiment));
   EXPECT_EQ(name_of(result.experiment.layout), "fused");
 }
 
 TEST_F(LayoutTest, SeparateIsAProcessANode) {
-  const Read result = read_with("duration", "duration", separate);
+  const Read result = read_with("duration", "duration", with_layout("separate"));
   EXPECT_THAT(result.faults, testing::IsEmpty());
   EXPECT_EQ(name_of(result.experiment.layout), "separate");
   EXPECT_THAT(names(result.experiment), ElementsAre("scan", "encoder", "decoder", "wheels"));
@@ -205,7 +205,7 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
                           "this one another name [SL0601]"));
   const Read robot = read_with(
       "connections:\n", "  robot: {node: clip}\nconnections:\n  - scan -> robot -> decoder [3]\n",
-      separate);
+      with_layout("separate"));
   EXPECT_THAT(robot.faults,
               testing::Contains("x.yaml:10:3: key 'layout': 'robot' is the process of the robot; "
                                 "give this one another name [SL0601]"));
