@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/signalfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,7 +11,6 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/status/address.hpp"
-#include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::guard {
 namespace {
@@ -34,20 +32,6 @@ bool bind_to(int fd, const sockaddr_un& address) {
   const bool bound = bind(fd, status::generic(address), sizeof address) == 0;
   umask(before);
   return bound;
-}
-
-/// What stops us, as something to poll. Blocks it in all threads that are started later.
-Descriptor watch_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
-  // A blocked signal waits for us even when nohup has it ignored.
-  if (!status::is_ignored(SIGHUP)) {
-    sigaddset(&set, SIGHUP);
-  }
-  pthread_sigmask(SIG_SETMASK, &set, nullptr);
-  return Descriptor{signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};
 }
 
 }  // namespace
@@ -82,7 +66,6 @@ Descriptor Listener::accept() const {
 
 Server::Server(const Options& options)
     : listener_(options.socket),
-      signals_(watch_signals()),
       wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       owner_(options.owner) {
   if (owner_ >= 0) {
@@ -101,7 +84,7 @@ void Server::run() {
 void Server::turn() {
   // An owner that has gone would always be ready.
   pollfd files[] = {{listener_.fd(), POLLIN, 0},
-                    {signals_.get(), POLLIN, 0},
+                    {signals_.fd(), POLLIN, 0},
                     {wakeup_.get(), POLLIN, 0},
                     {owner_gone() ? -1 : owner_, POLLIN, 0}};
   poll(files, std::size(files), -1);
@@ -119,8 +102,7 @@ void Server::take_in() {
 }
 
 bool Server::stopped() {
-  signalfd_siginfo signal{};
-  return read(signals_.get(), &signal, sizeof signal) == sizeof signal;
+  return signals_.next().has_value();
 }
 
 bool Server::owner_gone() const {

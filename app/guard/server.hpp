@@ -9,6 +9,7 @@
 #include "guarded_robot.hpp"
 #include "options.hpp"
 #include "robots.hpp"
+#include "spikeloop/status/signal_watch.hpp"
 
 namespace spikeloop::guard {
 
@@ -47,7 +48,7 @@ class Server {
   bool needed() const;
 
   Listener listener_;
-  Descriptor signals_;
+  status::SignalWatch signals_;  ///< before any thread: they inherit that it holds signals back
   Descriptor wakeup_;
   int owner_;
   Robots robots_;

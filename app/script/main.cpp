@@ -2,10 +2,8 @@
 // gives a program its arguments too late to say which script, so a script that is a program of a
 // job would have to be executable and name its Python.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -16,6 +14,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/processes/python.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace {
@@ -79,21 +78,14 @@ std::string script_of(const std::string& file, const std::string& label) {
 }
 
 [[noreturn]] void become(const std::string& script, const std::vector<std::string>& arguments) {
-  const char* const named = std::getenv("PYTHON");
-  const std::string python = named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
-  std::vector<std::string> words{python, script};
+  std::vector<std::string> words{python_name(), script};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) {
-    pointers.push_back(word.data());
-  }
-  pointers.push_back(nullptr);
-  ::execvp(python.c_str(), pointers.data());
+  const int error = become_program(words);
   throw TransportError(
       with_code(Code::program,
                 "cannot start '{}': {}; install it (Debian: apt install python3), or set PYTHON "
                 "to another one",
-                python, std::strerror(errno)));
+                words.front(), std::strerror(error)));
 }
 
 int refuse(const std::string& text) {

@@ -13,6 +13,7 @@
 #include "python_package.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app::bench_command {
 namespace {
@@ -182,7 +183,7 @@ std::vector<std::string> checked(const BenchArguments& given) {
   check_list(simulators(), given.simulators);
   check_list(encoders(), given.encoders);
   std::vector<std::string> words{
-      "--programs=" + programs_folder(),
+      "--programs=" + own_directory(),
       "--part=" + given.parts,
       "--layouts=" + given.layouts,
       "--simulators=" + given.simulators,

@@ -24,7 +24,7 @@
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/launch/folders.hpp"
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "versions.hpp"
 
@@ -159,7 +159,7 @@ void begin_log(RunLog& log, const Experiment& experiment) {
 void say_which_signal(fused::RunResult& result) {
   if (const int number = signal_number.load(); number != 0 && result.exit_code == 0) {
     result.exit_code = 128 + number;
-    result.reason = launch::stopped_by(number);
+    result.reason = stopped_by(number);
   }
 }
 

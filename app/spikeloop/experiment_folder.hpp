@@ -24,7 +24,7 @@ class ExperimentFolder {
  private:
   std::string path_;
   std::string shown_;
-  status::Descriptor lock_;
+  Descriptor lock_;
 };
 
 }  // namespace spikeloop::app

@@ -16,6 +16,7 @@
 #include "python_package.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app::fit_command {
 namespace {

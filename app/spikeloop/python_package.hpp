@@ -1,4 +1,4 @@
-// Our Python package, and the Python that runs it.
+// Modules of our Python package as subcommands.
 #pragma once
 
 #include <string>
@@ -6,17 +6,8 @@
 
 namespace spikeloop::app {
 
-/// The variable PYTHON, else /usr/bin/python3.
-std::string python_name();
-
-/// The file of that program; empty: there is none.
+/// The file of python_name(); empty: there is none.
 std::string python_program();
-
-/// Where the package is, from the program's own place: built or installed.
-std::string python_package();
-
-/// Where the running program's file is; our other programs are beside it.
-std::string programs_folder();
 
 /// Python takes this process over with a module of the package: signals and the exit code are its
 /// own. `purpose` and `packages` are for whoever has no Python: "which draws",

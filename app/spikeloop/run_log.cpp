@@ -25,8 +25,8 @@ std::string utc_now() {
 
 RunLog::RunLog(const std::string& folder) {
   const std::string path = folder + "/log.txt";
-  file_ = status::Descriptor(
-      ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666));
+  file_ =
+      Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666));
   if (file_.get() < 0) {
     throw FileError("create", path, errno);
   }

@@ -27,7 +27,7 @@ class RunLog {
 
  private:
   std::mutex mutex_;
-  status::Descriptor file_;
+  Descriptor file_;
   std::atomic<double> simulated_s_{0};
 };
 

@@ -14,6 +14,7 @@
 #include "python_package.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/python.hpp"
 #include "spikeloop/record/reader.hpp"
 
 namespace spikeloop::app {

@@ -1,20 +1,25 @@
 #include "spikeloop/config/network_script.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <span>
 #include <sstream>
 
-#include "python_process.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/scratch_folder.hpp"
+#include "spikeloop/processes/process_tree.hpp"
+#include "spikeloop/processes/python.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop {
@@ -27,9 +32,42 @@ constexpr const char* kSuffix = ".py";
 constexpr const char* kResult = "network.json";
 constexpr std::uint64_t kMostScriptBytes = 1'000'000'000;
 
-std::string python() {
-  const char* const named = std::getenv("PYTHON");
-  return named == nullptr || *named == '\0' ? "/usr/bin/python3" : named;
+/// To the error stream. Returns whether more may come.
+bool pass_on(int output) {
+  std::array<char, 65536> text;
+  ssize_t size = 0;
+  while ((size = read(output, text.data(), text.size())) > 0) {
+    for (ssize_t at = 0; at < size;) {
+      const ssize_t written = write(STDERR_FILENO, text.data() + at, size - at);
+      if (written < 0 && errno != EINTR) {
+        return true;  // nobody reads: it is lost, as when Python wrote itself
+      }
+      at += std::max<ssize_t>(0, written);
+    }
+  }
+  return size < 0;
+}
+
+/// Runs a module of our package to its end. Returns its exit code.
+int run_python(const std::vector<std::string>& arguments, const std::string& scratch) {
+  ProgramStart start{{python_name(), "-m"},
+                     {{"PYTHONPATH", python_path()},
+                      {"PYTHONSAFEPATH", "1"},  // no module of the working directory's
+                      {"PYTHONUNBUFFERED", "1"}},
+                     "",
+                     scratch};
+  start.arguments.insert(start.arguments.end(), arguments.begin(), arguments.end());
+  ProcessTree python(start);
+  pollfd files[] = {{python.fd(), POLLIN, 0}, {python.out(), POLLIN, 0}, {python.err(), POLLIN, 0}};
+  while (!python.gone()) {
+    poll(files, std::size(files), -1);
+    for (pollfd& output : std::span(files).subspan(1)) {
+      output.fd = output.fd >= 0 && pass_on(output.fd) ? output.fd : -1;
+    }
+  }
+  pass_on(python.out());
+  pass_on(python.err());
+  return exit_code(python.status().value_or(0));
 }
 
 // What Python says of its own fault: the line in the file, 0 for none, and the text.
@@ -115,13 +153,12 @@ NetworkFile run_network_script(const std::string& written) {
   }
   require_regular_file(file, "network script");
   require_code_may_run(fmt::format("network '{}'", written));
-  const HeldSignals held;  // the folder is gone before one of them ends this process
   const ScratchFolder scratch(fs::temp_directory_path().string());
   const fs::path folder = scratch.path();
-  const int exit_code =
-      run_python({python(), "-m", "spikeloop.network", file, function, folder.string()}, held);
-  if (exit_code != 0 || !fs::exists(folder / kResult)) {
-    refuse(file, function, folder, exit_code);
+  const int code =
+      run_python({"spikeloop.network", file, function, folder.string()}, folder.string());
+  if (code != 0 || !fs::exists(folder / kResult)) {
+    refuse(file, function, folder, code);
   }
   std::set<std::string> files{file};
   NetworkFile network;

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
+#include <barrier>
 #include <exception>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
+
 #include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
@@ -53,7 +54,7 @@ struct Member {
 class ThreadTeam final : public Node {
  public:
   ThreadTeam(const NodeClass& node_class, const NodeSetup& setup, unsigned threads)
-      : members_(threads) {
+      : members_(threads), all_(threads) {
     for (unsigned i = 0; i < threads; ++i) {
       NodeSetup own = setup;
       own.share = {setup.share.index * threads + i, setup.share.parts * threads};
@@ -62,7 +63,10 @@ class ThreadTeam final : public Node {
   }
 
   ~ThreadTeam() override {
-    begin(nullptr);
+    if (!threads_.empty()) {
+      step_ = nullptr;
+      all_.arrive_and_wait();
+    }
     for (std::thread& thread : threads_) {
       thread.join();
     }
@@ -72,11 +76,10 @@ class ThreadTeam final : public Node {
     if (threads_.empty()) {
       start();
     }
-    begin(&step.plain());
+    step_ = &step.plain();
+    all_.arrive_and_wait();
     members_.front().step(step.plain());
-    for (unsigned left = busy_.load(); left != 0; left = busy_.load()) {
-      busy_.wait(left);
-    }
+    all_.arrive_and_wait();
     for (Member& member : members_) {
       if (member.failure) {
         std::rethrow_exception(std::exchange(member.failure, nullptr));
@@ -104,30 +107,19 @@ class ThreadTeam final : public Node {
         threads_.emplace_back([this, i] { work(members_[i]); });
       }
     } catch (const std::system_error&) {
+      for (std::size_t i = threads_.size() + 1; i < members_.size(); ++i) {
+        all_.arrive_and_drop();  // for one that does not exist
+      }
       throw std::runtime_error(
           fmt::format("only {} of {} threads could be started; write a smaller number of threads",
                       threads_.size() + 1, members_.size()));
     }
   }
 
-  /// Lets the threads do a step; null: end.
-  void begin(const spikeloop_step* step) {
-    step_ = step;
-    busy_.store(static_cast<unsigned>(threads_.size()));
-    round_.fetch_add(1);
-    round_.notify_all();
-  }
-
   void work(Member& member) {
-    for (std::uint64_t done = 0;; ++done) {
-      round_.wait(done);
-      if (step_ == nullptr) {
-        return;
-      }
+    for (all_.arrive_and_wait(); step_ != nullptr; all_.arrive_and_wait()) {
       member.step(*step_);
-      if (busy_.fetch_sub(1) == 1) {
-        busy_.notify_all();
-      }
+      all_.arrive_and_wait();
     }
   }
 
@@ -150,9 +142,8 @@ class ThreadTeam final : public Node {
 
   std::vector<Member> members_;
   std::vector<std::thread> threads_;
-  const spikeloop_step* step_ = nullptr;
-  std::atomic<std::uint64_t> round_{0};
-  std::atomic<unsigned> busy_{0};
+  std::barrier<> all_;                    ///< before and behind each step
+  const spikeloop_step* step_ = nullptr;  ///< null: the threads end
 };
 
 void check(const NodeClass& node_class, const NodeSetup& setup, unsigned threads) {

@@ -1,5 +1,6 @@
 // mpirun's command line and its output.
 #include "spikeloop/launch/mpirun.hpp"
+#include "spikeloop/processes/python.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

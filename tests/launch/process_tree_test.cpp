@@ -1,5 +1,5 @@
 // A subreaper between us and a program: what it starts, reports and ends.
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 #include <fstream>
 #include <string>
 
-#include "descendants.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/processes/descendants.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::launch {

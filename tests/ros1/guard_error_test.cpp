@@ -48,7 +48,7 @@ class GuardErrorTest : public testing::Test {
   }
   /// A socket is there a moment before somebody listens at it.
   bool somebody_listens() const {
-    const guard::Descriptor probe{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+    const spikeloop::Descriptor probe{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
     const auto address = status::socket_address(socket_);
     return ::connect(probe.get(), status::generic(*address), sizeof *address) == 0;
   }
@@ -189,13 +189,13 @@ class StrangeGuardTest : public GuardedJob {
   /// Ready, and nothing more.
   void play_guard() {
     guard_thread_ = std::thread([this] {
-      const guard::Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+      const spikeloop::Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
       const auto address = status::socket_address(socket_);
       ASSERT_EQ(::bind(listener.get(), status::generic(*address), sizeof *address), 0);
       ASSERT_EQ(::listen(listener.get(), 1), 0);
       listens_ = true;
       ASSERT_TRUE(guard::wait_readable(listener.get(), 60 * spikeloop::kNsPerSecond));
-      adapter_ = guard::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
+      adapter_ = spikeloop::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
       ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
       guard::send_packet(adapter_.get(), guard::make_packet("ready"));
       ready_at_ = ros_peer::monotonic_now();
@@ -204,7 +204,7 @@ class StrangeGuardTest : public GuardedJob {
   ~StrangeGuardTest() override { guard_thread_.join(); }
 
   std::string socket_ = (directory_.path() / "guard").string();
-  guard::Descriptor adapter_;
+  spikeloop::Descriptor adapter_;
   std::atomic<bool> listens_{false};
   std::int64_t ready_at_ = 0;
   std::thread guard_thread_;

@@ -14,7 +14,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/mpirun.hpp"
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -25,7 +25,7 @@ constexpr std::size_t kMostOutput = 1'000'000;
 constexpr std::chrono::milliseconds kLookEvery{5};
 
 struct Child {
-  std::unique_ptr<launch::ProcessTree> tree{};  ///< none: it has ended, or was not started
+  std::unique_ptr<ProcessTree> tree{};  ///< none: it has ended, or was not started
   std::string err{};
   Answer answer{};
   bool is_running() const { return tree != nullptr; }
@@ -68,7 +68,7 @@ void look(Child& child, double seconds) {
 
 Child start(const Command& command, const std::string& scratch) {
   Child child;
-  launch::ProgramStart program{command, launch::program_environment(), "", scratch};
+  ProgramStart program{command, launch::program_environment(), "", scratch};
   program.environment.erase("PYTHONPATH");  // a directory of ours is no simulator of its name
   program.environment["MPLBACKEND"] = "Agg";
   program.environment["PYTHONSAFEPATH"] = "1";  // no module of the working directory's
@@ -76,7 +76,7 @@ Child start(const Command& command, const std::string& scratch) {
     program.environment["OMPI_MCA_orte_tmpdir_base"] = scratch;
   }
   try {
-    child.tree = std::make_unique<launch::ProcessTree>(program);
+    child.tree = std::make_unique<ProcessTree>(program);
   } catch (const Error& error) {
     child.answer.failure = error.what();
   }

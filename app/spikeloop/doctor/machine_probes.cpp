@@ -15,6 +15,7 @@
 #include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/ros_master.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -31,7 +32,7 @@ Probe mpirun_probe(const std::string& mpirun) {
           missing("cannot start programs: ",
                   "see what it prints: mpirun -np 2 --oversubscribe hostname"),
           {mpirun, "-np", "2", "--oversubscribe", "--bind-to", "none",
-           launch::own_directory() + "/spikeloop", "--version"},
+           own_directory() + "/spikeloop", "--version"},
           [](const Answer& answer) {
             return answer.out.empty()
                        ? missing("cannot start programs: they print nothing")

@@ -14,6 +14,7 @@
 #include "spikeloop/core/registry.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/nodes/register.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kInstallAgain = "build and install Spikeloop again: all of it, scripts/build";
 
 fs::path own_file(std::string_view name) {
-  return fs::path(launch::own_directory()) / name;
+  return fs::path(own_directory()) / name;
 }
 
 bool is_there(std::string_view program) {
@@ -34,10 +35,10 @@ Finding programs() {
   std::vector<std::string> names = all_programs();
   const std::size_t count = names.size();
   std::erase_if(names, is_there);
-  return names.empty() ? ok(fmt::format("{} in {}", count, launch::own_directory()))
-                       : missing(fmt::format("not in {}: {}", launch::own_directory(),
-                                             fmt::join(names, ", ")),
-                                 kInstallAgain);
+  return names.empty()
+             ? ok(fmt::format("{} in {}", count, own_directory()))
+             : missing(fmt::format("not in {}: {}", own_directory(), fmt::join(names, ", ")),
+                       kInstallAgain);
 }
 
 Finding judge_libraries(const Answer& answer) {

@@ -50,9 +50,9 @@ void refuse_pipes(const std::string& path) {
 
 }  // namespace
 
-status::Descriptor lock_folder(const std::string& path, const std::string& as_written) {
+Descriptor lock_folder(const std::string& path, const std::string& as_written) {
   refuse_pipes(path);
-  status::Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  Descriptor folder{open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   // Some network file systems know no such locks: then there is none.
   if (flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     throw FileError(with_code(Code::no_access,

@@ -12,8 +12,6 @@
 
 namespace spikeloop::launch {
 
-using status::Descriptor;
-
 /// Where the guard of a launcher with this scratch folder listens.
 std::string guard_socket(const std::string& scratch);
 

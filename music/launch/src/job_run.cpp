@@ -7,13 +7,13 @@
 
 #include <algorithm>
 
-#include "descendants.hpp"
 #include "guard_process.hpp"
 #include "section_checks.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/descendants.hpp"
 
 namespace spikeloop::launch {
 namespace {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -93,11 +94,6 @@ void add_if_set(const char* name, std::vector<std::string>& names) {
 }
 
 }  // namespace
-
-std::string own_directory() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path().string();
-}
 
 std::vector<std::string> ros_variables() {
   std::vector<std::string> names;
@@ -225,13 +221,7 @@ std::map<std::string, std::string> program_environment() {
   const char* path = std::getenv("PATH");
   std::map<std::string, std::string> environment;
   environment["PATH"] = own_directory() + (path == nullptr ? "" : fmt::format(":{}", path));
-  // Scripts find our package; one that the user has put before it goes first.
-  if (const fs::path package = fs::path(own_directory()).parent_path() / "share/spikeloop/python";
-      fs::exists(package / "spikeloop")) {
-    const char* written = std::getenv("PYTHONPATH");
-    environment["PYTHONPATH"] =
-        written == nullptr ? package.string() : fmt::format("{}:{}", written, package.string());
-  }
+  environment["PYTHONPATH"] = python_path();
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {
     environment["PYTHONUNBUFFERED"] = "1";  // what scripts print is shown when they print it
   }

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "error_tail.hpp"
-#include "signal_watch.hpp"
 #include "spikeloop/launch/mpirun.hpp"
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
+#include "spikeloop/status/signal_watch.hpp"
 #include "spikeloop/status/status.hpp"
 
 namespace spikeloop::launch {
@@ -69,7 +69,7 @@ class ProcessGroup {
 
   status::Receiver& receiver_;
   ProcessGroupEvents events_;
-  SignalWatch signals_;
+  status::SignalWatch signals_;
   std::vector<std::unique_ptr<Process>> processes_;
 };
 

@@ -14,6 +14,7 @@
 #include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::launch {
 namespace {

@@ -24,8 +24,6 @@ namespace spikeloop::launch {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using status::Descriptor;
-
 /// Under load a connection may be lost, and then only a new one helps.
 constexpr std::chrono::seconds kAttempts[] = {std::chrono::seconds{1}, std::chrono::seconds{2}};
 /// getPublishedTopics of a large robot is some 100 kB.

@@ -27,7 +27,7 @@ class RunFolder {
  private:
   std::string path_;
   std::vector<std::string> labels_;  ///< of this run's sections and the earlier one's
-  status::Descriptor lock_;
+  Descriptor lock_;
 };
 
 }  // namespace spikeloop::launch

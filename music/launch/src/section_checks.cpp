@@ -15,6 +15,7 @@
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::launch {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "job_state.hpp"
 #include "spikeloop/launch/effective_file.hpp"
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 
 namespace spikeloop::launch {
 namespace {

@@ -13,7 +13,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
-#include "spikeloop/core/trial.hpp"
+#include "spikeloop/processes/trial.hpp"
 #include "structure.hpp"
 
 namespace spikeloop::bag {

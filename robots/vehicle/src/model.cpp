@@ -16,7 +16,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/core/trial.hpp"
+#include "spikeloop/processes/trial.hpp"
 
 namespace spikeloop::vehicle {
 namespace {

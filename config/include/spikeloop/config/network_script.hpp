@@ -18,8 +18,9 @@ bool is_network_script(const std::string& written);
 
 /// The network that the function returns; `make` where none is named. What it prints goes to the
 /// error stream, its warnings to the log.
-/// @throws FileError when there is no such file, or no Python; ConfigurationError with the file,
-/// the line and Python's traceback when it fails, and as parse_network.
+/// @throws FileError when there is no such file; TransportError without a Python;
+/// ConfigurationError with the file, the line and Python's traceback when it fails, and as
+/// parse_network.
 NetworkFile run_network_script(const std::string& written);
 
 }  // namespace spikeloop

@@ -19,8 +19,6 @@
 
 namespace spikeloop::guard {
 
-using status::Descriptor;
-
 /// The environment variable that holds the path of the guard's socket.
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 

@@ -17,7 +17,7 @@ std::string make_folder(const std::string& path);
 /// Holds a run folder while the result lives: one folder takes one run at a time.
 /// @throws FileError when another run holds it, or a pipe or device is in it; `as_written` is the
 /// folder's name in the message.
-status::Descriptor lock_folder(const std::string& path, const std::string& as_written);
+Descriptor lock_folder(const std::string& path, const std::string& as_written);
 
 /// @throws ConfigurationError when `path`, which we are about to write, is the user's `file`.
 void refuse_to_overwrite(const std::string& file, const std::string& path);

@@ -39,12 +39,9 @@ std::string multi_prog_text(const MusicFile& file, const std::string& path);
 std::vector<std::string> srun_command(const MusicFile& file, const std::string& multi_prog,
                                       const std::string& directory);
 
-/// What every program started for a job finds in its environment: our programs first in PATH; leave
-/// for root to use mpirun; Python's output unbuffered.
+/// What every program started for a job finds in its environment: our programs first in PATH; our
+/// package in PYTHONPATH; leave for root to use mpirun; Python's output unbuffered.
 std::map<std::string, std::string> program_environment();
-
-/// The directory of the running program.
-std::string own_directory();
 
 /// Where a program would be found; empty when it would not. A name with a '/' is looked up from
 /// `directory`, others in `path`, a list as in PATH.

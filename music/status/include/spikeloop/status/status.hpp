@@ -10,26 +10,12 @@
 #include <string_view>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 
 namespace spikeloop::status {
 
 /// The environment variable that holds the path of the launcher's socket.
 inline constexpr const char* kSocketVariable = "SPIKELOOP_STATUS";
-
-/// A file descriptor that is closed with its owner.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor() { reset(); }
-  int get() const { return fd_; }
-  int release();
-  void reset();
-
- private:
-  int fd_;
-};
 
 /// What a process does at the moment.
 enum class Phase {

@@ -3,9 +3,9 @@
 
 #include <sys/types.h>
 
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop {
 
 /// What a subreaper tells; `value` is a process id, an errno, a wait status.
 struct SubreaperNews {
@@ -27,4 +27,4 @@ struct SubreaperFiles {
 /// Runs in the forked process and never returns.
 [[noreturn]] void keep(const ProgramStart& start, const SubreaperFiles& files);
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop

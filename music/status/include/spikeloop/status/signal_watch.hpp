@@ -1,13 +1,13 @@
-// The signals that stop a run, as something to poll.
+// The signals that stop a program, as something to poll.
 #pragma once
 
 #include <signal.h>
 
 #include <optional>
 
-#include "spikeloop/status/status.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop::status {
 
 /// Holds SIGINT, SIGTERM, SIGQUIT, SIGUSR1 and, unless nohup has it ignored, SIGHUP back from the
 /// process for as long as it lives.
@@ -24,7 +24,7 @@ class SignalWatch {
 
  private:
   sigset_t before_{};
-  status::Descriptor fd_;
+  Descriptor fd_;
 };
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop::status

@@ -1,4 +1,4 @@
-#include "descendants.hpp"
+#include "spikeloop/processes/descendants.hpp"
 
 #include <cctype>
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace spikeloop::launch {
+namespace spikeloop {
 namespace {
 
 /// What man 5 proc says of "PID (NAME) STATE PARENT ..."; NAME may hold blanks and brackets.
@@ -73,6 +73,11 @@ bool is_stopped(pid_t process) {
   return stat && stat->state == 'T';
 }
 
+bool is_sleeping(pid_t process) {
+  const auto stat = read_stat(std::to_string(process));
+  return stat && stat->state == 'S';
+}
+
 std::map<std::string, bool> living_sections(pid_t ancestor) {
   constexpr std::string_view kVariable = "_MUSIC_CONFIG_=";
   std::map<std::string, bool> stopped;
@@ -96,4 +101,4 @@ std::optional<int> end_of(pid_t process) {
   return stat->ended() ? std::optional(stat->exit_status) : std::nullopt;
 }
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop

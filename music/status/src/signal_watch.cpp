@@ -1,11 +1,11 @@
-#include "signal_watch.hpp"
+#include "spikeloop/status/signal_watch.hpp"
 
 #include <sys/signalfd.h>
 #include <unistd.h>
 
 #include "spikeloop/status/signals.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop::status {
 
 SignalWatch::SignalWatch() {
   sigset_t watched;
@@ -13,11 +13,11 @@ SignalWatch::SignalWatch() {
   for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGUSR1}) {
     sigaddset(&watched, number);
   }
-  if (!status::is_ignored(SIGHUP)) {
+  if (!is_ignored(SIGHUP)) {
     sigaddset(&watched, SIGHUP);
   }
   pthread_sigmask(SIG_BLOCK, &watched, &before_);
-  fd_ = status::Descriptor{signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK)};
+  fd_ = Descriptor{signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK)};
 }
 
 SignalWatch::~SignalWatch() {
@@ -34,4 +34,4 @@ std::optional<int> SignalWatch::next() const {
              : std::nullopt;
 }
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop::status

@@ -1,5 +1,4 @@
-#include "spikeloop/core/trial.hpp"
-#include "spikeloop/core/code.hpp"
+#include "spikeloop/processes/trial.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -22,8 +21,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/processes/descendants.hpp"
 
 namespace spikeloop {
 namespace {
@@ -89,15 +90,6 @@ struct Limits {
   _exit(0);
 }
 
-/// Whether it waits for something that is no disk: a pipe, a lock.
-bool sleeps(pid_t pid) {
-  std::ifstream file(fmt::format("/proc/{}/stat", pid));
-  std::string text;
-  std::getline(file, text);
-  const auto name_end = text.rfind(')');
-  return name_end != std::string::npos && text.substr(name_end, 3) == ") S";
-}
-
 /// Its status; SIGXCPU as for one that took too long when it hangs.
 int end_of(pid_t child, std::uint64_t seconds) {
   const auto deadline = Clock::now() + std::chrono::seconds(seconds);
@@ -110,7 +102,7 @@ int end_of(pid_t child, std::uint64_t seconds) {
     if (ended < 0 && errno != EINTR) {
       return 0;  // somebody else has waited for it
     }
-    if (Clock::now() > deadline && sleeps(child)) {
+    if (Clock::now() > deadline && is_sleeping(child)) {
       kill(child, SIGXCPU);
     }
     std::this_thread::sleep_for(kLook);

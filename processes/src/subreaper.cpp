@@ -16,9 +16,9 @@
 #include <set>
 #include <vector>
 
-#include "descendants.hpp"
+#include "spikeloop/processes/descendants.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -223,4 +223,4 @@ void keep(const ProgramStart& start, const SubreaperFiles& files) {
   _exit(0);
 }
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop

@@ -1,4 +1,4 @@
-#include "spikeloop/launch/process_tree.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 #include "spikeloop/core/error.hpp"
 #include "subreaper.hpp"
 
-namespace spikeloop::launch {
+namespace spikeloop {
 namespace {
 
 struct Pair {
@@ -132,4 +132,4 @@ std::string stopped_by(int signal) {
                           : fmt::format("stopped by signal {} ({})", signal, strsignal(signal));
 }
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop

@@ -8,11 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/status/status.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 
-namespace spikeloop::launch {
-
-using status::Descriptor;
+namespace spikeloop {
 
 struct ProgramStart {
   std::vector<std::string> arguments;              ///< the program, searched in PATH, and its own
@@ -72,4 +70,4 @@ int exit_code(int wait_status);
 /// "stopped by Ctrl-C", "stopped by signal 15 (Terminated)".
 std::string stopped_by(int signal);
 
-}  // namespace spikeloop::launch
+}  // namespace spikeloop
