@@ -4,14 +4,14 @@
 
 The scan changes 20 times a second. `spread` has uniform weights, so that every neuron gets the mean of
 all beams, as with the paper's scripts; the NEF population gets 16 means of neighbouring beams. The
-same in both layouts: an experiment file, or a `.music` file with a program a line.
+same experiment file in both layouts.
 """
 
 import dataclasses
 import json
 import math
 import pathlib
-import sys
+import shutil
 
 import h5py
 import numpy as np
@@ -33,50 +33,18 @@ connections:
 output: [relay]
 """
 EXPERIMENT = """experiment: bench
+layout: {layout}
 duration: {duration_s} s
 tick: {tick_ms} ms
 sync: unpaced
 nodes:
   scan: {{node: signal_playback, file: scan.h5}}
   spread: {{node: connect, weights: {weights}}}
-  encoder: {{node: {encoder}, {experiment_keys}}}
+  encoder: {{node: {encoder}, {keys}}}
 {brain}  decoder: {{node: linear_readout, tau: 30 ms, weights: uniform}}
   motor: {{node: low_pass, tau: 50 ms}}
 connections:
   - scan -> spread [{beams}] -> encoder [{inputs}] -> {through}decoder [{neurons}] -> motor [2]
-"""
-JOB = """stoptime={duration_s}
-music_timestep={tick_s}
-sync=unpaced
-[scan]
-  np=1
-  binary=signal_playback
-  file=scan.h5
-[spread]
-  np=1
-  binary=spikeloop-node
-  node=connect
-  weights={weights}
-[encoder]
-  np=1
-  binary=spikeloop-node
-  node={encoder}
-{music_keys}
-{brain}[decoder]
-  np=1
-  binary=spikeloop-node
-  node=linear_readout
-  tau=0.03
-  weights=uniform
-[motor]
-  np=1
-  binary=spikeloop-node
-  node=low_pass
-  tau=0.05
-scan.out -> spread.in [{beams}]
-spread.out -> encoder.in [{inputs}]
-{spikes}
-decoder.out -> motor.in [2]
 """
 
 
@@ -153,55 +121,24 @@ def write(setting, folder):
     if setting.simulator == "builtin":
         (folder / "network.yaml").write_text(NETWORK.format(neurons=setting.neurons,
                                                             resolution=RESOLUTION_MS))
-    words = {"duration_s": setting.duration_s, "tick_ms": setting.tick_ms, "beams": BEAMS,
-             "tick_s": setting.tick_ms / 1000, "weights": weights, "inputs": setting.inputs,
-             "encoder": ENCODERS[setting.encoder], "neurons": setting.neurons}
-    if setting.layout == "fused":
-        return _write_experiment(setting, folder, words)
-    return _write_job(setting, folder, words)
-
-
-def _encoder_keys(setting):
-    if setting.encoder == "nef":
-        return {"preset": "rma"}
-    return {"rate_min": f"{setting.rate_min_hz:g} Hz", "rate_max": f"{setting.rate_max_hz:g} Hz"}
-
-
-def _write_experiment(setting, folder, words):
-    keys = ", ".join(f"{key}: {value}" for key, value in _encoder_keys(setting).items())
+    keys = {"preset": "rma"}
+    if setting.encoder != "nef":
+        keys = {"rate_min": f"{setting.rate_min_hz:g} Hz", "rate_max": f"{setting.rate_max_hz:g} Hz"}
     brain, through = "", ""
     if setting.simulator != "none":
         what = (f"script: {_copy_script(setting.simulator, folder)}"
                 if setting.simulator in SCRIPTS else "network: network.yaml")
         brain = f"  brain: {{simulator: {setting.simulator}, {what}}}\n"
         through = f"brain [{setting.neurons}] -> "
-    (folder / "job.yaml").write_text(EXPERIMENT.format(experiment_keys=keys, brain=brain,
-                                                       through=through, **words))
+    (folder / "job.yaml").write_text(EXPERIMENT.format(
+        layout=setting.layout, duration_s=setting.duration_s, tick_ms=setting.tick_ms, beams=BEAMS,
+        weights=weights, encoder=ENCODERS[setting.encoder], inputs=setting.inputs,
+        keys=", ".join(f"{key}: {value}" for key, value in keys.items()), brain=brain,
+        through=through, neurons=setting.neurons))
     return "job.yaml"
 
 
-def _write_job(setting, folder, words):
-    keys = {**_encoder_keys(setting), "initial": "none"}
-    width = setting.neurons
-    brain, spikes = "", f"encoder.out -> decoder.in [{width}]"
-    if setting.simulator != "none":
-        binary = "spikeloop-network\n  network=network.yaml"
-        if setting.simulator in SCRIPTS:
-            binary = f"./{_copy_script(setting.simulator, folder)}"
-        brain = f"[brain]\n  np=1\n  binary={binary}\n"
-        if setting.simulator == "neuron":
-            brain += "  delay=1 ms\n"
-        spikes = f"encoder.out -> brain.in [{width}]\nbrain.out -> decoder.in [{width}]"
-    (folder / "job.music").write_text(JOB.format(
-        music_keys="\n".join(f"  {key}={value}" for key, value in keys.items()), brain=brain,
-        spikes=spikes, **words))
-    return "job.music"
-
-
 def _copy_script(simulator, folder):
-    """A program of a job has to be executable, and is run by the Python that we run with."""
     name = SCRIPTS[simulator]
-    text = (HERE / "brains" / name).read_text(encoding="utf-8")
-    (folder / name).write_text(f"#!{sys.executable}\n{text.split(chr(10), 1)[1]}")
-    (folder / name).chmod(0o755)
+    shutil.copy(HERE / "brains" / name, folder)
     return name

@@ -1,8 +1,7 @@
 """Part c: from a laser scan to the first command that follows it, over ROS.
 
 One channel, a scan at 20 Hz that steps from minimum to maximum at random moments, a rate encoder up
-to 1000 Hz, deadband 0. Separate: every program a process of its own, joined by MUSIC; fused: the
-same as an experiment in one process. A repeater of the built-in network may stand in between. The
+to 1000 Hz, deadband 0. The same experiment in both layouts. A repeater of the built-in network may stand in between. The
 command adapter's own measurement (message arrived to command computed) is the share of encoder and
 MUSIC; the rest is ROS, and the time for which a command is held because the last one left less than
 half a tick ago.
@@ -18,42 +17,6 @@ import subprocess
 import tempfile
 import time
 
-JOB = """stoptime=100000
-music_timestep={tick_s}
-
-[sensor]
-  np=1
-  binary=ros_sensor_adapter
-  ros={ros}
-  ros_topic=/scan
-  message_type=LaserScan
-[encoder]
-  np=1
-  binary=rate_encoder
-  rate_min=0
-  rate_max=1000
-{network}[decoder]
-  np=1
-  binary=linear_readout_decoder
-  tau=0.03
-  weights=uniform
-[command]
-  np=1
-  binary=ros_command_adapter
-  ros={ros}
-  ros_topic=/cmd_vel
-  deadband=0
-  message_mapping_filename=mapping.json
-
-sensor.out -> encoder.in [1]
-{spikes}
-decoder.out -> command.in [1]
-"""
-NETWORK = """[network]
-  np=1
-  binary=spikeloop-network
-  network=network.yaml
-"""
 REPEATER = """resolution: 0.1 ms
 populations:
   input: {model: input, size: 1}
@@ -63,6 +26,7 @@ connections:
 output: [relay]
 """
 EXPERIMENT = """experiment: latency
+layout: {layout}
 tick: {tick_ms:g} ms
 ros: {ros}
 nodes:
@@ -74,7 +38,6 @@ nodes:
 connections:
   - scan -> encoder [1] -> {spikes}decoder [1] -> wheels [1]
 """
-MAPPING = {"message_type": "Twist", "mapping": {"linear.x": 0}}
 PROBE = "spikeloop-latency-probe"
 
 
@@ -138,15 +101,10 @@ class RosMaster:
         self.process.wait(10)
 
 
-def write_job(folder, ros, tick_ms, network):
-    spikes = ("encoder.out -> network.in [1]\nnetwork.out -> decoder.in [1]" if network
-              else "encoder.out -> decoder.in [1]")
-    text = JOB.format(ros=ros, tick_s=tick_ms / 1000, network=NETWORK if network else "", spikes=spikes)
-    (folder / "job.music").write_text(text)
+def write_experiment(folder, layout, ros, tick_ms, network):
     (folder / "job.yaml").write_text(EXPERIMENT.format(
-        ros=ros, tick_ms=tick_ms, spikes="brain [1] -> " if network else "",
+        layout=layout, ros=ros, tick_ms=tick_ms, spikes="brain [1] -> " if network else "",
         network="  brain: {simulator: builtin, network: network.yaml}\n" if network else ""))
-    (folder / "mapping.json").write_text(json.dumps(MAPPING))
     (folder / "network.yaml").write_text(REPEATER)
 
 
@@ -157,12 +115,11 @@ def measure(programs, place, layout, tick_ms, trials, network, timeout_s=None):
     """
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        write_job(folder, place.version, tick_ms, network)
-        arguments = ["job.yaml", "--no-record"] if layout == "fused" else ["job.music"]
+        write_experiment(folder, layout, place.version, tick_ms, network)
         with open(folder / "said", "w", encoding="utf-8") as said:
             job = subprocess.Popen(
-                [programs / "spikeloop", "run", *arguments, "--quiet", "--out", "out"], cwd=folder,
-                env=place.environment, start_new_session=True, stderr=said)
+                [programs / "spikeloop", "run", "job.yaml", "--no-record", "--quiet", "--out", "out"],
+                cwd=folder, env=place.environment, start_new_session=True, stderr=said)
         try:
             probe = subprocess.run([programs / PROBE, "--ros", str(place.version),
                                     "--trials", str(trials)],

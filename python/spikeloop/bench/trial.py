@@ -107,9 +107,9 @@ def run(programs, setting, limit_s, deadline=math.inf):
         if setting.layout == "alone":
             return _run_alone(folder, setting, limit_s)
         file = chain.write(setting, folder)
-        options = (["--no-record"] if setting.layout == "fused" else
+        options = ([] if setting.layout == "fused" else
                    ["--start-timeout", str(BUILD_LIMIT_S), "--stall-timeout", "0"])
-        job = Job([programs / "spikeloop", "run", file, "--out", "out", *options], folder)
+        job = Job([programs / "spikeloop", "run", file, "--no-record", "--out", "out", *options], folder)
         complete = job.wait(limit_s, deadline)
         ended = time.monotonic()
         if not complete:
