@@ -1,137 +1,154 @@
-// spikeloop-fused: an experiment over ROS in one process, which `spikeloop run` starts and
-// supervises.
-#include <fmt/format.h>
+// spikeloop-fused: the nodes of an experiment that share a process. It is a section of the job that
+// `spikeloop run` makes of the experiment, and has the name of its process. A job with a single
+// process runs without MUSIC (--alone): MPI takes a third of a second to start.
+#include <algorithm>
+#include <cstdlib>
 
-#include <CLI/CLI.hpp>
-#include <cstdio>
-
+#include "music_processes.hpp"
 #include "ros_transport.hpp"
 #include "spikeloop/command/watch.hpp"
-#include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
-#include "spikeloop/status/heartbeat.hpp"
+#include "spikeloop/process/music_main.hpp"
 #include "spikeloop/status/signals.hpp"
-#include "spikeloop/status/status.hpp"
 
 namespace {
 
 using namespace spikeloop;
+using experiment::Sync;
 
-constexpr const char* kLabel = "experiment";  // of the section that the launcher has for us
+std::vector<ParameterDescription> own_parameters() {
+  const auto text = [](const char* name, std::optional<std::string> value, const char* line) {
+    return ParameterDescription{
+        .name = name, .type = ParameterType::text, .default_value = std::move(value), .text = line};
+  };
+  return {text("experiment", std::nullopt, "Experiment file"),
+          text("wait_for", "realtime", "Key sync of the experiment"),
+          {.name = "ros",
+           .type = ParameterType::choice,
+           .default_value = "none",
+           .choices = {"none", "1", "2"},
+           .text = "Key ros of the experiment"},
+          text("ros_arguments", "", "NAME:=VALUE ... for the ROS node"),
+          {.name = "stall_timeout",
+           .unit = "s",
+           .default_value = "60",
+           .minimum = 0,
+           .text = "Longest wall time until a stepped robot answers; 0: no limit"},
+          text("layout", "", "fused or separate: replaces the key layout"),
+          text("about", "", "Additional content of resolved.json, JSON"),
+          text("replay_origin", "", "Replay: original experiment file"),
+          text("replay_bag", "", "Replay: bag that replaces the robot")};
+}
 
-struct Arguments {
-  std::string file;
-  fused::RunOptions run;
+music::ProgramText program_text() {
+  music::ProgramText text;
+  text.name = "spikeloop-fused";
+  text.summary = "Runs those nodes of an experiment that share a process";
+  text.ports = "  those of the connections to the other processes\n";
+  text.parameters = own_parameters();
+  text.may_run_alone = true;
+  text.example = "  spikeloop run FILE.yaml  writes its section\n";
+  return text;
+}
+
+experiment::Overrides overrides_of(const Parameters& keys, const music::CommonKeys& common) {
   experiment::Overrides overrides;
-  std::string sync;
-  std::string ros;
-  std::string ros_arguments;
-  double stall_timeout_s = 60;
-  std::string about;
-  bool no_record = false;
-};
+  if (common.stoptime) {
+    overrides.duration_s = to_seconds(*common.stoptime);
+  }
+  overrides.seed = common.seed;
+  overrides.real_time_factor = common.rtf;
+  overrides.sync = experiment::sync_named(keys.text("wait_for"));
+  overrides.ros = experiment::ros_named(keys.text("ros"));
+  overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
+  if (!keys.text("layout").empty()) {
+    overrides.layout = keys.text("layout");
+  }
+  if (!keys.text("replay_origin").empty()) {
+    overrides.replay = {keys.text("replay_origin"), keys.text("replay_bag")};
+  }
+  return overrides;
+}
 
-int run(const Arguments& arguments, const status::Sender& sender) {
-  const auto loaded = experiment::load(arguments.file, arguments.overrides, fused::look_at_robot);
+bool over_ros(const Parameters& keys) {
+  return keys.text("ros") != "none";
+}
+
+fused::RunOptions options_of(const Parameters& keys, const music::Process& process) {
+  const char* const folder = std::getenv("SPIKELOOP_OUT");
+  return {.folder = folder == nullptr ? "" : folder,
+          .record = process.common().record,
+          .process = process.label(),
+          .about = nlohmann::json::parse(keys.text("about"), nullptr, false)};
+}
+
+/// The one that writes down the robot's path.
+std::string first_at_robot(const experiment::Experiment& experiment) {
+  return std::ranges::find_if(
+             experiment.layout.processes,
+             [&](const auto& process) { return meets_robot(experiment, process.name); })
+      ->name;
+}
+
+/// The watch of a command over ROS takes the signals of its process.
+bool watches(const experiment::Experiment& experiment, const std::string& process) {
+  return experiment.ros != experiment::Ros::none &&
+         std::ranges::any_of(experiment.nodes, [&](const experiment::Node& node) {
+           return node.kind == experiment::kRosCommand &&
+                  process_of(experiment, node.name) == process;
+         });
+}
+
+fused::RunResult run_experiment(const experiment::Experiment& experiment, music::Process& process,
+                                const Parameters& keys, MusicProcesses& others) {
+  const auto stop = [] { return status::stop_requested(); };
+  const fused::RunEvents events{
+      .progress = [&](const fused::Progress& progress) { others.take(progress); }, .stop = stop};
+  const fused::RunOptions options = options_of(keys, process);
+  if (!over_ros(keys) || !meets_robot(experiment, process.label())) {
+    return fused::run(experiment, options, events, &others);
+  }
+  const auto enter = [&](bool waits) {
+    process.enter(waits ? status::Phase::waiting : status::Phase::computing);
+  };
+  const bool first = first_at_robot(experiment) == process.label();
+  RosTransport transport(experiment, keys.text("ros_arguments"), first ? options.folder : "",
+                         {stop, enter, from_seconds(keys.number("stall_timeout"))});
+  if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
+    process.say_begun();  // it waits for the robot as long as that takes
+  }
+  return fused::run(experiment, transport, options, events, &others);
+}
+
+int run(music::Process& process) {
+  const Parameters keys = process.read(own_parameters());
+  const music::CommonKeys& common = process.common();
+  if (process.checking()) {
+    return 0;  // whoever wrote the section has checked the experiment
+  }
+  const auto loaded =
+      experiment::load(keys.text("experiment"), overrides_of(keys, common), fused::look_at_robot);
   if (!loaded->diagnostics.empty()) {
     throw ConfigurationError(loaded->diagnostics.front().text());
   }
-  const experiment::Experiment& experiment = *loaded->experiment;
-  status::Heartbeat heartbeat(sender);
-  const auto stop = [] { return status::stop_requested(); };
-  const auto enter = [&](bool waits) {
-    heartbeat.enter(waits ? status::Phase::waiting : status::Phase::computing);
-  };
-  RosTransport transport(experiment, arguments.ros_arguments, arguments.run.folder,
-                         {stop, enter, from_seconds(arguments.stall_timeout_s)});
-  sender.started();
-  heartbeat.enter(status::Phase::computing);
-  bool first = true;
-  if (experiment.sync == experiment::Sync::sim_time ||
-      experiment.sync == experiment::Sync::lockstep) {
-    sender.first_tick();  // the loop has begun, and waits for the robot as long as that takes
-    first = false;
+  const auto experiment = experiment::with_layout_delays(*loaded->experiment);
+  if (!watches(experiment, process.label())) {
+    command::Watch::release_signals();
   }
-  TimeNs simulated = 0;
-  const fused::RunEvents events{.ticked =
-                                    [&](TimeNs time) {
-                                      simulated = time;
-                                      heartbeat.at(time);
-                                      if (first) {
-                                        sender.first_tick();
-                                        first = false;
-                                      }
-                                    },
-                                .progress =
-                                    [&](const fused::Progress& progress) {
-                                      sender.progress(progress.simulated, progress.wall,
-                                                      progress.overruns);
-                                    },
-                                .stop = stop};
-  const fused::RunResult result = fused::run(experiment, transport, arguments.run, events);
-  heartbeat.enter(status::Phase::finalizing);
+  MusicProcesses others(process, experiment);
+  const fused::RunResult result = run_experiment(experiment, process, keys, others);
   if (result.exit_code != 0) {  // before the report, which else would be that of an early end
-    fmt::print(stderr, "{}\n", result.reason);
-    sender.failure(result.exit_code, result.reason);
+    music::end_job(process.label(), result.exit_code, result.reason);
   }
-  auto summary = result.summary;
-  if (summary.contains("counters")) {  // also of a run that has failed: how far it came
-    const auto counters = summary["counters"];
-    summary.erase("counters");
-    sender.report(counters, summary, simulated);
-  }
+  others.finish(result.summary);
   return result.exit_code;
-}
-
-int guarded(const Arguments& arguments) {
-  const status::Sender sender(kLabel);
-  try {
-    return run(arguments, sender);
-  } catch (const Error& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    sender.failure(error.exit_code(), error.what());
-    return error.exit_code();
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    sender.failure(1, error.what());
-    return 1;
-  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  command::Watch::block_signals();
-  const status::SignalThread signals;
-  log::set_sink([](log::Level level, std::string_view message) {
-    fmt::print(stderr, "{}{}\n", level == log::Level::warning ? "warning: " : "", message);
-  });
-  CLI::App app("Runs an experiment over ROS in one process; started by  spikeloop run FILE.yaml",
-               "spikeloop-fused");
-  Arguments arguments;
-  arguments.overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
-  app.add_option("FILE", arguments.file, "Experiment file")->required();
-  app.add_option("--out", arguments.run.folder, "Run folder; must exist");
-  app.add_option("--duration", arguments.overrides.duration_s, "Simulated time, s");
-  app.add_option("--seed", arguments.overrides.seed, "Seed of the random numbers");
-  app.add_option("--real-time-factor", arguments.overrides.real_time_factor,
-                 "Simulated time / wall time");
-  app.add_option("--sync", arguments.sync, "Replaces the key sync");
-  app.add_option("--ros", arguments.ros, "Replaces the key ros");
-  app.add_option("--ros-arguments", arguments.ros_arguments, "NAME:=VALUE ... for the ROS node");
-  app.add_option("--stall-timeout", arguments.stall_timeout_s,
-                 "Longest wall time until a stepped robot answers, s; 0: no limit");
-  app.add_option("--about", arguments.about, "Additional content of resolved.json, JSON");
-  app.add_flag("--no-record", arguments.no_record, "Do not record the outputs of nodes");
-  CLI11_PARSE(app, argc, argv);
-  arguments.run.record = !arguments.no_record;
-  arguments.run.about = nlohmann::json::parse(arguments.about, nullptr, false);
-  if (!arguments.sync.empty()) {
-    arguments.overrides.sync = experiment::sync_named(arguments.sync);
-  }
-  if (!arguments.ros.empty()) {
-    arguments.overrides.ros = experiment::ros_named(arguments.ros);
-  }
-  return guarded(arguments);
+  command::Watch::block_signals();  // before MPI and roscpp start threads
+  return music::music_main(argc, argv, program_text(), run);
 }

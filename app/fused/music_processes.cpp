@@ -77,7 +77,9 @@ void MusicProcesses::meet() {
 
 void MusicProcesses::finish(const nlohmann::json& summary) {
   summary_ = summary;
-  loop_->finish();
+  if (loop_ != nullptr) {
+    loop_->finish();
+  }
 }
 
 }  // namespace spikeloop

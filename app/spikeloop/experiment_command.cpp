@@ -224,52 +224,6 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
   return options;
 }
 
-/// One process and its partners: master, robot, guard.
-int run_fused_over_ros(const ExperimentArguments& arguments, const Experiment& experiment) {
-  ExperimentFolder folder = folder_for(arguments, experiment);
-  RunLog log(folder.path());
-  begin_log(log, experiment);
-  folder.release();
-  MusicFile file;
-  file.path = experiment.path;
-  file.sections.push_back({"experiment", {}, {experiment.path, 0, 0}});
-  auto& keys = file.sections.front().keys;
-  set_key(keys, "binary", "spikeloop-fused");
-  set_key(keys, "ros", experiment::name_of(experiment.ros));
-  set_key(keys, "np", "1");
-  set_key(keys, "seed", std::to_string(experiment.seed));
-  set_key(keys, "rtf", fmt::format("{}", experiment.real_time_factor));
-  set_key(keys, "music_timestep", fmt::format("{}", to_seconds(experiment.tick)));
-  launch::JobOptions options = job_options(arguments, experiment, folder.path());
-  options.program = {"spikeloop-fused",
-                     std::filesystem::absolute(arguments.file).string(),
-                     "--out",
-                     folder.path(),
-                     fmt::format("--seed={}", experiment.seed),
-                     fmt::format("--real-time-factor={}", experiment.real_time_factor),
-                     fmt::format("--sync={}", experiment::name_of(experiment.sync)),
-                     fmt::format("--ros={}", experiment::name_of(experiment.ros)),
-                     fmt::format("--stall-timeout={}",
-                                 std::chrono::duration<double>(arguments.stall_timeout).count()),
-                     "--about=" + about_run(partners_of(experiment, false)).dump()};
-  if (experiment.duration) {
-    set_key(keys, "stoptime", fmt::format("{}", to_seconds(*experiment.duration)));
-    options.program.push_back(fmt::format("--duration={}", to_seconds(*experiment.duration)));
-  }
-  if (!options.run.ros_arguments.empty()) {
-    options.program.push_back("--ros-arguments=" + options.run.ros_arguments);
-  }
-  if (!arguments.record) {
-    options.program.emplace_back("--no-record");
-  }
-  const int exit_code = logged(log, [&] {
-    launch::Job job(file, options);
-    return run_job(job, arguments.volume, &log);
-  });
-  tell_folder(arguments.volume, folder);
-  return exit_code;
-}
-
 /// A job that lies in its run folder.
 int run_music_job(const ExperimentArguments& arguments, const Experiment& experiment,
                   ExperimentFolder& folder, const WrittenJob& music) {
@@ -279,6 +233,7 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
   options.translate = music.places;
+  options.alone = !experiment::needs_music(experiment);
   const int exit_code = logged(log, [&] {
     launch::Job job(read_music_file(music.path), options);
     return run_job(job, arguments.volume, &log);
@@ -326,7 +281,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
   const fused::RunOptions options{.folder = folder.path(),
                                   .record = record,
                                   .spectators = spectators,
-                                  .about = about_run(partners_of(experiment, false))};
+                                  .about = about_run(partners_of(experiment))};
   const int exit_code = logged(log, [&] { return run_here(experiment, options, volume, log); });
   log_file.store(-1);
   tell_folder(volume, folder);
@@ -362,12 +317,9 @@ int run_experiment(const ExperimentArguments& arguments) {
     put(stderr, text_of("spikeloop", loaded.diagnostics.front()));
     return loaded.diagnostics.front().exit_code;
   }
-  if (experiment::needs_music(experiment)) {
+  if (experiment::needs_music(experiment) || experiment.ros != experiment::Ros::none) {
     ExperimentFolder folder = folder_for(arguments, experiment);
     return run_processes(arguments, experiment, folder);
-  }
-  if (experiment.ros != experiment::Ros::none) {
-    return run_fused_over_ros(arguments, experiment);
   }
   if (!arguments.timeout_given.empty()) {
     throw ConfigurationError(fmt::format(
@@ -383,7 +335,7 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
                   ExperimentFolder& folder) {
   const Experiment experiment = experiment::with_layout_delays(written);
   std::map<std::string, std::string> keys{
-      {"about", about_run(partners_of(experiment, true)).dump()},
+      {"about", about_run(partners_of(experiment)).dump()},
       {"stall_timeout",
        fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
   if (const auto& replay = arguments.overrides.replay) {

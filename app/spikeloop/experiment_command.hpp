@@ -45,7 +45,8 @@ int run_in_process(const experiment::Experiment& experiment, const ExperimentFol
                    bool record, Console::Volume volume,
                    const robot::SpectatorOptions& spectators = {});
 
-/// Runs an experiment whose layout has several processes as a MUSIC job. Returns the exit code.
+/// Runs the processes of an experiment, beside the ROS master, the robot and the guard: as a MUSIC
+/// job when there are several. Returns the exit code.
 int run_processes(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
                   ExperimentFolder& folder);
 

@@ -12,6 +12,7 @@
 
 #include "own_programs.hpp"
 #include "python_package.hpp"
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/processes/python.hpp"
@@ -133,8 +134,8 @@ json machine() {
 
 }  // namespace
 
-Partners partners_of(const experiment::Experiment& experiment, bool music) {
-  return {.music = music,
+Partners partners_of(const experiment::Experiment& experiment) {
+  return {.music = experiment::needs_music(experiment),
           .ros1 = experiment.ros == experiment::Ros::ros1,
           .ros2 = experiment.ros == experiment::Ros::ros2,
           .mujoco = experiment.robot.has_value(),

@@ -18,7 +18,7 @@ struct Partners {
   bool python = false;  ///< for nodes
 };
 
-Partners partners_of(const experiment::Experiment& experiment, bool music);
+Partners partners_of(const experiment::Experiment& experiment);
 Partners partners_of(const MusicFile& file, bool robot);
 
 /// Of every program, library and Python package that Spikeloop uses and that has a version.

@@ -14,7 +14,7 @@
 namespace spikeloop::experiment {
 namespace {
 
-constexpr const char* kProgram = "spikeloop-fused-music";
+constexpr const char* kProgram = "spikeloop-fused";
 
 class ProcessWriter : JobWriter {
  public:
@@ -42,7 +42,9 @@ class ProcessWriter : JobWriter {
     for (const Connection& edge : edges(experiment_)) {
       write_edge(edge);
     }
-    check_joined();
+    if (needs_music(experiment_)) {
+      check_joined();
+    }
     return std::move(job_);
   }
 

@@ -10,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 
+import yaml
+
 import ros
 import runs
 
@@ -43,6 +45,9 @@ def other_robot(version, folder):
 def drive(spikeloop, scratch, version, layout, names):
     """Of a run with a robot of its own."""
     file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros=version, duration="3 s")
+    nodes = list(yaml.safe_load(file.read_text())["nodes"])
+    file.write_text(f"layout: {{first: [{nodes[0]}], rest: [{', '.join(nodes[1:])}]}}  # which --layout replaces\n"
+                    + file.read_text())
     folder = scratch / f"{layout}-{version}"
     summary, printed = runs.run(spikeloop, file, folder, "--layout", layout, *names)
     assert "no robot is started" not in printed, printed

@@ -103,10 +103,10 @@ class Fault(typing.NamedTuple):
 
 
 def faults(layout):
-    adapter = {"fused": ("spikeloop-fused-music",), "music": ("spikeloop-ros", "wheels"),
-               "processes": ("spikeloop-fused-music", "control")}[layout]
+    adapter = {"fused": ("spikeloop-fused",), "music": ("spikeloop-ros", "wheels"),
+               "processes": ("spikeloop-fused", "control")}[layout]
     encoder = {"fused": [], "music": [("spikeloop-node", "encoder")],
-               "processes": [("spikeloop-fused-music", "vision")]}[layout]
+               "processes": [("spikeloop-fused", "vision")]}[layout]
     return [
         Fault("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False),
         Fault("simulator killed", kill("brain.py"), WATCHDOG_MS, "`watchdog`", True),

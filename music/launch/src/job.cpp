@@ -11,10 +11,9 @@ namespace spikeloop::launch {
 namespace {
 
 EffectiveFile checked(const MusicFile& file, const JobOptions& options) {
-  if (!options.program.empty()) {
-    return {file, {}};
+  if (!options.alone) {
+    check_structure(file);
   }
-  check_structure(file);
   return make_effective(file, options.run);
 }
 

@@ -138,7 +138,7 @@ int JobRun::robot_ros() const {
 
 /// In a file of its own format, from which this one was made.
 bool JobRun::is_experiment() const {
-  return !options_.program.empty() || options_.translate != nullptr;
+  return options_.translate != nullptr;
 }
 
 bool JobRun::find_master() {

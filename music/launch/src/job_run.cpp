@@ -84,7 +84,7 @@ std::string JobRun::translated(const std::string& text) const {
 }
 
 std::string JobRun::starter() const {
-  return options_.program.empty() ? "mpirun" : options_.program.front();
+  return options_.alone ? program_of(effective_.file.sections.front()) : "mpirun";
 }
 
 void JobRun::take_message(const nlohmann::json& message) {
@@ -129,8 +129,10 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
 void JobRun::start_programs() {
   ProgramStart start;
   const bool here = options_.hostfile.empty();
-  start.arguments = options_.program;
-  if (options_.program.empty()) {
+  const std::string& first = effective_.file.sections.front().label;
+  if (options_.alone) {
+    start.arguments = {starter(), "--alone", file_, first};
+  } else {
     start.arguments = mpirun_command(effective_.file, file_,
                                      {.scratch = here ? scratch_.path() : "",
                                       .hostfile = options_.hostfile,
@@ -139,8 +141,7 @@ void JobRun::start_programs() {
   start.directory = directory_;
   mpirun_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
     state_.take(line);
-    const std::string other =
-        options_.program.empty() ? "mpirun" : effective_.file.labels().front();
+    const std::string other = options_.alone ? effective_.file.sections.front().label : "mpirun";
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : other, line);
   });
   started_ = prepared_ = Clock::now();
@@ -162,7 +163,7 @@ void JobRun::run() {
 }
 
 bool JobRun::check() {
-  if (!options_.program.empty()) {
+  if (options_.alone) {
     return !outcome_;
   }
   Diagnostics diagnostics = check_together(effective_);
@@ -205,11 +206,11 @@ void JobRun::supervise() {
   group_.turn(Milliseconds{0});
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
-  if (!options_.program.empty() && code == 0 && !outcome_ && !state_.all_reported()) {
+  if (options_.alone && code == 0 && !outcome_ && !state_.all_reported()) {
     fail(3, with_code(Code::partner_failed,
                       "{} has ended before its time, and has not said why; look for an exit() in a "
                       "plug-in",
-                      options_.program.front()));
+                      starter()));
   }
   if (state_.failure() || (code != 0 && !ended_after_reports_)) {
     const auto missed = state_.any_started() ? std::vector<std::string>{} : starting_->missed();
@@ -229,8 +230,7 @@ void JobRun::watch_start() {
   if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
     prepared_ = now;
   }
-  const bool before_setup =
-      !state_.any_started() && options_.hostfile.empty() && options_.program.empty();
+  const bool before_setup = !state_.any_started() && options_.hostfile.empty() && !options_.alone;
   if (before_setup && starting_->is_due(now)) {
     starting_->take(living_sections(mpirun_->tree().pid()), now);
   }
@@ -245,11 +245,11 @@ void JobRun::watch_start() {
   }
   const bool explained = reason.find(kLastLine) != std::string::npos;
   const double limit_s = std::chrono::duration<double>(options_.start_timeout).count();
-  fail(3, with_code(Code::partner_failed, "the job has not begun{}; {}{}",
-                    too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
-                    before_setup || !options_.program.empty() || explained
-                        ? ""
-                        : fmt::format(". {}", kBarrierAdvice)));
+  fail(3,
+       with_code(
+           Code::partner_failed, "the job has not begun{}; {}{}",
+           too_late ? fmt::format(" within {:g} s", limit_s) : "", reason,
+           before_setup || options_.alone || explained ? "" : fmt::format(". {}", kBarrierAdvice)));
   mpirun_->tree().end();
 }
 

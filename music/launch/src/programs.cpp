@@ -59,8 +59,6 @@ constexpr std::array kPrograms{
             .input = kContinuous,
             .external = {"zmq_addr", "tcp://127.0.0.1:5556"}},
     Program{.name = "spikeloop-network", .input = kEvents, .output = kEvents},
-    // An experiment in one process, which MUSIC does not start.
-    Program{.name = "spikeloop-fused", .input = kContinuous, .source = true, .ros = true},
     Program{.name = "spike_playback", .output = kEvents, .source = true},
     Program{.name = "signal_playback", .output = kContinuous, .source = true},
 };
@@ -92,8 +90,8 @@ constexpr Program kNestScript{
 /// Runs the script of its key `script`.
 constexpr std::string_view kScriptProgram = "spikeloop-script";
 
-/// The nodes of an experiment that has simulators beside it; `ros` says whose topics are.
-constexpr std::string_view kFusedProgram = "spikeloop-fused-music";
+/// The nodes of an experiment that share a process; `ros` says whose topics are.
+constexpr std::string_view kFusedProgram = "spikeloop-fused";
 constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true};
 constexpr Program kFusedOverRos{
     .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};

@@ -20,6 +20,7 @@ namespace {
 constexpr int kUsage = 2;
 constexpr int kInternal = 70;
 constexpr const char* kCheckOption = "--check-section";
+constexpr std::string_view kAloneOption = "--alone";
 
 using Body = std::function<int(Process&)>;
 
@@ -168,13 +169,18 @@ SimulatorsMusic before_simulators_setup(int argc, char** argv) {
 
 int music_main(int argc, char** argv, const ProgramText& text,
                const std::function<int(Process&)>& body) {
-  if (!started_by_music(argc, argv)) {
+  const bool alone = argc == 4 && argv[1] == kAloneOption && text.may_run_alone;
+  if (!alone && !started_by_music(argc, argv)) {
     return standalone(argc, argv, text, body);
   }
-  const std::string label = section_label(argc, argv);
+  const std::string label = alone ? argv[3] : section_label(argc, argv);
   const status::SignalThread signals;
   log_to_standard_error(label);
   try {
+    if (alone) {
+      Process process(SectionAlone{argv[2], label}, text.defaults);
+      return body(process);
+    }
     return run_body(argc, argv, text, body);
   } catch (const Error& error) {
     return end_job(label, error.exit_code(), error.what());

@@ -44,16 +44,14 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
   impl_->setup = new MUSIC::Setup(argc, argv, MPI_THREAD_FUNNELED, &provided);
   const std::string written = argc > 0 ? basename_of(argv[0]) : impl_->label;
   impl_->program = called.empty() || called == "music" ? written : called;
-  impl_->status.emplace(impl_->label);
   const MPI_Comm own = impl_->setup->communicator();
   impl_->ranks.communicator = own;
   MPI_Comm_rank(own, &impl_->ranks.rank);
   MPI_Comm_size(own, &impl_->ranks.count);
+  impl_->announce();
   if (impl_->ranks.rank > 0) {
-    impl_->status->silence();
     log::set_sink([](log::Level, std::string_view) {});
   }
-  impl_->announce();
   if (impl_->launched) {
     impl_->check_processes();
   }
@@ -61,26 +59,23 @@ Process::Process(int& argc, char**& argv, const CommonDefaults& defaults)
 
 Process::Process(const SectionCheck& section, const CommonDefaults& defaults)
     : impl_(std::make_unique<Impl>()) {
-  impl_->label = section.label;
-  impl_->file = JobFile::read(section.file);
-  impl_->checking = impl_->without_setup = impl_->launched = true;
-  impl_->defaults = defaults;
-  impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
-  impl_->ranks.count = impl_->file.processes(section.label);
+  impl_->take_section(section.file, section.label, defaults);
+  impl_->checking = impl_->launched = true;
   impl_->check_processes();
 }
 
 Process::Process(const SimulatorsMusic& section, const CommonDefaults& defaults)
     : impl_(std::make_unique<Impl>()) {
-  impl_->label = section.label;
-  impl_->file = JobFile::read(section.file);
-  impl_->without_setup = impl_->launched = true;
-  impl_->defaults = defaults;
-  impl_->program = basename_of(impl_->file.key(section.label, "binary").value_or(""));
-  impl_->status.emplace(impl_->label);
+  impl_->take_section(section.file, section.label, defaults);
+  impl_->launched = true;
   impl_->announce();
-  impl_->ranks.count = impl_->file.processes(section.label);
   impl_->check_processes();
+}
+
+Process::Process(const SectionAlone& section, const CommonDefaults& defaults)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->take_section(section.file, section.label, defaults);
+  impl_->announce();
 }
 
 Process::~Process() = default;
@@ -238,7 +233,21 @@ void Process::check() const {
   impl_->check_keys(common().strict);
 }
 
+void Process::Impl::take_section(const std::string& path, const std::string& name,
+                                 const CommonDefaults& with) {
+  label = name;
+  file = JobFile::read(path);
+  defaults = with;
+  program = basename_of(file.key(label, "binary").value_or(""));
+  ranks.count = file.processes(label);
+  without_setup = true;
+}
+
 void Process::Impl::announce() {
+  status.emplace(label);
+  if (ranks.rank > 0) {
+    status->silence();
+  }
   status->started();
   heartbeat.emplace(*status);
   on_termination.emplace([this] { status->terminated(); });

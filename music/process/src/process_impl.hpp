@@ -39,7 +39,7 @@ struct Process::Impl {
   JobFile file;
   bool launched = false;
   bool checking = false;
-  bool without_setup = false;  ///< a SectionCheck, or beside a simulator that has MUSIC
+  bool without_setup = false;  ///< a SectionCheck or SectionAlone, or a simulator has MUSIC
   bool running = false;        ///< the loop has begun
   Ranks ranks;
   CommonDefaults defaults;
@@ -66,6 +66,8 @@ struct Process::Impl {
   MUSIC::Port& probe(const std::string& port);
   /// @throws ConfigurationError as Process::signal_input() and its kin say.
   std::uint32_t checked_width(const std::string& port, Direction direction);
+  /// Of a file, not of MUSIC's Setup.
+  void take_section(const std::string& path, const std::string& name, const CommonDefaults& with);
   /// From now on the launcher hears of this process.
   void announce();
   /// @throws ConfigurationError when there are several, and the program runs in one.

@@ -28,9 +28,8 @@ struct JobOptions {
   /// Open MPI's file of hosts; empty: this host. What runs elsewhere cannot report: the deadlines
   /// then hold for what runs here.
   std::string hostfile{};
-  /// A program in mpirun's place, already checked, for the only section of the file: it reports as
-  /// that section and stops at SIGUSR1. Empty: mpirun and MUSIC.
-  std::vector<std::string> program{};
+  /// The only section of the file, already checked, runs without mpirun and MUSIC.
+  bool alone = false;
   /// What is said of the file, for whoever wrote another one that it was made from. Empty: as it
   /// is.
   std::function<std::string(const std::string&)> translate{};

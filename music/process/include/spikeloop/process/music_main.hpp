@@ -20,6 +20,7 @@ struct ProgramText {
   std::string example;                           ///< sections of a .music file
   std::string notes;                             ///< more paragraphs, or nothing
   CommonDefaults defaults;
+  bool may_run_alone = false;  ///< `--alone FILE LABEL` runs a section without MUSIC
   /// More options of the program standing alone, e.g. "--list": what it prints.
   struct Option {
     std::string text;  ///< one line for --help
@@ -52,12 +53,13 @@ void log_to_standard_error(const std::string& label);
 /// that merely returned would leave the others hanging. Returns `exit_code` when MPI is not up.
 int end_job(const std::string& label, int exit_code, const std::string& message);
 
-/// Without MUSIC: answers --help, --version, the program's own options, and `--check-section FILE
-/// LABEL`, which runs `body` on a Process that only checks: warnings and one error on standard
-/// error, a line each, "warning: " or "error: " before it. Anything else is an error and gives 2.
-/// Under MUSIC: runs `body`; what it throws is printed in one line "LABEL: message", reported to
-/// the launcher, and ends the whole job with the error's exit code (MPI_Abort: any other way out
-/// would leave the other programs hanging).
+/// Without MUSIC: runs `body` for `--alone FILE LABEL`, if the program may run alone; else answers
+/// --help, --version, the program's own options, and `--check-section FILE LABEL`, which runs
+/// `body` on a Process that only checks: warnings and one error on standard error, a line each,
+/// "warning: " or "error: " before it. Anything else is an error and gives 2. Under MUSIC: runs
+/// `body`; what it throws is printed in one line "LABEL: message", reported to the launcher, and
+/// ends the whole job with the error's exit code (MPI_Abort: any other way out would leave the
+/// other programs hanging).
 int music_main(int argc, char** argv, const ProgramText& text,
                const std::function<int(Process&)>& body);
 

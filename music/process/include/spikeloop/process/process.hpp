@@ -40,6 +40,12 @@ struct SimulatorsMusic {
   std::string label;
 };
 
+/// The only section of a job, which needs neither MUSIC nor MPI.
+struct SectionAlone {
+  std::string file;
+  std::string label;
+};
+
 class Process {
  public:
   /// Called by the loop; any may be left out.
@@ -66,6 +72,8 @@ class Process {
   /// @throws FileError, ConfigurationError for a file or label that is not there, and for several
   /// processes.
   Process(const SimulatorsMusic& section, const CommonDefaults& defaults);
+  /// Without ports. @throws FileError, ConfigurationError for a file or label that is not there.
+  Process(const SectionAlone& section, const CommonDefaults& defaults);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
