@@ -1,5 +1,4 @@
-#include "argmax.hpp"
-
+// `argmax`: which channel is the largest.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 
 #include "signal_function.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -32,6 +32,7 @@ class Argmax final : public SignalFunction {
 
 }  // namespace
 
+/// out[0] = index of the largest input, counted from 0; of equal ones the first.
 NodeClass argmax_class() {
   NodeDescription description = signal_function_description();
   description.name = "argmax";

@@ -1,5 +1,4 @@
-#include "connect.hpp"
-
+// `connect`: a linear map between continuous signals.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -7,6 +6,7 @@
 #include "lane_sum.hpp"
 #include "port_weights.hpp"
 #include "signal_function.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -77,6 +77,8 @@ class Connect final : public SignalFunction {
 
 }  // namespace
 
+/// out[i] = sum over j of weights[i][j] * in[j], added in the order of LaneSum; for uniform
+/// weights, the weight times the sum of all inputs.
 NodeClass connect_class() {
   NodeDescription description = signal_function_description({weights_parameter()});
   description.name = "connect";

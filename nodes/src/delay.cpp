@@ -1,5 +1,4 @@
-#include "delay.hpp"
-
+// `delay`: a signal, some time later.
 #include <algorithm>
 #include <deque>
 #include <memory>
@@ -7,6 +6,7 @@
 
 #include "held_input.hpp"
 #include "parameter_checks.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -70,6 +70,9 @@ class Delay final : public Node {
 
 }  // namespace
 
+/// During (t, t+dt] the output is what the input was from t - delay on: the newest value at or
+/// before it, valid or not; invalid until there is one. So a change at s shows in the first
+/// interval that begins at s + delay or later. Memory grows with the revisions within one delay.
 NodeClass delay_class() {
   NodeDescription description;
   description.name = "delay";

@@ -1,5 +1,4 @@
-#include "discretize.hpp"
-
+// `discretize`: a position as the activity of place cells.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "signal_function.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -72,6 +72,8 @@ class Discretize final : public SignalFunction {
 
 }  // namespace
 
+/// out[i] = 2 exp(-sum over j of ((in[j] - mu[i][j]) / sigma[i][j])^2 / 2) - 1: 1 at a cell's
+/// centre, -1 far away. A row of `grid` is one cell: mu of every input channel, then sigma.
 NodeClass discretize_class() {
   NodeDescription description = signal_function_description(
       {{.name = "grid",

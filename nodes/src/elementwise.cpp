@@ -1,5 +1,4 @@
-#include "elementwise.hpp"
-
+// `threshold`, `sigmoid`, `clip` and `normalise`: functions of each channel by itself.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 
 #include "parameter_checks.hpp"
 #include "signal_function.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -89,6 +89,7 @@ ParameterDescription number(std::string name, std::string value, std::string tex
 
 }  // namespace
 
+/// out = scale * (in < threshold ? 0 : is_heaviside ? 1 : in) + shift
 NodeClass threshold_class() {
   NodeDescription description = signal_function_description(
       {number("threshold", "0", "Smallest value that counts as above the threshold"),
@@ -105,6 +106,7 @@ NodeClass threshold_class() {
   return {description, make_threshold};
 }
 
+/// out = scale / (1 + exp(x_offset - slope * in)) + y_offset
 NodeClass sigmoid_class() {
   NodeDescription description = signal_function_description(
       {number("scale", "1", "Height of the curve"),
@@ -117,6 +119,7 @@ NodeClass sigmoid_class() {
   return {description, make_sigmoid};
 }
 
+/// out = min(max(in, min), max)
 NodeClass clip_class() {
   constexpr double kMost = 1e300;
   NodeDescription description = signal_function_description(
@@ -128,6 +131,8 @@ NodeClass clip_class() {
   return {description, make_clip};
 }
 
+/// out = out_min + (in - in_min) / (in_max - in_min) * (out_max - out_min); with `clip`, the input
+/// is taken between in_min and in_max. out_min may be the larger one: that turns the range round.
 NodeClass normalise_class() {
   constexpr double kMost = 1e100;
   NodeDescription description = signal_function_description(

@@ -1,5 +1,4 @@
-#include "function.hpp"
-
+// `function`: expressions of the inputs, written in the section.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "held_input.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/node.hpp"
 #include "spikeloop/nodes/expression.hpp"
 
 namespace spikeloop {
@@ -98,6 +98,10 @@ class Function final : public Node {
 
 }  // namespace
 
+/// out[k] = the k-th expression of the text `function`, in the language of `Expressions`, for
+/// example "sin(pi*x0); x0*x1". A result that is NaN or infinite is treated as `not_finite` says:
+/// hold, that output keeps its last value (`out` is invalid until every output has had one); zero;
+/// error.
 NodeClass function_class() {
   NodeDescription description;
   description.name = "function";

@@ -1,11 +1,11 @@
-#include "linear_readout.hpp"
-
+// `linear_readout`: filtered and weighted spikes (Weidel et al. 2016, linear readout decoder).
 #include <utility>
 #include <vector>
 
 #include "kernel_sum.hpp"
 #include "port_weights.hpp"
 #include "spike_moments.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -171,6 +171,9 @@ class LinearReadout final : public Node {
 
 }  // namespace
 
+/// out[i](t) = sum over spikes (s, j) with s <= t of weights[i][j] * exp(-(t - s) / tau) / tau,
+/// evaluated at the interval's end; with weight 1, the firing rate in Hz. Late spikes count with
+/// their true age. There is state per output, none per neuron.
 NodeClass linear_readout_class() {
   NodeDescription description;
   description.name = "linear_readout";

@@ -1,5 +1,4 @@
-#include "low_pass.hpp"
-
+// `low_pass`: a first-order lag of each channel.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -8,6 +7,7 @@
 
 #include "held_input.hpp"
 #include "parameter_checks.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -83,6 +83,11 @@ class LowPass final : public Node {
 
 }  // namespace
 
+/// tau dy/dt = x - y, solved exactly for the piecewise constant input:
+///     y(t) = x + (y(t0) - x) exp(-(t - t0) / tau)
+/// from the latest change of x, at t0. `out` is y at the interval's end; it has a new revision only
+/// while it changes. A channel begins, with its first value or with the first after the input was
+/// invalid, at `initial`, or there and then.
 NodeClass low_pass_class() {
   NodeDescription description;
   description.name = "low_pass";

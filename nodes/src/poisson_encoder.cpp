@@ -1,7 +1,7 @@
-#include "poisson_encoder.hpp"
-
+// `poisson_encoder`: Poisson spikes at a rate that follows the input (Weidel et al. 2016, eq. 2).
 #include "encoder_input.hpp"
 #include "spike_thresholds.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -34,6 +34,9 @@ class PoissonEncoder final : public Node {
 
 }  // namespace
 
+/// Each channel is an inhomogeneous Poisson process, exact for a changing rate: the integral of the
+/// rate between two spikes is exponentially distributed with mean 1. Draw d of a channel's random
+/// stream decides its spike d, so channels are independent and no spike depends on ticks.
 NodeClass poisson_encoder_class() {
   NodeDescription description;
   description.name = "poisson_encoder";

@@ -1,5 +1,5 @@
-#include "population_vector.hpp"
-
+// `population_vector`: the mean of what the neurons prefer, weighted with their rates
+// (Georgopoulos, Schwartz & Kettner 1986).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "preferred_values.hpp"
 #include "spike_moments.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -191,6 +192,19 @@ class PopulationVector final : public Node {
 
 }  // namespace
 
+/// out[k] = sum_i r_i d_ki / sum_i r_i, where r_i is the rate of neuron i, filtered with an
+/// exponential kernel, and d_ki what it prefers. All rates decay alike, so that the value changes
+/// at spikes alone and is held between them.
+///
+/// `directions = even`: output k is decoded from the neurons k*n to k*n + n-1 alone, which prefer
+/// evenly spaced values: the code of `population_encoder`. Else a table, a row an output and a
+/// column a neuron; then every neuron counts for every output.
+/// `circular`: values are angles, value_max is value_min, and out[k] is the angle of the sum of
+/// vectors of length r_i and angle d_ki, in [value_min, value_max); where that sum is shorter than
+/// 1e-9 of the sum of the lengths, the last value is held.
+///
+/// An output whose kernels add up to less than 1e-100 at the latest spike holds its last value.
+/// `out` is invalid until every output has one.
 NodeClass population_vector_class() {
   NodeDescription description;
   description.name = "population_vector";

@@ -1,7 +1,7 @@
-#include "rate_encoder.hpp"
-
+// `rate_encoder`: regular spikes at a rate that follows the input (Weidel et al. 2016, eq. 1).
 #include "encoder_input.hpp"
 #include "spike_thresholds.hpp"
+#include "spikeloop/core/node.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop {
@@ -42,6 +42,8 @@ class RateEncoder final : public Node {
 
 }  // namespace
 
+/// Each channel integrates its rate and spikes whenever the integral passes a whole number: the
+/// number of spikes equals the integral of the rate, to within one, whatever the input does.
 NodeClass rate_encoder_class() {
   NodeDescription description;
   description.name = "rate_encoder";

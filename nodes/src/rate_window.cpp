@@ -1,5 +1,4 @@
-#include "rate_window.hpp"
-
+// `rate_window`: spikes counted in a sliding window (Dayan & Abbott 2001, sec. 1.2).
 #include <algorithm>
 #include <deque>
 #include <memory>
@@ -7,6 +6,7 @@
 
 #include "parameter_checks.hpp"
 #include "spike_moments.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -74,6 +74,9 @@ class RateWindow final : public Node {
 
 }  // namespace
 
+/// out[i](t) = number of spikes of channel i in (t - window, t] / window, in Hz, evaluated at the
+/// interval's end. The counts are exact. A late spike counts as long as its true time is in the
+/// window. Memory grows with the spikes of a window, never with the run.
 NodeClass rate_window_class() {
   NodeDescription description;
   description.name = "rate_window";

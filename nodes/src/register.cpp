@@ -1,48 +1,54 @@
 #include "spikeloop/nodes/register.hpp"
 
-#include "argmax.hpp"
-#include "connect.hpp"
-#include "delay.hpp"
-#include "discretize.hpp"
-#include "elementwise.hpp"
-#include "function.hpp"
-#include "linear_readout.hpp"
-#include "low_pass.hpp"
-#include "nef_encoder.hpp"
-#include "poisson_encoder.hpp"
-#include "population_encoder.hpp"
-#include "population_vector.hpp"
-#include "rate_encoder.hpp"
-#include "rate_window.hpp"
-#include "step_forward_encoder.hpp"
-#include "temporal_contrast_encoder.hpp"
-#include "time_to_first_spike_encoder.hpp"
-#include "winner_take_all.hpp"
-
 namespace spikeloop {
 
+// Each in the file of its name; those of elementwise.cpp share one.
+NodeClass connect_class();
+NodeClass threshold_class();
+NodeClass sigmoid_class();
+NodeClass argmax_class();
+NodeClass discretize_class();
+NodeClass rate_encoder_class();
+NodeClass poisson_encoder_class();
+NodeClass nef_encoder_class();
+NodeClass linear_readout_class();
+NodeClass clip_class();
+NodeClass normalise_class();
+NodeClass low_pass_class();
+NodeClass delay_class();
+NodeClass function_class();
+NodeClass population_encoder_class();
+NodeClass step_forward_encoder_class();
+NodeClass temporal_contrast_encoder_class();
+NodeClass time_to_first_spike_encoder_class();
+NodeClass population_vector_class();
+NodeClass winner_take_all_class();
+NodeClass rate_window_class();
+
 void register_nodes(Registry& registry) {
-  registry.add(connect_class());
-  registry.add(threshold_class());
-  registry.add(sigmoid_class());
-  registry.add(argmax_class());
-  registry.add(discretize_class());
-  registry.add(rate_encoder_class());
-  registry.add(poisson_encoder_class());
-  registry.add(nef_encoder_class());
-  registry.add(linear_readout_class());
-  registry.add(clip_class());
-  registry.add(normalise_class());
-  registry.add(low_pass_class());
-  registry.add(delay_class());
-  registry.add(function_class());
-  registry.add(population_encoder_class());
-  registry.add(step_forward_encoder_class());
-  registry.add(temporal_contrast_encoder_class());
-  registry.add(time_to_first_spike_encoder_class());
-  registry.add(population_vector_class());
-  registry.add(winner_take_all_class());
-  registry.add(rate_window_class());
+  for (NodeClass (*make)() : {connect_class,
+                              threshold_class,
+                              sigmoid_class,
+                              argmax_class,
+                              discretize_class,
+                              rate_encoder_class,
+                              poisson_encoder_class,
+                              nef_encoder_class,
+                              linear_readout_class,
+                              clip_class,
+                              normalise_class,
+                              low_pass_class,
+                              delay_class,
+                              function_class,
+                              population_encoder_class,
+                              step_forward_encoder_class,
+                              temporal_contrast_encoder_class,
+                              time_to_first_spike_encoder_class,
+                              population_vector_class,
+                              winner_take_all_class,
+                              rate_window_class}) {
+    registry.add(make());
+  }
 }
 
 }  // namespace spikeloop

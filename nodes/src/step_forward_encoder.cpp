@@ -1,5 +1,5 @@
-#include "step_forward_encoder.hpp"
-
+// `step_forward_encoder`: a spike for every step that the input has gone up or down (Kasabov et al.
+// 2016; Petro, Kasabov & Kiss 2020, step-forward encoding; delta modulation).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +10,7 @@
 #include "held_input.hpp"
 #include "paired_channels.hpp"
 #include "parameter_checks.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -114,6 +115,12 @@ class StepForwardEncoder final : public Node {
 
 }  // namespace
 
+/// Channel d has a base. While the input is a `threshold` or more above it, the output's channel 2d
+/// spikes and the base goes up by one threshold; while it is as far below, channel 2d+1 spikes and
+/// the base goes down. The first spike comes 1 us after the change that makes it due, and the
+/// spikes of one input follow each other at distances of at least `min_interval`; if the input
+/// changes meanwhile, the comparison goes on with the new value. So the base is never a threshold
+/// away from an input that has rested for long enough, and adding up the spikes gives the base.
 NodeClass step_forward_encoder_class() {
   NodeDescription description;
   description.name = "step_forward_encoder";

@@ -1,5 +1,5 @@
-#include "temporal_contrast_encoder.hpp"
-
+// `temporal_contrast_encoder`: a spike for every large difference between successive values (Petro,
+// Kasabov & Kiss 2020, threshold-based representation).
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -7,6 +7,7 @@
 #include "held_input.hpp"
 #include "paired_channels.hpp"
 #include "parameter_checks.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -54,6 +55,10 @@ class TemporalContrastEncoder final : public Node {
 
 }  // namespace
 
+/// When input d changes by more than `threshold` from one value to the next, the output's channel
+/// 2d spikes, when it falls by more, channel 2d+1, both 1 us after the change. There is no memory
+/// but the value before: small changes never add up (those of `step_forward_encoder` do). The first
+/// value, and the first after the input was invalid, has none to be compared with.
 NodeClass temporal_contrast_encoder_class() {
   NodeDescription description;
   description.name = "temporal_contrast_encoder";

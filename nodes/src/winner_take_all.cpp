@@ -1,5 +1,4 @@
-#include "winner_take_all.hpp"
-
+// `winner_take_all`: which neuron fires most.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "signal_function.hpp"
 #include "spike_moments.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
 
@@ -112,6 +112,13 @@ class WinnerTakeAll final : public Node {
 
 }  // namespace
 
+/// The rates are filtered with an exponential kernel. A channel wins when its rate exceeds the
+/// winner's by the fraction `margin`; of several that do so at one moment the one with the highest
+/// rate, of equal ones the lowest channel. All rates decay alike, so that the winner changes at
+/// spikes alone, whatever the tick. There is none, and `out` is invalid, before the first spike; a
+/// late spike can change the winner from its arrival on.
+/// output = one_hot: 1 for the winner, else 0; index: its number, counted from 0, in one channel;
+/// rate: its rate in Hz at the interval's end in its channel, else 0.
 NodeClass winner_take_all_class() {
   NodeDescription description;
   description.name = "winner_take_all";
