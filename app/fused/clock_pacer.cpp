@@ -104,7 +104,7 @@ class ClockPacer : public Pacer {
     if (newest_ != kNone && patience > 0 && waited > patience && !subscriber_->has_publishers()) {
       throw TransportError(
           with_code(Code::partner_failed,
-                    "{} stands still at {} for {}, and nobody publishes it any more: the "
+                    "{} stands still at {} for {}, and has no publisher any more: the "
                     "simulator has ended, or the node that sends it; start it again, then the "
                     "experiment",
                     kTopic, format_time(newest_), format_time(patience)));

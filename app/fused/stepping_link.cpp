@@ -181,9 +181,9 @@ void SteppingLink::check(const Answer& answer) const {
     if (topic.count() > published->second && !answer.at_least) {
       throw TransportError(with_code(
           Code::partner_failed,
-          "{} has brought {} messages, but the robot has published {}: does somebody else publish "
-          "it? '{} info {}' shows it",
-          topic.name, topic.count(), published->second, topics::topic_command(session_.dialect()),
+          "{} messages arrived on {}, but the robot published {}; look for another publisher with  "
+          "{} info {}",
+          topic.count(), topic.name, published->second, topics::topic_command(session_.dialect()),
           topic.name));
     }
   }

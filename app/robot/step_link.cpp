@@ -132,8 +132,8 @@ std::optional<StepLink::Bytes> StepLink::take_command(const stepping::Counts& se
                     come_.wait_for(lock, kEndFollows, [this] { return !requests_.empty(); });
   if (commands_ != wanted && !ends) {
     problem = fmt::format(
-        "{} commands were sent on {}, and {} have come{}", wanted, command_topic_, commands_.load(),
-        commands_ > wanted ? fmt::format("; somebody else drives, too: '{} info {}'",
+        "{} commands were sent on {}, but {} arrived{}", wanted, command_topic_, commands_.load(),
+        commands_ > wanted ? fmt::format("; look for another publisher with  {} info {}",
                                          topics::topic_command(session_.dialect()), command_topic_)
                            : "");
   }

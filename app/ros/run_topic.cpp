@@ -20,7 +20,7 @@ int run_topic(music::Process& process, const Section& section, Source& sensor, S
   Graph graph(description);
   hooks.after_loop = [&] {
     if (sensor.counters().front().value == 0) {
-      log::warning("not one message came on topic '{}'; '{} list' shows what there is",
+      log::warning("no message arrived on topic '{}'; '{} list' shows what there is",
                    section.node.parameters.text("topic"), topics::topic_command(section.ros.ros));
     }
   };

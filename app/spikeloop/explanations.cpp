@@ -77,7 +77,8 @@ constexpr Explanation kExplanations[] = {
      "do.",
      "duration: 1.5 ms", "duration: 2 ms"},
     {Code::conflicting_keys, "Two keys exclude each other",
-     "Both decide the same thing. Remove one of them.",
+     "Both decide the same thing, or one needs what the other excludes. Change or remove one of "
+     "them.",
      "scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan, fields: [ranges], "
      "image: {resize: [4, 3]}}",
      "scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan, fields: [ranges]}"},
@@ -103,7 +104,7 @@ constexpr Explanation kExplanations[] = {
      "An input has one sender. Remove one of the connections.", "- scan -> wheels [2]",
      "- scan -> encoder [100]"},
     {Code::not_connected, "An input or output is not connected",
-     "A node without its inputs computes nothing, and MUSIC waits for ever for a port that is not "
+     "A node without its inputs computes nothing, and MUSIC waits forever for a port that is not "
      "connected.",
      "# - scan -> encoder [100]", "- scan -> encoder [100]"},
     {Code::widths_differ, "The two ends of a connection have different widths",
@@ -124,9 +125,8 @@ constexpr Explanation kExplanations[] = {
      "{\"rows\": 2, \"columns\": 2, \"entries\": [[0, 1, 0.5]]}, or a .npy file of two "
      "dimensions."},
     {Code::delay, "A delay is not valid or cannot be kept",
-     "A cycle of nodes, or a simulator in a process of its own, needs a delay of at least one "
-     "tick. "
-     "docs/experiment-file.md, \"Delays\", has the rules.",
+     "A cycle of nodes needs a delay, and so do some connections between processes. "
+     "docs/experiment-file.md, \"Layouts\", has the smallest delays.",
      "- scan -> encoder [100, delay soon]", "- scan -> encoder [100, delay 2 ticks]"},
 
     {Code::unknown_class, "A node class is not known",
@@ -197,8 +197,9 @@ constexpr Explanation kExplanations[] = {
      "--ros-args, or the configuration of Cyclone DDS. docs/ros2.md has those that are read."},
 
     {Code::layout, "The processes of a layout do not fit the experiment",
-     "Each node is in one process, and a simulator is in one of its own. docs/experiment-file.md, "
-     "\"Processes\", has the rules.",
+     "Each node is in one process, and a simulator has a process of its own. Without ROS, and with "
+     "lockstep and sim_time, one process has all sensors and commands. docs/experiment-file.md, "
+     "\"Layouts\", has the rules.",
      "layout: {front: [scan, encoder]}", "layout: {front: [scan, encoder, readout, wheels]}"},
     {Code::music_job, "MUSIC cannot run the .music file",
      "Ticks, process numbers, barriers or ports of its applications do not fit together, and the "

@@ -66,7 +66,7 @@ double start_timeout_s(const std::string& text) {
 
 double stall_timeout_s(const std::string& text) {
   return read_quantity({"--stall-timeout", "s", "the seconds to wait", 0, 1e6,
-                        "0 or more (0: for ever)", "at most 1e6", "120"},
+                        "0 or more (0: no limit)", "at most 1e6", "120"},
                        text);
 }
 

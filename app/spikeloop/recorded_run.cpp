@@ -32,7 +32,7 @@ json read_json(const std::string& folder, const char* name) {
   }
   json result = read_folder_json(path.string());
   if (!result.is_object()) {
-    refuse(folder, fmt::format("its {} is damaged, or empty; run it once more", name));
+    refuse(folder, fmt::format("its {} is damaged, or empty; run it again", name));
   }
   return result;
 }
@@ -52,7 +52,7 @@ void check_kind(const std::string& folder, const json& resolved) {
         "run FILE.yaml  has named");
   }
   if (!resolved.contains("recorded") || !resolved.contains("experiment_file")) {
-    refuse(folder, "an earlier version ran it, which kept no messages; run it once more");
+    refuse(folder, "an earlier version ran it, which kept no messages; run it again");
   }
   if (!resolved["recorded"].get<bool>()) {
     refuse(folder, "it was run with --no-record; run it without");
@@ -72,7 +72,7 @@ void check_files(const std::string& folder, const RecordedRun& run) {
   if (!run.summary.is_object()) {
     refuse(folder,
            "there is no summary.json in it: the run has not ended yet, or it was killed; run it "
-           "once more");
+           "again");
   }
   if (!fs::exists(run.experiment_file)) {
     refuse(folder, fmt::format("there is no {} in it, the copy of the experiment that was run",
@@ -130,7 +130,7 @@ RecordedRun read_run(const std::string& folder) {
   run.simulated_s = run.summary.at("simulated_s").get<double>();
   run.seed = run.resolved.at("seed").get<std::uint64_t>();
   if (run.simulated_s <= 0) {
-    refuse(folder, "it was stopped before its first tick; run it once more");
+    refuse(folder, "it was stopped before its first tick; run it again");
   }
   check_recordings(folder, run);
   return run;
@@ -209,7 +209,7 @@ auto understood(const std::string& folder, Read&& read) {
     return read();
   } catch (const json::exception& error) {
     refuse(folder, fmt::format("its resolved.json or summary.json does not say what a run writes "
-                               "there ({}); run it once more",
+                               "there ({}); run it again",
                                error.what()));
   }
 }

@@ -105,8 +105,9 @@ int replay(const Arguments& arguments) {
                          .real_time_factor = {},
                          .sync = experiment::Sync::unpaced,
                          .replay = run.replay};
-  if (run.resolved.value("layout", "fused") == "fused") {
-    once_more.overrides.layout = "fused";  // in place of what its file may say
+  const std::string layout = run.resolved.value("layout", "fused");
+  if (layout == "fused" || layout == "separate") {
+    once_more.overrides.layout = layout;  // in place of what its file may say
   }
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);

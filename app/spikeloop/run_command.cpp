@@ -55,9 +55,9 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run loop.music --dry-run      prints file and command; starts nothing
   spikeloop run loop.music --hostfile hosts --out run3     all hosts must share the folders
 
-The programs run in the directory of FILE. The keys in FILE are used unchanged, unless an option
-replaces them. Ctrl-C, SIGUSR1, SIGTERM, SIGQUIT and SIGHUP end the loops of the programs. Programs
-that still run after 2 s are terminated, and 1 s later killed. A second Ctrl-C kills them at once.
+The programs run in the directory of FILE. The keys in FILE are used, unless an option replaces
+them. Ctrl-C, SIGUSR1, SIGTERM, SIGQUIT and SIGHUP end the loops of the programs. Programs that still
+run after 5 s (2 s in a job with other programs) are ended. A second Ctrl-C kills them at once.
 
 Exit codes:
   0  finished              2  the file or an option is invalid

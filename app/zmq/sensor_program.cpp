@@ -89,7 +89,7 @@ int run_zmq_sensor(music::Process& process) {
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] {
     if (subscriber.counters().front().value == 0) {
-      log::warning("not one message came from {}; see whether its publisher binds this address",
+      log::warning("no message arrived from {}; see whether its publisher binds this address",
                    address);
     }
   };

@@ -10,6 +10,7 @@
 
 #include "faults.hpp"
 #include "job_writer.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
@@ -129,16 +130,25 @@ class Writer : JobWriter {
     }
   }
 
-  /// Numbers and choices that a section has as the experiment has them.
-  void write_plain_keys(const Node& node) {
+  /// Numbers and choices that a section has as the experiment has them, and those whose default
+  /// is another one in the program.
+  void write_plain_keys(const Node& node, const char* program) {
+    const auto keys = section_keys(node.kind);
+    const auto declared = section_parameters(*find_ros_program(program));
     for (const ParameterDescription& parameter : node.node_class->description.parameters) {
-      const auto keys = section_keys(node.kind);
-      const bool is_key = std::ranges::find(keys, parameter.name, &SectionKey::name) != keys.end();
+      const auto key = std::ranges::find(keys, parameter.name, &SectionKey::name);
       const bool is_plain = parameter.type != ParameterType::text &&
                             parameter.type != ParameterType::list &&
                             parameter.type != ParameterType::map;
-      if (is_key && is_plain && node.parameters.given(parameter.name)) {
-        add(node, parameter.name.c_str(), node.written.at(parameter.name).text);
+      if (key == keys.end() || !is_plain) {
+        continue;
+      }
+      const auto& default_value =
+          declared[static_cast<std::size_t>(key - keys.begin())].default_value;
+      if (node.parameters.given(parameter.name)) {
+        add(node, parameter.name, node.written.at(parameter.name).text);
+      } else if (parameter.default_value && default_value != parameter.default_value) {
+        add(node, parameter.name, *parameter.default_value);
       }
     }
   }
@@ -170,7 +180,7 @@ class Writer : JobWriter {
     add(node, "ros", name_of(experiment_.ros));
     add(node, "ros_topic", node.parameters.text("topic"), "topic");
     add(node, "message_type", node.parameters.text("message"), "message");
-    write_plain_keys(node);
+    write_plain_keys(node, "ros_event_sensor_adapter");
     if (const auto roi = event_settings(node.parameters).region) {
       add(node, "roi", fmt::format("{},{},{},{}", roi->x, roi->y, roi->width, roi->height));
     }
@@ -182,7 +192,7 @@ class Writer : JobWriter {
     add(node, "ros_topic", node.parameters.text("topic"), "topic");
     const std::string mapping = mapping_text(node.mapping);
     add(node, "message_mapping_filename", as_file(node, "mapping", mapping, "json"), "fields");
-    write_plain_keys(node);
+    write_plain_keys(node, "ros_command_adapter");
     add(node, "default_limits", node.parameters.word("limits") == kNoLimits ? "false" : "true",
         "limits");
     write_people(node);

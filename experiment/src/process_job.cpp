@@ -179,7 +179,7 @@ class ProcessWriter : JobWriter {
         with_code(
             Code::not_connected,
             "no connection joins the simulators with the other nodes, which one process has in the "
-            "fused layout, and MUSIC would wait for ever; connect them, or use --layout separate"));
+            "fused layout, and MUSIC would wait forever; connect them, or use --layout separate"));
   }
 
   std::set<std::pair<std::string, std::string>> taken_;  ///< an output, and the process it goes to

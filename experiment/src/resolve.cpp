@@ -189,11 +189,11 @@ constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserS
 
 void check_robot_topic(const Node& node, const Experiment& experiment) {
   if (!experiment.robot) {
-    throw ConfigurationError(
-        node.where, with_code(Code::no_such_topic,
-                              "node '{}': nobody is at the other end of topic {}; write  ros: 2, "
-                              "or  robot: {{simulator: mujoco}}",
-                              node.name, node.parameters.text("topic")));
+    throw ConfigurationError(node.where,
+                             with_code(Code::no_such_topic,
+                                       "node '{}': no robot provides topic {}; write  ros: 2, "
+                                       "or  robot: {{simulator: mujoco}}",
+                                       node.name, node.parameters.text("topic")));
   }
   if (!experiment.robot->bag.empty()) {
     return;  // check_bag()

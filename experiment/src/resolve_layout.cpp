@@ -89,16 +89,24 @@ void check_whole(const Experiment& experiment) {
 /// One process talks with the robot, but over ROS in wall time any may.
 void check_robot(const Experiment& experiment) {
   const bool in_steps = experiment.sync == Sync::lockstep || experiment.sync == Sync::sim_time;
-  if ((experiment.ros == Ros::none || in_steps) && !one_meets_robot(experiment)) {
-    throw ConfigurationError(
-        experiment.layout.where,
-        with_code(Code::layout,
-                  "key 'layout': {} needs all sensors and commands in one process; put them "
-                  "together, or write  {}",
-                  experiment.ros == Ros::none ? std::string("a robot without ROS")
-                                              : fmt::format("sync: {}", name_of(experiment.sync)),
-                  experiment.ros == Ros::none ? "ros: 2" : "sync: realtime"));
+  const bool over_ros = experiment.ros != Ros::none;
+  if ((over_ros && !in_steps) || one_meets_robot(experiment)) {
+    return;
   }
+  const bool bag = experiment.robot && !experiment.robot->bag.empty();
+  const std::string what = bag        ? "a bag"
+                           : in_steps ? fmt::format("sync: {}", name_of(experiment.sync))
+                                      : std::string("a robot without ROS");
+  const char* const remedy = bag                     ? ""
+                             : in_steps && !over_ros ? ", or write  sync: realtime  and  ros: 2"
+                             : in_steps              ? ", or write  sync: realtime"
+                                                     : ", or write  ros: 2";
+  throw ConfigurationError(
+      experiment.layout.where,
+      with_code(
+          Code::layout,
+          "key 'layout': {} needs all sensors and commands in one process; put them together{}",
+          what, remedy));
 }
 
 /// No simulator is named so.

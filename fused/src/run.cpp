@@ -250,7 +250,7 @@ void warn_of_silence(const Experiment& experiment, const json& summary) {
     const std::string counter = node.name + ".messages";
     if (experiment::takes_messages(node.kind) && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning("not one message came on topic '{}'{}", node.parameters.text("topic"),
+      log::warning("no message arrived on topic '{}'{}", node.parameters.text("topic"),
                    how_to_look(experiment.ros));
     }
   }

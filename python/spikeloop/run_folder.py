@@ -118,8 +118,8 @@ class RunFolder:
         """The robot's path: a dictionary of columns (TRAJECTORY_COLUMNS) as float64 arrays."""
         file = self.path / "trajectory.csv"
         if not file.exists():
-            raise RunFolderError(f"'{file}' is missing: the run started no robot, and in the layout "
-                                 "fused no message came on /odom")
+            raise RunFolderError(f"'{file}' is missing: the run started no robot, and no message "
+                                 "arrived on /odom")
         require_regular(file)
         with open(file, newline="", encoding="utf-8") as text:
             rows = list(csv.reader(text))

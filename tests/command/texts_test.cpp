@@ -31,9 +31,9 @@ TEST_F(TextsTest, every_reason_has_its_cause) {
   EXPECT_EQ(cause(StopReason::not_finite), "a command has a value that is not a finite number");
   EXPECT_EQ(cause(StopReason::stale), "the data are older than max_age, 1 s");
   EXPECT_EQ(cause(StopReason::sensor_silent),
-            "no message with a reading has come on topic '/scan' for 500 ms");
-  EXPECT_EQ(cause(StopReason::spikes_silent), "no spike has come for spike_timeout, 2 s");
-  EXPECT_EQ(cause(StopReason::silent), "no tick came for 100 ms");
+            "no message with a reading on topic '/scan' for 500 ms");
+  EXPECT_EQ(cause(StopReason::spikes_silent), "no spike for spike_timeout, 2 s");
+  EXPECT_EQ(cause(StopReason::silent), "no tick for 100 ms");
   EXPECT_EQ(cause(StopReason::continued),
             "a program of the job has died, or this one had been stopped (SIGCONT)");
   settings_.driver = "decoder.out";
@@ -44,16 +44,15 @@ TEST_F(TextsTest, every_reason_has_its_cause) {
 }
 
 TEST_F(TextsTest, the_emergency_stop_says_which_topic) {
-  EXPECT_EQ(cause(StopReason::emergency), "the emergency stop, topic '/stop', says so");
+  EXPECT_EQ(cause(StopReason::emergency), "emergency stop on topic '/stop'");
   EXPECT_EQ(cause(StopReason::emergency_unknown),
             "the emergency stop's topic '/stop' has no publisher");
   settings_.emergency_stop.latched = true;
   settings_.emergency_stop.timeout = 200'000'000;
   EXPECT_EQ(cause(StopReason::emergency),
-            "the emergency stop, topic '/stop', says so, until the run is over");
+            "emergency stop on topic '/stop', until the end of the run");
   EXPECT_EQ(cause(StopReason::emergency_unknown),
-            "the emergency stop's topic '/stop' has no publisher, or no message has come on it for "
-            "200 ms");
+            "the emergency stop's topic '/stop' has no publisher, or no message for 200 ms");
 }
 
 TEST_F(TextsTest, a_cut_value_says_what_to_write) {

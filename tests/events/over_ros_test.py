@@ -39,7 +39,7 @@ nodes:
 connections:
   - eye -> relay -> count [96] -> go [96]
 """
-SILENCE = "no message has come on topic '/events' for 2 s"
+SILENCE = "no message on topic '/events' for 2 s"
 
 
 class Run:

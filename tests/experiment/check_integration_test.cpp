@@ -84,7 +84,7 @@ TEST(Check, TellsWhatTheFusedLayoutRefusesOfSimulators) {
                   "  b: {simulator: python, script: brain.py}\nconnections:\n  - a -> b [10]\n");
   const std::string said =
       ": x.yaml:2:3: no connection joins the simulators with the other nodes, which one process "
-      "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "
+      "has in the fused layout, and MUSIC would wait forever; connect them, or use --layout "
       "separate [SL0305]\n    2 |   a: {simulator: python, script: brain.py}\n          ^\n";
   const Outcome checked = spikeloop({"check", "x.yaml"}, directory);
   EXPECT_EQ(checked.exit_code, 2);

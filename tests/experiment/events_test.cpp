@@ -95,7 +95,7 @@ TEST_F(Events, SomebodyMustSendThem) {
                   "pictures (docs/images.md, \"Events from frames\") [SL0507]",
                   rest));
   EXPECT_THAT(faults(events("", " [48]", "seed: 1")),
-              ElementsAre("x.yaml:4:3: node 'eye': nobody is at the other end of topic "
+              ElementsAre("x.yaml:4:3: node 'eye': no robot provides topic "
                           "/events; write  ros: 2, or  robot: {simulator: mujoco} [SL0507]",
                           rest));
 }

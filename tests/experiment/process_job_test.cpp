@@ -173,7 +173,7 @@ TEST_F(ProcessJob, RefusesWhatCannotBe) {
   EXPECT_EQ(
       refusal("  - a -> b [2]\n  - one -> two [2]\n"),
       "x.yaml:6:3: no connection joins the simulators with the other nodes, which one process "
-      "has in the fused layout, and MUSIC would wait for ever; connect them, or use --layout "
+      "has in the fused layout, and MUSIC would wait forever; connect them, or use --layout "
       "separate [SL0305]");
 }
 

@@ -227,9 +227,9 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:3:7: key 'sync': lockstep has no robot to step; write  robot: "
                    "{simulator: mujoco},  ros: 2  for a robot that can be stepped "
                    "(docs/stepping.md), or  sync: unpaced [SL0208]",
-                   "x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
+                   "x.yaml:5:3: node 'scan': no robot provides topic /scan; write  "
                    "ros: 2, or  robot: {simulator: mujoco} [SL0507]",
-                   "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
+                   "x.yaml:9:3: node 'wheels': no robot provides topic /cmd_vel; write "
                    " ros: 2, or  robot: {simulator: mujoco} [SL0507]"}},
         WrongFile{"robot that is not a map",
                   {{"{simulator: mujoco}", "mujoco"}},

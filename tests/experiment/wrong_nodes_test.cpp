@@ -16,9 +16,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         WrongFile{"no robot for a topic",
                   {{"robot: {simulator: mujoco}\n", ""}},
-                  {"x.yaml:5:3: node 'scan': nobody is at the other end of topic /scan; write  "
+                  {"x.yaml:5:3: node 'scan': no robot provides topic /scan; write  "
                    "ros: 2, or  robot: {simulator: mujoco} [SL0507]",
-                   "x.yaml:9:3: node 'wheels': nobody is at the other end of topic /cmd_vel; write "
+                   "x.yaml:9:3: node 'wheels': no robot provides topic /cmd_vel; write "
                    " ros: 2, or  robot: {simulator: mujoco} [SL0507]"}},
         WrongFile{"topic unknown to the robot",
                   {{"/scan", "/scann"}},

@@ -195,7 +195,7 @@ def gone(simulator, begin):
     run = driving(simulator, begin, "gone")
     simulator.clock.unregister()
     # rospy may drop what it has not sent yet.
-    ended(simulator, run, " s for 6 s, and nobody publishes it any more")
+    ended(simulator, run, " s for 6 s, and has no publisher any more")
 
 
 def silence(begin, command):

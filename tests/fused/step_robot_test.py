@@ -115,8 +115,8 @@ def refusals(experiment):
     time.sleep(0.5)
     experiment.sent -= 2
     many = experiment.step(2 * TICK_NS)
-    assert many == {"error": "1 commands were sent on /cmd_vel, and 3 have come; somebody else "
-                             "drives, too: 'rostopic info /cmd_vel'"}, many
+    assert many == {"error": "1 commands were sent on /cmd_vel, but 3 arrived; look for another "
+                             "publisher with  rostopic info /cmd_vel"}, many
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ def wrong_robots(spikeloop, file, scratch):
             (('"/where": cart', '"/there": cart'),
              "the robot's answer does not count the messages on /where"),
             (('cart["published"] += 1', "sensor.publish(data=[2.0])\n    cart['published'] += 1; "
-              "time.sleep(0.2)"), "/where has brought 2 messages, but the robot has published 1"),
+              "time.sleep(0.2)"), "2 messages arrived on /where, but the robot published 1"),
             (("{" + answer, '{"error": "the battery is empty", ' + answer),
              "the robot cannot begin: the battery is empty"),
             (("json.dumps({", "str({"), "which is not a message of the stepping protocol"),

@@ -154,7 +154,7 @@ def wrong_options(spikeloop, scratch):
     for arguments, text in (
             (["--roscore"], "--roscore is for .music files, an experiment file says such things "
                             "itself; leave it out"),
-            (["--layout", "separate"], "a robot without ROS needs all sensors and commands in one process"),
+            (["--layout", "separate"], "needs all sensors and commands in one process; put them together, or write"),
             (["--sync", "locked"], "--sync")):
         done = subprocess.run([spikeloop, "run", str(file), *arguments], cwd=scratch,
                               capture_output=True, text=True, check=False)

@@ -216,7 +216,7 @@ TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {
   state.take({{"type", "progress"}, {"process", "a"}, {"simulated_s", 2.0}});
   state.take({{"type", "report"}, {"process", "a"}});
   EXPECT_EQ(state.who_ended_early(),
-            "'a' (rate_encoder) ended at 2 s of simulated time, though nobody asked it to");
+            "'a' (rate_encoder) ended at 2 s of simulated time, without being asked to");
 }
 
 TEST_F(State, ADeathThatMpirunDoesNotNotice) {

@@ -102,7 +102,7 @@ class IncompleteTest(Folder):
         self.assertEqual((code, out), (1, f"{self.folder}/spikes.png\n"))
         self.assertEqual(err, f"spikeloop: trajectory.png is not drawn: '{self.folder}/"
                          "trajectory.csv' is missing: the run started no robot, and "
-                         "in the layout fused no message came on /odom\n")
+                         "no message arrived on /odom\n")
 
     def test_a_trajectory_of_no_time(self):
         (self.folder / "trajectory.csv").write_text(

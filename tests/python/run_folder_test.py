@@ -150,7 +150,7 @@ class ErrorTest(Folder):
         run = RunFolder(self.folder)
         file = self.folder / "trajectory.csv"
         self.says(run.trajectory, "'FOLDER/trajectory.csv' is missing: the run started no robot, "
-                  "and in the layout fused no message came on /odom")
+                  "and no message arrived on /odom")
         file.write_text("t_s,x_m\n")
         self.says(run.trajectory, "'FOLDER/trajectory.csv' has no column 'y_m'; its first line "
                   "must be t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions")

@@ -185,7 +185,7 @@ TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
   }));
   finish();
   EXPECT_THAT(child_->output(),
-              HasSubstr("sensor: warning: no message has come on topic '/scan' for 2 s; 'rostopic "
+              HasSubstr("sensor: warning: no message on topic '/scan' for 2 s; 'rostopic "
                         "list' shows what there is with ROS_MASTER_URI=http"));
 }
 

@@ -27,7 +27,7 @@ constexpr int kWidth = 8;
 constexpr int kHeight = 6;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kSensor = 1'700'000'000'000 * kMs;
-constexpr const char* kNothing = "no message has come on topic '/events' for 2 s";
+constexpr const char* kNothing = "no message on topic '/events' for 2 s";
 
 struct Received {
   std::int64_t time_ns = 0;

@@ -221,10 +221,11 @@ TEST_F(StrangeGuardTest, one_that_reaches_nobody_is_waited_for_and_missed) {
   ASSERT_TRUE(drives());
   EXPECT_GE(1e-9 * static_cast<double>(robot_.twists().front().time_ns - ready_at_), 3);
   child_->signal(SIGTERM);
-  EXPECT_THAT(child_->wait().text(),
-              HasSubstr("the guard has met nobody on topic '/cmd_vel' within 3 s; the robot is "
-                        "driven all the same. Until they meet, nothing stops it when this program "
-                        "is killed or stopped"));
+  EXPECT_THAT(
+      child_->wait().text(),
+      HasSubstr("the guard has no subscriber on topic '/cmd_vel' after 3 s; the robot is "
+                "driven nevertheless. Until the guard is connected, nothing stops the robot "
+                "when this program is killed or stopped"));
 }
 
 TEST_F(NoGuardTest, is_not_installed) {

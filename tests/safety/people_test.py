@@ -77,7 +77,7 @@ def stop_and_release(person):
     time.sleep(0.5)
     pressed = begin + time_to_zero.MARGIN_MS / 1e3
     assert not person.drives_since(pressed), "driven while the emergency stop is pressed"
-    await_diagnosis(person, ERROR, "the robot is stopped: the emergency stop, topic '/emergency_stop', says so")
+    await_diagnosis(person, ERROR, "the robot is stopped: emergency stop on topic '/emergency_stop'")
     assert "stops_emergency_stop 1, " in person.diagnosis[1], person.diagnosis
     person.drive_by_hand(0)
     time.sleep(0.1)
@@ -89,7 +89,7 @@ def stop_and_release(person):
 def drive_by_hand(person, printed):
     def announced():
         person.drive_by_hand(0.3)
-        said = "the robot is driven by hand, on topic '/cmd_vel_manual'"
+        said = "manual commands on topic '/cmd_vel_manual' drive the robot"
         return said in printed.read_text() and person.diagnosis[0] == WARN and said in person.diagnosis[1]
 
     ros.until(announced, "the line about it, which may wait for a second, and the diagnosis", 5)
@@ -109,7 +109,7 @@ def lose_a_sensor(person, printed):
     begin = time.monotonic()
     person.odometry(False)
     assert person.time_to_zero_ms(begin) < 400 + 2 * time_to_zero.MARGIN_MS
-    ros.until(lambda: "has come on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
+    ros.until(lambda: "with a reading on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
     person.odometry(True)
     ros.until(person.is_driven, "driving when it is back", 10)
 
@@ -140,7 +140,7 @@ def without_a_sensor_at_the_end(person, version, layout, out):
         person.odometry(False)
         assert process.wait(60) == 3, printed.read_text()
     person.odometry(True)
-    end = "the robot stood when the run ended: no message with a reading has come on topic '/odom' for 400 ms"
+    end = "the robot stood when the run ended: no message with a reading on topic '/odom' for 400 ms"
     assert end in printed.read_text(), printed.read_text()
     summary = json.loads((out / "summary.json").read_text())
     assert summary["exit_code"] == 3 and summary.get("stopped_s", 0) > 1, summary
@@ -155,8 +155,8 @@ def with_people(person, version, layout, folder):
         drive_by_hand(person, printed)
         lose_a_sensor(person, printed)
     text = printed.read_text()
-    assert "the emergency stop, topic '/emergency_stop', says so" in text, text
-    assert "topic '/cmd_vel_manual': a command by hand that is not a finite number stops the robot" in text, text
+    assert "emergency stop on topic '/emergency_stop'" in text, text
+    assert "topic '/cmd_vel_manual': a manual command that is not a finite number stops the robot" in text, text
     processes = json.loads((folder / layout / "summary.json").read_text())["processes"]
     counters = {name.removeprefix("wheels.").removeprefix("topic."): value
                 for process in processes.values() for name, value in process["counters"].items()}

@@ -46,7 +46,7 @@ def stops(spikeloop, version):
     with tempfile.TemporaryDirectory() as folder:
         said, distance, stopped = run(spikeloop, pathlib.Path(folder), version, ", spike_timeout: 1 s")
     assert stopped == 1 and 0 < distance < 0.6 * driven, (stopped, distance, driven)
-    assert "node 'wheels' at 1.002 s: the robot is stopped: no spike has come for spike_timeout, 1 s" in said, said
+    assert "node 'wheels' at 1.002 s: the robot is stopped: no spike for spike_timeout, 1 s" in said, said
 
 
 def is_refused(spikeloop):

@@ -250,13 +250,13 @@ std::string JobState::who_ended_early() const {
       return fmt::format("{} ended at {:g} s of simulated time, {}", shown(label),
                          process.simulated_s,
                          end ? fmt::format("before its stoptime of {:g} s", end_s)
-                             : std::string("though nobody asked it to"));
+                             : std::string("without being asked to"));
     }
     if (const auto before_s = left_before_s(process, label, end_s - kTicksAhead * tick_s)) {
       return fmt::format(
           "{} ended before {:g} s of simulated time, {}{}", shown(label), *before_s,
           end ? fmt::format("its stoptime is {:g} s; simulate as long as that", end_s)
-              : std::string("though nobody asked it to"),
+              : std::string("without being asked to"),
           last_line(label));
     }
   }

@@ -14,6 +14,9 @@ std::string option_table(const ProgramText& text) {
   line("--help", "Print this help");
   line("--version", "Print the version");
   line("--check-section FILE LABEL", "Report errors in this section; start nothing");
+  if (text.may_run_alone) {
+    line("--alone FILE LABEL", "Run this section without MUSIC");
+  }
   for (const auto& [name, option] : text.options) {
     line(name, option.text);
   }

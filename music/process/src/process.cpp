@@ -373,7 +373,7 @@ void Process::Impl::check_ports() const {
   if (served.empty()) {
     throw ConfigurationError(with_code(
         Code::not_connected,
-        "no port of '{}' is connected, and MUSIC would wait for ever; connect one, or leave the "
+        "no port of '{}' is connected, and MUSIC would wait forever; connect one, or leave the "
         "section out",
         label));
   }

@@ -151,7 +151,7 @@ Condition CommandSink::condition_of(const CommandChannel::Standing& standing) co
   using enum Condition::Level;
   if (standing.overridden) {
     return {warning,
-            fmt::format("the robot is driven by hand, on topic '{}'", settings_.manual.topic)};
+            fmt::format("manual commands on topic '{}' drive the robot", settings_.manual.topic)};
   }
   if (standing.stopped == StopReason::ended) {
     return {ok, "the run is over"};

@@ -20,24 +20,22 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
     case StopReason::stale:
       return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
     case StopReason::sensor_silent:
-      return fmt::format("no message with a reading has come on topic '{}' for {}",
+      return fmt::format("no message with a reading on topic '{}' for {}",
                          feed.silent_sensor().topic, format_time(feed.silent_sensor().timeout));
     case StopReason::spikes_silent:
-      return fmt::format("no spike has come for spike_timeout, {}",
-                         format_time(settings.spike_timeout));
+      return fmt::format("no spike for spike_timeout, {}", format_time(settings.spike_timeout));
     case StopReason::silent:
-      return fmt::format("no tick came for {}", format_time(settings.watchdog));
+      return fmt::format("no tick for {}", format_time(settings.watchdog));
     case StopReason::continued:
       return "a program of the job has died, or this one had been stopped (SIGCONT)";
     case StopReason::emergency:
-      return fmt::format("the emergency stop, topic '{}', says so{}", emergency.topic,
-                         emergency.latched ? ", until the run is over" : "");
+      return fmt::format("emergency stop on topic '{}'{}", emergency.topic,
+                         emergency.latched ? ", until the end of the run" : "");
     case StopReason::emergency_unknown:
       return emergency.timeout == 0
                  ? fmt::format("the emergency stop's topic '{}' has no publisher", emergency.topic)
                  : fmt::format(
-                       "the emergency stop's topic '{}' has no publisher, or no message "
-                       "has come on it for {}",
+                       "the emergency stop's topic '{}' has no publisher, or no message for {}",
                        emergency.topic, format_time(emergency.timeout));
     case StopReason::terminated:
     case StopReason::ended:

@@ -100,8 +100,8 @@ void Session::require_alive() const {
   if (!alive()) {
     throw TransportError(with_code(
         Code::partner_failed,
-        "the ROS node {} has been shut down: another node took its name, or somebody ended it "
-        "(rosnode kill)",
+        "the ROS node {} has been shut down: another node took its name, or it was ended by  "
+        "rosnode kill",
         node_name()));
   }
 }

@@ -179,8 +179,9 @@ bool CommandEndpoint::may_begin() {
   }
   if (!reaches) {
     log::warning(
-        "the guard has met nobody on topic '{}' within {}; the robot is driven all the same. Until "
-        "they meet, nothing stops it when this program is killed or stopped",
+        "the guard has no subscriber on topic '{}' after {}; the robot is driven nevertheless. "
+        "Until "
+        "the guard is connected, nothing stops the robot when this program is killed or stopped",
         address_.topic, format_time(kGuardPatience));
   }
   sink_.begin_anew();
@@ -204,9 +205,9 @@ void CommandEndpoint::mind_subscribers() {
   minded_subscribers_ = true;
   if (!publisher_.has_subscribers()) {
     log::warning(
-        "nobody takes {} on topic '{}', so no robot is driven; '{} info {}' shows who is there, "
-        "and "
-        "with which type",
+        "no subscriber of {} on topic '{}'; the robot will not move. '{} info {}' shows "
+        "subscribers "
+        "and their types",
         address_.message_type, address_.topic, topics::topic_command(session_.dialect()),
         address_.topic);
   }

@@ -113,7 +113,7 @@ void CommandTopics::take_manual(std::span<const std::byte> message) {
   }
   const auto finite = [](double value) { return std::isfinite(value); };
   if (!std::ranges::all_of(values, finite) && !told_not_finite_.exchange(true)) {
-    log::warning("topic '{}': a command by hand that is not a finite number stops the robot",
+    log::warning("topic '{}': a manual command that is not a finite number stops the robot",
                  settings_.manual.topic);
   }
   sink_.override_with(values);

@@ -83,8 +83,8 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
     return;
   }
   told = true;
-  log::warning("no message has come on topic '{}' for {}{}", settings_.topic,
-               format_time(kPatience), how_to_look(session_));
+  log::warning("no message on topic '{}' for {}{}", settings_.topic, format_time(kPatience),
+               how_to_look(session_));
 }
 
 void TopicReader::require_sound() const {

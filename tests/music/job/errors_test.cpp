@@ -66,7 +66,7 @@ TEST(Errors, NoPortAtAll) {
   job.connect("source.values -> sink.values_in [3]");
   expect_error(
       job, 2,
-      "cell: no port of 'cell' is connected, and MUSIC would wait for ever; connect one, or "
+      "cell: no port of 'cell' is connected, and MUSIC would wait forever; connect one, or "
       "leave the section out [SL0305]");
 }
 
