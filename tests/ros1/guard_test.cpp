@@ -115,8 +115,8 @@ TEST_F(GuardTest, adapter_shut_down_by_ros) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   const auto outcome = expect_zero_after_shut_down("/ros_command_node");
   EXPECT_THAT(outcome.err, HasSubstr("spikeloop: command: the ROS node /ros_command_node_"));
-  EXPECT_THAT(outcome.err, HasSubstr(" has been shut down: another node took its name, or somebody "
-                                     "ended it (rosnode kill) [SL0703]\n"));
+  EXPECT_THAT(outcome.err, HasSubstr(" has been shut down: another node took its name, or it was "
+                                     "ended by  rosnode kill [SL0703]\n"));
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
