@@ -182,10 +182,21 @@ bool JobRun::start_rosmaster() {
     rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
       log_ << "rosmaster: " << line.text << std::endl;
     });
+    // Another program may have taken the port meanwhile; then rosmaster says so, and hangs.
+    const auto port_is_taken = [this] {
+      return rosmaster_->error_tail().find("Address already in use") != std::string::npos;
+    };
     group_.turn_until(
-        [&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); }, kRosStart);
+        [&] {
+          return outcome_.has_value() || rosmaster_->gone() || port_is_taken() || master.answers();
+        },
+        kRosStart);
     if (outcome_) {
       return false;
+    }
+    if (port_is_taken()) {
+      rosmaster_->tree().kill();
+      continue;
     }
     if (!rosmaster_->gone() && master.answers()) {
       log::info("ROS master at {}", master.uri());
