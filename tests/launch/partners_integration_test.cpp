@@ -49,6 +49,21 @@ TEST(OwnRosMaster, ThatEndsAtOnceIsTheReason) {
             "spikeloop: rosmaster ended before it answered; it says: no port [SL0701]");
 }
 
+// A real rosmaster prints this and stays.
+TEST(OwnRosMaster, WhosePortIsTakenIsStartedOnAnotherOne) {
+  const TwoPrograms job;
+  const Outcome outcome = run_with(job, "rosmaster",
+                                   "if mkdir tried 2> /dev/null; then\n"
+                                   "  echo 'OSError: [Errno 98] Address already in use' >&2\n"
+                                   "  sleep 1000\n"
+                                   "fi\n"
+                                   "PATH=$REAL_PATH exec rosmaster \"$@\"",
+                                   {"--roscore"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: ROS master at http"));
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
 // Its last line is where its traceback is.
 TEST(OwnRosMaster, ThatGivesAReasonIsQuoted) {
   const TwoPrograms job;
