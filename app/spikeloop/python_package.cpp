@@ -1,6 +1,7 @@
 #include "python_package.hpp"
 
 #include <fmt/format.h>
+
 #include <cstdlib>
 
 #include "doctor/probe.hpp"

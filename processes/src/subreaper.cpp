@@ -16,6 +16,7 @@
 #include <set>
 #include <vector>
 
+#include "reset_signals.hpp"
 #include "spikeloop/processes/descendants.hpp"
 
 namespace spikeloop {
@@ -40,15 +41,6 @@ void close_all_but(const std::vector<int>& kept) {
     }
   }
   closefrom(last + 1);
-}
-
-void reset_signals() {
-  for (int number = 1; number < NSIG; ++number) {
-    signal(number, SIG_DFL);
-  }
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
 /// In the forked child: becomes the program, or returns when it cannot.

@@ -21,6 +21,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "reset_signals.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -65,12 +66,7 @@ struct Limits {
 
 [[noreturn]] void be_the_copy(const Limits& limits, const std::function<void()>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (int number = 1; number < NSIG; ++number) {
-    signal(number, SIG_DFL);
-  }
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  reset_signals();
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     ::dup2(nowhere, file);
