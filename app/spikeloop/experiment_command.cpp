@@ -17,13 +17,13 @@
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
 #include "simulator_check.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
-#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "versions.hpp"
@@ -353,10 +353,10 @@ WrittenJob write_music_job(const Experiment& experiment, const std::string& fold
 
 WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder) {
   for (const auto& [name, contents] : job.files) {
-    launch::write_text(folder + "/" + name, contents);
+    write_file(folder + "/" + name, contents);
   }
   const std::string path = folder + "/experiment.music";
-  launch::write_text(path, to_text(job.file));
+  write_file(path, to_text(job.file));
   return {path, places_of(read_music_file(path), job.file)};
 }
 

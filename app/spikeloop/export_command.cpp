@@ -14,6 +14,7 @@
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/hostfile.hpp"
@@ -87,11 +88,11 @@ int export_job(const Arguments& arguments, const Translate& translate) {
   const std::string folder = launch::make_folder(arguments.folder);
   const std::string path = folder + "/effective.music";
   launch::refuse_to_overwrite(arguments.file, path);
-  launch::write_text(path, text);
+  write_file(path, text);
   std::vector<std::string> line;
   if (arguments.srun) {
     const std::string programs = folder + "/programs.conf";
-    launch::write_text(programs, launch::multi_prog_text(effective.file, path));
+    write_file(programs, launch::multi_prog_text(effective.file, path));
     line = launch::srun_command(effective.file, programs, directory);
   } else {
     line = launch::mpirun_command(effective.file, path, hosts);

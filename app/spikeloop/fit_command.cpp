@@ -6,9 +6,9 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "fit_task.hpp"
 #include "option_values.hpp"
@@ -16,6 +16,7 @@
 #include "python_package.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app::fit_command {
@@ -42,19 +43,13 @@ with the same tau.
 Exit codes: 0 success, 2 an option is invalid, 4 a file cannot be read or written)";
 
 void write_json(const std::string& path, const FitResult& result) {
-  std::ofstream file(path);
+  std::string text;
   for (std::uint32_t row = 0; row < result.outputs; ++row) {
-    file << (row == 0 ? "[[" : ",\n [");
-    for (std::uint32_t n = 0; n < result.neurons; ++n) {
-      file << (n == 0 ? "" : ", ")
-           << fmt::format("{}", result.weights[std::size_t{row} * result.neurons + n]);
-    }
-    file << "]";
+    const auto weights = std::span(result.weights).subspan(std::size_t{row} * result.neurons);
+    text += fmt::format("{}{}]", row == 0 ? "[[" : ",\n [",
+                        fmt::join(weights.first(result.neurons), ", "));
   }
-  file << "]\n" << std::flush;
-  if (!file) {
-    throw FileError("write the weights", path, errno);
-  }
+  write_file(path, text + "]\n");
 }
 
 void write_weights(const std::string& path, const FitResult& result) {

@@ -5,10 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 
@@ -17,6 +15,7 @@
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/launch/mpirun.hpp"
@@ -180,16 +179,6 @@ void need_drawer() {
   }
 }
 
-void write_file(const std::string& text, const std::string& path) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) {
-    throw FileError("write", path, errno == 0 ? EIO : errno);
-  }
-}
-
 /// Twice as large as the SVG where it is made of pixels, for screens and slides.
 void write_picture(const std::string& dot, const std::string& path, const std::string& format) {
   std::vector<std::string> words{kDrawer, "-T" + format, "-Gdpi=144"};
@@ -197,7 +186,7 @@ void write_picture(const std::string& dot, const std::string& path, const std::s
     words.pop_back();
   }
   if (!path.empty()) {
-    write_file("", path);  // with an error of ours
+    write_file(path, "");  // with an error of ours
     words.insert(words.end(), {"-o", path});
   }
   if (!feed(words, dot)) {
@@ -213,7 +202,7 @@ int draw(const std::string& path, const std::string& out) {
   }
   const auto show = [&](const Diagram& diagram) {
     const std::string dot = to_dot(diagram);
-    format == "dot" ? write_file(dot, out) : write_picture(dot, out, format);
+    format == "dot" ? write_file(out, dot) : write_picture(dot, out, format);
     return 0;
   };
   if (is_experiment(path)) {

@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include "music_text.hpp"
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/config/npy_file.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "text_file.hpp"
 #include "weight_json.hpp"
@@ -284,20 +283,15 @@ void write_weights(const std::filesystem::path& path, const WeightTable& table) 
     write_npy(path, rows.rows, rows.columns, values);
     return;
   }
-  errno = 0;
-  std::ofstream file(path);
-  file << fmt::format("{{\"rows\": {}, \"columns\": {}, \"entries\": [", rows.rows, rows.columns);
+  std::string text =
+      fmt::format("{{\"rows\": {}, \"columns\": {}, \"entries\": [", rows.rows, rows.columns);
   for (std::uint32_t row = 0; row < rows.rows; ++row) {
     for (std::uint64_t k = rows.row_start[row]; k < rows.row_start[row + 1]; ++k) {
-      file << fmt::format("{}[{}, {}, {}]", k == 0 ? "" : ",\n ", row, rows.column[k],
-                          rows.values[k]);
+      text +=
+          fmt::format("{}[{}, {}, {}]", k == 0 ? "" : ",\n ", row, rows.column[k], rows.values[k]);
     }
   }
-  file << "]}\n";
-  file.close();
-  if (!file) {
-    throw FileError("write", path.string(), errno);
-  }
+  write_file(path.string(), text + "]}\n");
 }
 
 }  // namespace spikeloop

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "spikeloop/core/error.hpp"
 
@@ -59,6 +60,30 @@ std::string read_file(const std::string& path, std::string_view kind, std::uint6
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
+}
+
+void write_file(const std::string& path, std::string_view text) {
+  std::error_code error;
+  const auto kind = fs::symlink_status(path, error).type();
+  error.clear();
+  const bool in_place = kind != fs::file_type::not_found && kind != fs::file_type::regular;
+  const std::string written = in_place ? path : path + ".new";
+  errno = 0;
+  std::ofstream file(written, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    error.assign(errno == 0 ? EIO : errno, std::generic_category());
+  } else if (!in_place) {
+    fs::rename(written, path, error);
+  }
+  if (error) {
+    const int number = error.value();
+    if (!in_place) {
+      fs::remove(written, error);
+    }
+    throw FileError("write", path, number);
+  }
 }
 
 }  // namespace spikeloop

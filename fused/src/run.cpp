@@ -1,11 +1,10 @@
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 
@@ -31,13 +30,7 @@ constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
 constexpr std::uint64_t kTicksPerOverrun = 100;  // more overruns are worth a warning
 
 void write_json(const std::string& path, const json& contents) {
-  errno = 0;
-  std::ofstream file(path);
-  file << contents.dump(2) << '\n';
-  file.close();
-  if (!file) {
-    throw FileError("write", path, errno);
-  }
+  write_file(path, contents.dump(2) + "\n");
 }
 
 void copy_experiment(const Experiment& experiment, const std::string& folder) {

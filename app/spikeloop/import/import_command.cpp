@@ -11,8 +11,8 @@
 #include "../output.hpp"
 #include "music_import.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/launch/folders.hpp"
 
 namespace spikeloop::app::import_command {
 namespace {
@@ -68,7 +68,7 @@ int import_file(const ImportArguments& given) {
   if (given.out.empty()) {
     put_result(imported.text);
   } else {
-    launch::write_text(given.out, imported.text);
+    write_file(given.out, imported.text);
   }
   tell("warning", imported.notes);
   tell("error", imported.errors);

@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -70,16 +69,6 @@ void refuse_to_overwrite(const std::string& file, const std::string& path) {
                                        "the file '{}' would be overwritten with what is made from "
                                        "it; give another folder with --out",
                                        file));
-  }
-}
-
-void write_text(const std::string& path, std::string_view text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) {
-    throw FileError("write", path, errno);
   }
 }
 

@@ -1,4 +1,5 @@
 #include "spikeloop/launch/job.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <filesystem>
 
@@ -47,7 +48,7 @@ JobResult Job::run(const JobEvents& events) {
   }
   JobResult result = run.result();
   if (!options_.folder.empty()) {
-    write_text(options_.folder + "/summary.json", result.summary.dump(2) + "\n");
+    write_file(options_.folder + "/summary.json", result.summary.dump(2) + "\n");
   }
   return result;
 }

@@ -10,6 +10,7 @@
 #include "guard_process.hpp"
 #include "section_checks.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -63,10 +64,10 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       receiver_(scratch_.path() + "/status"),
       group_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
                          [this](int number) { take_signal(number); }}) {
-  write_text(file_, to_text(effective.file));
-  write_text(folder_ + "/mpirun.log", "");
+  write_file(file_, to_text(effective.file));
+  write_file(folder_ + "/mpirun.log", "");
   if (!options.versions.empty()) {
-    write_text(folder_ + "/versions.json", options.versions);
+    write_file(folder_ + "/versions.json", options.versions);
   }
   log_.open(folder_ + "/mpirun.log");
 }

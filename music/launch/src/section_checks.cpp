@@ -12,6 +12,7 @@
 #include "spikeloop/config/dialect.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
@@ -181,7 +182,7 @@ Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool her
   }
   const ScratchFolder scratch;
   const std::string path = scratch.path() + "/effective.music";
-  write_text(path, to_text(effective.file));
+  write_file(path, to_text(effective.file));
   status::Receiver receiver(scratch.path() + "/status");
   int signal = 0;
   ProcessGroup group(receiver,

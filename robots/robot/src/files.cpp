@@ -1,4 +1,5 @@
 #include "spikeloop/robot/files.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
 
@@ -88,12 +89,7 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
       {"obstacles", nlohmann::json::array()}};
   if (vehicle.cue_place() > 0) world["cue_place"] = vehicle.cue_place();
   for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
-  const std::string path = in_directory(directory, "world.json");
-  errno = 0;
-  std::ofstream file(path);
-  file << world.dump(2) << '\n';
-  file.close();
-  if (!file) throw FileError("write", path, errno != 0 ? errno : EIO);
+  write_file(in_directory(directory, "world.json"), world.dump(2) + "\n");
 }
 
 nlohmann::json summary_of(const vehicle::Statistics& statistics) {

@@ -1,4 +1,4 @@
-// Files that somebody else wrote: whatever stands under the path, reading it ends.
+// Whole files. Reading ends whatever is under the path: somebody else may have written it.
 #pragma once
 
 #include <cstdint>
@@ -16,5 +16,10 @@ void require_regular_file(const std::string& path, std::string_view kind);
 /// @throws FileError as above, and when it cannot be read; ConfigurationError when it has more
 /// bytes than `limit`.
 std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit);
+
+/// Writes the whole file beside `path` and renames it, so nobody reads half of it. What is not a
+/// regular file (a link, /dev/stdout) is written in place.
+/// @throws FileError
+void write_file(const std::string& path, std::string_view text);
 
 }  // namespace spikeloop

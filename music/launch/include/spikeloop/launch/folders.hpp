@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "spikeloop/status/status.hpp"
 
@@ -21,8 +20,5 @@ Descriptor lock_folder(const std::string& path, const std::string& as_written);
 
 /// @throws ConfigurationError when `path`, which we are about to write, is the user's `file`.
 void refuse_to_overwrite(const std::string& file, const std::string& path);
-
-/// @throws FileError
-void write_text(const std::string& path, std::string_view text);
 
 }  // namespace spikeloop::launch
