@@ -24,19 +24,14 @@ std::vector<ParameterDescription> own_parameters() {
         .name = name, .type = ParameterType::text, .default_value = std::move(value), .text = line};
   };
   return {text("experiment", std::nullopt, "Experiment file"),
-          text("wait_for", "realtime", "Key sync of the experiment"),
-          {.name = "ros",
-           .type = ParameterType::choice,
-           .default_value = "none",
-           .choices = {"none", "1", "2"},
-           .text = "Key ros of the experiment"},
+          text("settings", "[]", "Values in place of the experiment's, JSON"),
+          text("ros", "none", "Key ros of the experiment, for spikeloop run"),
           text("ros_arguments", "", "NAME:=VALUE ... for the ROS node"),
           {.name = "stall_timeout",
            .unit = "s",
            .default_value = "60",
            .minimum = 0,
            .text = "Longest wall time until a stepped robot answers; 0: no limit"},
-          text("layout", "", "fused or separate: replaces the key layout"),
           text("about", "", "Additional content of resolved.json, JSON"),
           text("replay_origin", "", "Replay: original experiment file"),
           text("replay_bag", "", "Replay: bag that replaces the robot")};
@@ -53,27 +48,14 @@ music::ProgramText program_text() {
   return text;
 }
 
-experiment::Overrides overrides_of(const Parameters& keys, const music::CommonKeys& common) {
+experiment::Overrides overrides_of(const Parameters& keys) {
   experiment::Overrides overrides;
-  if (common.stoptime) {
-    overrides.duration_s = to_seconds(*common.stoptime);
-  }
-  overrides.seed = common.seed;
-  overrides.real_time_factor = common.rtf;
-  overrides.sync = experiment::sync_named(keys.text("wait_for"));
-  overrides.ros = experiment::ros_named(keys.text("ros"));
+  overrides.settings = settings_from_text(keys.text("settings"));
   overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
-  if (!keys.text("layout").empty()) {
-    overrides.layout = keys.text("layout");
-  }
   if (!keys.text("replay_origin").empty()) {
     overrides.replay = {keys.text("replay_origin"), keys.text("replay_bag")};
   }
   return overrides;
-}
-
-bool over_ros(const Parameters& keys) {
-  return keys.text("ros") != "none";
 }
 
 fused::RunOptions options_of(const Parameters& keys, const music::Process& process) {
@@ -107,7 +89,7 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
   const fused::RunEvents events{
       .progress = [&](const fused::Progress& progress) { others.take(progress); }, .stop = stop};
   const fused::RunOptions options = options_of(keys, process);
-  if (!over_ros(keys) || !meets_robot(experiment, process.label())) {
+  if (experiment.ros == experiment::Ros::none || !meets_robot(experiment, process.label())) {
     return fused::run(experiment, options, events, &others);
   }
   const auto enter = [&](bool waits) {
@@ -124,12 +106,11 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
 
 int run(music::Process& process) {
   const Parameters keys = process.read(own_parameters());
-  const music::CommonKeys& common = process.common();
   if (process.checking()) {
     return 0;  // whoever wrote the section has checked the experiment
   }
   const auto loaded =
-      experiment::load(keys.text("experiment"), overrides_of(keys, common), fused::look_at_robot);
+      experiment::load(keys.text("experiment"), overrides_of(keys), fused::look_at_robot);
   if (!loaded->diagnostics.empty()) {
     throw ConfigurationError(loaded->diagnostics.front().text());
   }

@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "diagnostic_text.hpp"
 #include "experiment_command.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -23,6 +24,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop check braitenberg.music
   spikeloop check loop.music --strict     warnings are errors
   spikeloop check braitenberg.yaml        every error of an experiment file with its line
+  spikeloop check braitenberg.yaml --set layout=separate
   spikeloop check --no-code brain.yaml    runs no code that brain.yaml names
 
 Checks the MUSIC grammar, the connections of the programs, and whether they can be started. Each
@@ -69,6 +71,8 @@ void add(CLI::App& app, Action& action) {
     std::string file;
     bool strict = false;
     bool no_code = false;
+    bool json = false;
+    std::vector<std::string> settings;
   };
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
@@ -76,6 +80,9 @@ void add(CLI::App& app, Action& action) {
   command->add_option("FILE", arguments->file, "Experiment file or MUSIC configuration file")
       ->required();
   command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
+  add_settings(*command, arguments->settings);
+  command->add_flag("--json", arguments->json,
+                    "Print the experiment with every default, width and delay");
   command->add_flag("--no-code", arguments->no_code, "Run no code that FILE names");
   command->footer(kFooter);
   command->callback([arguments, &action] {
@@ -83,8 +90,16 @@ void add(CLI::App& app, Action& action) {
       if (arguments->no_code) {
         ::setenv(kNoCode, "1", 1);
       }
-      return is_experiment(arguments->file) ? check_experiment(arguments->file, arguments->strict)
-                                            : check(arguments->file, arguments->strict);
+      const Settings settings = parse_settings(arguments->settings);
+      if (is_experiment(arguments->file)) {
+        return check_experiment(arguments->file, settings,
+                                {.strict = arguments->strict, .json = arguments->json});
+      }
+      if (arguments->json || !settings.empty()) {
+        throw ConfigurationError(fmt::format("{} is for experiment files; leave it out",
+                                             arguments->json ? "--json" : "--set"));
+      }
+      return check(arguments->file, arguments->strict);
     };
   });
 }

@@ -64,5 +64,11 @@ void add(CLI::App& app, const topics::CommandLine& line, Action& action);
 namespace schema_command {
 void add(CLI::App& app, Action& action);
 }
+namespace summary_command {
+void add(CLI::App& app, Action& action);
+}
+namespace sweep_command {
+void add(CLI::App& app, Action& action);
+}
 
 }  // namespace spikeloop::app

@@ -17,6 +17,7 @@
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
 #include "simulator_check.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -95,9 +96,10 @@ void refuse_own_recordings(const Experiment& experiment, const std::string& fold
     std::error_code error;
     if (fs::equivalent(fs::absolute(file).parent_path(), folder, error)) {
       throw ConfigurationError(
-          where, fmt::format("key '{}': the recording {} lies in the run folder, which a run "
-                             "empties; give another folder with --out",
-                             key, file));
+          where, with_code(Code::no_access,
+                           "key '{}': the recording {} lies in the run folder, which a run "
+                           "empties; give another folder with --out",
+                           key, file));
     }
   };
   for (const experiment::Node& node : experiment.nodes) {
@@ -366,14 +368,19 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
                                      : print_diagnostics(file, loaded->diagnostics);
 }
 
-int check_experiment(const std::string& file, bool strict) {
-  const auto loaded = load_with_simulators(file, {});
+int check_experiment(const std::string& file, const Settings& settings,
+                     const CheckOptions& options) {
+  const auto loaded = load_with_simulators(file, {.settings = settings});
   check_layout(*loaded);
   if (!loaded->diagnostics.empty()) {
     const int exit_code = print_diagnostics(file, loaded->diagnostics);
-    return exit_code == 0 && strict ? kWarningsOnly : exit_code;
+    return exit_code == 0 && options.strict ? kWarningsOnly : exit_code;
   }
   const Experiment& experiment = *loaded->experiment;
+  if (options.json) {
+    put_result(fused::resolved_json(experiment::with_layout_delays(experiment)).dump(2) + "\n");
+    return 0;
+  }
   put_result(fmt::format(
       "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.nodes.size(), "node"),
       count_of(experiment.connections.size(), "connection"), format_time(experiment.tick),

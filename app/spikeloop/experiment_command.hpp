@@ -66,8 +66,12 @@ WrittenJob write_music_job(const experiment::Experiment& experiment, const std::
 int use_experiment(const std::string& file,
                    const std::function<int(const experiment::Experiment&)>& use);
 
+struct CheckOptions {
+  bool strict = false;  ///< warnings have the exit code of errors
+  bool json = false;    ///< prints the experiment as resolved.json has it
+};
 /// Says everything that is wrong, each with its line. Returns the exit code.
-/// @param strict warnings have the exit code of errors
-int check_experiment(const std::string& file, bool strict);
+int check_experiment(const std::string& file, const Settings& settings,
+                     const CheckOptions& options);
 
 }  // namespace spikeloop::app

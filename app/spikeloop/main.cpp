@@ -93,11 +93,13 @@ int run(int argc, char** argv) {
   const spikeloop::topics::CommandLine line = split(argc, argv);
   new_command::add(app, action);
   run_command::add(app, line, action);
+  sweep_command::add(app, action);
   replay_command::add(app, action);
   check_command::add(app, action);
   export_command::add(app, action);
   import_command::add(app, action);
   plot_command::add(app, action);
+  summary_command::add(app, action);
   fit_command::add(app, action);
   bench_command::add(app, action);
   describe_command::add(app, action);

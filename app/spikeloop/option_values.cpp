@@ -70,6 +70,23 @@ double stall_timeout_s(const std::string& text) {
                        text);
 }
 
+void add_settings(CLI::App& command, std::vector<std::string>& texts) {
+  command
+      .add_option("--set", texts,
+                  "Value of a key in place of the file's; repeatable: --set "
+                  "encoder.rate_max=\"100 Hz\"")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+Settings parse_settings(const std::vector<std::string>& texts) {
+  Settings settings;
+  for (const std::string& text : texts) {
+    settings.push_back(parse_setting(text));
+  }
+  return settings;
+}
+
 CLI::Validator named(const std::string& what) {
   return {[what](const std::string& text) {
             return text.empty() ? "the name of the " + what + " is empty; write one"

@@ -4,6 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <vector>
+
+#include "spikeloop/config/experiment_file.hpp"
 
 namespace spikeloop::app {
 
@@ -20,6 +23,10 @@ double start_timeout_s(const std::string& text);
 double stall_timeout_s(const std::string& text);
 /// Up to the largest that the programs read.
 std::uint64_t seed(const std::string& text);
+
+/// The option --set KEY=VALUE, repeatable.
+void add_settings(CLI::App& command, std::vector<std::string>& texts);
+Settings parse_settings(const std::vector<std::string>& texts);
 
 /// For an option that names a `what`: an unset variable of a shell is not a name.
 CLI::Validator named(const std::string& what);

@@ -9,6 +9,7 @@
 #include "folder_json.hpp"
 #include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/network_script.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/run.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& folder, const std::string& why) {
-  throw ConfigurationError(fmt::format("'{}' cannot be replayed: {}", folder, why));
+  throw ConfigurationError(with_code(Code::no_access, "'{}' cannot be replayed: {}", folder, why));
 }
 
 /// Null when there is no such file. @throws ConfigurationError when it is not what a run writes.
@@ -128,7 +129,9 @@ RecordedRun read_run(const std::string& folder) {
                 has_topics(run.resolved) ? (path / fused::kMessagesFile).string() : ""};
   check_files(folder, run);
   run.simulated_s = run.summary.at("simulated_s").get<double>();
-  run.seed = run.resolved.at("seed").get<std::uint64_t>();
+  run.settings = settings_from_text(run.resolved.value("settings", json::array()).dump());
+  run.settings.push_back({"duration", fmt::format("{} s", run.simulated_s), "simulated_s"});
+  run.settings.push_back({"sync", "unpaced", "replay"});
   if (run.simulated_s <= 0) {
     refuse(folder, "it was stopped before its first tick; run it again");
   }

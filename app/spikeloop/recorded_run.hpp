@@ -18,7 +18,7 @@ struct RecordedRun {
   std::string experiment_file;  ///< the copy
   experiment::Replay replay;
   double simulated_s = 0;
-  std::uint64_t seed = 1;
+  Settings settings;  ///< that the run had, and those of a replay
 };
 
 /// @throws FileError: no such folder; ConfigurationError: no run that can be replayed, and why.

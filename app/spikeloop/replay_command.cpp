@@ -100,15 +100,8 @@ int replay(const Arguments& arguments) {
   warn(doubts(run));
   ExperimentArguments once_more;
   once_more.file = run.experiment_file;
-  once_more.overrides = {.duration_s = run.simulated_s,
-                         .seed = run.seed,
-                         .real_time_factor = {},
-                         .sync = experiment::Sync::unpaced,
-                         .replay = run.replay};
-  const std::string layout = run.resolved.value("layout", "fused");
-  if (layout == "fused" || layout == "separate") {
-    once_more.overrides.layout = layout;  // in place of what its file may say
-  }
+  once_more.overrides.settings = run.settings;
+  once_more.overrides.replay = run.replay;
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);
   if (!loaded->diagnostics.empty()) {

@@ -33,6 +33,7 @@ struct RunArguments {
   std::string sync;
   std::string ros;
   std::string layout;
+  std::vector<std::string> settings;
   robot::SpectatorWords spectators;
   bool no_record = false;
   bool no_pace = false;
@@ -47,6 +48,7 @@ struct RunArguments {
 constexpr const char* kFooter = R"(Examples:
   spikeloop run braitenberg.yaml          runs an experiment; writes runs/braitenberg-1
   spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
+  spikeloop run braitenberg.yaml --set encoder.rate_max="100 Hz" --set robot.seed=3
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
   spikeloop run explorer.yaml /scan:=/front/scan               remaps a topic, as in ROS 1
   spikeloop run explorer.yaml --ros-args -r /scan:=/front/scan -r __ns:=/arena       as in ROS 2
@@ -163,6 +165,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
                   "fused: all nodes in one process; separate: one process per node, connected by "
                   "MUSIC; replaces the key layout")
       ->check(CLI::IsMember({"fused", "separate"}));
+  add_settings(command, arguments.settings);
   command.add_flag("--no-record", arguments.no_record, "Do not record the outputs of nodes");
   add_picture_options(command, arguments.spectators);
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
@@ -172,7 +175,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
     }
   };
   group(arguments.for_experiment, "Experiment files",
-        {"--layout", "--sync", "--no-record", "--render", "--render-view", "--render-size",
+        {"--set", "--layout", "--sync", "--no-record", "--render", "--render-view", "--render-size",
          "--render-rate", "--view"});
   group(
       arguments.for_music, ".music files",
@@ -197,24 +200,32 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
 }
 
+/// The options that stand for keys come last: they hold.
+Settings settings_of(const RunArguments& arguments) {
+  Settings settings = parse_settings(arguments.settings);
+  const auto add = [&](const char* key, const std::string& value, const char* option) {
+    if (!value.empty()) {
+      settings.push_back({key, value, option});
+    }
+  };
+  const auto& run = arguments.job.run;
+  add("duration", run.duration_s ? fmt::format("{} s", *run.duration_s) : "", "--duration");
+  add("seed", run.seed ? std::to_string(*run.seed) : "", "--seed");
+  add("real_time_factor", run.real_time_factor ? fmt::format("{}", *run.real_time_factor) : "",
+      "--real-time-factor");
+  add("sync", arguments.sync, "--sync");
+  add("ros", arguments.ros, "--ros");
+  add("layout", arguments.layout, "--layout");
+  return settings;
+}
+
 int run_file(const RunArguments& arguments) {
   refuse_options(arguments.for_music, ".music files, an experiment file says such things itself");
   ExperimentArguments experiment;
   experiment.file = arguments.file;
   experiment.folder = arguments.job.folder;
   experiment.record = !arguments.no_record;
-  experiment.overrides.duration_s = arguments.job.run.duration_s;
-  experiment.overrides.seed = arguments.job.run.seed;
-  experiment.overrides.real_time_factor = arguments.job.run.real_time_factor;
-  if (!arguments.sync.empty()) {
-    experiment.overrides.sync = experiment::sync_named(arguments.sync);
-  }
-  if (!arguments.ros.empty()) {
-    experiment.overrides.ros = experiment::ros_named(arguments.ros);
-  }
-  if (!arguments.layout.empty()) {
-    experiment.overrides.layout = arguments.layout;
-  }
+  experiment.overrides.settings = settings_of(arguments);
   experiment.volume = volume_of(arguments);
   experiment.spectators = arguments.spectators;
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);

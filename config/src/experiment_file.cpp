@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "experiment_connections.hpp"
+#include "experiment_settings.hpp"
 #include "text_file.hpp"
 #include "yaml_json.hpp"
 #include "yaml_section.hpp"
@@ -21,7 +22,6 @@ using yaml_text::Section;
 constexpr std::uint64_t kMostBytes = 16'000'000;
 /// Of nodes, and of connections: far more than any experiment has.
 constexpr std::size_t kMostParts = 10'000;
-constexpr const char* kHolders[] = {"robot", "plugins", "nodes", "connections"};
 
 std::string one_value(const Section& section, const std::string& key) {
   const YAML::Node& node = section.at(key, "");
@@ -63,11 +63,8 @@ class Reader {
   }
 
   ExperimentFile read(const YAML::Node& document) {
-    const auto declared = experiment_parameters();
-    std::vector<std::string> known = names_of(declared);
-    known.insert(known.end(), std::begin(kHolders), std::end(kHolders));
-    const Section root(file_.path, "experiment", document, known, report_);
-    for (const ParameterDescription& key : declared) {
+    const Section root(file_.path, "experiment", document, experiment_keys(), report_);
+    for (const ParameterDescription& key : experiment_parameters()) {
       if (root.has(key.name)) {
         attempt([&] { file_.keys[key.name] = read_key(root, key); });
       }
@@ -292,17 +289,33 @@ YAML::Node load(std::string_view text, const std::string& path) {
 
 }  // namespace
 
+std::vector<std::string> experiment_keys() {
+  std::vector<std::string> keys = names_of(experiment_parameters());
+  keys.insert(keys.end(), {"robot", "plugins", "nodes", "connections"});
+  return keys;
+}
+
 ExperimentFile parse_experiment(std::string_view text, const std::string& path,
-                                const ErrorHandler& report) {
-  return Reader(path, report).read(load(text, path));
+                                const ErrorHandler& report, const Settings& settings) {
+  const YAML::Node document = load(text, path);
+  for (const Setting& setting : settings) {
+    experiment_text::apply(setting, document);
+  }
+  ExperimentFile file = Reader(path, report).read(document);
+  for (const Setting& setting : settings) {
+    experiment_text::mark_place(setting, file);
+  }
+  return file;
 }
 
 ExperimentFile parse_experiment(std::string_view text, const std::string& path) {
   return parse_experiment(text, path, raise);
 }
 
-ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report) {
-  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), report);
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report,
+                                    const Settings& settings) {
+  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), report,
+                          settings);
 }
 
 ExperimentFile read_experiment_file(const std::filesystem::path& path) {

@@ -58,8 +58,8 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
                              const LookAtRobot& look_at_robot) {
   auto loaded = std::make_unique<Loaded>();
   try {
-    const ExperimentFile file =
-        read_experiment_file(path, [&](const ConfigurationError& error) { add(error, *loaded); });
+    const ExperimentFile file = read_experiment_file(
+        path, [&](const ConfigurationError& error) { add(error, *loaded); }, overrides.settings);
     const std::filesystem::path directory = directory_of(origin_of(file, overrides));
     load_plugins(file, directory, *loaded);
     const FilesRead files;

@@ -58,12 +58,9 @@ class ProcessWriter : JobWriter {
     add("binary", kProgram);
     add_directory({});
     add("experiment", std::filesystem::absolute(experiment_.path).string());
-    if (experiment_.layout.kind != Layout::Kind::written) {
-      add("layout", name_of(experiment_.layout));
-    }
+    add("settings", to_text(experiment_.settings));
     add("pace", waits_for_clock(experiment_, process.name) ? "true" : "false");
     add("ros", name_of(experiment_.ros));
-    add("wait_for", std::string(name_of(experiment_.sync)));
     if (process.in_cycle) {
       add("accept_latency", seconds(2 * experiment_.tick - spare()));
       add("spike_delay", "1");

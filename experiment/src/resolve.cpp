@@ -29,20 +29,20 @@ void read_times(const Parameters& keys, Experiment& experiment, Faults& faults) 
 }
 
 /// As delays: a run has as many ticks as its duration says, no more and no less.
-void check_duration(const Location& where, const char* what, const Experiment& experiment,
-                    Faults& faults) {
+void check_duration(const Location& where, const Experiment& experiment, Faults& faults) {
   const TimeNs duration = experiment.duration.value_or(experiment.tick);
   const TimeNs rest = duration % experiment.tick;
   if (duration <= 0) {
     faults.add(where, with_code(Code::out_of_bounds,
-                                "{}: a run of {} does nothing; write for example {}, or leave "
-                                "it out: then the run goes on until it is stopped",
-                                what, format_time(duration), format_time(experiment.tick)));
+                                "key 'duration': a run of {} does nothing; write for example "
+                                "{}, or leave it out: then the run goes on until it is stopped",
+                                format_time(duration), format_time(experiment.tick)));
   } else if (rest != 0) {
     const TimeNs below = duration - rest;
     faults.add(where,
-               with_code(Code::off_grid, "{}: {} is not a whole number of ticks of {}; write {}{}",
-                         what, format_time(duration), format_time(experiment.tick),
+               with_code(Code::off_grid,
+                         "key 'duration': {} is not a whole number of ticks of {}; write {}{}",
+                         format_time(duration), format_time(experiment.tick),
                          below > 0 ? format_time(below) + " or " : "",
                          format_time(below + experiment.tick)));
   }
@@ -75,26 +75,15 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
 }
 
 /// A fault in one key leaves the others' checks alone: its default stands in.
-Parameters read_keys(const ExperimentFile& file, const Overrides& overrides, Experiment& experiment,
-                     Faults& faults) {
+Parameters read_keys(const ExperimentFile& file, Experiment& experiment, Faults& faults) {
   const std::size_t before = faults.count();
-  Parameters keys = resolve_keys(experiment_parameters(),
-                                 {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
+  const Parameters keys = resolve_keys(
+      experiment_parameters(), {file.keys, "experiment", {file.path, 0, 0}, {}, {}}, {}, faults);
   take_keys(file, keys, experiment, faults);
-  if (overrides.duration_s) {
-    experiment.duration = from_seconds(*overrides.duration_s);
-    check_duration({}, "--duration", experiment, faults);
-  } else if (faults.count() == before) {
-    check_duration(where_of(file, "duration"), "key 'duration'", experiment, faults);
+  if (faults.count() == before) {
+    check_duration(where_of(file, "duration"), experiment, faults);
   }
-  experiment.seed = overrides.seed.value_or(experiment.seed);
-  experiment.real_time_factor = overrides.real_time_factor.value_or(experiment.real_time_factor);
-  experiment.sync = overrides.sync.value_or(experiment.sync);
-  experiment.ros = overrides.ros.value_or(experiment.ros);
-  experiment.sync_where = overrides.sync ? Location{file.path, 0, 0} : where_of(file, "sync");
-  if (overrides.layout) {
-    keys.set("layout", *overrides.layout);
-  }
+  experiment.sync_where = where_of(file, "sync");
   return keys;
 }
 
@@ -340,7 +329,8 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
   Experiment experiment;
   experiment.path = file.path;
   experiment.origin = origin_of(file, overrides);
-  const Parameters keys = read_keys(file, overrides, experiment, all);
+  experiment.settings = overrides.settings;
+  const Parameters keys = read_keys(file, experiment, all);
   SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
   const auto bag = open_bag(experiment, all);
   if (bag) {

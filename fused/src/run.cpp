@@ -317,7 +317,8 @@ json resolved_json(const Experiment& experiment) {
               {"real_time_factor", experiment.real_time_factor},
               {"ros", experiment::name_of(experiment.ros)},
               {"layout", name_of(experiment.layout)},
-              {"connections", connections}};
+              {"connections", connections},
+              {"settings", json::parse(to_text(experiment.settings))}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {
     result["robot"] = experiment.robot->bag.empty() ? json{{"world", experiment.robot->world},

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/script_keys.hpp"
 #include "spikeloop/core/unit_demand.hpp"
 #include "spikeloop/process/idle_ports.hpp"
@@ -124,9 +125,9 @@ void Host::check_kind(const DeclaredPort& port) const {
       ("," + found->second.text + ",").find("," + port.name + ",") != std::string::npos) {
     throw ConfigurationError(
         process_->where(port.name),
-        fmt::format("'{}.{}' carries {}, but {} declares it in {}; write {}", process_->label(),
-                    port.name, spikes ? "a continuous signal" : "spikes", process_->program(),
-                    declared, right));
+        with_code(Code::kinds_differ, "'{}.{}' carries {}, but {} declares it in {}; write {}",
+                  process_->label(), port.name, spikes ? "a continuous signal" : "spikes",
+                  process_->program(), declared, right));
   }
 }
 
@@ -137,22 +138,24 @@ std::uint32_t Host::settled_width(const DeclaredPort& port, bool connected) cons
   if (!connected) {
     throw ConfigurationError(
         process_->where(),
-        fmt::format("port '{0}.{1}' is not connected; write  {2}, or a width in the script, with "
-                    "which it {3}",
-                    process_->label(), port.name,
-                    port.direction == Direction::input
-                        ? fmt::format("SENDER.out -> {}.{} [WIDTH]", process_->label(), port.name)
-                        : fmt::format("{}.{} -> RECEIVER.in [WIDTH]", process_->label(), port.name),
-                    port.direction == Direction::input ? "stays silent" : "goes nowhere"));
+        with_code(Code::not_connected,
+                  "port '{0}.{1}' is not connected; write  {2}, or a width in the script, with "
+                  "which it {3}",
+                  process_->label(), port.name,
+                  port.direction == Direction::input
+                      ? fmt::format("SENDER.out -> {}.{} [WIDTH]", process_->label(), port.name)
+                      : fmt::format("{}.{} -> RECEIVER.in [WIDTH]", process_->label(), port.name),
+                  port.direction == Direction::input ? "stays silent" : "goes nowhere"));
   }
   const std::uint32_t width = process_->width(port.name);
   if (port.width != 0 && port.width != width) {
     throw ConfigurationError(
         process_->where(port.name),
-        fmt::format("the connection of '{}.{}' has the width {}, but {} asks for {}; write [{}], "
-                    "or None in the script for as many channels as the file says",
-                    process_->label(), port.name, width, process_->program(), port.width,
-                    port.width));
+        with_code(Code::widths_differ,
+                  "the connection of '{}.{}' has the width {}, but {} asks for {}; write [{}], "
+                  "or None in the script for as many channels as the file says",
+                  process_->label(), port.name, width, process_->program(), port.width,
+                  port.width));
   }
   return width;
 }

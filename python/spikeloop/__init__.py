@@ -10,8 +10,11 @@ disk.
             step.write("out", gain * step.inputs["in"])
 
 `node`, `Signal`, `Spikes`, `Parameter` and `Weights` declare a node; `spikeloop.steps.Step` is what
-it sees; `spikeloop.testing` runs one without the C++ programs. `spikeloop.run_folder` reads a run,
-`spikeloop.plots` draws it; these two are imported by name, because h5py and matplotlib are slow.
+it sees; `spikeloop.testing` runs one without the C++ programs.
+
+`load` reads an experiment, which can be changed and run (`spikeloop.experiment`);
+`spikeloop.run_folder` reads a run, `spikeloop.plots` draws it; these two are imported by name, because
+h5py and matplotlib are slow.
 
 `music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,
 `spikeloop.brian` and `spikeloop.nest` do so with NEURON, Brian2 and NEST in it.
@@ -19,7 +22,8 @@ it sees; `spikeloop.testing` runs one without the C++ programs. `spikeloop.run_f
 
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node
 
-__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "Weights", "music", "node"]
+__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "load",
+           "music", "node"]
 
 
 def __getattr__(name):
@@ -27,4 +31,7 @@ def __getattr__(name):
     if name == "music":
         from .music_host import music
         return music
+    if name in ("load", "SpikeloopError"):
+        from . import experiment
+        return getattr(experiment, name)
     raise AttributeError(f"module 'spikeloop' has no attribute '{name}'")

@@ -82,6 +82,27 @@ def did_you_mean(word, candidates):
     return f"; known: {', '.join(candidates)}" if candidates else ""
 
 
+class Recording:
+    """What a node or process recorded: `run["encoder"].spikes.times_s`."""
+
+    def __init__(self, run, label):
+        self._run, self.label = run, label
+
+    @property
+    def spikes(self):
+        """Its only stream of spikes. @raises RunFolderError: none, or several: run.spikes(label)"""
+        streams = self._run.spikes(self.label)
+        if len(streams) != 1:
+            raise RunFolderError(f"'{self.label}' recorded {len(streams)} streams of spikes; write "
+                                 f"run.spikes('{self.label}')")
+        return streams[0]
+
+    @property
+    def signal(self):
+        """Its signal, the widest if there are several."""
+        return self._run.signal(self.label)
+
+
 class RunFolder:
     """What lies in the folder of one run."""
 
@@ -91,6 +112,36 @@ class RunFolder:
             raise RunFolderError(
                 f"'{path}' is not a folder; name the folder that `spikeloop run --out` wrote")
         self.labels = sorted(file.stem for file in self.path.glob("*.h5"))
+
+    def __getitem__(self, label):
+        """What a node or process recorded. @raises KeyError"""
+        if label not in self.labels:
+            raise KeyError(f"'{label}' recorded nothing{did_you_mean(label, self.labels)}")
+        return Recording(self, label)
+
+    def counters(self):
+        """Counters of the nodes by name: "encoder.spikes", "wheels.sent", ..."""
+        return self.summary().get("counters", {})
+
+    def neo_block(self):
+        """All recordings as a Block of Neo (python3-neo): a SpikeTrain for every channel of spikes,
+        an IrregularlySampledSignal for every signal."""
+        import neo
+        block = neo.Block(name=str(self.path))
+        segment = neo.Segment()
+        block.segments.append(segment)
+        for label in self.labels:
+            for spikes in self.spikes(label):
+                for channel in range(spikes.width):
+                    segment.spiketrains.append(neo.SpikeTrain(
+                        np.sort(spikes.times_s[spikes.channels == channel]), units="s",
+                        t_stop=spikes.until_s, name=f"{label}.{spikes.stream}[{channel}]"))
+            for signal in self.signals(label):
+                if len(signal.times_s) > 0:
+                    segment.irregularlysampledsignals.append(neo.IrregularlySampledSignal(
+                        signal.times_s, signal.values, units="dimensionless", time_units="s",
+                        name=f"{label}.{signal.stream}", unit=signal.unit))
+        return block
 
     def spikes(self, label):
         """Every spike stream of a process, sorted by name."""

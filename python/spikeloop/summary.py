@@ -1,10 +1,8 @@
-"""Prints the table of a run folder's summary.json.
-
-    /usr/bin/python3 -m spikeloop.summary RUN_FOLDER
-"""
+"""`spikeloop summary RUN...`: the results of a run, or of several, a column each."""
 
 import json
 import pathlib
+import signal
 import sys
 
 from .run_folder import RunFolderError, require_regular
@@ -69,10 +67,41 @@ def read_summary(folder):
         raise SystemExit(f"'{path}' is not JSON: {error}")
 
 
+def settings_of(folder):
+    """What was set in place of the experiment's keys."""
+    try:
+        resolved = json.loads((pathlib.Path(folder) / "resolved.json").read_text(encoding="utf-8"))
+        return {key: value for key, value, _ in resolved.get("settings", [])}
+    except (OSError, ValueError):
+        return {}
+
+
+def comparison(folders):
+    """The lines of a table with a column for each run: settings, then results."""
+    summaries, settings = [read_summary(folder) for folder in folders], [settings_of(folder) for folder in folders]
+    rows = [["", *(pathlib.Path(folder).resolve().name for folder in folders), ""]]
+    for key in dict.fromkeys(key for setting in settings for key in setting):
+        rows.append([key, *(setting.get(key, "-") for setting in settings), ""])
+    for key, label, unit, pattern in ROWS:
+        if any(key in summary for summary in summaries):
+            rows.append([label, *(value_text(key, summary.get(key), pattern) for summary in summaries), unit])
+    if any(summary.get("exit_code") for summary in summaries):
+        rows.append(["exit code", *(str(summary.get("exit_code", "-")) for summary in summaries), ""])
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return [("  " + " ".join([row[0].ljust(widths[0]), *(text.rjust(width + 2) for text, width in
+                                                         zip(row[1:-1], widths[1:-1])), row[-1]])).rstrip()
+            for row in rows]
+
+
 def main(arguments):
-    if len(arguments) != 1:
-        raise SystemExit("usage: python3 -m spikeloop.summary RUN_FOLDER")
-    folder = pathlib.Path(arguments[0])
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # spikeloop summary RUN | head
+    folders = [argument for argument in arguments if argument != "--"]
+    if not folders:
+        raise SystemExit("usage: spikeloop summary RUN...")
+    if len(folders) > 1:
+        print("\n".join(comparison(folders)))
+        return
+    folder = pathlib.Path(folders[0])
     print("\n".join(table(read_summary(folder))))
     made = sorted(p.name for p in folder.iterdir() if p.suffix in (".png", ".json", ".h5", ".csv"))
     print(f"\nin {folder}/: {', '.join(made)}")

@@ -71,8 +71,8 @@ hdf5::Handle open_stream(const hdf5::Handle& file, const char* kind, const std::
   const auto known = streams_of(file, kind, path);
   if (std::ranges::find(known, stream) == known.end()) {
     throw ConfigurationError(
-        fmt::format("'{}' has no {} called '{}'{}", path, kind, stream,
-                    known.empty() ? "; it has none at all" : did_you_mean(stream, known)));
+        with_code(Code::unknown_choice, "'{}' has no {} called '{}'{}", path, kind, stream,
+                  known.empty() ? "; it has none at all" : did_you_mean(stream, known)));
   }
   return hdf5::Handle(hdf5::check(
       H5Gopen2(file.get(), fmt::format("{}/{}", kind, stream).c_str(), H5P_DEFAULT), "read", path));
@@ -181,9 +181,9 @@ SpikeRecording spikes_of(const std::string& path, const std::string& stream) {
   recording.spikes.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     if (id_values[i] >= recording.width) {
-      throw FileError(
-          fmt::format("cannot read '{}': damaged: a spike of channel {} in a stream of {}", path,
-                      id_values[i], recording.width));
+      throw FileError(with_code(
+          Code::no_access, "cannot read '{}': damaged: a spike of channel {} in a stream of {}",
+          path, id_values[i], recording.width));
     }
     recording.spikes.push_back(make_spike(time_values[i], static_cast<std::int32_t>(id_values[i])));
   }

@@ -88,7 +88,7 @@ def incomplete_runs(replays):
     replays.cannot("unheard", "there is no encoder.h5 in it, the recording of its node 'encoder'")
     change(replays.copy("early") / "summary.json", "simulated_s", 0.0)
     replays.cannot("early", "it was stopped before its first tick; run it again")
-    change(replays.copy("odd") / "resolved.json", "seed", "x")
+    change(replays.copy("odd") / "resolved.json", "settings", [["seed"]])
     replays.cannot("odd", "its resolved.json or summary.json does not say what a run writes there")
     folder = replays.copy("old")
     resolved = json.loads((folder / "resolved.json").read_text())

@@ -93,7 +93,8 @@ inline Read read(const Files& files, const experiment::NodeTypes& types,
   try {
     const ExperimentFile file = read_experiment_file(
         files.path(),
-        [&](const ConfigurationError& error) { faults.push_back(diagnostic_of(error)); });
+        [&](const ConfigurationError& error) { faults.push_back(diagnostic_of(error)); },
+        overrides.settings);
     result.experiment = experiment::resolve(file, types, overrides, faults);
   } catch (const Error& error) {
     faults.push_back(diagnostic_of(error));

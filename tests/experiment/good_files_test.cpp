@@ -121,13 +121,6 @@ TEST_F(GoodFiles, AReadoutAtTheEndIsAsWideAsItsWeights) {
   EXPECT_EQ(end->width, 2U);
 }
 
-TEST_F(GoodFiles, TheCommandLineComesBeforeTheFile) {
-  const Experiment experiment = good(with({}), {2.5, 9, std::nullopt, experiment::Sync::unpaced});
-  EXPECT_EQ(experiment.duration, 2'500'000'000);
-  EXPECT_EQ(experiment.seed, 9U);
-  EXPECT_EQ(experiment.sync, experiment::Sync::unpaced);
-}
-
 const std::vector<std::string> kLinks = {
     "scan.out -> encoder.in [3]", "encoder.out -> brain.in [3]", "brain.out -> decoder.in [3]",
     "decoder.out -> wheels.in [2]"};

@@ -27,9 +27,7 @@ connections:
 
 /// As `--layout NAME`.
 experiment::Overrides with_layout(const char* name) {
-  experiment::Overrides overrides;
-  overrides.layout = name;
-  return overrides;
+  return {.settings = {{"layout", name, "--layout"}}};
 }
 
 class LayoutTest : public testing::Test {
@@ -174,7 +172,8 @@ TEST_F(LayoutTest, SeparateIsAProcessANode) {
               ElementsAre("scan.out -> encoder.in 1", "encoder.out -> decoder.in 0",
                           "decoder.out -> wheels.in 1", "scan.pace -> wheels.pace 2",
                           "scan.pace -> wheels.sensor_0 1"));
-  EXPECT_EQ(key(experiment::process_job(experiment, "", {}).file, "wheels", "layout"), "separate");
+  EXPECT_EQ(key(experiment::process_job(experiment, "", {}).file, "wheels", "settings"),
+            R"([["layout","separate","--layout"]])");
 }
 
 // The simulator's process counts as any other: the data of `control` do not come back to it.

@@ -42,10 +42,10 @@ TEST_F(SyncKey, OverRosARobotIsSteppedOrFollowed) {
   }
 }
 
-TEST_F(SyncKey, TheCommandLinesHasNoLine) {
+TEST_F(SyncKey, OfTheCommandLineIsNamedByTheOption) {
   EXPECT_THAT(
-      read_with("sync: realtime", true, {{}, {}, {}, Sync::sim_time}).faults,
-      ElementsAre("x.yaml: key 'sync': sim_time follows the topic /clock, and there is no ROS; "
+      read_with("sync: realtime", true, {.settings = {{"sync", "sim_time", "--sync"}}}).faults,
+      ElementsAre("--sync: key 'sync': sim_time follows the topic /clock, and there is no ROS; "
                   "write  ros: 2,  or  sync: lockstep  for the robot in this process [SL0208]"));
 }
 

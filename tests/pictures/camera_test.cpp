@@ -154,7 +154,8 @@ TEST(Camera, IsRefusedWhereTheVehicleHasNone) {
     EXPECT_EQ(std::string(error.what()),
               path +
                   ": has no camera 'camera'; write <camera name=\"camera\" pos=\"0.2 0 0.07\" "
-                  "xyaxes=\"0 -1 0 0 0 1\"/> into body 'vehicle', or include the shipped vehicle");
+                  "xyaxes=\"0 -1 0 0 0 1\"/> into body 'vehicle', or include the shipped vehicle "
+                  "[SL0801]");
   }
 }
 

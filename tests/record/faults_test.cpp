@@ -162,8 +162,9 @@ TEST_F(RecorderFaults, ReaderRefusesAChannelThatTheStreamHasNot) {
   const std::string python =
       "import h5py\nh5py.File('" + path + "', 'r+')['spikes/out/node_ids'][0] = 5000000\n";
   ASSERT_EQ(test::run({.arguments = {"/usr/bin/python3", "-c", python}}).exit_code, 0);
-  EXPECT_EQ(message<FileError>([&] { record::read_spikes(path, "out"); }),
-            "cannot read '" + path + "': damaged: a spike of channel 5000000 in a stream of 3");
+  EXPECT_EQ(
+      message<FileError>([&] { record::read_spikes(path, "out"); }),
+      "cannot read '" + path + "': damaged: a spike of channel 5000000 in a stream of 3 [SL0109]");
 }
 
 TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
@@ -198,10 +199,11 @@ TEST_F(RecorderFaults, ReaderNamesUnknownStreams) {
     Recorder recorder(file(), "x", {});
     recorder.spike_sink("spikes_out", 1);
   }
-  EXPECT_EQ(message<ConfigurationError>([&] { record::read_spikes(file(), "spike_out"); }),
-            "'" + file() + "' has no spikes called 'spike_out'; did you mean 'spikes_out'?");
+  EXPECT_EQ(
+      message<ConfigurationError>([&] { record::read_spikes(file(), "spike_out"); }),
+      "'" + file() + "' has no spikes called 'spike_out'; did you mean 'spikes_out'? [SL0205]");
   EXPECT_EQ(message<ConfigurationError>([&] { record::read_signal(file(), "value"); }),
-            "'" + file() + "' has no signals called 'value'; it has none at all");
+            "'" + file() + "' has no signals called 'value'; it has none at all [SL0205]");
 }
 
 }  // namespace

@@ -29,38 +29,11 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostInPlace = 20'000;
 
 /// What a process needs and an experiment does not, or says once for all.
-constexpr const char* kOfProcesses[] = {"np",
-                                        "binary",
-                                        "wd",
-                                        "args",
-                                        "barrier",
-                                        "strict",
-                                        "pace",
-                                        "rtf",
-                                        "stoptime",
-                                        "music_timestep",
-                                        "seed",
-                                        "dialect",
-                                        "sync",
-                                        "record",
-                                        "stamp_guard",
-                                        "accept_latency",
-                                        "signal_delay",
-                                        "spike_delay",
-                                        "threads",
-                                        "ports",
-                                        "spikes_in",
-                                        "spikes_out",
-                                        "signals_in",
-                                        "signals_out",
-                                        "verbose",
-                                        "pipeline_ticks",
-                                        "host",
-                                        "ros",
-                                        "ros_arguments",
-                                        "ros_node_name",
-                                        "sensor_update_rate",
-                                        "master_timeout"};
+constexpr std::string_view kOfProcesses =
+    " np binary wd args barrier strict pace rtf stoptime music_timestep seed dialect sync "
+    "record stamp_guard accept_latency signal_delay spike_delay threads ports spikes_in "
+    "spikes_out signals_in signals_out verbose pipeline_ticks host ros ros_arguments "
+    "ros_node_name sensor_update_rate master_timeout ";
 
 bool is_short_form(const std::string& text) {
   const std::string name = text.substr(0, text.find(':'));
@@ -100,10 +73,11 @@ void NodeImporter::refuse_script(const MusicSection& section,
     const std::string script = launch::what_runs(file_, section);
     throw ConfigurationError(
         section.where,
-        fmt::format("[{0}] runs the script {1}, whose delays are others in an experiment; write  "
-                    "{0}: {{simulator: python, script: {1}}}  into one by hand "
-                    "(docs/simulators.md), or keep  spikeloop run {2}",
-                    section.label, script, fs::path(file_.path).filename().string()));
+        with_code(Code::script,
+                  "[{0}] runs the script {1}, whose delays are others in an experiment; write  "
+                  "{0}: {{simulator: python, script: {1}}}  into one by hand "
+                  "(docs/simulators.md), or keep  spikeloop run {2}",
+                  section.label, script, fs::path(file_.path).filename().string()));
   }
 }
 
@@ -150,8 +124,9 @@ std::string NodeImporter::required(const MusicSection& section, const char* key,
                                    const char* example) {
   const MusicKey* found = find(section, key);
   if (found == nullptr || found->value.empty()) {
-    throw ConfigurationError(section.where, fmt::format("section '{}' has no {}; write {}={}",
-                                                        section.label, key, key, example));
+    throw ConfigurationError(section.where,
+                             with_code(Code::missing_key, "section '{}' has no {}; write {}={}",
+                                       section.label, key, key, example));
   }
   return found->value;
 }
@@ -343,9 +318,10 @@ void NodeImporter::add_fields(const MusicSection& section, const RosProgram& pro
   }
   if (mapping.fields.empty()) {
     throw ConfigurationError(
-        where, fmt::format("the mapping '{}' has no field: all that it sends is 0; map a field, as "
-                           "{{\"mapping\": {{\"linear.x\": 0}}}}",
-                           name));
+        where, with_code(Code::fields_differ,
+                         "the mapping '{}' has no field: all that it sends is 0; map a field, as "
+                         "{{\"mapping\": {{\"linear.x\": 0}}}}",
+                         name));
   }
   std::string fields;
   for (const CommandField& field : mapping.fields) {
@@ -458,9 +434,10 @@ std::string NodeImporter::fitted_table(const MusicSection& section, const std::s
                              .named_in = where});
   if (fitted.values.size() > kMostInPlace) {
     throw ConfigurationError(
-        where, fmt::format("the weights '{}' do not fit the ports and have too many numbers to "
-                           "stand in an experiment; make them [{}, {}]",
-                           written, width(section, "out"), width(section, "in")));
+        where, with_code(Code::weights_differ,
+                         "the weights '{}' do not fit the ports and have too many numbers to "
+                         "stand in an experiment; make them [{}, {}]",
+                         written, width(section, "out"), width(section, "in")));
   }
   return yaml_table(fitted);
 }
@@ -487,8 +464,8 @@ void NodeImporter::import_playback(const MusicSection& section) {
 
 void NodeImporter::note_unused_keys(const MusicSection& section) {
   for (const MusicKey& key : section.keys) {
-    const auto is_key = [&key](std::string_view name) { return name == key.name; };
-    if (std::ranges::none_of(used_, is_key) && std::ranges::none_of(kOfProcesses, is_key)) {
+    if (std::ranges::find(used_, key.name) == used_.end() &&
+        kOfProcesses.find(" " + key.name + " ") == std::string_view::npos) {
       note(key.where,
            fmt::format("key '{}' has no counterpart in an experiment and is left out", key.name));
     }

@@ -2,9 +2,10 @@
 
 import argparse
 import pathlib
-import signal
 import sys
 import time
+
+from ..progress import Progress, Stopped, take_signals
 
 EXIT_MISSING, EXIT_PACKAGE, EXIT_FILE = 1, 3, 4
 QUICK_S = 100  # wall time of --quick for everything but the end
@@ -29,44 +30,6 @@ PROTOCOL = {
     "spikes": "that reached the readout, compared with the integral of the rate (rate: within 1 a "
               "neuron; Poisson: 6 standard deviations)",
 }
-
-
-class Stopped(Exception):
-    """By a signal."""
-
-    def __init__(self, number):
-        super().__init__(signal.Signals(number).name)
-        self.number = number
-
-
-def _take_signals():
-    def stop(number, _):
-        for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(each, signal.SIG_IGN)  # what is under way ends by itself now
-        raise Stopped(number)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, stop)
-
-
-class Progress:
-    """The line that says what is going on: rewritten on a terminal, else one after the other."""
-
-    def __init__(self, stream=sys.stderr):
-        self._stream, self._shown = stream, False
-        self.part = ""
-
-    def say(self, text):
-        if self._stream.isatty():
-            self._stream.write(f"\r\x1b[K{self.part}: {text}")
-            self._shown = True
-        else:
-            self._stream.write(f"spikeloop: {self.part}: {text}\n")
-        self._stream.flush()
-
-    def end(self):
-        if self._shown:
-            self._stream.write("\r\x1b[K")
-        self._shown = False
 
 
 def _arguments(arguments):
@@ -160,7 +123,7 @@ def _run(given):
     except OSError as error:
         raise ResultsError(f"cannot make '{given.out}': {error.strerror}") from None
     progress, stopped = Progress(), None
-    _take_signals()
+    take_signals()
     try:
         _measure(given, plan, results, progress)
     except Stopped as stop:

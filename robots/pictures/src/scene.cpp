@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::pictures {
@@ -25,10 +26,12 @@ constexpr double kDegree = std::numbers::pi / 180;
 int robot_camera(const vehicle::Vehicle& vehicle) {
   const int camera = mj_name2id(&vehicle.model(), mjOBJ_CAMERA, "camera");
   if (camera < 0) {
-    throw ConfigurationError(Location{vehicle.world()},
-                             "has no camera 'camera'; write <camera name=\"camera\" pos=\"0.2 0 "
-                             "0.07\" xyaxes=\"0 -1 0 0 0 "
-                             "1\"/> into body 'vehicle', or include the shipped vehicle");
+    throw ConfigurationError(
+        Location{vehicle.world()},
+        with_code(Code::world,
+                  "has no camera 'camera'; write <camera name=\"camera\" pos=\"0.2 0 "
+                  "0.07\" xyaxes=\"0 -1 0 0 0 "
+                  "1\"/> into body 'vehicle', or include the shipped vehicle"));
   }
   return camera;
 }

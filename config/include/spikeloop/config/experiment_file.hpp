@@ -61,8 +61,25 @@ struct ExperimentFile {
   bool joined = true;            ///< false: a node or a connection could not be read
 };
 
+/// What the command line says in place of the file.
+struct Setting {
+  std::string key;     ///< "seed", "encoder.rate_max", "robot.camera.width", "brain.weights.0.1"
+  std::string value;   ///< as it would stand in the file: "100 Hz", "[1, 2]"
+  std::string option;  ///< how errors name it: "--set encoder.rate_max"
+};
+using Settings = std::vector<Setting>;
+
+/// Of "KEY=VALUE". @throws ConfigurationError
+Setting parse_setting(const std::string& text);
+/// JSON, for the other processes of a run and for its folder.
+std::string to_text(const Settings& settings);
+/// The same back. @throws nlohmann::json::exception when it is something else.
+Settings settings_from_text(const std::string& text);
+
 /// The keys of the whole experiment but those that hold others: robot, plugins, nodes, connections.
 std::vector<ParameterDescription> experiment_parameters();
+/// The names of all of them.
+std::vector<std::string> experiment_keys();
 /// Those of `robot`, and of a connection that is written as a map. An empty default: none.
 std::vector<ParameterDescription> robot_parameters();
 /// Those of the map  camera  in `robot`.
@@ -70,13 +87,14 @@ std::vector<ParameterDescription> camera_parameters();
 std::vector<ParameterDescription> connection_parameters();
 
 /// Parses the text of a file; `path` only names it in locations. Tells everything that is wrong,
-/// and returns what could be read.
+/// and returns what could be read. Of two settings of one key the last one holds.
 /// @throws ConfigurationError "file:line:column: what is wrong; what to write" when nothing can:
 /// not YAML, not a map.
 ExperimentFile parse_experiment(std::string_view text, const std::string& path,
-                                const ErrorHandler& report);
+                                const ErrorHandler& report, const Settings& settings = {});
 /// The same for a file. @throws FileError when it cannot be read.
-ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report);
+ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report,
+                                    const Settings& settings = {});
 
 /// The same, but the first thing that is wrong is thrown: unknown keys (did you mean), a key
 /// written twice, a connection that cannot be read.

@@ -92,9 +92,7 @@ struct Robot {
 struct Process {
   std::string name;
   std::set<std::string> nodes{};
-  /// Its data come back to it through other processes. Beside simulators always: the delays of a
-  /// layout do not hang on whether one of them answers.
-  bool in_cycle = false;
+  bool in_cycle = false;  ///< its data come back to it through other processes
 };
 
 /// How the nodes are spread over processes; a simulator has a process of its own in all of them.
@@ -122,6 +120,7 @@ struct Experiment {
   std::vector<Output> outputs;
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
   std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
+  Settings settings;            ///< that it was read with
 
   const Node& node(std::string_view name) const;
   /// Of a port that a connection reaches; 0 for one that none does.
@@ -136,12 +135,7 @@ struct Replay {
 
 /// What the command line says in place of the file.
 struct Overrides {
-  std::optional<double> duration_s;
-  std::optional<std::uint64_t> seed;
-  std::optional<double> real_time_factor;
-  std::optional<Sync> sync;
-  std::optional<Ros> ros{};
-  std::optional<std::string> layout{};  ///< fused or separate
+  Settings settings{};
   std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;

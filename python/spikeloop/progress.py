@@ -1,0 +1,43 @@
+"""What long work shows while it goes on, and how a signal ends it."""
+
+import signal
+import sys
+
+
+class Stopped(Exception):
+    """By a signal."""
+
+    def __init__(self, number):
+        super().__init__(signal.Signals(number).name)
+        self.number = number
+
+
+def take_signals():
+    """The first SIGINT, SIGTERM or SIGHUP raises Stopped; later ones do nothing."""
+    def stop(number, _):
+        for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(each, signal.SIG_IGN)  # what is under way ends by itself now
+        raise Stopped(number)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, stop)
+
+
+class Progress:
+    """The line that says what is going on: rewritten on a terminal, else one after the other."""
+
+    def __init__(self, stream=sys.stderr):
+        self._stream, self._shown = stream, False
+        self.part = ""
+
+    def say(self, text):
+        if self._stream.isatty():
+            self._stream.write(f"\r\x1b[K{self.part}: {text}")
+            self._shown = True
+        else:
+            self._stream.write(f"spikeloop: {self.part}: {text}\n")
+        self._stream.flush()
+
+    def end(self):
+        if self._shown:
+            self._stream.write("\r\x1b[K")
+        self._shown = False

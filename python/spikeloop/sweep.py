@@ -1,0 +1,260 @@
+"""`spikeloop sweep`: one experiment with many settings. Its options are explained in C++
+(sweep_command.cpp).
+
+A sweep's folder holds sweep.json (the experiment and its settings), the run folders 001, 002, ...,
+and results.csv, a row for every run that has ended. The same command goes on where it was stopped.
+"""
+
+import argparse
+import csv
+import hashlib
+import io
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+from .design import DesignError, design
+from .experiment import SpikeloopError, call, program, setting_words
+from .progress import Progress, Stopped, take_signals
+
+EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
+STATE = "sweep.json"
+TABLE = "results.csv"
+# Of a summary; a run has those that it measured.
+MEASURED = ("simulated_s", "wall_s", "real_time_factor", "collisions", "distance_m", "mean_speed_m_s", "coverage",
+            "visited_m2", "spikes", "scans", "commands", "stopped_s", "latency_median_ms", "latency_p99_ms")
+END_S = 10
+
+
+class SweepError(Exception):
+    """The sweep cannot begin; the text says why, and what to write."""
+
+    def __init__(self, message, code=EXIT_USAGE):
+        super().__init__(message)
+        self.code = code
+
+
+def write_whole(path, text):
+    """Nobody reads half of it."""
+    new = path.with_name(path.name + ".new")
+    new.write_text(text, encoding="utf-8")
+    new.replace(path)
+
+
+class Sweep:
+    """The runs of one experiment, in a folder."""
+
+    def __init__(self, file, settings, samples, folder):
+        self.file, self.folder = pathlib.Path(file), pathlib.Path(folder)
+        self.runs = design(settings, samples)
+        self._digits = max(3, len(str(len(self.runs))))
+        self._state = {"experiment": str(self.file.absolute()), "settings": settings, "samples": samples,
+                       "sha256": hashlib.sha256(self.file.read_bytes()).hexdigest()}
+        self.rows = {}  # of results.csv, by number
+
+    def name(self, number):
+        """Of the run's folder: "007"; numbers count from 1."""
+        return f"{number:0{self._digits}}"
+
+    def open(self):
+        """Makes the folder, or goes on in it. @raises SweepError"""
+        state = self.folder / STATE
+        if not state.exists():
+            if self.folder.exists() and any(self.folder.iterdir()):
+                raise SweepError(f"--out: '{self.folder}' is not empty, and holds no sweep; write another folder")
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_whole(state, json.dumps(self._state, indent=1) + "\n")
+            return
+        before = json.loads(state.read_text(encoding="utf-8"))
+        for key, what in (("experiment", "of another experiment"), ("settings", "with other settings"),
+                          ("samples", "with other --samples"), ("sha256", "of the file as it was")):
+            if before.get(key) != self._state[key]:
+                raise SweepError(f"--out: '{self.folder}' holds a sweep {what}; write another folder, or remove it")
+        if (self.folder / TABLE).exists():
+            with open(self.folder / TABLE, newline="", encoding="utf-8") as table:
+                self.rows = {int(row["run"]): row for row in csv.DictReader(table)}
+
+    def write_table(self):
+        """results.csv: run, settings, exit code and reason, what the summaries have."""
+        keys = list(self.runs[0])
+        measured = [key for key in MEASURED if any(row.get(key) not in (None, "") for row in self.rows.values())]
+        extra = sorted({key for row in self.rows.values() for key in row} - {"run", "exit_code", "exit_reason"}
+                       - set(keys) - set(MEASURED))
+        text = io.StringIO()
+        table = csv.DictWriter(text, ["run", *keys, "exit_code", "exit_reason", *measured, *extra],
+                               extrasaction="ignore", lineterminator="\n")
+        table.writeheader()
+        for number in sorted(self.rows):
+            table.writerow(self.rows[number])
+        write_whole(self.folder / TABLE, text.getvalue())
+
+    def take(self, number, exit_code, said, columns):
+        """Notes how a run ended."""
+        row = {"run": self.name(number), **self.runs[number - 1], "exit_code": str(exit_code)}
+        try:
+            summary = json.loads((self.folder / self.name(number) / "summary.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            summary = {}
+        row.update({key: str(summary[key]) for key in MEASURED if summary.get(key) is not None})
+        counters = summary.get("counters", {})
+        row.update({name: str(counters[name]) for name in columns if name in counters})
+        lines = said.strip().splitlines()
+        row["exit_reason"] = "finished" if exit_code == 0 else \
+            (lines[-1].removeprefix("spikeloop: ") if lines else "")
+        self.rows[number] = row
+
+    def failed(self):
+        """Their rows."""
+        return [row for _, row in sorted(self.rows.items()) if row["exit_code"] != "0"]
+
+
+class Worker:
+    """A run that is under way."""
+
+    def __init__(self, sweep, number):
+        self.number, self.began = number, time.monotonic()
+        folder = sweep.folder / sweep.name(number)
+        folder.mkdir(exist_ok=True)
+        self._said = open(folder / "stderr.txt", "w+", encoding="utf-8")
+        self.process = subprocess.Popen(
+            [program(), "run", "-q", str(sweep.file), "--out", str(folder),
+             *setting_words(sweep.runs[number - 1])],
+            stdout=subprocess.DEVNULL, stderr=self._said, stdin=subprocess.DEVNULL, start_new_session=True)
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        try:
+            self.process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+        self._said.close()
+
+    def said(self):
+        """What it printed; its file is kept only when there is something in it."""
+        self._said.seek(0)
+        text = self._said.read()
+        path = pathlib.Path(self._said.name)
+        self._said.close()
+        if not text:
+            path.unlink()
+        return text
+
+
+def time_text(seconds):
+    """"2 h 05 min", "3 min", "40 s"."""
+    if seconds >= 3600:
+        return f"{int(seconds / 3600)} h {int(seconds % 3600 / 60):02} min"
+    return f"{round(seconds / 60)} min" if seconds >= 100 else f"{round(seconds)} s"
+
+
+class Sweeping:
+    """The work: up to `jobs` runs at once."""
+
+    def __init__(self, sweep, jobs, columns, progress):
+        self._sweep, self._jobs, self._columns, self._progress = sweep, jobs, columns, progress
+        self._open = [number for number in range(1, len(sweep.runs) + 1) if number not in sweep.rows]
+        self._all = len(self._open)
+        self._ended = 0
+        self._began = self._told = time.monotonic()
+        self.running = []
+
+    def run(self):
+        while self._open or self.running:
+            while self._open and len(self.running) < self._jobs:
+                self.running.append(Worker(self._sweep, self._open.pop(0)))
+            done = [worker for worker in self.running if worker.process.poll() is not None]
+            for worker in done:
+                self.running.remove(worker)
+                self._sweep.take(worker.number, worker.process.returncode, worker.said(), self._columns)
+                self._ended += 1
+            if done:
+                self._say()
+            else:
+                time.sleep(0.01)
+
+    def _say(self):
+        """At most once a second, and at the end."""
+        now = time.monotonic()
+        if now - self._told < 1 and self._ended < self._all:
+            return
+        self._told = now
+        self._sweep.write_table()
+        left = (now - self._began) / self._ended * (self._all - self._ended)
+        bad = len(self._sweep.failed())
+        failed = f", {bad} failed" if bad else ""
+        rest = f", about {time_text(left)} left" if self._ended < self._all else ""
+        self._progress.say(f"{len(self._sweep.rows)} of {len(self._sweep.runs)} runs{failed}{rest}")
+
+    def stop(self):
+        for worker in self.running:
+            worker.stop()
+
+
+def _arguments(arguments):
+    parser = argparse.ArgumentParser(prog="spikeloop sweep")
+    parser.add_argument("file")
+    parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--samples", type=int)
+    parser.add_argument("--jobs", type=int)
+    parser.add_argument("--columns", type=lambda text: text.split(","), default=[])
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--quiet", action="store_true")
+    return parser.parse_args(arguments)
+
+
+def _report(sweep):
+    failed = sweep.failed()
+    for row in failed[:20]:
+        print(f"spikeloop: run {row['run']} failed: {row['exit_reason']}", file=sys.stderr)
+    if len(failed) > 20:
+        print(f"spikeloop: and {len(failed) - 20} more", file=sys.stderr)
+    return EXIT_FAILED if failed else 0
+
+
+def _sweep(given):
+    sweep = Sweep(given.file, given.set, given.samples, given.out)
+    checked = json.loads(call("check", "--json", given.file, *setting_words(sweep.runs[0])))
+    sweep.open()
+    # Runs that follow the wall clock would disturb each other.
+    jobs = given.jobs or (len(os.sched_getaffinity(0)) if checked["sync"] in ("lockstep", "unpaced") else 1)
+    progress = Progress(open(os.devnull, "w", encoding="utf-8") if given.quiet else sys.stderr)
+    progress.part = str(sweep.folder)
+    take_signals()
+    work = Sweeping(sweep, jobs, given.columns, progress)
+    try:
+        work.run()
+    except Stopped as stop:
+        work.stop()
+        progress.end()
+        sweep.write_table()
+        print(f"spikeloop: stopped by {stop} after {len(sweep.rows)} of {len(sweep.runs)} runs; the same command "
+              "goes on from there", file=sys.stderr)
+        return 128 + stop.number
+    progress.end()
+    sweep.write_table()
+    print(sweep.folder / TABLE)
+    return _report(sweep)
+
+
+def main(arguments=None):
+    try:
+        return _sweep(_arguments(arguments))
+    except (SweepError, SpikeloopError) as error:
+        code = error.code if isinstance(error, SweepError) else error.exit_code
+        print(f"spikeloop: {error}", file=sys.stderr)
+        return code
+    except DesignError as error:
+        print(f"spikeloop: {error}", file=sys.stderr)
+        return EXIT_USAGE
+    except OSError as error:
+        print(f"spikeloop: '{error.filename}': {error.strerror}", file=sys.stderr)
+        return EXIT_FILE
+
+
+if __name__ == "__main__":
+    sys.exit(main())
