@@ -131,14 +131,8 @@ void refuse_spectators(const ExperimentArguments& arguments, const Experiment& e
   arguments.spectators.options();  // what is wrong with them is said before there is a folder
 }
 
-void tell_folder(Console::Volume volume, const ExperimentFolder& folder) {
-  if (volume != Console::Volume::quiet) {
-    put(stderr, fmt::format("spikeloop: run folder: {}\n", folder.shown()));
-  }
-}
-
-ExperimentFolder folder_for(const ExperimentArguments& arguments, const Experiment& experiment) {
-  return {arguments.folder, "runs/" + experiment.name};
+launch::RunFolder folder_for(const ExperimentArguments& arguments, const Experiment& experiment) {
+  return {arguments.folder, "runs/" + experiment.name, arguments.force};
 }
 
 /// What ends a run before it has begun is in its log, too.
@@ -228,10 +222,9 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
 
 /// A job that lies in its run folder.
 int run_music_job(const ExperimentArguments& arguments, const Experiment& experiment,
-                  ExperimentFolder& folder, const WrittenJob& music) {
+                  const launch::RunFolder& folder, const WrittenJob& music) {
   RunLog log(folder.path());
   begin_log(log, experiment);
-  folder.release();
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
   options.run.record = arguments.record;
   options.translate = music.places;
@@ -240,7 +233,7 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
     launch::Job job(read_music_file(music.path), options);
     return run_job(job, arguments.volume, &log);
   });
-  tell_folder(arguments.volume, folder);
+  put_result(folder.shown() + "\n");
   return exit_code;
 }
 
@@ -275,7 +268,7 @@ bool is_experiment(const std::string& file) {
   return file.ends_with(".yaml") || file.ends_with(".yml");
 }
 
-int run_in_process(const Experiment& experiment, const ExperimentFolder& folder, bool record,
+int run_in_process(const Experiment& experiment, const launch::RunFolder& folder, bool record,
                    Console::Volume volume, const robot::SpectatorOptions& spectators) {
   RunLog log(folder.path());
   log_file.store(log.descriptor());
@@ -286,7 +279,7 @@ int run_in_process(const Experiment& experiment, const ExperimentFolder& folder,
                                   .about = about_run(partners_of(experiment))};
   const int exit_code = logged(log, [&] { return run_here(experiment, options, volume, log); });
   log_file.store(-1);
-  tell_folder(volume, folder);
+  put_result(folder.shown() + "\n");
   return exit_code;
 }
 
@@ -320,7 +313,7 @@ int run_experiment(const ExperimentArguments& arguments) {
     return loaded.diagnostics.front().exit_code;
   }
   if (experiment::needs_music(experiment) || experiment.ros != experiment::Ros::none) {
-    ExperimentFolder folder = folder_for(arguments, experiment);
+    const launch::RunFolder folder = folder_for(arguments, experiment);
     return run_processes(arguments, experiment, folder);
   }
   if (!arguments.timeout_given.empty()) {
@@ -334,7 +327,7 @@ int run_experiment(const ExperimentArguments& arguments) {
 }
 
 int run_processes(const ExperimentArguments& arguments, const Experiment& written,
-                  ExperimentFolder& folder) {
+                  const launch::RunFolder& folder) {
   const Experiment experiment = experiment::with_layout_delays(written);
   std::map<std::string, std::string> keys{
       {"about", about_run(partners_of(experiment)).dump()},

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "console.hpp"
-#include "experiment_folder.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/experiment/music_job.hpp"
+#include "spikeloop/launch/run_folder.hpp"
 #include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/topics/arguments.hpp"
 
@@ -22,6 +22,7 @@ bool is_experiment(const std::string& file);
 struct ExperimentArguments {
   std::string file;
   std::string folder;  ///< empty: runs/NAME-N
+  bool force = false;  ///< replaces results in it
   bool record = true;
   experiment::Overrides overrides;
   /// Of a run in several processes.
@@ -41,14 +42,14 @@ std::unique_ptr<experiment::Loaded> load_experiment(const std::string& file,
                                                     const experiment::Overrides& overrides);
 
 /// Runs an experiment without ROS to its end, or until a signal comes. Returns the exit code.
-int run_in_process(const experiment::Experiment& experiment, const ExperimentFolder& folder,
+int run_in_process(const experiment::Experiment& experiment, const launch::RunFolder& folder,
                    bool record, Console::Volume volume,
                    const robot::SpectatorOptions& spectators = {});
 
 /// Runs the processes of an experiment, beside the ROS master, the robot and the guard: as a MUSIC
 /// job when there are several. Returns the exit code.
 int run_processes(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
-                  ExperimentFolder& folder);
+                  const launch::RunFolder& folder);
 
 /// A job in a folder.
 struct WrittenJob {

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "experiment_command.hpp"
-#include "experiment_folder.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
 #include "recorded_run.hpp"
@@ -40,6 +39,7 @@ Exit codes:
 struct Arguments {
   std::string run;
   std::string folder;
+  bool force = false;
   bool quiet = false;
 };
 
@@ -66,7 +66,7 @@ std::vector<std::string> names_of(const nlohmann::json& nodes) {
   return names;
 }
 
-int compare(const RecordedRun& run, const ExperimentFolder& folder) {
+int compare(const RecordedRun& run, const launch::RunFolder& folder) {
   const SpikeComparison result = compare_spikes(
       run.folder, folder.path(), names_of(run.resolved["nodes"]), from_seconds(run.simulated_s));
   if (!result.difference.empty()) {
@@ -109,7 +109,7 @@ int replay(const Arguments& arguments) {
   }
   const experiment::Experiment experiment = experiment::with_layout_delays(*loaded->experiment);
   warn(doubts(run, fused::resolved_json(experiment)));
-  ExperimentFolder made(arguments.folder, folder + "-replay");
+  const launch::RunFolder made(arguments.folder, folder + "-replay", arguments.force);
   const int exit_code = experiment::needs_music(experiment)
                             ? run_processes(once_more, experiment, made)
                             : run_in_process(experiment, made, true, once_more.volume);
@@ -127,6 +127,7 @@ void add(CLI::App& app, Action& action) {
       ->check(named("run folder"));
   command->add_option("--out", arguments->folder, "Run folder of the replay [RUN-replay-N]")
       ->check(named("folder"));
+  command->add_flag("--force", arguments->force, "Replace the results of a run in that folder");
   command->add_flag("-q,--quiet", arguments->quiet, "Print only the result, warnings and errors");
   command->footer(kFooter);
   command->callback([arguments, &action] { action = [arguments] { return replay(*arguments); }; });

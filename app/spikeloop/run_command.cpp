@@ -18,7 +18,9 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
+#include "spikeloop/launch/run_folder.hpp"
 #include "versions.hpp"
 
 namespace spikeloop::app::run_command {
@@ -35,6 +37,7 @@ struct RunArguments {
   std::string layout;
   std::vector<std::string> settings;
   robot::SpectatorWords spectators;
+  bool force = false;
   bool no_record = false;
   bool no_pace = false;
   bool quiet = false;
@@ -115,6 +118,8 @@ void add_options(CLI::App& command, RunArguments& arguments) {
               "--out", job.folder,
               "Run folder for summary.json, recordings and logs [runs/NAME-N for experiments]")
           ->check(named("folder"));
+  command.add_flag("--force", arguments.force, "Replace the results of a run in that folder")
+      ->needs(out);
   command.add_flag("--record", job.run.record, "Record the outputs of all Spikeloop programs")
       ->needs(out);
   command.add_option("--hostfile", job.hostfile, "Open MPI hostfile of the job")
@@ -224,6 +229,7 @@ int run_file(const RunArguments& arguments) {
   ExperimentArguments experiment;
   experiment.file = arguments.file;
   experiment.folder = arguments.job.folder;
+  experiment.force = arguments.force;
   experiment.record = !arguments.no_record;
   experiment.overrides.settings = settings_of(arguments);
   experiment.volume = volume_of(arguments);
@@ -276,6 +282,11 @@ int run(RunArguments& arguments) {
   launch::Job job(file, arguments.job);
   if (arguments.dry_run) {
     return dry_run(job, launch::check_job(file, arguments.job.run), arguments.file);
+  }
+  std::optional<launch::RunFolder> folder;
+  if (!arguments.job.folder.empty()) {
+    launch::refuse_to_overwrite(file.path, arguments.job.folder + "/effective.music");
+    folder.emplace(arguments.job.folder, "", arguments.force);
   }
   return run_job(job, volume_of(arguments));
 }

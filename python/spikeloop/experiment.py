@@ -119,11 +119,11 @@ class Experiment:
         return json.loads(call("check", "--json", self.file, *setting_words(self.settings)))
 
     def run(self, *, seed=None, duration=None, sync=None, ros=None, layout=None, set=None, out=None,
-            record=True):
+            force=False, record=True):
         """Runs the experiment to its end.
 
         set: keys and values for this run alone. out: the run folder; without it the folder is
-        temporary and goes with the result. record: False leaves out the outputs of nodes.
+        temporary and goes with the result. force: replaces the results of a run in it. record: False leaves out the outputs of nodes.
         @raises SpikeloopError: the file or a setting is wrong, the run failed.
         """
         settings = {**self.settings, **(set or {})}
@@ -133,7 +133,7 @@ class Experiment:
                 settings[key] = value
         temporary = None if out else tempfile.TemporaryDirectory(prefix="spikeloop-")
         folder = out or temporary.name
-        call("run", "-q", self.file, "--out", folder, *([] if record else ["--no-record"]),
+        call("run", "-q", self.file, "--out", folder, *(["--force"] if force else []), *([] if record else ["--no-record"]),
              *setting_words(settings))
         return Run(folder, temporary)
 

@@ -121,7 +121,7 @@ class Worker:
         folder.mkdir(exist_ok=True)
         self._said = open(folder / "stderr.txt", "w+", encoding="utf-8")
         self.process = subprocess.Popen(
-            [program(), "run", "-q", str(sweep.file), "--out", str(folder),
+            [program(), "run", "-q", str(sweep.file), "--out", str(folder), "--force",
              *setting_words(sweep.runs[number - 1])],
             stdout=subprocess.DEVNULL, stderr=self._said, stdin=subprocess.DEVNULL, start_new_session=True)
 

@@ -1,5 +1,5 @@
-// What a run removes from its folder, and who may use it.
-#include "run_folder.hpp"
+// What a run finds in its folder and removes from it, and who may use it.
+#include "spikeloop/launch/run_folder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,10 +16,6 @@ namespace {
 
 using testing::UnorderedElementsAre;
 
-MusicFile file_with(const std::string& label) {
-  return parse_music("[" + label + "]\nnp=1\nbinary=rate_encoder\n", "job.music");
-}
-
 const std::string kRecording = "\x89HDF\r\n ... spikeloop_format ...";
 
 class Folder : public testing::Test {
@@ -34,36 +30,61 @@ class Folder : public testing::Test {
     }
     return names;
   }
+
+  void refused() const {
+    try {
+      const RunFolder folder(path_, "", false);
+      FAIL() << "it was taken";
+    } catch (const ConfigurationError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                "the folder '" + path_ +
+                    "' has the results of a run; write --force to replace them, or give another "
+                    "folder with --out [SL0109]");
+    }
+  }
 };
 
-TEST_F(Folder, LosesWhatAnEarlierRunWrote) {
-  directory_.write("effective.music", "[old]\nnp=1\nbinary=rate_encoder\n");
-  for (const char* name : {"old.h5", "new.h5", "mine.h5"}) {
-    directory_.write(name, kRecording);
-  }
-  directory_.write("summary.json", "{}");
+TEST_F(Folder, KeepsTheResultsOfARunUnlessForced) {
+  directory_.write("encoder.h5", kRecording);
   directory_.write("notes.txt", "");
-  const RunFolder folder(path_, file_with("new"));
+  refused();
+  directory_.write("summary.json", R"({"simulated_s": 2.5})");
+  directory_.write("trajectory.csv", "");
+  const RunFolder folder(path_, "", true);
   EXPECT_EQ(folder.path(), path_);
-  EXPECT_EQ(files().size(), 6U) << "the run may not begin after all";
-  directory_.write("effective.music", "");
-  folder.clear();
-  EXPECT_THAT(files(), UnorderedElementsAre("mine.h5", "notes.txt", "effective.music"));
+  EXPECT_THAT(files(), UnorderedElementsAre("notes.txt"));
 }
 
-TEST_F(Folder, KeepsFilesOfOthersWithTheNameOfASection) {
+TEST_F(Folder, OfARunThatNeverBeganIsUsedAgain) {
+  for (const char* summary : {R"({"simulated_s": 0})", "{}", "[1]", "no JSON"}) {
+    directory_.write("summary.json", summary);
+    directory_.write("effective.music", "");
+    const RunFolder folder(path_, "", false);
+    EXPECT_THAT(files(), UnorderedElementsAre("effective.music")) << summary;
+  }
+  directory_.write("summary.json", R"({"simulated_s": 0.001})");
+  refused();
+}
+
+TEST_F(Folder, KeepsFilesOfOthersWithTheNameOfARecording) {
   directory_.write("new.h5", "\x89HDF\r\n of somebody else");
-  directory_.write("effective.music", "no such thing [");
-  RunFolder(path_, file_with("new")).clear();
-  EXPECT_THAT(files(), UnorderedElementsAre("new.h5", "effective.music"));
+  const RunFolder folder(path_, "", true);
+  EXPECT_THAT(files(), UnorderedElementsAre("new.h5"));
+}
+
+TEST_F(Folder, WithoutANameIsTheFirstThatIsFree) {
+  const RunFolder first("", path_ + "/runs/a", false);
+  const RunFolder second("", path_ + "/runs/a", false);
+  EXPECT_EQ(first.path(), path_ + "/runs/a-1");
+  EXPECT_EQ(second.shown(), path_ + "/runs/a-2");
 }
 
 TEST_F(Folder, IsHeldByOneRun) {
   std::optional<RunFolder> first;
-  first.emplace(path_, file_with("a"));
-  directory_.write("summary.json", "{}");
+  first.emplace(path_, "", false);
+  directory_.write("summary.json", R"({"simulated_s": 1})");
   try {
-    const RunFolder second(path_, file_with("a"));
+    const RunFolder second(path_, "", true);
     FAIL() << "two runs in one folder";
   } catch (const FileError& error) {
     EXPECT_EQ(error.exit_code(), 4);
@@ -73,36 +94,17 @@ TEST_F(Folder, IsHeldByOneRun) {
   }
   EXPECT_THAT(files(), UnorderedElementsAre("summary.json")) << "it is the first one's";
   first.reset();
-  EXPECT_NO_THROW(RunFolder(path_, file_with("a")));
-}
-
-TEST_F(Folder, MayBeNone) {
-  const RunFolder none("", file_with("a"));
-  EXPECT_EQ(none.path(), "");
-  EXPECT_NO_THROW(none.clear());
+  EXPECT_NO_THROW(RunFolder(path_, "", true));
 }
 
 TEST_F(Folder, ThatCannotBeClearedIsAnError) {
   std::filesystem::create_directories(directory_.path() / "summary.json" / "x");
   try {
-    RunFolder(path_, file_with("a")).clear();
+    const RunFolder folder(path_, "", true);
     FAIL() << "it was removed";
   } catch (const FileError& error) {
     EXPECT_EQ(std::string(error.what()),
               "cannot remove '" + path_ + "/summary.json': Directory not empty [SL0109]");
-  }
-}
-
-TEST_F(Folder, IsNotThatOfTheFileThatItWouldOverwrite) {
-  directory_.write("effective.music", "[a]\nnp=1\nbinary=rate_encoder\n");
-  try {
-    const RunFolder folder(path_, read_music_file(path_ + "/effective.music"));
-    FAIL() << "it would be overwritten";
-  } catch (const ConfigurationError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "the file '" + path_ +
-                  "/effective.music' would be overwritten with what is made from it; give another "
-                  "folder with --out [SL0109]");
   }
 }
 

@@ -75,8 +75,7 @@ class Launch:
             self.taken_s = time.monotonic() - started
             self.files = [*(self.folder / "tmp").iterdir(), *(shared_files() - before)]
             lines = (self.folder / "printed").read_text(errors="replace").replace("\r", "\n").splitlines()
-            self.reason = ([line for line in lines if line.startswith("spikeloop: ") and
-                            not line.startswith("spikeloop: run folder: ")] or [""])[-1]
+            self.reason = ([line for line in lines if line.startswith("spikeloop: ")] or [""])[-1]
             self.last_command = robot.last()
 
     def strike(self, robot):

@@ -57,8 +57,7 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       options_(options),
       directory_(directory),
       events_(events),
-      run_folder_(options.folder, effective.file),
-      folder_(options.folder.empty() ? scratch_.path() : run_folder_.path()),
+      folder_(options.folder.empty() ? scratch_.path() : make_folder(options.folder)),
       file_(folder_ + "/effective.music"),
       state_(effective.file, options.hostfile.empty()),
       receiver_(scratch_.path() + "/status"),
@@ -180,9 +179,6 @@ bool JobRun::check() {
   if (!outcome_ && has_errors(diagnostics)) {
     const Diagnostic first = first_error(diagnostics, effective_.file.path);
     fail(first.exit_code, first.text());
-  }
-  if (!outcome_) {
-    run_folder_.clear();
   }
   return !outcome_;
 }

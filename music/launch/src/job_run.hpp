@@ -9,7 +9,6 @@
 
 #include "job_state.hpp"
 #include "process_group.hpp"
-#include "run_folder.hpp"
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
@@ -82,7 +81,6 @@ class JobRun {
   const std::string& directory_;
   const JobEvents& events_;
   ScratchFolder scratch_;
-  RunFolder run_folder_;
   std::string folder_;  ///< scratch when there is no run folder
   std::string file_;    ///< the effective file
   std::ofstream log_;

@@ -1,13 +1,13 @@
-#include "run_folder.hpp"
+#include "spikeloop/launch/run_folder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 
-#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/launch/folders.hpp"
 
@@ -16,12 +16,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kEffective = "effective.music";
+constexpr const char* kSummary = "summary.json";
+/// What a run writes beside its recordings, and another one need not write again.
+constexpr const char* kFiles[] = {kSummary,       "resolved.json", "trajectory.csv", "world.json",
+                                  "messages.bag", "log.txt",       "versions.json"};
 
-/// The lock is the folder's own: there is no file to leave behind, and it goes with the process.
-/// A file of the user's may have the name of a section, too.
+/// Made by nobody else at the same time.
+std::string first_free(const std::string& prefix) {
+  make_folder(fs::absolute(prefix).parent_path().string());
+  for (int number = 1;; ++number) {
+    const std::string path = fmt::format("{}-{}", prefix, number);
+    std::error_code error;
+    if (fs::create_directory(path, error)) {
+      return path;
+    }
+    if (error) {
+      throw FileError("make directory", path, error.value());
+    }
+  }
+}
+
+/// Not a file of the user's with such a name.
 bool is_recording(const fs::path& path) {
-  if (std::error_code ignored; !fs::is_regular_file(path, ignored)) {
+  std::error_code ignored;
+  if (path.extension() != ".h5" || !fs::is_regular_file(path, ignored)) {
     return false;
   }
   std::ifstream file(path, std::ios::binary);
@@ -30,13 +48,26 @@ bool is_recording(const fs::path& path) {
   return head.starts_with("\x89HDF") && head.find("spikeloop_format") != std::string::npos;
 }
 
-/// The sections of the run that used the folder before; none when nobody can tell.
-std::vector<std::string> earlier_labels(const fs::path& folder) {
-  try {
-    return read_music_file((folder / kEffective).string()).labels();
-  } catch (const Error&) {
-    return {};
+std::vector<fs::path> recordings(const std::string& folder) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (is_recording(entry.path())) {
+      found.push_back(entry.path());
+    }
   }
+  return found;
+}
+
+/// A run that never began leaves a summary, too.
+bool has_ticked(const fs::path& summary) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(summary, ignored)) {
+    return false;
+  }
+  std::ifstream file(summary);
+  const auto contents = nlohmann::json::parse(file, nullptr, false);
+  return contents.is_object() && contents.contains("simulated_s") &&
+         contents["simulated_s"].is_number() && contents["simulated_s"] > 0;
 }
 
 void remove_file(const fs::path& path) {
@@ -49,28 +80,24 @@ void remove_file(const fs::path& path) {
 
 }  // namespace
 
-RunFolder::RunFolder(const std::string& path, const MusicFile& file) {
-  if (!path.empty()) {
-    path_ = make_folder(path);
-    refuse_to_overwrite(file.path, (fs::path(path_) / kEffective).string());
-    lock_ = lock_folder(path_, path);
-    labels_ = earlier_labels(path_);
-    const std::vector<std::string> present = file.labels();
-    labels_.insert(labels_.end(), present.begin(), present.end());
+RunFolder::RunFolder(const std::string& wanted, const std::string& prefix, bool force)
+    : shown_(wanted.empty() ? first_free(prefix) : wanted),
+      path_(make_folder(shown_)),
+      lock_(lock_folder(path_, shown_)) {
+  const auto earlier = recordings(path_);
+  if (!force && (!earlier.empty() || has_ticked(fs::path(path_) / kSummary))) {
+    throw ConfigurationError(with_code(Code::no_access,
+                                       "the folder '{}' has the results of a run; write --force to "
+                                       "replace them, or give another folder with --out",
+                                       shown_));
   }
-}
-
-void RunFolder::clear() const {
-  if (path_.empty()) {
-    return;
+  // The summary first: whoever finds one finds the recordings that it is about.
+  for (const char* name : kFiles) {
+    remove_file(fs::path(path_) / name);
   }
-  for (const std::string& label : labels_) {
-    const fs::path recording = fs::path(path_) / (label + ".h5");
-    if (is_recording(recording)) {
-      remove_file(recording);
-    }
+  for (const fs::path& recording : earlier) {
+    remove_file(recording);
   }
-  remove_file(fs::path(path_) / "summary.json");
 }
 
 }  // namespace spikeloop::launch
