@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/fused/other_processes.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/process/process.hpp"
@@ -17,6 +18,9 @@ class MusicProcesses : public fused::OtherProcesses {
   MusicProcesses(music::Process& process, const experiment::Experiment& experiment)
       : process_(process), experiment_(experiment) {}
 
+  std::uint32_t delay(const experiment::Connection& edge) const override {
+    return experiment::music_delay(experiment_, edge);
+  }
   std::unique_ptr<Source> source(const experiment::Connection& edge) override;
   std::unique_ptr<Sink> sink(const experiment::Connection& edge) override;
   void meet() override;

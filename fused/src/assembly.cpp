@@ -98,13 +98,14 @@ std::string name_in_file(std::string_view element) {
 }
 
 Assembly::Assembly(const Experiment& experiment, const Surroundings& surroundings,
-                   const std::string& folder)
+                   const RunOptions& options)
     : experiment_(experiment),
       transport_(surroundings.transport),
       others_(surroundings.others),
       process_(surroundings.process) {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
+  const std::string folder = options.record ? options.folder : "";
   if (!folder.empty()) {
     open_bag(folder);
   }
@@ -118,6 +119,9 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
   }
   if (!folder.empty()) {
     record(folder);
+  }
+  if (options.observe) {
+    observe(options);
   }
   graph_.emplace(description_);
 }
@@ -175,9 +179,10 @@ void Assembly::connect(const std::string& from, const std::string& to, const Con
   description_.connections.push_back({from, to, edge.width, delay, edge.where});
 }
 
-/// What MUSIC does not have of its delay.
+/// What does not pass of its delay outside.
 std::uint32_t Assembly::waiting(const Connection& edge) const {
-  return edge.delay_ticks.value_or(0) - music_delay(experiment_, edge);
+  const bool inside = is_here(edge.from) && is_here(edge.to);
+  return edge.delay_ticks.value_or(0) - (inside ? 0 : others_->delay(edge));
 }
 
 /// A command is a node, with the port `in`, and what sends behind it, with all others.
@@ -299,6 +304,30 @@ void Assembly::record(const std::string& folder) {
         node.name + ".out", name_of(node.name, "command"),
         recorder_of(node, folder)
             .signal_sink("command", width, "1", all ? std::vector<std::string>{} : paths));
+  }
+}
+
+void Assembly::observe(const RunOptions& options) {
+  const auto add = [&](const std::string& from, const std::string& name, PortKind kind,
+                       std::uint32_t width) {
+    if (auto sink = options.observe(name, kind, width)) {
+      add_recording(from, fmt::format("{}observed {}", kRecord, element_of(name)), std::move(sink));
+    }
+  };
+  for (const experiment::Output& output : experiment_.outputs) {
+    if (output.width != 0 && is_here(output.node)) {
+      const std::string end = fmt::format("{}.{}", output.node, output.port);
+      add(end, end, output.kind, output.width);
+    }
+  }
+  for (const Node& node : experiment_.nodes) {
+    if (node.role == Role::sink && is_here(node.name)) {
+      const auto fields =
+          node.mapping.all_channels
+              ? experiment_.width(node.name, "in")
+              : static_cast<std::uint32_t>(command::field_paths(node.mapping).size());
+      add(node.name + ".out", node.name + ".command", PortKind::signal, fields);
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/other_processes.hpp"
+#include "spikeloop/fused/run.hpp"
 #include "spikeloop/fused/transport.hpp"
 
 namespace spikeloop::bag {
@@ -33,10 +34,9 @@ struct Surroundings {
 
 class Assembly {
  public:
-  /// @param folder where what nodes put out is recorded, and messages; empty: nowhere
   /// @throws Error: an endpoint cannot be made, a recording cannot be written.
   Assembly(const experiment::Experiment& experiment, const Surroundings& surroundings,
-           const std::string& folder);
+           const RunOptions& options);
   ~Assembly();
 
   Graph& graph() { return *graph_; }
@@ -61,6 +61,7 @@ class Assembly {
   void open_bag(const std::string& folder);
   topics::Keep keep_messages(const experiment::Node& node);
   void record(const std::string& folder);
+  void observe(const RunOptions& options);
   void record_latency(const experiment::Node& node, ros_command::CommandEndpoint& command,
                       const std::string& folder);
   record::Recorder& recorder_of(const experiment::Node& node, const std::string& folder);

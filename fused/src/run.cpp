@@ -72,32 +72,33 @@ class Loop {
         events_(events),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
-  void run() {
-    const TimeNs duration = experiment_.duration.value_or(std::numeric_limits<TimeNs>::max());
+  /// Whether there was a tick.
+  bool tick() {
     Graph& graph = assembly_.graph();
+    if (!begun_) {
+      begin();
+    }
+    if (graph.time() >= experiment_.duration.value_or(std::numeric_limits<TimeNs>::max())) {
+      return false;
+    }
+    pacer_->wait_until(graph.time());
+    const TimeNs began = wall_now();
+    transport_.begin(graph.time());
+    if (events_.stop && events_.stop()) {
+      return false;  // perhaps while it waited
+    }
+    graph.step();
     if (others_ != nullptr) {
-      others_->meet();
+      others_->exchange();
     }
-    pacer_->start();
-    while (graph.time() < duration) {
-      pacer_->wait_until(graph.time());
-      const TimeNs began = wall_now();
-      transport_.begin(graph.time());
-      if (events_.stop && events_.stop()) {
-        return;  // perhaps while it waited
-      }
-      graph.step();
-      if (others_ != nullptr) {
-        others_->exchange();
-      }
-      transport_.end(graph.time());
-      if (events_.ticked) {
-        events_.ticked(graph.time());
-      }
-      const TimeNs now = wall_now();
-      computing_ += now - began;
-      tell_progress(now);
+    transport_.end(graph.time());
+    if (events_.ticked) {
+      events_.ticked(graph.time());
     }
+    const TimeNs now = wall_now();
+    computing_ += now - began;
+    tell_progress(now);
+    return true;
   }
 
   /// Wall time of all ticks, without the waiting before them.
@@ -116,12 +117,21 @@ class Loop {
   }
 
  private:
+  void begin() {
+    begun_ = true;
+    if (others_ != nullptr) {
+      others_->meet();
+    }
+    pacer_->start();
+  }
+
   const Experiment& experiment_;
   Transport& transport_;
   Assembly& assembly_;
   OtherProcesses* others_;
   const RunEvents& events_;
   std::unique_ptr<Pacer> pacer_;
+  bool begun_ = false;
   TimeNs next_ = 0;
   TimeNs computing_ = 0;
 };
@@ -339,26 +349,35 @@ json resolved_json(const Experiment& experiment) {
   return result;
 }
 
-RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events,
-              OtherProcesses* others) {
+std::unique_ptr<Transport> make_transport(const Experiment& experiment, const RunOptions& options) {
   const bool elsewhere =
       !options.process.empty() && !experiment::meets_robot(experiment, options.process);
   const auto robot = elsewhere ? std::nullopt : experiment.robot;
   if (robot && !robot->bag.empty()) {
-    BagTransport transport(robot->bag);
-    return run(experiment, transport, options, events, others);
+    return std::make_unique<BagTransport>(robot->bag);
   }
-  MemoryTransport transport(robot, options.folder, options.spectators);
-  return run(experiment, transport, options, events, others);
+  return std::make_unique<MemoryTransport>(robot, options.folder, options.spectators);
 }
 
-RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
-              const RunEvents& events, OtherProcesses* others) {
-  const std::string first = experiment.layout.processes.front().name;
-  const Surroundings surroundings{transport, others,
-                                  options.process.empty() ? first : options.process};
-  const bool writes_files = !options.folder.empty() && surroundings.process == first;
-  if (writes_files) {
+struct Run::Impl {
+  Impl(const Experiment& run_experiment, Transport& transport, const RunOptions& run_options,
+       const RunEvents& run_events, OtherProcesses* others)
+      : experiment(run_experiment),
+        options(run_options),
+        events(run_events),
+        surroundings{
+            transport, others,
+            options.process.empty() ? experiment.layout.processes.front().name : options.process},
+        writes_files(!options.folder.empty() &&
+                     surroundings.process == experiment.layout.processes.front().name) {
+    if (writes_files) {
+      write_begin();
+    }
+    assembly.emplace(experiment, surroundings, options);
+    loop.emplace(experiment, surroundings, *assembly, events);
+  }
+
+  void write_begin() const {
     json resolved = resolved_json(experiment);
     resolved["recorded"] = options.record;
     if (options.about.is_object()) {
@@ -367,40 +386,86 @@ RunResult run(const Experiment& experiment, Transport& transport, const RunOptio
     write_json(options.folder + "/resolved.json", resolved);
     copy_experiment(experiment, options.folder);
   }
-  Assembly assembly(experiment, surroundings, options.record ? options.folder : "");
-  Loop loop(experiment, surroundings, assembly, events);
-  RunResult result;
-  result.summary = json::object();
-  attempt(result, [&] { loop.run(); });
-  assembly.stop_robot(result.exit_code == 0 ? command::StopReason::ended
-                                            : command::StopReason::terminated);
-  const Progress progress = loop.progress();
-  if (events.progress) {
-    events.progress(progress);
+
+  void summarize() {
+    const Progress progress = loop->progress();
+    if (events.progress) {
+      events.progress(progress);
+    }
+    attempt(result, [&] { surroundings.transport.finish(); });
+    attempt(result,
+            [&] { result.summary = summary_of(experiment, surroundings, *assembly, progress); });
+    warn_of_silence(experiment, result.summary);
+    warn_of_overruns(experiment, progress, loop->computing());
+    std::string lost;
+    result.summary.update(assembly->close_recordings(lost));
+    if (!lost.empty() && result.exit_code == 0) {
+      result.exit_code = kFileFault;
+      result.reason = lost;
+    }
   }
-  attempt(result, [&] { transport.finish(); });
-  attempt(result,
-          [&] { result.summary = summary_of(experiment, surroundings, assembly, progress); });
-  warn_of_silence(experiment, result.summary);
-  warn_of_overruns(experiment, progress, loop.computing());
-  std::string lost;
-  result.summary.update(assembly.close_recordings(lost));
-  if (!lost.empty() && result.exit_code == 0) {
-    result.exit_code = kFileFault;
-    result.reason = lost;
+
+  void write_end() {
+    if (!options.folder.empty()) {
+      attempt(result, [&] { write_results(assembly->graph(), options.folder); });
+    }
+    if (writes_files) {
+      write_json(options.folder + "/summary.json", result.summary);
+    }
   }
-  if (events.ended) {
-    events.ended(result);
+
+  const Experiment& experiment;
+  const RunOptions& options;
+  const RunEvents& events;
+  Surroundings surroundings;
+  bool writes_files;
+  std::optional<Assembly> assembly;
+  std::optional<Loop> loop;
+  RunResult result{0, {}, json::object()};
+};
+
+Run::Run(const Experiment& experiment, Transport& transport, const RunOptions& options,
+         const RunEvents& events, OtherProcesses* others)
+    : impl_(std::make_unique<Impl>(experiment, transport, options, events, others)) {}
+
+Run::~Run() = default;
+
+bool Run::tick() {
+  bool ticked = false;
+  attempt(impl_->result, [&] { ticked = impl_->loop->tick(); });
+  return ticked;
+}
+
+TimeNs Run::time() const {
+  return impl_->assembly->graph().time();
+}
+
+RunResult Run::finish() {
+  RunResult& result = impl_->result;
+  impl_->assembly->stop_robot(result.exit_code == 0 ? command::StopReason::ended
+                                                    : command::StopReason::terminated);
+  impl_->summarize();
+  if (impl_->events.ended) {
+    impl_->events.ended(result);
   }
   result.summary["exit_code"] = result.exit_code;
   result.summary["exit_reason"] = result.exit_code == 0 ? "finished" : result.reason;
-  if (!options.folder.empty()) {
-    attempt(result, [&] { write_results(assembly.graph(), options.folder); });
-  }
-  if (writes_files) {
-    write_json(options.folder + "/summary.json", result.summary);
-  }
+  impl_->write_end();
   return result;
+}
+
+RunResult run(const Experiment& experiment, const RunOptions& options, const RunEvents& events,
+              OtherProcesses* others) {
+  const auto transport = make_transport(experiment, options);
+  return run(experiment, *transport, options, events, others);
+}
+
+RunResult run(const Experiment& experiment, Transport& transport, const RunOptions& options,
+              const RunEvents& events, OtherProcesses* others) {
+  Run run(experiment, transport, options, events, others);
+  while (run.tick()) {
+  }
+  return run.finish();
 }
 
 }  // namespace spikeloop::fused

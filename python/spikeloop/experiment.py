@@ -18,6 +18,10 @@ import re
 import shutil
 import subprocess
 import tempfile
+import warnings
+import weakref
+
+import numpy as np
 
 from .run_folder import RunFolder
 
@@ -57,9 +61,18 @@ def value_text(value):
     return json.dumps(value)
 
 
+LONGEST = 100_000  # characters that the system takes as one argument
+
+
 def setting_words(settings):
-    """Arguments `--set` for a dictionary of keys and values."""
-    return [word for key, value in settings.items() for word in ("--set", f"{key}={value_text(value)}")]
+    """Arguments `--set` for a dictionary of keys and values. @raises SpikeloopError: a value is too long"""
+    words = [f"{key}={value_text(value)}" for key, value in settings.items()]
+    for word in words:
+        if len(word) > LONGEST:
+            key = word.partition("=")[0]
+            raise SpikeloopError(f"the value of '{key}' has {len(word)} characters, more than {LONGEST}; save it as a "
+                                 "file, and set its path", 2)
+    return [argument for word in words for argument in ("--set", word)]
 
 
 def call(*words):
@@ -83,9 +96,10 @@ def call(*words):
 class Run(RunFolder):
     """A run that has ended: spikes, signals, trajectory, summary and counters (spikeloop.run_folder)."""
 
-    def __init__(self, path, temporary=None):
+    def __init__(self, path, temporary=False):
         super().__init__(path)
-        self._temporary = temporary  # the folder lives as long as this object
+        if temporary:  # the folder lives as long as this object
+            weakref.finalize(self, shutil.rmtree, path, ignore_errors=True)
 
 
 class Experiment:
@@ -118,6 +132,15 @@ class Experiment:
         """The whole experiment as a dictionary, with every default, width and delay."""
         return json.loads(call("check", "--json", self.file, *setting_words(self.settings)))
 
+    def open(self, *, set=None, out=None):
+        """The experiment in this process, to be stepped: `with experiment.open() as loop: ...`.
+
+        set: keys and values for this run alone. out: a run folder to record in.
+        It has no ROS, and the layout fused. Nodes that are simulators (`simulator: python`) do not run:
+        the caller reads their inputs, and writes their outputs. @raises SpikeloopError
+        """
+        return Loop(self.file, {**self.settings, **(set or {})}, out)
+
     def run(self, *, seed=None, duration=None, sync=None, ros=None, layout=None, set=None, out=None,
             force=False, record=True):
         """Runs the experiment to its end.
@@ -131,11 +154,124 @@ class Experiment:
                            ("layout", layout)):
             if value is not None:
                 settings[key] = value
-        temporary = None if out else tempfile.TemporaryDirectory(prefix="spikeloop-")
-        folder = out or temporary.name
+        folder = out or tempfile.mkdtemp(prefix="spikeloop-")
+        try:
+            self._run(folder, settings, force, record)
+        except BaseException:
+            if out is None:
+                shutil.rmtree(folder, ignore_errors=True)
+            raise
+        return Run(folder, temporary=out is None)
+
+    def _run(self, folder, settings, force, record):
         call("run", "-q", self.file, "--out", folder, *(["--force"] if force else []), *([] if record else ["--no-record"]),
              *setting_words(settings))
-        return Run(folder, temporary)
+
+
+class Loop:
+    """A run under way, tick by tick.
+
+    loop.step(10); loop.spikes("encoder.out"); loop.signal("decoder.out"). An end is "NODE.PORT" of an
+    output, "NODE.command" of a command, or an input of a simulator.
+    """
+
+    def __init__(self, file, settings, out):
+        from . import music_library
+        # Worlds and libraries are found beside Spikeloop's programs, and this process is none of them.
+        prefix = pathlib.Path(program()).absolute().parents[1]
+        os.environ.setdefault("SPIKELOOP_SHARE", str(prefix / "share/spikeloop"))
+        os.environ.setdefault("SPIKELOOP_LIBRARY_PATH", str(prefix / "lib/spikeloop"))
+        self._module = music_library.library("spikeloop_python_loop", "Experiment.open")
+        self.folder = None
+        if out is not None:
+            self.folder = pathlib.Path(out)
+            if self.folder.exists() and any(self.folder.iterdir()):
+                raise SpikeloopError(f"the folder '{out}' is not empty; give another one", 2)
+            self.folder.mkdir(parents=True, exist_ok=True)
+        plain = json.dumps([[key, value_text(value), f"set {key}"] for key, value in settings.items()])
+        self._loop = self._call(self._module.Loop, str(file), plain, str(self.folder.absolute()) if out else "")
+        self._result = None
+
+    def _call(self, function, *arguments):
+        try:
+            return function(*arguments)
+        except self._module.Failure as error:
+            raise SpikeloopError(*error.args) from None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    @property
+    def time_s(self):
+        """Simulated seconds."""
+        return self._loop.time() * 1e-9
+
+    @property
+    def tick_s(self):
+        """Seconds of a tick."""
+        return self._loop.tick() * 1e-9
+
+    @property
+    def outputs(self):
+        """Ends that can be read: their kind ("spikes", "signal") and width."""
+        return self._loop.outputs()
+
+    @property
+    def inputs(self):
+        """Ends that can be written, outputs of simulators: their kind and width."""
+        return self._loop.inputs()
+
+    def step(self, ticks=1):
+        """Advances by this many ticks. @returns whether it did: False at the end of the duration.
+        @raises SpikeloopError: a node failed"""
+        done = self._loop.step(ticks)
+        for text in self._loop.warnings():
+            warnings.warn(text, stacklevel=2)
+        if done < ticks:
+            self._finish()
+            if self._result[0] != 0:
+                raise SpikeloopError(self._result[1], self._result[0])
+        return done == ticks
+
+    def spikes(self, end):
+        """What it sent in the last step(): (times in s, channels). @raises SpikeloopError: no such end"""
+        times_ns, channels = self._call(self._loop.spikes, end)
+        return times_ns * 1e-9, channels
+
+    def signal(self, end):
+        """Its newest values; None before the first one. @raises SpikeloopError: no such end"""
+        return self._call(self._loop.signal, end)
+
+    def send(self, end, times_s, channels):
+        """Spikes of a simulator in the last tick; they arrive in the next one. Times to the nanosecond.
+        @raises SpikeloopError: no such end, a time outside of the tick, a channel that it has not"""
+        self._call(self._loop.send, end, np.rint(np.asarray(times_s, dtype=float) * 1e9).astype(np.int64),
+                   np.asarray(channels, dtype=np.int64))
+
+    def write(self, end, values):
+        """The signal of a simulator, from the next tick on. @raises SpikeloopError: no such end, other width"""
+        self._call(self._loop.write, end, np.asarray(values, dtype=float))
+
+    def _finish(self):
+        if self._result is None:
+            self._result = self._loop.finish()
+
+    def close(self):
+        """Ends the run; the robot stops. Recordings and summary.json are complete then."""
+        self._finish()
+
+    def summary(self):
+        """Results of the run, after its end."""
+        self._finish()
+        return json.loads(self._result[2])
+
+    def run(self):
+        """What was recorded, after the end, if there is a folder."""
+        self._finish()
+        return Run(self.folder)
 
 
 def load(file, settings=None):

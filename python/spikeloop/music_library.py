@@ -1,11 +1,10 @@
-"""Finds and opens the library behind spikeloop.music."""
+"""Finds and opens the libraries behind spikeloop.music and spikeloop.Experiment.open."""
 
 import importlib.util
 import os
 import shutil
 import sys
 
-NAME = "spikeloop_python_music"
 PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -26,16 +25,16 @@ def find(name):
     return next((path for path in tried if os.path.exists(path)), None), tried
 
 
-def library():
+def library(name="spikeloop_python_music", user="spikeloop.music"):
     """The module. Raises ImportError that says what to do."""
-    if NAME in sys.modules:
-        return sys.modules[NAME]
-    found, tried = find(NAME)
+    if name in sys.modules:
+        return sys.modules[name]
+    found, tried = find(name)
     if found is None:
-        raise ImportError(f"spikeloop.music needs its library, which is not in: {', '.join(tried)};"
+        raise ImportError(f"{user} needs its library, which is not in: {', '.join(tried)};"
                           " start the job with `spikeloop run`, or write the directory of "
-                          f"lib{NAME}.so into SPIKELOOP_LIBRARY_PATH")
-    spec = importlib.util.spec_from_file_location(NAME, found)
+                          f"lib{name}.so into SPIKELOOP_LIBRARY_PATH")
+    spec = importlib.util.spec_from_file_location(name, found)
     try:
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
@@ -43,5 +42,5 @@ def library():
         version = f"{sys.version_info.major}.{sys.version_info.minor}"
         raise ImportError(f"{found} does not open in this Python, {sys.executable} {version}: "
                           f"{error}; begin the script with #!/usr/bin/python3") from None
-    sys.modules[NAME] = module
+    sys.modules[name] = module
     return module

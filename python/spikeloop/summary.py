@@ -87,9 +87,8 @@ def comparison(folders):
             rows.append([label, *(value_text(key, summary.get(key), pattern) for summary in summaries), unit])
     if any(summary.get("exit_code") for summary in summaries):
         rows.append(["exit code", *(str(summary.get("exit_code", "-")) for summary in summaries), ""])
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [("  " + " ".join([row[0].ljust(widths[0]), *(text.rjust(width + 2) for text, width in
-                                                         zip(row[1:-1], widths[1:-1])), row[-1]])).rstrip()
+    widths = [max(10, *(len(row[column]) for row in rows)) for column in range(len(rows[0]))]
+    return ["  ".join(["", row[0].ljust(widths[0]), *map(str.rjust, row[1:-1], widths[1:-1])]) + f" {row[-1]}".rstrip()
             for row in rows]
 
 

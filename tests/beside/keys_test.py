@@ -35,7 +35,7 @@ with spikeloop.music(spikes_in={"in": 2}, spikes_out={"out": 2}, gain=2.0,
 def said(folder, key, layout, code=0):
     (folder / "experiment.yaml").write_text(EXPERIMENT.format(key=key))
     done = subprocess.run([str(PROGRAMS / "spikeloop"), "run", f"{folder.name}/experiment.yaml", "--layout",
-                           layout, "--out", "out"], cwd=folder.parent, capture_output=True, text=True,
+                           layout, "--out", "out", "--force"], cwd=folder.parent, capture_output=True, text=True,
                           check=False, timeout=120)
     assert done.returncode == code, done
     return done.stdout + done.stderr

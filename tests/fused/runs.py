@@ -28,7 +28,7 @@ def new_experiment(spikeloop, path, **keys):
 
 def run(spikeloop, experiment, folder, *more, code=0):
     """The summary of a run, which must end with this exit code; and what was printed."""
-    done = subprocess.run([spikeloop, "run", str(experiment), "--out", str(folder), *more],
+    done = subprocess.run([spikeloop, "run", str(experiment), "--out", str(folder), "--force", *more],
                           capture_output=True, text=True, check=False)
     assert done.returncode == code, f"exit code {done.returncode}:\n{done.stderr}"
     return json.loads((folder / "summary.json").read_text()), done.stderr

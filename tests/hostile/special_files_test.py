@@ -115,7 +115,7 @@ def in_run_folder(name, kind, verb, run):
             os.symlink("/dev/zero", copy / name)
         if verb == "run":
             file = experiment(pathlib.Path(scratch), ROBOT, "arena")
-            return Answer(SPIKELOOP, "run", file, "--out", copy).refused(name)
+            return Answer(SPIKELOOP, "run", file, "--out", copy, "--force").refused(name)
         # A plot leaves out what it cannot read, and says so.
         answer = Answer(SPIKELOOP, verb, copy, cwd=scratch)
         assert not answer.trouble(), f"{kind} as {name}: {answer.command}: {answer.text[-2000:]}"

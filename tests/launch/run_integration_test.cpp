@@ -64,7 +64,7 @@ TEST(Run, QuietShowsWarnings) {
   EXPECT_EQ(outcome.out, "b: brain.py:3: UserWarning: no synapses\n");
 }
 
-TEST(Run, ASecondOneMayUseTheFolderWhenTheFirstHasEnded) {
+TEST(Run, ASecondOneMayUseTheFolderWhenTheFirstHasEndedAndItsResultsMayGo) {
   const TwoPrograms job("stoptime=1000", "stoptime=1000");
   Child first(job.command());
   ASSERT_TRUE(first.wait_for("b: first tick", 30s)) << first.output();
@@ -78,7 +78,12 @@ TEST(Run, ASecondOneMayUseTheFolderWhenTheFirstHasEnded) {
   EXPECT_EQ(job.summary()["exit_code"], 130);
 
   std::ofstream(job.folder() + "/a.h5") << "\x89HDF spikeloop_format";
-  Child third(job.command());
+  const Outcome refused = run(job.command());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.err, "spikeloop: the folder '" + job.folder() +
+                             "' has the results of a run; write --force to replace them, or give "
+                             "another folder with --out [SL0109]\n");
+  Child third(job.command({"--force"}));
   ASSERT_TRUE(third.wait_for("b: first tick", 30s)) << third.output();
   EXPECT_FALSE(std::filesystem::exists(job.folder() + "/a.h5"));
   EXPECT_FALSE(std::filesystem::exists(job.folder() + "/summary.json"));

@@ -172,7 +172,7 @@ def main():
             path = scratch / "random.yaml"
             path.write_text(text)
             for layout, option in LAYOUTS.items():
-                run(program, str(path), *option, "--out", str(scratch / layout), text=text)
+                run(program, str(path), *option, "--out", str(scratch / layout), "--force", text=text)
             fused = spikes_of(scratch / "fused")
             for layout in ("separate", "processes"):
                 spikes += compare(fused, spikes_of(scratch / layout), layout, text)

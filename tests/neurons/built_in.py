@@ -113,7 +113,7 @@ def run(folder, network, seconds, given=None, width=0, signal=None, tick="1 ms",
                   "sync": "unpaced", "nodes": nodes, "connections": connections}
     (folder / "network.yaml").write_text(json.dumps(experiment, indent=1))  # JSON is YAML
     done = subprocess.run([SPIKELOOP, "run", str(folder / "network.yaml"), "--out",
-                           str(folder / "run"), *arguments], capture_output=True, text=True,
+                           str(folder / "run"), "--force", *arguments], capture_output=True, text=True,
                           timeout=300)
     output = done.stdout + done.stderr
     assert done.returncode == expect, f"exit code {done.returncode}:\n{output}"

@@ -58,8 +58,8 @@ class OlderJob {
   Command command(const std::string& text, const std::vector<std::string>& more = {}) const {
     write("old.music", text);
     Command made;
-    made.arguments = {std::string(SPIKELOOP_BIN) + "/spikeloop", "run", "old.music", "--out",
-                      (directory.path() / "run").string()};
+    made.arguments = {std::string(SPIKELOOP_BIN) + "/spikeloop", "run",    "old.music", "--out",
+                      (directory.path() / "run").string(),       "--force"};
     made.arguments.insert(made.arguments.end(), more.begin(), more.end());
     made.environment = mpi_environment(directory);
     made.environment["PATH"] = std::string(SPIKELOOP_BIN) + ":" + getenv("PATH");

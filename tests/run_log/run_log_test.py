@@ -68,7 +68,7 @@ def a_quiet_run(spikeloop, folder):
     file = folder / "small.yaml"
     file.write_text(small(duration="2 s"))
     for _ in range(2):
-        run(spikeloop, "-q", file, "--out", folder / "quiet")
+        run(spikeloop, "-q", file, "--out", folder / "quiet", "--force")
         lines = log_of(folder / "quiet")
         assert len(lines) == 2, lines
         assert lines[0][1].endswith("small.yaml, layout fused, sync lockstep, seed 1"), lines

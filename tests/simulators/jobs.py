@@ -75,7 +75,7 @@ class Job:
         self._temporary.cleanup()
 
     def command(self, *more):
-        return [str(SPIKELOOP), "run", "job.music", "--out", "out", *more]
+        return [str(SPIKELOOP), "run", "job.music", "--out", "out", "--force", *more]
 
     def run(self, *more, code=0, timeout=240):
         """Runs to the end, which must have this exit code; gives what was printed."""

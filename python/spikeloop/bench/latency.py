@@ -119,7 +119,8 @@ def measure(programs, place, layout, tick_ms, trials, network, timeout_s=None):
         with open(folder / "said", "w", encoding="utf-8") as said:
             job = subprocess.Popen(
                 [programs / "spikeloop", "run", "job.yaml", "--no-record", "--quiet", "--out", "out"],
-                cwd=folder, env=place.environment, start_new_session=True, stderr=said)
+                cwd=folder, env=place.environment, start_new_session=True,
+                stdout=subprocess.DEVNULL, stderr=said)
         try:
             probe = subprocess.run([programs / PROBE, "--ros", str(place.version),
                                     "--trials", str(trials)],

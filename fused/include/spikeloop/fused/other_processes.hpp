@@ -1,5 +1,5 @@
-// The processes beside this one that other nodes of the experiment run in: what joins them with the
-// graph. This module knows of no MPI; whoever has it makes one of these.
+// What runs nodes of the experiment beside this graph, and how it is joined with it: processes of a
+// MUSIC job, or a caller in Python who stands for the simulators.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,10 @@ class OtherProcesses {
   OtherProcesses& operator=(const OtherProcesses&) = delete;
   virtual ~OtherProcesses() = default;
 
-  /// The begin of an edge that comes from another process, with the port that it comes from. What
-  /// it brings has the delay that MUSIC takes (experiment::music_delay) behind it.
+  /// Whole ticks of an edge's delay that what comes from source(), or goes into sink(), takes
+  /// there; the rest waits in the graph.
+  virtual std::uint32_t delay(const experiment::Connection& edge) const = 0;
+  /// The begin of an edge that comes from another process, with the port that it comes from.
   virtual std::unique_ptr<Source> source(const experiment::Connection& edge) = 0;
   /// The end of an edge that leads to another process: for a simulator with the port that it leads
   /// to; else with the port that it comes from, for all processes that take from this one.

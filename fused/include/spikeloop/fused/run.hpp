@@ -14,6 +14,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -47,6 +48,10 @@ struct RunOptions {
   robot::SpectatorOptions spectators{};
   /// An object that resolved.json has beside the experiment: versions, machine.
   nlohmann::json about{};
+  /// Asked for every output of a node ("encoder.out") and for "NODE.command" of every command: a
+  /// sink that takes what it puts out.
+  std::function<std::unique_ptr<Sink>(const std::string& end, PortKind kind, std::uint32_t width)>
+      observe{};
 };
 
 struct RunResult {
@@ -64,10 +69,37 @@ struct RunEvents {
   std::function<void(RunResult&)> ended{};
 };
 
+/// What carries the messages of an experiment without ROS: its robot, its bag, or nothing.
+/// @throws Error: no such world, no such file.
+std::unique_ptr<Transport> make_transport(const experiment::Experiment& experiment,
+                                          const RunOptions& options);
+
+/// A run, tick by tick. The arguments must outlive it.
+class Run {
+ public:
+  /// @param others none: the experiment runs in this process alone
+  /// @throws Error when it cannot begin: a file, a world, a ROS master.
+  Run(const experiment::Experiment& experiment, Transport& transport, const RunOptions& options,
+      const RunEvents& events = {}, OtherProcesses* others = nullptr);
+  ~Run();
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  /// Waits for the clock, and advances by a tick. False: the duration is over, `stop` wants it, or
+  /// a tick failed; finish() says which.
+  bool tick();
+  TimeNs time() const;
+  /// Stops the robot, closes the recordings, writes summary.json. To be called once.
+  RunResult finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Runs to the end of the duration, or until `stop`. What goes wrong meanwhile is in the result;
 /// the robot is stopped in every case.
-/// @throws Error when it cannot begin: a file, a world, a ROS master.
-/// @param others none: the experiment runs in this process alone
+/// @throws Error as Run.
 RunResult run(const experiment::Experiment& experiment, const RunOptions& options,
               const RunEvents& events = {}, OtherProcesses* others = nullptr);
 

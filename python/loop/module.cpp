@@ -1,0 +1,238 @@
+// The module spikeloop_python_loop: what python/spikeloop/experiment.py calls.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <mutex>
+
+#include "caller.hpp"
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/layout.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/fused/robot_sensors.hpp"
+#include "spikeloop/fused/run.hpp"
+
+namespace py = pybind11;
+
+namespace spikeloop::python {
+namespace {
+
+template <typename T>
+using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+/// Warnings of the run, until somebody asks for them. A run may log from any thread.
+class Warnings {
+ public:
+  Warnings() {
+    log::set_sink([this](log::Level level, std::string_view message) {
+      if (level >= log::Level::warning) {
+        const std::scoped_lock lock(mutex_);
+        texts_.emplace_back(message);
+      }
+    });
+  }
+  ~Warnings() { log::set_sink({}); }
+  Warnings(const Warnings&) = delete;
+  Warnings& operator=(const Warnings&) = delete;
+  std::vector<std::string> take() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(texts_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> texts_;
+};
+
+/// All nodes but simulators are in this process, which has no ROS.
+void refuse_others(const experiment::Experiment& experiment) {
+  if (experiment.ros != experiment::Ros::none) {
+    throw ConfigurationError(
+        with_code(Code::conflicting_keys,
+                  "an experiment that is stepped from Python has its robot in the same process; "
+                  "leave out  ros: {}",
+                  experiment::name_of(experiment.ros)));
+  }
+  if (experiment.layout.processes.size() > 1) {
+    throw ConfigurationError(
+        experiment.layout.where,
+        with_code(Code::layout,
+                  "an experiment that is stepped from Python has one process; write  "
+                  "layout: fused"));
+  }
+}
+
+class Loop {
+ public:
+  /// @param settings JSON. @param folder of the run, which is there; empty: none
+  Loop(const std::string& file, const std::string& settings, const std::string& folder)
+      : loaded_(experiment::load(file, {.settings = settings_from_text(settings)},
+                                 fused::look_at_robot)) {
+    if (!loaded_->diagnostics.empty()) {
+      throw ConfigurationError(loaded_->diagnostics.front().text());
+    }
+    refuse_others(*loaded_->experiment);
+    experiment_ = experiment::with_layout_delays(*loaded_->experiment);
+    caller_.emplace(experiment_);
+    options_.folder = folder;
+    options_.record = !folder.empty();
+    options_.observe = [this](const std::string& end, PortKind kind, std::uint32_t width) {
+      return caller_->observe(end, kind, width);
+    };
+    transport_ = fused::make_transport(experiment_, options_);
+    run_.emplace(experiment_, *transport_, options_, events_, &*caller_);
+  }
+
+  /// Returns how many there were.
+  std::uint64_t step(std::uint64_t ticks) {
+    caller_->forget_spikes();
+    std::uint64_t done = 0;
+    while (done < ticks && run_->tick()) {
+      ++done;
+    }
+    return done;
+  }
+
+  fused::RunResult finish() { return run_->finish(); }
+  TimeNs time() const { return run_->time(); }
+  TimeNs tick() const { return experiment_.tick; }
+  Caller& caller() { return *caller_; }
+  std::vector<std::string> warnings() { return warnings_.take(); }
+
+ private:
+  Warnings warnings_;
+  std::unique_ptr<experiment::Loaded> loaded_;
+  experiment::Experiment experiment_;
+  std::optional<Caller> caller_;
+  fused::RunOptions options_;
+  fused::RunEvents events_;
+  std::unique_ptr<fused::Transport> transport_;
+  std::optional<fused::Run> run_;
+};
+
+/// (times in ns, channels)
+py::tuple spikes(Loop& loop, const std::string& end) {
+  const auto& spikes = loop.caller().seen(end).spikes;
+  py::array_t<std::int64_t> times(static_cast<py::ssize_t>(spikes.size()));
+  py::array_t<std::int64_t> channels(static_cast<py::ssize_t>(spikes.size()));
+  for (std::size_t i = 0; i < spikes.size(); ++i) {
+    times.mutable_data()[i] = spikes[i].time_ns;
+    channels.mutable_data()[i] = spikes[i].channel;
+  }
+  return py::make_tuple(times, channels);
+}
+
+py::object signal(Loop& loop, const std::string& end) {
+  const auto& values = loop.caller().seen(end).values;
+  if (values.empty()) {
+    return py::none();
+  }
+  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+Sent& of_kind(Loop& loop, const std::string& end, PortKind kind) {
+  Sent& sent = loop.caller().sent(end);
+  if (sent.kind != kind) {
+    throw ConfigurationError(with_code(Code::kinds_differ, "'{}' carries {}; write {}", end,
+                                       kind == PortKind::spikes ? "a continuous signal" : "spikes",
+                                       kind == PortKind::spikes ? "loop.write" : "loop.send"));
+  }
+  return sent;
+}
+
+/// Of the interval that was stepped last.
+void send(Loop& loop, const std::string& end, const Array<std::int64_t>& times,
+          const Array<std::int64_t>& channels) {
+  Sent& sent = of_kind(loop, end, PortKind::spikes);
+  if (times.size() != channels.size()) {
+    throw ConfigurationError(with_code(Code::widths_differ,
+                                       "'{}': {} times and {} channels; give "
+                                       "as many of one as of the other",
+                                       end, times.size(), channels.size()));
+  }
+  std::vector<Spike> spikes;
+  for (py::ssize_t i = 0; i < times.size(); ++i) {
+    const TimeNs time = times.data()[i];
+    const std::int64_t channel = channels.data()[i];
+    if (time <= loop.time() - loop.tick() || time > loop.time()) {
+      throw ConfigurationError(with_code(
+          Code::out_of_bounds, "'{}': a spike at {} is not in the last tick, ({}, {}]", end,
+          format_time(time), format_time(loop.time() - loop.tick()), format_time(loop.time())));
+    }
+    if (channel < 0 || channel >= sent.width) {
+      throw ConfigurationError(with_code(Code::out_of_bounds,
+                                         "'{}': there is no channel {}; write one from 0 to {}",
+                                         end, channel, sent.width - 1));
+    }
+    spikes.push_back(make_spike(time, static_cast<std::int32_t>(channel)));
+  }
+  sent.spikes.insert(sent.spikes.end(), spikes.begin(), spikes.end());
+}
+
+void write(Loop& loop, const std::string& end, const Array<double>& values) {
+  Sent& sent = of_kind(loop, end, PortKind::signal);
+  if (values.size() != sent.width) {
+    throw ConfigurationError(with_code(Code::widths_differ,
+                                       "'{}' has {} channels; give as many "
+                                       "values, not {}",
+                                       end, sent.width, values.size()));
+  }
+  sent.values.assign(values.data(), values.data() + values.size());
+  sent.is_new = true;
+}
+
+template <typename Ends>
+py::dict ends_of(const Ends& ends) {
+  py::dict result;
+  for (const auto& [end, value] : ends) {
+    result[py::str(end)] =
+        py::make_tuple(value.kind == PortKind::spikes ? "spikes" : "signal", value.width);
+  }
+  return result;
+}
+
+/// (exit code, reason, summary as JSON)
+py::tuple finish(Loop& loop) {
+  fused::RunResult result;
+  {
+    const py::gil_scoped_release free;
+    result = loop.finish();
+  }
+  return py::make_tuple(result.exit_code, result.reason, result.summary.dump());
+}
+
+}  // namespace
+}  // namespace spikeloop::python
+
+PYBIND11_MODULE(spikeloop_python_loop, module) {
+  namespace own = spikeloop::python;
+  using own::Loop;
+  // (message, exit code): spikeloop.SpikeloopError is made of it.
+  static const py::exception<spikeloop::Error> failure(module, "Failure");
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) {
+        std::rethrow_exception(thrown);
+      }
+    } catch (const spikeloop::Error& error) {
+      PyErr_SetObject(failure.ptr(), py::make_tuple(error.what(), error.exit_code()).ptr());
+    }
+  });
+  py::class_<Loop>(module, "Loop")
+      .def(py::init<const std::string&, const std::string&, const std::string&>(),
+           py::call_guard<py::gil_scoped_release>())
+      .def("step", &Loop::step, py::call_guard<py::gil_scoped_release>())
+      .def("time", &Loop::time)
+      .def("tick", &Loop::tick)
+      .def("warnings", &Loop::warnings)
+      .def("spikes", &own::spikes)
+      .def("signal", &own::signal)
+      .def("send", &own::send)
+      .def("write", &own::write)
+      .def("outputs", [](Loop& loop) { return own::ends_of(loop.caller().all_seen()); })
+      .def("inputs", [](Loop& loop) { return own::ends_of(loop.caller().all_sent()); })
+      .def("finish", &own::finish);
+}

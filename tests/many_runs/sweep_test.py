@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+"""spikeloop sweep: the table, failing runs, stopping and going on; the same runs as by hand."""
+
+import csv
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+import explorer
+
+FAST = ("--set", "sync=lockstep", "--set", "duration=0.5 s")
+
+
+def rows_of(folder):
+    with open(folder / "results.csv", newline="", encoding="utf-8") as table:
+        return list(csv.DictReader(table))
+
+
+class Sweep(explorer.Folder):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "sweep"
+
+    def sweep(self, *words, code=0, **options):
+        return explorer.spikeloop("sweep", self.file, *words, "--out", self.out, code=code, **options)
+
+    def test_every_combination_has_a_row_and_is_the_run_by_hand(self):
+        out, said = self.sweep(*FAST, "--set", "encoder.rate_max=[100 Hz, 200 Hz]", "--set", "seed=1..3",
+                               "--columns", "encoder.spikes,wheels.sent")
+        self.assertEqual(out, f"{self.out / 'results.csv'}\n")
+        self.assertIn("6 of 6 runs", said)
+        rows = rows_of(self.out)
+        self.assertEqual([(row["encoder.rate_max"], row["seed"]) for row in rows],
+                         [(rate, seed) for rate in ("100 Hz", "200 Hz") for seed in "123"])
+        for row in rows:
+            self.assertEqual((row["exit_code"], row["exit_reason"]), ("0", "finished"))
+            self.assertGreater(int(row["encoder.spikes"]), 0)
+            self.assertGreater(float(row["distance_m"]), 0)
+        explorer.spikeloop("run", self.file, "--sync", "lockstep", "--duration", "0.5", "--seed", 2,
+                           "--set", "encoder.rate_max=100 Hz", "--out", self.folder / "run")
+        self.assertTrue(explorer.same(explorer.recorded(self.out / "002"), explorer.recorded(self.folder / "run")))
+
+    def test_runs_that_fail_are_named(self):
+        _, said = self.sweep(*FAST, "--set", "encoder.rate_max=[100 Hz, 5 mV, 50 Hz]", code=1)
+        self.assertIn("run 002 failed: --set encoder.rate_max: key 'rate_max': '5 mV'", said)
+        self.assertEqual([row["exit_code"] for row in rows_of(self.out)], ["0", "2", "0"])
+
+    def test_one_that_was_stopped_goes_on(self):
+        words = ("--set", "sync=lockstep", "--set", "duration=20 s", "--set", "seed=1..12", "-j", "2")
+        with subprocess.Popen([explorer.PROGRAM, "sweep", self.file, *words, "--out", self.out],
+                              stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as child:
+            while not (self.out / "results.csv").exists():
+                time.sleep(0.01)
+            child.send_signal(signal.SIGTERM)
+            said = child.communicate(timeout=60)[1]
+        self.assertEqual(child.returncode, 143)
+        self.assertIn("the same command goes on from there", said)
+        done = len(rows_of(self.out))
+        self.assertIn(f"after {done} of 12 runs", said)
+        self.assertLess(done, 12)
+        self.assertFalse([line for line in os.popen("ps -eo args") if str(self.out) in line], "nothing is left")
+        before = {row["run"]: (self.out / row["run"] / "summary.json").stat().st_mtime_ns for row in rows_of(self.out)}
+        self.sweep(*words)
+        rows = rows_of(self.out)
+        self.assertEqual([row["seed"] for row in rows], [str(seed) for seed in range(1, 13)])
+        self.assertEqual({row["exit_code"] for row in rows}, {"0"})
+        for run, written in before.items():
+            self.assertEqual((self.out / run / "summary.json").stat().st_mtime_ns, written, "it was not run again")
+
+    def test_random_designs_are_the_same_every_time(self):
+        words = (*FAST, "--set", "encoder.rate_max=50 Hz..200 Hz", "--samples", "4")
+        self.sweep(*words)
+        first = [row["encoder.rate_max"] for row in rows_of(self.out)]
+        self.assertEqual(len(set(first)), 4)
+        self.assertTrue(all(50 <= float(text.removesuffix(" Hz")) <= 200 for text in first), first)
+        self.out = self.folder / "again"
+        self.sweep(*words)
+        self.assertEqual([row["encoder.rate_max"] for row in rows_of(self.out)], first)
+
+    def test_another_sweep_is_not_mixed_in(self):
+        self.sweep(*FAST, "--set", "seed=1..2", "-q")
+        for words, text in (((*FAST, "--set", "seed=1..3"), "holds a sweep with other settings"),
+                            ((*FAST, "--set", "seed=1..2", "--samples", "2"), "holds a sweep with other --samples")):
+            self.assertIn(text, self.sweep(*words, code=2)[1])
+        self.file.write_text(self.file.read_text() + "\n")
+        self.assertIn("holds a sweep of the file as it was", self.sweep(*FAST, "--set", "seed=1..2", code=2)[1])
+        self.out = self.folder
+        self.assertIn("is not empty, and holds no sweep", self.sweep("--set", "seed=1..2", code=2)[1])
+
+    def test_mistakes(self):
+        for words, text, code in ((("--set", "seed=5..1"), "the range is empty", 2),
+                                  (("--set", "encoder.rate_max=1 Hz..5 Hz"), "needs a step", 2),
+                                  (("--set", "seed"), "expected KEY=VALUES", 2),
+                                  (("--set", "encodr.tau=1"), "did you mean 'encoder'", 2)):
+            self.assertIn(text, self.sweep(*words, code=code)[1])
+            self.assertFalse(self.out.exists())
+        self.assertIn("No such file", explorer.spikeloop("sweep", "no.yaml", "--set", "seed=1..2", "--out", self.out,
+                                                         code=4)[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
