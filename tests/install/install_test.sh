@@ -62,6 +62,28 @@ grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.
 }
 grep "rate neurons in real time, NEURON, separate" "$work/bench.log"
 grep "^$work/bench/c.png" "$work/bench.log"
+# `import spikeloop` by the path file that Debian's Python reads below /usr/local; and by pip.
+imports() {
+  env -u SPIKELOOP_PROGRAMS PATH="$work/prefix/bin:/usr/bin:/bin" PYTHONPATH="$1" /usr/bin/python3 -c "
+import site, sys
+site.addsitedir(sys.argv[1])
+import spikeloop
+experiment = spikeloop.load('$work/explorer.yaml', {'sync': 'lockstep', 'duration': '10 ms'})
+with experiment.open() as loop:
+    loop.step(10)
+print(spikeloop.__file__, experiment.run().summary()['simulated_s'], round(loop.time_s, 9))" "$2"
+}
+imports "" "$(dirname "$(find "$work/prefix/lib" -name spikeloop.pth)")" |
+  grep "^$work/prefix/share/spikeloop/python/spikeloop/__init__.py 0.01 0.01$"
+source=$(cd "$(dirname "$0")/../.." && pwd)
+cp -r "$source/python" "$source/pyproject.toml" "$source/VERSION" "$work/nodes"
+/usr/bin/python3 -m pip install -q --no-deps --no-build-isolation --no-index --target "$work/site" \
+  "$work/nodes" >"$work/pip.log" 2>&1 || {
+  cat "$work/pip.log"
+  exit 1
+}
+imports "$work/site" "$work/nowhere" | grep "^$work/site/spikeloop/__init__.py 0.01 0.01$"
+
 # The library of scripts, beside the installed package.
 env -u SPIKELOOP_LIBRARY_PATH PATH=/usr/bin:/bin PYTHONPATH="$work/prefix/share/spikeloop/python" \
   /usr/bin/python3 -c 'from spikeloop.music_library import library; print(library().__file__)' |
