@@ -33,7 +33,7 @@ std::vector<ParameterDescription> own_parameters() {
            .minimum = 0,
            .text = "Longest wall time until a stepped robot answers; 0: no limit"},
           text("about", "", "Additional content of resolved.json, JSON"),
-          text("replay_origin", "", "Replay: original experiment file"),
+          text("origin", "", "File whose directory relative paths start in"),
           text("replay_bag", "", "Replay: bag that replaces the robot")};
 }
 
@@ -52,8 +52,9 @@ experiment::Overrides overrides_of(const Parameters& keys) {
   experiment::Overrides overrides;
   overrides.settings = settings_from_text(keys.text("settings"));
   overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
-  if (!keys.text("replay_origin").empty()) {
-    overrides.replay = {keys.text("replay_origin"), keys.text("replay_bag")};
+  overrides.origin = keys.text("origin");
+  if (keys.given("replay_bag")) {
+    overrides.replay = {keys.text("replay_bag")};
   }
   return overrides;
 }

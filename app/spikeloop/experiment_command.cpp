@@ -333,8 +333,10 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
       {"about", about_run(partners_of(experiment)).dump()},
       {"stall_timeout",
        fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
+  if (!arguments.overrides.origin.empty()) {
+    keys["origin"] = std::filesystem::absolute(arguments.overrides.origin).string();
+  }
   if (const auto& replay = arguments.overrides.replay) {
-    keys["replay_origin"] = std::filesystem::absolute(replay->origin).string();
     keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
   }
   const WrittenJob music =

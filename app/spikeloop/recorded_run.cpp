@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "folder_json.hpp"
-#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/record/reader.hpp"
@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using namespace nlohmann::literals;
 
 [[noreturn]] void refuse(const std::string& folder, const std::string& why) {
   throw ConfigurationError(with_code(Code::no_access, "'{}' cannot be replayed: {}", folder, why));
@@ -54,9 +55,6 @@ void check_kind(const std::string& folder, const json& resolved) {
   }
   if (!resolved.contains("recorded") || !resolved.contains("experiment_file")) {
     refuse(folder, "an earlier version ran it, which kept no messages; run it again");
-  }
-  if (!resolved["recorded"].get<bool>()) {
-    refuse(folder, "it was run with --no-record; run it without");
   }
 }
 
@@ -117,19 +115,42 @@ void check_recordings(const std::string& folder, const RecordedRun& run) {
   }
 }
 
-RecordedRun read_run(const std::string& folder) {
-  const fs::path path(folder);
+/// The copies in the folder, when they are all that the experiment reads by a relative path.
+std::string origin_of(const std::string& folder, const json& resolved) {
+  const fs::path original = resolved["experiment_file"].get<std::string>();
+  const json files = resolved.value("files", json::object());
+  const std::string world = resolved.value("/robot/world"_json_pointer, "");
+  const bool elsewhere = std::ranges::any_of(files.items(), [&](const auto& file) {
+    const bool shipped = fs::path(file.key()).stem() == fs::path(world).stem();  // found by name
+    return !shipped && fused::copy_of(file.key(), original.string()).empty();
+  });
+  const fs::path copies = fs::path(folder) / fused::kFilesFolder;
+  return fs::exists(copies) && !(elsewhere && fs::exists(original.parent_path()))
+             ? (copies / original.filename()).string()
+             : original.string();
+}
+
+RecordedRun read_experiment(const std::string& folder) {
   RecordedRun run;
   run.folder = folder;
+  run.summary = json::object();
   run.resolved = read_json(folder, "resolved.json");
   check_kind(folder, run.resolved);
+  run.experiment_file = (fs::path(folder) / fused::kExperimentFile).string();
+  run.origin = origin_of(folder, run.resolved);
+  run.settings = settings_from_text(run.resolved.value("settings", json::array()).dump());
+  return run;
+}
+
+RecordedRun read_run(const std::string& folder) {
+  RecordedRun run = read_experiment(folder);
+  if (!run.resolved["recorded"].get<bool>()) {
+    refuse(folder, "it was run with --no-record; run it without");
+  }
   run.summary = read_json(folder, "summary.json");
-  run.experiment_file = (path / fused::kExperimentFile).string();
-  run.replay = {run.resolved["experiment_file"],
-                has_topics(run.resolved) ? (path / fused::kMessagesFile).string() : ""};
+  run.replay = {has_topics(run.resolved) ? (fs::path(folder) / fused::kMessagesFile).string() : ""};
   check_files(folder, run);
   run.simulated_s = run.summary.at("simulated_s").get<double>();
-  run.settings = settings_from_text(run.resolved.value("settings", json::array()).dump());
   run.settings.push_back({"duration", fmt::format("{} s", run.simulated_s), "simulated_s"});
   run.settings.push_back({"sync", "unpaced", "replay"});
   if (run.simulated_s <= 0) {
@@ -163,8 +184,13 @@ std::vector<std::string> doubts_of_folder(const RecordedRun& run) {
   const json files = run.resolved.value("files", json::object());
   for (const auto& [path, print] : files.items()) {
     if (const std::string now = file_print(path); now != print) {
-      list.push_back(fmt::format("'{}' {} since the run: spikes may differ", path,
-                                 now.empty() ? "is gone" : "has changed"));
+      const std::string copy =
+          fused::copy_of(path, run.resolved["experiment_file"].get<std::string>());
+      const bool whole = !copy.empty() &&
+                         file_print((fs::path(run.origin).parent_path() / copy).string()) == print;
+      list.push_back(
+          fmt::format("'{}' {} since the run: {}", path, now.empty() ? "is gone" : "has changed",
+                      whole ? "its copy in the run folder is used" : "spikes may differ"));
     }
   }
   if (const std::string version = run.resolved.value("version", ""); version != SPIKELOOP_VERSION) {
@@ -224,6 +250,10 @@ RecordedRun read_recorded_run(const std::string& folder) {
     throw FileError("read", folder, fs::exists(folder) ? ENOTDIR : ENOENT);
   }
   return understood(folder, [&] { return read_run(folder); });
+}
+
+RecordedRun read_run_again(const std::string& folder) {
+  return understood(folder, [&] { return read_experiment(folder); });
 }
 
 std::vector<std::string> doubts(const RecordedRun& run) {

@@ -16,6 +16,7 @@ struct RecordedRun {
   nlohmann::json resolved;
   nlohmann::json summary;
   std::string experiment_file;  ///< the copy
+  std::string origin;           ///< where its relative paths start
   experiment::Replay replay;
   double simulated_s = 0;
   Settings settings;  ///< that the run had, and those of a replay
@@ -23,6 +24,10 @@ struct RecordedRun {
 
 /// @throws FileError: no such folder; ConfigurationError: no run that can be replayed, and why.
 RecordedRun read_recorded_run(const std::string& folder);
+
+/// What `spikeloop run FOLDER` runs again: of the run its experiment, origin and settings.
+/// @throws as read_recorded_run(), but recordings and messages need not be there.
+RecordedRun read_run_again(const std::string& folder);
 
 /// Why the replay may differ, as far as the folder knows: messages that were dropped, files that
 /// have changed, another version.

@@ -28,8 +28,8 @@ constexpr const char* kFooter = R"(Examples:
 
 Runs the experiment of a run folder again, as fast as possible, for the same simulated time. The
 messages.bag of the folder replaces robot and ROS. Then all recorded spikes are compared. The
-experiment file is the copy in the folder. Weights, networks and plug-ins are read from their
-original paths; warnings list those that have changed since.
+experiment and its files are the copies in the folder; warnings list originals that have changed.
+'spikeloop run RUN' repeats the run itself, with its robot.
 
 Exit codes:
   0  the same spikes       6  different spikes
@@ -101,6 +101,7 @@ int replay(const Arguments& arguments) {
   ExperimentArguments once_more;
   once_more.file = run.experiment_file;
   once_more.overrides.settings = run.settings;
+  once_more.overrides.origin = run.origin;
   once_more.overrides.replay = run.replay;
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);

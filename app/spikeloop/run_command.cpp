@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,7 @@
 #include "experiment_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "recorded_run.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
 #include "spikeloop/config/music_file.hpp"
@@ -51,6 +53,7 @@ struct RunArguments {
 constexpr const char* kFooter = R"(Examples:
   spikeloop run braitenberg.yaml          runs an experiment; writes runs/braitenberg-1
   spikeloop run braitenberg.yaml --sync lockstep --duration 5min --seed 3 --out run1
+  spikeloop run runs/braitenberg-1        repeats a run: its files, with its settings
   spikeloop run braitenberg.yaml --set encoder.rate_max="100 Hz" --set robot.seed=3
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
   spikeloop run explorer.yaml /scan:=/front/scan               remaps a topic, as in ROS 1
@@ -100,7 +103,9 @@ void add_values(CLI::App& command, RunArguments& arguments) {
 
 void add_options(CLI::App& command, RunArguments& arguments) {
   auto& job = arguments.job;
-  command.add_option("FILE", arguments.file, "Experiment file (.yaml) or MUSIC configuration file")
+  command
+      .add_option("FILE", arguments.file,
+                  "Experiment file (.yaml), MUSIC configuration file, or run folder to repeat")
       ->required();
   add_values(command, arguments);
   command
@@ -231,7 +236,18 @@ int run_file(const RunArguments& arguments) {
   experiment.folder = arguments.job.folder;
   experiment.force = arguments.force;
   experiment.record = !arguments.no_record;
-  experiment.overrides.settings = settings_of(arguments);
+  if (std::filesystem::is_directory(arguments.file)) {
+    const RecordedRun run = read_run_again(arguments.file);
+    for (const std::string& text : doubts(run)) {
+      put(stderr, fmt::format("spikeloop: warning: {}\n", text));
+    }
+    experiment.file = run.experiment_file;
+    experiment.overrides.origin = run.origin;
+    experiment.overrides.settings = run.settings;
+  }
+  const Settings settings = settings_of(arguments);
+  experiment.overrides.settings.insert(experiment.overrides.settings.end(), settings.begin(),
+                                       settings.end());
   experiment.volume = volume_of(arguments);
   experiment.spectators = arguments.spectators;
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);
@@ -258,7 +274,7 @@ int dry_run(const launch::Job& job, const Diagnostics& diagnostics, const std::s
 }
 
 int run(RunArguments& arguments) {
-  if (is_experiment(arguments.file)) {
+  if (is_experiment(arguments.file) || std::filesystem::is_directory(arguments.file)) {
     return run_file(arguments);
   }
   refuse_options(arguments.for_experiment, "experiment files");

@@ -12,10 +12,10 @@
 #include <span>
 #include <sstream>
 
-#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/core/reason.hpp"
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"

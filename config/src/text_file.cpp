@@ -2,16 +2,13 @@
 
 #include <algorithm>
 
-#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/core/file.hpp"
 
 namespace spikeloop {
 
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t limit,
                            std::string_view kind) {
-  std::string text = read_file(path.string(), kind, limit);
-  FilesRead::note(path.string());
-  return text;
+  return read_file(path.string(), kind, limit);
 }
 
 Location locate(std::string_view text, std::size_t offset, const std::string& file) {

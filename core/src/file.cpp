@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/files_read.hpp"
 
 namespace spikeloop {
 namespace {
@@ -36,6 +37,7 @@ void require_regular_file(const std::string& path, std::string_view kind) {
                               "cannot read '{}': not a regular file; write the path of a {}", path,
                               kind));
   }
+  FilesRead::note(path);
 }
 
 std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit) {

@@ -109,7 +109,7 @@ void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,
 
 /// The file whose directory relative paths start in.
 inline const std::string& origin_of(const ExperimentFile& file, const Overrides& overrides) {
-  return overrides.replay ? overrides.replay->origin : file.path;
+  return overrides.origin.empty() ? file.path : overrides.origin;
 }
 std::string in_directory(const std::string& directory, const std::string& path);
 [[noreturn]] void refuse_file(const char* key, const Location& where, const char* what,

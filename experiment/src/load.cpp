@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "faults.hpp"
-#include "spikeloop/config/files_read.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/core/plugin_path.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
@@ -31,24 +31,9 @@ void load_plugins(const ExperimentFile& file, const std::filesystem::path& direc
   for (const WrittenValue& plugin : file.plugins) {
     attempt(loaded, plugin.where, [&] {
       require_code_may_run(fmt::format("plug-in '{}'", plugin.text));
+      FilesRead::note((directory / plugin.text).string());
       loaded.types.load_plugin((directory / plugin.text).string());
     });
-  }
-}
-
-/// Of what is not read here: plug-ins, recordings, a bag.
-void note_files(const ExperimentFile& file, const std::filesystem::path& directory,
-                const Experiment& experiment, bool replayed) {
-  for (const WrittenValue& plugin : file.plugins) {
-    FilesRead::note((directory / plugin.text).string());
-  }
-  for (const Node& node : experiment.nodes) {
-    if (node.kind == kSpikePlayback || node.kind == kSignalPlayback) {
-      FilesRead::note(node.parameters.text("file"));
-    }
-  }
-  if (experiment.robot && !experiment.robot->bag.empty() && !replayed) {
-    FilesRead::note(experiment.robot->bag);
   }
 }
 
@@ -61,11 +46,10 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
     const ExperimentFile file = read_experiment_file(
         path, [&](const ConfigurationError& error) { add(error, *loaded); }, overrides.settings);
     const std::filesystem::path directory = directory_of(origin_of(file, overrides));
-    load_plugins(file, directory, *loaded);
     const FilesRead files;
+    load_plugins(file, directory, *loaded);
     loaded->experiment =
         resolve(file, loaded->types, overrides, loaded->diagnostics, look_at_robot);
-    note_files(file, directory, *loaded->experiment, overrides.replay.has_value());
     loaded->experiment->files = files.paths();
   } catch (const Error& error) {
     add(error, *loaded);

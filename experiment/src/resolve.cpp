@@ -113,7 +113,7 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
   const std::size_t before = faults.count();
   const ExperimentNode& robot = *file.robot;
   if (robot.keys.contains("bag")) {
-    read_bag_keys(robot, directory_of(file.path), experiment, faults);
+    read_bag_keys(robot, directory_of(experiment.origin), experiment, faults);
     return {};
   }
   auto declared = robot_parameters();
@@ -121,7 +121,7 @@ SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   const std::string& world = keys.text("world");
-  const auto beside = std::filesystem::path(directory_of(file.path)) / world;
+  const auto beside = std::filesystem::path(directory_of(experiment.origin)) / world;
   const bool own_seed = keys.given("seed");
   experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "faults.hpp"
-#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/script_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/simulators.hpp"
@@ -57,7 +56,6 @@ void read_script(Node& node, const Simulator& simulator, const std::string& dire
                          "{}  into it (docs/simulators.md)",
                          path, simulator.host));
   }
-  FilesRead::note(path);
   node.parameters.set(kScript, path, true, where);
 }
 

@@ -11,8 +11,8 @@
 #include "assembly.hpp"
 #include "bag_transport.hpp"
 #include "memory_transport.hpp"
-#include "spikeloop/config/files_read.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -40,6 +40,26 @@ void copy_experiment(const Experiment& experiment, const std::string& folder) {
   if (!fs::equivalent(experiment.path, copy, error) &&
       !fs::copy_file(experiment.path, copy, fs::copy_options::overwrite_existing, error)) {
     throw FileError("copy the experiment file to", copy.string(), error.value());
+  }
+}
+
+constexpr std::uintmax_t kLargestCopy = 100'000'000;  // bytes
+
+/// A run is repeated with what it was made of, wherever its folder goes.
+void copy_files(const Experiment& experiment, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const std::string origin = fs::absolute(experiment.origin).lexically_normal().string();
+  for (const std::string& file : experiment.files) {
+    const std::string name = copy_of(file, origin);
+    std::error_code error;
+    if (name.empty() || fs::file_size(file, error) > kLargestCopy || error) {
+      continue;
+    }
+    const fs::path copy = fs::path(folder) / kFilesFolder / name;
+    fs::create_directories(copy.parent_path(), error);
+    if (!fs::copy_file(file, copy, fs::copy_options::overwrite_existing, error)) {
+      throw FileError("copy a file of the experiment to", copy.string(), error.value());
+    }
   }
 }
 
@@ -292,6 +312,13 @@ std::string written_text(const experiment::Node& node, const std::string& name) 
 
 }  // namespace
 
+std::string copy_of(const std::string& file, const std::string& experiment_file) {
+  namespace fs = std::filesystem;
+  const std::string name =
+      fs::path(file).lexically_relative(fs::path(experiment_file).parent_path()).string();
+  return name.starts_with("..") || file == experiment_file ? "" : name;
+}
+
 json resolved_json(const Experiment& experiment) {
   json nodes = json::object();
   for (const auto& node : experiment.nodes) {
@@ -385,6 +412,7 @@ struct Run::Impl {
     }
     write_json(options.folder + "/resolved.json", resolved);
     copy_experiment(experiment, options.folder);
+    copy_files(experiment, options.folder);
   }
 
   void summarize() {

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -164,7 +165,10 @@ def changed_files(spikeloop, scratch):
     replayed(spikeloop, scratch / "changed")
     network = scratch / "net.yaml"
     network.write_text(network.read_text().replace("1 ms", "2 ms"))
-    file.unlink()  # the run's own copy is used
+    file.unlink()  # the run's own copies are used
+    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed")
+    assert f"'{network}' has changed since the run: its copy in the run folder is used" in printed, printed
+    shutil.copy(network, scratch / "changed/experiment-files/net.yaml")
     printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", "--out", scratch / "other",
                              code=6)
     assert f"warning: '{network}' has changed since the run: spikes may differ" in printed, printed
@@ -177,6 +181,7 @@ def changed_files(spikeloop, scratch):
                 f"{channel} at {at(mine)}, the replay one in channel {other} at {at(theirs)}\n")
     assert expected in printed, (printed, expected)
     network.unlink()
+    (scratch / "changed/experiment-files/net.yaml").unlink()
     printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", code=2)
     assert f"'{network}' is gone since the run" in printed, printed
     assert re.search(r"key 'network': there is no network file", printed), printed

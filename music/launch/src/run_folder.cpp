@@ -91,6 +91,10 @@ RunFolder::RunFolder(const std::string& wanted, const std::string& prefix, bool 
                                        "replace them, or give another folder with --out",
                                        shown_));
   }
+  if (fs::exists(fs::path(path_) / "resolved.json")) {
+    std::error_code ignored;  // it has no results
+    fs::remove_all(fs::path(path_) / "experiment-files", ignored);
+  }
   // The summary first: whoever finds one finds the recordings that it is about.
   for (const char* name : kFiles) {
     remove_file(fs::path(path_) / name);

@@ -129,13 +129,13 @@ struct Experiment {
 
 /// The messages of a run in place of its robot.
 struct Replay {
-  std::string origin;  ///< the file that was run, of which this one is a copy
-  std::string bag;     ///< empty: no node takes messages
+  std::string bag;  ///< empty: no node takes messages
 };
 
 /// What the command line says in place of the file.
 struct Overrides {
   Settings settings{};
+  std::string origin{};  ///< relative paths start where this file lies; empty: where the file does
   std::optional<Replay> replay{};
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;

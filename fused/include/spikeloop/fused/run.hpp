@@ -35,6 +35,8 @@ struct Progress {
 // Files of a run folder.
 inline constexpr const char* kMessagesFile = "messages.bag";
 inline constexpr const char* kExperimentFile = "experiment.yaml";  ///< the file that was run
+inline constexpr const char* kFilesFolder =
+    "experiment-files";  ///< copies of what the experiment was made of
 
 struct RunOptions {
   /// Run folder, which must be there: what nodes put out, messages.bag, trajectory.csv, world.json,
@@ -107,6 +109,10 @@ RunResult run(const experiment::Experiment& experiment, const RunOptions& option
 RunResult run(const experiment::Experiment& experiment, Transport& transport,
               const RunOptions& options, const RunEvents& events = {},
               OtherProcesses* others = nullptr);
+
+/// Where a file of the experiment is in kFilesFolder: its path from the experiment's folder. Empty:
+/// it lies elsewhere, and is not copied.
+std::string copy_of(const std::string& file, const std::string& experiment_file);
 
 /// Every key with its value, every connection with its width and delay, what files it was made of.
 nlohmann::json resolved_json(const experiment::Experiment& experiment);

@@ -1,4 +1,4 @@
-#include "spikeloop/config/files_read.hpp"
+#include "spikeloop/core/files_read.hpp"
 
 #include <fmt/format.h>
 

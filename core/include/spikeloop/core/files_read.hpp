@@ -6,8 +6,8 @@
 
 namespace spikeloop {
 
-/// While it lives, the files that this module reads in this thread are noted: weights, networks,
-/// mappings.
+/// While it lives, the files that this thread reads are noted: all that require_regular_file() has
+/// seen.
 class FilesRead {
  public:
   FilesRead();
@@ -18,7 +18,7 @@ class FilesRead {
   /// Absolute paths.
   const std::set<std::string>& paths() const { return paths_; }
 
-  /// Whoever reads a file tells of it.
+  /// For files that others read.
   static void note(const std::string& path);
 
  private:
