@@ -24,6 +24,8 @@ NodeClass time_to_first_spike_encoder_class();
 NodeClass population_vector_class();
 NodeClass winner_take_all_class();
 NodeClass rate_window_class();
+NodeClass disturb_signal_class();
+NodeClass disturb_spikes_class();
 
 void register_nodes(Registry& registry) {
   for (NodeClass (*make)() : {connect_class,
@@ -46,7 +48,9 @@ void register_nodes(Registry& registry) {
                               time_to_first_spike_encoder_class,
                               population_vector_class,
                               winner_take_all_class,
-                              rate_window_class}) {
+                              rate_window_class,
+                              disturb_signal_class,
+                              disturb_spikes_class}) {
     registry.add(make());
   }
 }

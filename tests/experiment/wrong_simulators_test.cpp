@@ -66,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"class of a simulator",
                   {{kBuiltin, "{node: neuron, script: brain.py}"}},
                   {"x.yaml:8:17: unknown node class 'neuron'; known: argmax, clip, connect, delay, "
-                   "discretize, function, linear_readout, low_pass, nef_encoder, network, "
+                   "discretize, disturb_signal, disturb_spikes, function, linear_readout, "
+                   "low_pass, nef_encoder, network, "
                    "normalise, poisson_encoder, population_encoder, population_vector, "
                    "rate_encoder, rate_window, ros_command, ros_event_sensor, ros_sensor, sigmoid, "
                    "signal_playback, spike_playback, step_forward_encoder, "

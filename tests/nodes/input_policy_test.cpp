@@ -150,6 +150,8 @@ TEST(Register, ClassesHaveTextsForTheReference) {
                                                         "connect",
                                                         "delay",
                                                         "discretize",
+                                                        "disturb_signal",
+                                                        "disturb_spikes",
                                                         "function",
                                                         "linear_readout",
                                                         "low_pass",
