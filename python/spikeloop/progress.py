@@ -12,13 +12,25 @@ class Stopped(Exception):
         self.number = number
 
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def note_signals():
+    """A list that gets SIGINT, SIGTERM and SIGHUP, for work that looks between its steps: an exception could
+    come between the start of a process and the moment at which somebody knows it."""
+    noted = []
+    for number in SIGNALS:
+        signal.signal(number, lambda number, _: noted.append(number))
+    return noted
+
+
 def take_signals():
     """The first SIGINT, SIGTERM or SIGHUP raises Stopped; later ones do nothing."""
     def stop(number, _):
-        for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for each in SIGNALS:
             signal.signal(each, signal.SIG_IGN)  # what is under way ends by itself now
         raise Stopped(number)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in SIGNALS:
         signal.signal(number, stop)
 
 

@@ -19,7 +19,7 @@ import time
 
 from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
-from .progress import Progress, Stopped, take_signals
+from .progress import Progress, Stopped, note_signals
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
@@ -163,8 +163,11 @@ class Sweeping:
         self._began = self._told = time.monotonic()
         self.running = []
 
-    def run(self):
+    def run(self, signals):
+        """@raises Stopped: a signal is in the list"""
         while self._open or self.running:
+            if signals:
+                raise Stopped(signals[0])
             while self._open and len(self.running) < self._jobs:
                 self.running.append(Worker(self._sweep, self._open.pop(0)))
             done = [worker for worker in self.running if worker.process.poll() is not None]
@@ -224,10 +227,10 @@ def _sweep(given):
     jobs = given.jobs or (len(os.sched_getaffinity(0)) if checked["sync"] in ("lockstep", "unpaced") else 1)
     progress = Progress(open(os.devnull, "w", encoding="utf-8") if given.quiet else sys.stderr)
     progress.part = str(sweep.folder)
-    take_signals()
+    signals = note_signals()
     work = Sweeping(sweep, jobs, given.columns, progress)
     try:
-        work.run()
+        work.run(signals)
     except Stopped as stop:
         work.stop()
         progress.end()
