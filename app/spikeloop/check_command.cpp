@@ -13,6 +13,7 @@
 #include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
@@ -95,6 +96,7 @@ void add(CLI::App& app, Action& action) {
         return check_experiment(arguments->file, settings,
                                 {.strict = arguments->strict, .json = arguments->json});
       }
+      refuse_script(arguments->file);
       if (arguments->json || !settings.empty()) {
         throw ConfigurationError(fmt::format("{} is for experiment files; leave it out",
                                              arguments->json ? "--json" : "--set"));
@@ -107,6 +109,16 @@ void add(CLI::App& app, Action& action) {
 }  // namespace spikeloop::app::check_command
 
 namespace spikeloop::app {
+
+void refuse_script(const std::string& file) {
+  if (file.ends_with(".py")) {
+    throw ConfigurationError(with_code(
+        Code::wrong_shape,
+        "'{0}' is a script, not an experiment; write in an experiment  brain: {{simulator: python, "
+        "script: {0}}},  or  network: {0}:FUNCTION",
+        file));
+  }
+}
 
 int refuse(const Diagnostics& diagnostics, const std::string& file) {
   const Diagnostic first = first_error(diagnostics, file);

@@ -7,6 +7,9 @@
 
 namespace spikeloop::app {
 
+/// @throws ConfigurationError for a file in Python, which is part of an experiment.
+void refuse_script(const std::string& file);
+
 /// Prints the first error of a file that is not run, or not exported. Returns the exit code.
 int refuse(const Diagnostics& diagnostics, const std::string& file);
 

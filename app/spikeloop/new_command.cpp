@@ -15,11 +15,11 @@ namespace {
 constexpr const char* kExperiment =
     R"(# A vehicle that explores an arena, steered by ten spiking neurons.
 #
-#   spikeloop check explorer.yaml      reports errors in this file
-#   spikeloop run explorer.yaml        runs it and writes the results to runs/NAME-1
-#   spikeloop graph explorer.yaml --out explorer.svg      draws it
+#   spikeloop check NAME.yaml     reports errors in this file
+#   spikeloop run NAME.yaml       runs it and writes the results to runs/NAME-1
+#   spikeloop graph NAME.yaml --out NAME.svg      draws it
 #
-# `spikeloop describe` lists the node classes, `spikeloop describe NODE` their parameters.
+# `spikeloop describe` lists the node classes, `spikeloop describe CLASS` their parameters.
 experiment: NAME
 duration: 5 s        # simulated time; without this line, until Ctrl-C
 tick: 1 ms           # interval at which sensors, network and commands exchange data
@@ -75,12 +75,9 @@ constexpr const char* kFooter = R"(Examples:
 std::string named_experiment(const std::string& name) {
   constexpr std::string_view kPlace = "NAME";
   std::string text = kExperiment;
-  // "NODE" and the like stay; the name stands where the experiment's own does.
-  for (const std::string_view before : {"experiment: ", "runs/"}) {
-    const std::string place = std::string(before) + std::string(kPlace);
-    if (const auto at = text.find(place); at != std::string::npos) {
-      text.replace(at + before.size(), kPlace.size(), name);
-    }
+  for (auto at = text.find(kPlace); at != std::string::npos; at = text.find(kPlace, at)) {
+    text.replace(at, kPlace.size(), name);
+    at += name.size();
   }
   return text;
 }

@@ -111,8 +111,9 @@ std::string how_to_run(const NodeDescription& description) {
     }
   }
   return fmt::format(
-      "Run it with binary={0}spikeloop-node and node={1}.{2}\n",
-      programs.empty() ? "" : fmt::format("{}, or with binary=", fmt::join(programs, " or ")),
+      "In an experiment: {1}: {{node: {1}}}. In a .music file: {0}binary=spikeloop-node with "
+      "node={1}.{2}\n",
+      programs.empty() ? "" : fmt::format("binary={}, or ", fmt::join(programs, " or ")),
       description.name,
       description.shareable ? " np processes and threads= in each share its output channels." : "");
 }

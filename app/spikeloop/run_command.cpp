@@ -277,6 +277,7 @@ int run(RunArguments& arguments) {
   if (is_experiment(arguments.file) || std::filesystem::is_directory(arguments.file)) {
     return run_file(arguments);
   }
+  refuse_script(arguments.file);
   refuse_options(arguments.for_experiment, "experiment files");
   if (arguments.job.run.record && arguments.job.folder.empty()) {
     throw ConfigurationError(

@@ -280,6 +280,15 @@ YAML::Node load(std::string_view text, const std::string& path) {
                       ? "this is not an experiment: expected lines of  key: value"
                       : "there is no experiment in this file"));
   }
+  if (document["populations"] && !document["nodes"]) {
+    throw ConfigurationError(
+        Location{path, 0, 0},
+        with_code(
+            Code::wrong_shape,
+            "this is a network, not an experiment; write in an experiment  brain: {{simulator: "
+            "builtin, network: {}}}",
+            std::filesystem::path(path).filename().string()));
+  }
   return document;
 }
 

@@ -244,5 +244,20 @@ TEST(Check, WhatNewPrintsIsRight) {
   EXPECT_EQ(outcome.out, "x.yaml: OK: 6 nodes, 5 connections, tick 1 ms, 5 s\n");
 }
 
+TEST(Check, SaysWhatAFileOfAnotherKindIs) {
+  const TemporaryDirectory directory;
+  directory.write("brain.py", "import spikeloop\n");
+  directory.write("net.yaml", "populations:\n  input: {model: input, size: 3}\noutput: [input]\n");
+  for (const char* command : {"check", "run"}) {
+    EXPECT_EQ(
+        spikeloop({command, "brain.py"}, directory).err,
+        "spikeloop: 'brain.py' is a script, not an experiment; write in an experiment  brain: "
+        "{simulator: python, script: brain.py},  or  network: brain.py:FUNCTION [SL0105]\n");
+    EXPECT_THAT(spikeloop({command, "net.yaml"}, directory).err,
+                testing::HasSubstr("net.yaml: this is a network, not an experiment; write in an "
+                                   "experiment  brain: {simulator: builtin, network: net.yaml}"));
+  }
+}
+
 }  // namespace
 }  // namespace spikeloop::test

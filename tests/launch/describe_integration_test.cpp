@@ -63,11 +63,13 @@ TEST(Describe, ShowsPortsAndParametersOfAClass) {
                   "  out  output  spikes      as wide as in  One neuron per channel\n\n"
                   "Parameters:\n"
                   "  rate_min "));
-  EXPECT_THAT(outcome.out, HasSubstr("\nRun it with binary=rate_encoder, or with "
-                                     "binary=spikeloop-node and node=rate_encoder. np processes "
-                                     "and threads= in each share its output channels.\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\nIn an experiment: rate_encoder: {node: rate_encoder}. In a .music "
+                        "file: binary=rate_encoder, or binary=spikeloop-node with "
+                        "node=rate_encoder. np processes and threads= in each share "
+                        "its output channels.\n"));
   const Outcome connect = describe({"connect"});
-  EXPECT_THAT(connect.out, HasSubstr("binary=connect_adapter or cont_cont_adapter, or with "));
+  EXPECT_THAT(connect.out, HasSubstr("binary=connect_adapter or cont_cont_adapter, or "));
   EXPECT_THAT(connect.out, HasSubstr("Write for weights uniform (1 / inputs), uniform:0.01, "));
   EXPECT_THAT(describe({"discretize"}).out, HasSubstr("Write for grid a file: JSON, "));
 }
@@ -78,13 +80,15 @@ TEST(Describe, KnowsPlugins) {
               testing::ContainsRegex("\n  gain +output = gain \\* input, plus a spike"));
   const Outcome outcome = describe({"gain"}, plugins.path());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("\nRun it with binary=spikeloop-node and node=gain.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nIn an experiment: gain: {node: gain}. In a .music file: "
+                                     "binary=spikeloop-node with node=gain.\n"));
   EXPECT_THAT(outcome.out, HasSubstr("\nSource: " + plugins.path() + "/gain.so\n"));
   EXPECT_THAT(describe({"--markdown"}, plugins.path()).out, Not(HasSubstr("gain * input")));
   const Outcome nowhere = describe({}, "/nowhere");
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_EQ(nowhere.err,
-            "spikeloop: cannot read plug-in directory '/nowhere': No such file or directory [SL0109]\n");
+  EXPECT_EQ(
+      nowhere.err,
+      "spikeloop: cannot read plug-in directory '/nowhere': No such file or directory [SL0109]\n");
 }
 
 TEST(Describe, SuggestsANode) {

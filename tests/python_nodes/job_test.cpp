@@ -133,7 +133,8 @@ TEST(PythonDescribe, ShowsANodeOfAFile) {
             "Parameters:\n"
             "  rate_min  Hz  0    >= 0  Firing rate at the input value -1\n"
             "  rate_max  Hz  100  >= 0  Firing rate at the input value 1\n\n"
-            "Run it with binary=spikeloop-node and node=my_rate_encoder.\n");
+            "In an experiment: my_rate_encoder: {node: my_rate_encoder}. In a .music file: "
+            "binary=spikeloop-node with node=my_rate_encoder.\n");
 }
 
 TEST(PythonDescribe, WithoutNumPyItSaysWhatToInstall) {
