@@ -15,6 +15,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/launch/check.hpp"
 
@@ -97,6 +98,7 @@ void add(CLI::App& app, Action& action) {
                                 {.strict = arguments->strict, .json = arguments->json});
       }
       refuse_script(arguments->file);
+      require_regular_file(arguments->file, "experiment");
       if (arguments->json || !settings.empty()) {
         throw ConfigurationError(fmt::format("{} is for experiment files; leave it out",
                                              arguments->json ? "--json" : "--set"));

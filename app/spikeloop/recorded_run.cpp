@@ -53,6 +53,12 @@ void check_kind(const std::string& folder, const json& resolved) {
         "it is not a run folder, there is no resolved.json in it; write the folder that  spikeloop "
         "run FILE.yaml  has named");
   }
+  if (resolved.contains("caller")) {
+    refuse(folder,
+           fmt::format("a program in Python stood for its simulators, {} (Experiment.open); run "
+                       "that program again",
+                       resolved["caller"].dump()));
+  }
   if (!resolved.contains("recorded") || !resolved.contains("experiment_file")) {
     refuse(folder, "an earlier version ran it, which kept no messages; run it again");
   }
@@ -244,6 +250,16 @@ auto understood(const std::string& folder, Read&& read) {
 }
 
 }  // namespace
+
+void refuse_own_folder(const std::string& out, const std::string& folder) {
+  std::error_code error;
+  if (!out.empty() && fs::equivalent(out, folder, error)) {
+    throw ConfigurationError(with_code(Code::no_access,
+                                       "--out: '{}' is the run itself, which a new run would "
+                                       "empty; write another folder, or leave it out",
+                                       out));
+  }
+}
 
 RecordedRun read_recorded_run(const std::string& folder) {
   if (!fs::is_directory(folder)) {

@@ -22,6 +22,9 @@ struct RecordedRun {
   Settings settings;  ///< that the run had, and those of a replay
 };
 
+/// @throws ConfigurationError when the run would write into the one that it repeats.
+void refuse_own_folder(const std::string& out, const std::string& folder);
+
 /// @throws FileError: no such folder; ConfigurationError: no run that can be replayed, and why.
 RecordedRun read_recorded_run(const std::string& folder);
 

@@ -90,13 +90,7 @@ std::string folder_name(const std::string& written) {
 int replay(const Arguments& arguments) {
   const std::string folder = folder_name(arguments.run);
   const RecordedRun run = read_recorded_run(folder);
-  std::error_code error;
-  if (!arguments.folder.empty() && fs::equivalent(arguments.folder, folder, error)) {
-    throw ConfigurationError(
-        fmt::format("--out: '{}' is the run itself, which a new run would empty; write another "
-                    "folder, or leave it out",
-                    arguments.folder));
-  }
+  refuse_own_folder(arguments.folder, folder);
   warn(doubts(run));
   ExperimentArguments once_more;
   once_more.file = run.experiment_file;

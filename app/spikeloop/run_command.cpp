@@ -237,6 +237,7 @@ int run_file(const RunArguments& arguments) {
   experiment.force = arguments.force;
   experiment.record = !arguments.no_record;
   if (std::filesystem::is_directory(arguments.file)) {
+    refuse_own_folder(arguments.job.folder, arguments.file);
     const RecordedRun run = read_run_again(arguments.file);
     for (const std::string& text : doubts(run)) {
       put(stderr, fmt::format("spikeloop: warning: {}\n", text));

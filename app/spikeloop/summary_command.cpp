@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   spikeloop summary runs/explorer-1                     results of a run
-  spikeloop summary runs/explorer-1 runs/explorer-2     a column per run, and where settings differ
+  spikeloop summary runs/explorer-1 runs/explorer-2     a column per run, and settings that differ
 
 Exit codes: 0 success, 1 a folder has no summary.json that can be read, 3 Python is missing)";
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "spikeloop/core/code.hpp"
+#include "yaml_json.hpp"
 #include "yaml_section.hpp"
 
 namespace spikeloop {
@@ -40,9 +41,11 @@ YAML::Node without_place(const YAML::Node& node) {
 
 class Setter {
  public:
-  explicit Setter(const Setting& setting)
-      : setting_(setting),
-        value_(without_place(yaml_text::load(setting.value, setting.option, "value"))) {}
+  explicit Setter(const Setting& setting) : setting_(setting) {
+    const YAML::Node value = yaml_text::load(setting.value, setting.option, "value");
+    yaml_text::to_json(setting.option, value);  // its depth and size have bounds
+    value_.reset(without_place(value));
+  }
 
   void set(YAML::Node document) {
     const auto [first, rest] = split_key(setting_.key);
@@ -70,7 +73,8 @@ class Setter {
     if (!nodes.IsMap()) {
       return;  // which is an error of the file
     }
-    if (!nodes[name].IsDefined()) {
+    const bool is_new_node = path == name && value_.IsMap();
+    if (!nodes[name].IsDefined() && !is_new_node) {
       std::vector<std::string> known = experiment_keys();
       for (const auto& entry : nodes) {
         known.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
@@ -123,9 +127,10 @@ class Setter {
     const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), index);
     if (error != std::errc() || end != first.data() + first.size() || index >= list.size()) {
       refuse(Code::out_of_bounds,
-             fmt::format("'{}' is not an entry of a list of {}; write a number "
-                         "from 0 to {}",
-                         first, list.size(), list.size() - 1));
+             list.size() == 0
+                 ? fmt::format("there is no '{}' in an empty list; write the whole value", first)
+                 : fmt::format("'{}' is not an entry of a list of {}; write a number from 0 to {}",
+                               first, list.size(), list.size() - 1));
     }
     if (rest.empty()) {
       list[index] = value_;

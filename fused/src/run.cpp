@@ -368,7 +368,8 @@ json resolved_json(const Experiment& experiment) {
                                    {"fov_deg", camera->field_of_view_deg}};
     }
   }
-  result["experiment_file"] = std::filesystem::absolute(experiment.origin).string();
+  result["experiment_file"] =
+      std::filesystem::absolute(experiment.origin).lexically_normal().string();
   result["files"] = json::object();
   for (const std::string& path : experiment.files) {
     result["files"][path] = file_print(path);

@@ -94,7 +94,8 @@ NodeClass disturb_signal_class() {
   description.parameters = {
       number_parameter("noise", "1", "0", 0, 1e6, "Standard deviation of the noise of each value"),
       number_parameter("bias", "1", "0", -1e6, 1e6, "What is added to each value"),
-      number_parameter("drop", "1", "0", 0, 1, "Probability that a channel keeps its old value"),
+      number_parameter("drop", "1", "0", 0, 1,
+                       "Probability that a channel keeps its old value when a new one comes"),
       {.name = "freeze",
        .type = ParameterType::boolean,
        .default_value = "false",

@@ -111,7 +111,8 @@ NodeClass disturb_spikes_class() {
   description.parameters = {
       number_parameter("drop", "1", "0", 0, 1, "Probability that a spike is lost"),
       number_parameter("jitter", "s", "0", 0, 10, "Largest random delay of a spike"),
-      number_parameter("lesion", "1", "0", 0, 1, "Fraction of the channels that are silent")};
+      number_parameter("lesion", "1", "0", 0, 1,
+                       "Fraction of the channels that are silent, rounded to whole ones")};
   append_disturbance_period(description.parameters);
   return {description,
           [](const NodeSetup& setup) { return std::make_unique<DisturbSpikes>(setup); }};

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "caller.hpp"
 #include "spikeloop/core/code.hpp"
@@ -79,6 +80,11 @@ class Loop {
     caller_.emplace(experiment_);
     options_.folder = folder;
     options_.record = !folder.empty();
+    for (const experiment::Node& node : experiment_.nodes) {
+      if (experiment::is_simulator(node)) {
+        options_.about["caller"].push_back(node.name);
+      }
+    }
     options_.observe = [this](const std::string& end, PortKind kind, std::uint32_t width) {
       return caller_->observe(end, kind, width);
     };
@@ -86,23 +92,48 @@ class Loop {
     run_.emplace(experiment_, *transport_, options_, events_, &*caller_);
   }
 
-  /// Returns how many there were.
+  /// Returns how many there were. Looks for signals of Python's.
   std::uint64_t step(std::uint64_t ticks) {
+    const auto use = in_use();
     caller_->forget_spikes();
     std::uint64_t done = 0;
+    TimeNs looked = wall_now();
     while (done < ticks && run_->tick()) {
       ++done;
+      if (const TimeNs now = wall_now(); now > looked + kSignals) {
+        looked = now;
+        const py::gil_scoped_acquire python;
+        if (PyErr_CheckSignals() != 0) {
+          throw py::error_already_set();
+        }
+      }
     }
     return done;
   }
 
-  fused::RunResult finish() { return run_->finish(); }
+  fused::RunResult finish() {
+    const auto use = in_use();
+    return run_->finish();
+  }
+
+  /// One thread at a time. @throws ConfigurationError
+  std::unique_lock<std::mutex> in_use() {
+    std::unique_lock lock(use_, std::try_to_lock);
+    if (!lock) {
+      throw ConfigurationError(with_code(
+          Code::conflicting_keys, "another thread uses this loop; let one thread alone step it"));
+    }
+    return lock;
+  }
   TimeNs time() const { return run_->time(); }
   TimeNs tick() const { return experiment_.tick; }
   Caller& caller() { return *caller_; }
   std::vector<std::string> warnings() { return warnings_.take(); }
 
  private:
+  static constexpr TimeNs kSignals = kNsPerSecond / 20;
+
+  std::mutex use_;
   Warnings warnings_;
   std::unique_ptr<experiment::Loaded> loaded_;
   experiment::Experiment experiment_;
@@ -113,9 +144,20 @@ class Loop {
   std::optional<fused::Run> run_;
 };
 
+const Seen& seen(Loop& loop, const std::string& end, PortKind kind) {
+  const Seen& found = loop.caller().seen(end);
+  if (found.kind != kind) {
+    throw ConfigurationError(with_code(Code::kinds_differ, "'{}' carries {}; write {}", end,
+                                       kind == PortKind::spikes ? "a continuous signal" : "spikes",
+                                       kind == PortKind::spikes ? "loop.signal" : "loop.spikes"));
+  }
+  return found;
+}
+
 /// (times in ns, channels)
 py::tuple spikes(Loop& loop, const std::string& end) {
-  const auto& spikes = loop.caller().seen(end).spikes;
+  const auto use = loop.in_use();
+  const auto& spikes = seen(loop, end, PortKind::spikes).spikes;
   py::array_t<std::int64_t> times(static_cast<py::ssize_t>(spikes.size()));
   py::array_t<std::int64_t> channels(static_cast<py::ssize_t>(spikes.size()));
   for (std::size_t i = 0; i < spikes.size(); ++i) {
@@ -126,7 +168,8 @@ py::tuple spikes(Loop& loop, const std::string& end) {
 }
 
 py::object signal(Loop& loop, const std::string& end) {
-  const auto& values = loop.caller().seen(end).values;
+  const auto use = loop.in_use();
+  const auto& values = seen(loop, end, PortKind::signal).values;
   if (values.empty()) {
     return py::none();
   }
@@ -146,6 +189,7 @@ Sent& of_kind(Loop& loop, const std::string& end, PortKind kind) {
 /// Of the interval that was stepped last.
 void send(Loop& loop, const std::string& end, const Array<std::int64_t>& times,
           const Array<std::int64_t>& channels) {
+  const auto use = loop.in_use();
   Sent& sent = of_kind(loop, end, PortKind::spikes);
   if (times.size() != channels.size()) {
     throw ConfigurationError(with_code(Code::widths_differ,
@@ -173,6 +217,7 @@ void send(Loop& loop, const std::string& end, const Array<std::int64_t>& times,
 }
 
 void write(Loop& loop, const std::string& end, const Array<double>& values) {
+  const auto use = loop.in_use();
   Sent& sent = of_kind(loop, end, PortKind::signal);
   if (values.size() != sent.width) {
     throw ConfigurationError(with_code(Code::widths_differ,

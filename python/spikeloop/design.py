@@ -17,14 +17,14 @@ class DesignError(Exception):
 class Range:
     """From one number to another, both included, of one unit ("" for none)."""
 
-    first: float
+    first: float  # int if `whole`
     last: float
     unit: str
     whole: bool
 
     def text(self, number):
         """As it would stand in the file: "0.25 nA"."""
-        shown = str(round(number)) if self.whole else f"{number:.12g}"
+        shown = str(number) if self.whole else f"{number:.12g}"
         return f"{shown} {self.unit}".rstrip()
 
 
@@ -35,8 +35,12 @@ _RANGE = re.compile(rf"{_QUANTITY}\.\.{_QUANTITY}(?:\bby\b{_QUANTITY})?")
 
 def entries(text):
     """Of "[a, [b, c], d]" its entries as they were written."""
-    inner, depth, begin, found = text.strip()[1:-1], 0, 0, []
+    inner, depth, quote, begin, found = text.strip()[1:-1], 0, "", 0, []
     for at, character in enumerate(inner):
+        if quote:
+            quote = "" if character == quote else quote
+            continue
+        quote = character if character in "\"'" else ""
         depth += (character in "[{") - (character in "]}")
         if character == "," and depth == 0:
             found.append(inner[begin:at].strip())
@@ -66,15 +70,17 @@ def parse(setting):
         raise DesignError(f"--set {setting}: the numbers of the range have different units; write for example "
                           f"{key}=\"50 Hz..200 Hz by 50 Hz\"")
     whole = not unit and all(re.fullmatch(r"[-+]?\d+", number) for number in (first, last, step or "1"))
-    found = Range(float(first), float(last), unit, whole)
-    if found.last < found.first or (step is not None and float(step) <= 0):
+    number = int if whole else float
+    found = Range(number(first), number(last), unit, whole)
+    if found.last < found.first or (step is not None and number(step) <= 0):
         raise DesignError(f"--set {setting}: the range is empty; write its smaller end first")
     if step is None:
         return key, found
-    count = int((found.last - found.first) / float(step) + 1e-9) + 1
+    width = number(step)
+    count = (found.last - found.first) // width + 1 if whole else int((found.last - found.first) / width + 1e-9) + 1
     if count > MOST:
         raise DesignError(f"--set {setting}: the range has {count} values, more than {MOST}; write a larger step")
-    return key, [found.text(found.first + i * float(step)) for i in range(count)]
+    return key, [found.text(found.first + i * width) for i in range(count)]
 
 
 def design(settings, samples=None):
@@ -93,12 +99,12 @@ def design(settings, samples=None):
             if not given.whole:
                 raise DesignError(f"--set {key}: the range needs a step, as in \"50 Hz..200 Hz by 50 Hz\"; or write "
                                   "--samples 20 to draw from it")
-            size *= int(given.last - given.first) + 1
+            size *= given.last - given.first + 1
         else:
             size *= len(given)
     if size > MOST:
         raise DesignError(f"these settings have {size} combinations, more than {MOST}; write --samples")
-    choices = [[given.text(number) for number in range(int(given.first), int(given.last) + 1)]
+    choices = [[given.text(number) for number in range(given.first, given.last + 1)]
                if isinstance(given, Range) else given for given in values.values()]
     return [dict(zip(values, chosen)) for chosen in itertools.product(*choices)]
 
@@ -107,5 +113,5 @@ def _drawn(given, draw):
     if not isinstance(given, Range):
         return draw.choice(given)
     if given.whole:
-        return given.text(draw.randint(int(given.first), int(given.last)))
+        return given.text(draw.randint(given.first, given.last))
     return given.text(draw.uniform(given.first, given.last))

@@ -16,6 +16,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import warnings
@@ -58,7 +59,7 @@ def value_text(value):
         return value
     if hasattr(value, "tolist"):  # of NumPy
         value = value.tolist()
-    return json.dumps(value)
+    return json.dumps(value, ensure_ascii=False, default=str)
 
 
 LONGEST = 100_000  # characters that the system takes as one argument
@@ -77,11 +78,16 @@ def setting_words(settings):
 
 def call(*words):
     """Standard output of `spikeloop WORDS`. @raises SpikeloopError; KeyboardInterrupt after its end"""
-    with subprocess.Popen([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          stdin=subprocess.DEVNULL, text=True) as process:
+    try:
+        process = subprocess.Popen([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   stdin=subprocess.DEVNULL, text=True, start_new_session=True)
+    except (OSError, ValueError) as error:  # too many settings, a zero byte
+        raise SpikeloopError(f"spikeloop {words[0]} cannot be started: {error}", 3) from None
+    with process:
         try:
             out, said = process.communicate()
-        except KeyboardInterrupt:  # which a terminal sends to both
+        except KeyboardInterrupt:  # not of the process, whose session is its own
+            process.send_signal(signal.SIGINT)
             process.communicate()
             raise
     if process.returncode != 0:
@@ -107,7 +113,8 @@ class Experiment:
 
     A key is one of the experiment ("seed"), of a node ("encoder.rate_max"), of the robot
     ("robot.world"), or lies in a value that is a map or a list ("brain.network.connections.0.delay").
-    Reading a key gives its value with every default, numbers in the units of `spikeloop describe`.
+    Reading a key of the experiment, a node or the robot gives its value with every default, numbers in the units
+    of `spikeloop describe`. `settings` has what was set; `del experiment[key]` takes it back.
     """
 
     def __init__(self, file, settings=None):
@@ -117,43 +124,48 @@ class Experiment:
     def __setitem__(self, key, value):
         self.settings[key] = value
 
+    def __delitem__(self, key):
+        """Takes a setting back. @raises KeyError"""
+        del self.settings[key]
+
     def __getitem__(self, key):
-        resolved = self.resolved()
-        node, dot, name = key.removeprefix("nodes.").partition(".")
-        values = resolved["nodes"].get(node, {}) if dot else resolved
-        if dot and node == "robot":
-            values = resolved.get("robot", {})
-        name = name or node
-        if name not in values:
-            raise KeyError(key)
-        return values[name]
+        """@raises KeyError; SpikeloopError when a setting is wrong"""
+        resolved, found = self.resolved(), {}
+        for node, keys in {**resolved["nodes"], "robot": resolved.get("robot", {})}.items():
+            found[f"nodes.{node}"] = found[node] = keys
+            found.update({f"{node}.{name}": value for name, value in keys.items()})
+        found.update(resolved)
+        for name in ("duration", "tick"):
+            found[name] = resolved[f"{name}_ns"] and resolved[f"{name}_ns"] * 1e-9
+        if key.removeprefix("nodes.") in found:
+            return found[key.removeprefix("nodes.")]
+        return self.settings[key]  # within the value of another key
 
     def resolved(self):
         """The whole experiment as a dictionary, with every default, width and delay."""
-        return json.loads(call("check", "--json", self.file, *setting_words(self.settings)))
+        return json.loads(call("check", "--json", *setting_words(self.settings), "--", self.file))
 
-    def open(self, *, set=None, out=None):
+    def open(self, *, seed=None, duration=None, sync=None, set=None, out=None):
         """The experiment in this process, to be stepped: `with experiment.open() as loop: ...`.
 
-        set: keys and values for this run alone. out: a run folder to record in.
-        It has no ROS, and the layout fused. Nodes that are simulators (`simulator: python`) do not run:
+        As run(), but without ROS, and with the layout fused. out: a run folder to record in. Nodes that are simulators (`simulator: python`) do not run:
         the caller reads their inputs, and writes their outputs. @raises SpikeloopError
         """
-        return Loop(self.file, {**self.settings, **(set or {})}, out)
+        return Loop(self.file, self._with(set, seed=seed, duration=duration, sync=sync), out)
+
+    def _with(self, more, **keys):
+        """The settings with these, as far as they are given."""
+        return {**self.settings, **(more or {}), **{key: value for key, value in keys.items() if value is not None}}
 
     def run(self, *, seed=None, duration=None, sync=None, ros=None, layout=None, set=None, out=None,
             force=False, record=True):
         """Runs the experiment to its end.
 
-        set: keys and values for this run alone. out: the run folder; without it the folder is
+        set: a dictionary of keys and values for this run alone. out: the run folder; without it the folder is
         temporary and goes with the result. force: replaces the results of a run in it. record: False leaves out the outputs of nodes.
         @raises SpikeloopError: the file or a setting is wrong, the run failed.
         """
-        settings = {**self.settings, **(set or {})}
-        for key, value in (("seed", seed), ("duration", duration), ("sync", sync), ("ros", ros),
-                           ("layout", layout)):
-            if value is not None:
-                settings[key] = value
+        settings = self._with(set, seed=seed, duration=duration, sync=sync, ros=ros, layout=layout)
         folder = out or tempfile.mkdtemp(prefix="spikeloop-")
         try:
             self._run(folder, settings, force, record)
@@ -164,8 +176,8 @@ class Experiment:
         return Run(folder, temporary=out is None)
 
     def _run(self, folder, settings, force, record):
-        call("run", "-q", self.file, "--out", folder, *(["--force"] if force else []), *([] if record else ["--no-record"]),
-             *setting_words(settings))
+        call("run", "-q", "--out", folder, *(["--force"] if force else []), *([] if record else ["--no-record"]),
+             *setting_words(settings), "--", self.file)
 
 
 class Loop:
@@ -185,9 +197,12 @@ class Loop:
         self.folder = None
         if out is not None:
             self.folder = pathlib.Path(out)
-            if self.folder.exists() and any(self.folder.iterdir()):
+            if self.folder.is_dir() and any(self.folder.iterdir()):
                 raise SpikeloopError(f"the folder '{out}' is not empty; give another one", 2)
-            self.folder.mkdir(parents=True, exist_ok=True)
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise SpikeloopError(f"cannot make the folder '{out}': {error.strerror}", 4) from None
         plain = json.dumps([[key, value_text(value), f"set {key}"] for key, value in settings.items()])
         self._loop = self._call(self._module.Loop, str(file), plain, str(self.folder.absolute()) if out else "")
         self._result = None
@@ -225,16 +240,16 @@ class Loop:
         return self._loop.inputs()
 
     def step(self, ticks=1):
-        """Advances by this many ticks. @returns whether it did: False at the end of the duration.
+        """Advances by this many ticks, or as many as are left. @returns whether there was one.
         @raises SpikeloopError: a node failed"""
-        done = self._loop.step(ticks)
+        done = self._call(self._loop.step, ticks) if self._result is None else 0
         for text in self._loop.warnings():
             warnings.warn(text, stacklevel=2)
         if done < ticks:
             self._finish()
             if self._result[0] != 0:
                 raise SpikeloopError(self._result[1], self._result[0])
-        return done == ticks
+        return done > 0
 
     def spikes(self, end):
         """What it sent in the last step(): (times in s, channels). @raises SpikeloopError: no such end"""
@@ -257,19 +272,21 @@ class Loop:
 
     def _finish(self):
         if self._result is None:
-            self._result = self._loop.finish()
+            self._result = self._call(self._loop.finish)
 
     def close(self):
         """Ends the run; the robot stops. Recordings and summary.json are complete then."""
         self._finish()
 
     def summary(self):
-        """Results of the run, after its end."""
+        """Ends the run. @returns its results"""
         self._finish()
         return json.loads(self._result[2])
 
     def run(self):
-        """What was recorded, after the end, if there is a folder."""
+        """Ends the run, and reads what it recorded. @raises SpikeloopError: open() had no `out`"""
+        if self.folder is None:
+            raise SpikeloopError("nothing was recorded; write open(out=FOLDER)", 2)
         self._finish()
         return Run(self.folder)
 

@@ -77,19 +77,21 @@ def settings_of(folder):
 
 
 def comparison(folders):
-    """The lines of a table with a column for each run: settings, then results."""
+    """The lines of a table with a column for each run: settings that differ, then results."""
     summaries, settings = [read_summary(folder) for folder in folders], [settings_of(folder) for folder in folders]
-    rows = [["", *(pathlib.Path(folder).resolve().name for folder in folders), ""]]
+    rows = [["", *(pathlib.Path(folder).resolve().name for folder in folders)]]
     for key in dict.fromkeys(key for setting in settings for key in setting):
-        rows.append([key, *(setting.get(key, "-") for setting in settings), ""])
+        values = [setting.get(key, "-") for setting in settings]
+        if len(set(values)) > 1:
+            rows.append([key, *(value if len(value) <= 24 else value[:21] + "..." for value in values)])
     for key, label, unit, pattern in ROWS:
         if any(key in summary for summary in summaries):
-            rows.append([label, *(value_text(key, summary.get(key), pattern) for summary in summaries), unit])
+            rows.append([f"{label}, {unit}" if unit else label,
+                         *(value_text(key, summary.get(key), pattern) for summary in summaries)])
     if any(summary.get("exit_code") for summary in summaries):
-        rows.append(["exit code", *(str(summary.get("exit_code", "-")) for summary in summaries), ""])
+        rows.append(["exit code", *(str(summary.get("exit_code", "-")) for summary in summaries)])
     widths = [max(10, *(len(row[column]) for row in rows)) for column in range(len(rows[0]))]
-    return ["  ".join(["", row[0].ljust(widths[0]), *map(str.rjust, row[1:-1], widths[1:-1])]) + f" {row[-1]}".rstrip()
-            for row in rows]
+    return ["  ".join(["", row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in rows]
 
 
 def main(arguments):

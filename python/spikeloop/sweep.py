@@ -7,6 +7,7 @@ and results.csv, a row for every run that has ended. The same command goes on wh
 
 import argparse
 import csv
+import fcntl
 import hashlib
 import io
 import json
@@ -20,6 +21,7 @@ import time
 from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
 from .progress import Progress, Stopped, note_signals
+from .run_folder import did_you_mean
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
@@ -48,13 +50,15 @@ def write_whole(path, text):
 class Sweep:
     """The runs of one experiment, in a folder."""
 
-    def __init__(self, file, settings, samples, folder):
+    def __init__(self, file, settings, samples, folder, columns):
+        self.columns = columns
         self.file, self.folder = pathlib.Path(file), pathlib.Path(folder)
         self.runs = design(settings, samples)
         self._digits = max(3, len(str(len(self.runs))))
         self._state = {"experiment": str(self.file.absolute()), "settings": settings, "samples": samples,
                        "sha256": hashlib.sha256(self.file.read_bytes()).hexdigest()}
         self.rows = {}  # of results.csv, by number
+        self.counters = set()  # that runs have had
 
     def name(self, number):
         """Of the run's folder: "007"; numbers count from 1."""
@@ -63,20 +67,43 @@ class Sweep:
     def open(self):
         """Makes the folder, or goes on in it. @raises SweepError"""
         state = self.folder / STATE
+        if self.folder.exists() and not state.exists() and any(self.folder.iterdir()):
+            raise SweepError(f"--out: '{self.folder}' is not empty, and holds no sweep; write another folder")
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._lock = os.open(self.folder, os.O_RDONLY)  # until this process ends
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise SweepError(f"--out: another sweep that has not ended writes to '{self.folder}'; wait for its end, "
+                             "or write another folder", EXIT_FILE) from None
         if not state.exists():
-            if self.folder.exists() and any(self.folder.iterdir()):
-                raise SweepError(f"--out: '{self.folder}' is not empty, and holds no sweep; write another folder")
-            self.folder.mkdir(parents=True, exist_ok=True)
             write_whole(state, json.dumps(self._state, indent=1) + "\n")
             return
-        before = json.loads(state.read_text(encoding="utf-8"))
+        try:
+            before = dict(json.loads(state.read_text(encoding="utf-8")))
+        except ValueError as error:
+            raise SweepError(f"'{state}' is damaged: {error}; write another folder", EXIT_FILE) from None
         for key, what in (("experiment", "of another experiment"), ("settings", "with other settings"),
                           ("samples", "with other --samples"), ("sha256", "of the file as it was")):
             if before.get(key) != self._state[key]:
                 raise SweepError(f"--out: '{self.folder}' holds a sweep {what}; write another folder, or remove it")
-        if (self.folder / TABLE).exists():
-            with open(self.folder / TABLE, newline="", encoding="utf-8") as table:
-                self.rows = {int(row["run"]): row for row in csv.DictReader(table)}
+        self._read_table()
+
+    def _read_table(self):
+        """The rows of runs that have ended; their results are read again."""
+        path = self.folder / TABLE
+        if not path.exists():
+            return
+        try:
+            with open(path, newline="", encoding="utf-8-sig") as table:
+                rows = [(int(row["run"]), int(row["exit_code"]), row["exit_reason"] or "")
+                        for row in csv.DictReader(table)]
+        except (ValueError, KeyError, TypeError, csv.Error) as error:
+            raise SweepError(f"'{path}' cannot be read: {error}; remove it, and all runs are repeated",
+                             EXIT_FILE) from None
+        for number, exit_code, reason in rows:
+            if 1 <= number <= len(self.runs):
+                self.take(number, exit_code, reason)
 
     def write_table(self):
         """results.csv: run, settings, exit code and reason, what the summaries have."""
@@ -92,17 +119,21 @@ class Sweep:
             table.writerow(self.rows[number])
         write_whole(self.folder / TABLE, text.getvalue())
 
-    def take(self, number, exit_code, said, columns):
-        """Notes how a run ended."""
-        row = {"run": self.name(number), **self.runs[number - 1], "exit_code": str(exit_code)}
+    def take(self, number, exit_code, said):
+        """Notes how a run ended, and its results."""
+        row = {"run": self.name(number), **self.runs[number - 1]}
         try:
-            summary = json.loads((self.folder / self.name(number) / "summary.json").read_text(encoding="utf-8"))
+            summary = dict(json.loads((self.folder / self.name(number) / "summary.json").read_text(encoding="utf-8")))
         except (OSError, ValueError):
             summary = {}
+            if exit_code == 0:
+                return  # whatever the table says, it has no results: it runs again
         row.update({key: str(summary[key]) for key in MEASURED if summary.get(key) is not None})
         counters = summary.get("counters", {})
-        row.update({name: str(counters[name]) for name in columns if name in counters})
+        self.counters.update(counters)
+        row.update({name: str(counters[name]) for name in self.columns if name in counters})
         lines = said.strip().splitlines()
+        row["exit_code"] = str(exit_code)
         row["exit_reason"] = "finished" if exit_code == 0 else \
             (lines[-1].removeprefix("spikeloop: ") if lines else "")
         self.rows[number] = row
@@ -121,8 +152,8 @@ class Worker:
         folder.mkdir(exist_ok=True)
         self._said = open(folder / "stderr.txt", "w+", encoding="utf-8")
         self.process = subprocess.Popen(
-            [program(), "run", "-q", str(sweep.file), "--out", str(folder), "--force",
-             *setting_words(sweep.runs[number - 1])],
+            [program(), "run", "-q", "--out", str(folder), "--force",
+             *setting_words(sweep.runs[number - 1]), "--", str(sweep.file)],
             stdout=subprocess.DEVNULL, stderr=self._said, stdin=subprocess.DEVNULL, start_new_session=True)
 
     def stop(self):
@@ -155,8 +186,8 @@ def time_text(seconds):
 class Sweeping:
     """The work: up to `jobs` runs at once."""
 
-    def __init__(self, sweep, jobs, columns, progress):
-        self._sweep, self._jobs, self._columns, self._progress = sweep, jobs, columns, progress
+    def __init__(self, sweep, jobs, progress):
+        self._sweep, self._jobs, self._progress = sweep, jobs, progress
         self._open = [number for number in range(1, len(sweep.runs) + 1) if number not in sweep.rows]
         self._all = len(self._open)
         self._ended = 0
@@ -173,12 +204,18 @@ class Sweeping:
             done = [worker for worker in self.running if worker.process.poll() is not None]
             for worker in done:
                 self.running.remove(worker)
-                self._sweep.take(worker.number, worker.process.returncode, worker.said(), self._columns)
-                self._ended += 1
+                self._end(worker)
             if done:
                 self._say()
             else:
                 time.sleep(0.01)
+
+    def _end(self, worker):
+        exit_code, said = worker.process.returncode, worker.said()
+        self._sweep.take(worker.number, exit_code, said)
+        if worker.number not in self._sweep.rows:
+            self._sweep.take(worker.number, EXIT_FILE, "there is no summary.json in its folder")
+        self._ended += 1
 
     def _say(self):
         """At most once a second, and at the end."""
@@ -219,27 +256,37 @@ def _report(sweep):
     return EXIT_FAILED if failed else 0
 
 
+def _jobs(given, sweep, sync):
+    """Runs that follow the wall clock would disturb each other."""
+    all_of_them = {run.get("sync", sync) for run in sweep.runs}
+    return given.jobs or (len(os.sched_getaffinity(0)) if all_of_them <= {"lockstep", "unpaced"} else 1)
+
+
 def _sweep(given):
-    sweep = Sweep(given.file, given.set, given.samples, given.out)
-    checked = json.loads(call("check", "--json", given.file, *setting_words(sweep.runs[0])))
+    signals = note_signals()
+    sweep = Sweep(given.file, given.set, given.samples, given.out, given.columns)
+    checked = json.loads(call("check", "--json", *setting_words(sweep.runs[0]), "--", given.file))
     sweep.open()
-    # Runs that follow the wall clock would disturb each other.
-    jobs = given.jobs or (len(os.sched_getaffinity(0)) if checked["sync"] in ("lockstep", "unpaced") else 1)
     progress = Progress(open(os.devnull, "w", encoding="utf-8") if given.quiet else sys.stderr)
     progress.part = str(sweep.folder)
-    signals = note_signals()
-    work = Sweeping(sweep, jobs, given.columns, progress)
+    work = Sweeping(sweep, _jobs(given, sweep, checked["sync"]), progress)
+    stopped = None
     try:
         work.run(signals)
     except Stopped as stop:
+        stopped = stop
+    finally:
         work.stop()
         progress.end()
         sweep.write_table()
-        print(f"spikeloop: stopped by {stop} after {len(sweep.rows)} of {len(sweep.runs)} runs; the same command "
+    if stopped is not None:
+        print(f"spikeloop: stopped by {stopped} after {len(sweep.rows)} of {len(sweep.runs)} runs; the same command "
               "goes on from there", file=sys.stderr)
-        return 128 + stop.number
-    progress.end()
-    sweep.write_table()
+        return 128 + stopped.number
+    for name in given.columns:
+        if sweep.counters and name not in sweep.counters:
+            print(f"spikeloop: warning: --columns: no run has a counter '{name}'"
+                  f"{did_you_mean(name, sorted(sweep.counters))}", file=sys.stderr)
     print(sweep.folder / TABLE)
     return _report(sweep)
 

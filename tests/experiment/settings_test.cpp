@@ -69,6 +69,11 @@ TEST_F(SettingsTest, ReachIntoMapsAndListsAndMayReplaceThem) {
   EXPECT_EQ(experiment.node("wheels").written.at("fields").text, R"({"linear.x":1,"angular.z":1})");
   EXPECT_THAT(experiment.node("brain").written.at("network").text,
               testing::HasSubstr(R"("delay":"4 ms")"));
+  EXPECT_EQ(good({"extra={node: sigmoid}",
+                  "connections=['scan -> extra [3] -> encoder -> brain -> decoder "
+                  "-> wheels']"})
+                .nodes.size(),
+            6U);
   EXPECT_EQ(good({"encoder={node: poisson_encoder, rate_max: 7 Hz}"}).node("encoder").kind,
             "poisson_encoder");
 }

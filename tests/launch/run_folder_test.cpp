@@ -45,6 +45,7 @@ class Folder : public testing::Test {
 };
 
 TEST_F(Folder, KeepsTheResultsOfARunUnlessForced) {
+  directory_.write("effective.music", "");
   directory_.write("encoder.h5", kRecording);
   directory_.write("notes.txt", "");
   refused();
@@ -52,7 +53,25 @@ TEST_F(Folder, KeepsTheResultsOfARunUnlessForced) {
   directory_.write("trajectory.csv", "");
   const RunFolder folder(path_, "", true);
   EXPECT_EQ(folder.path(), path_);
-  EXPECT_THAT(files(), UnorderedElementsAre("notes.txt"));
+  EXPECT_THAT(files(), UnorderedElementsAre("notes.txt", "effective.music"));
+}
+
+TEST_F(Folder, OfSomebodyElseKeepsItsFiles) {
+  directory_.write("resolved.json", R"({"mine": 1})");
+  directory_.write("log.txt", "mine");
+  std::filesystem::create_directories(directory_.path() / "experiment-files" / "x");
+  try {
+    const RunFolder folder(path_, "", false);
+    FAIL() << "it was taken";
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "the folder '" + path_ +
+                  "' is not that of a run, and has a file 'resolved.json', which a run writes; "
+                  "write --force to replace it, or give another folder with --out [SL0109]");
+  }
+  const RunFolder folder(path_, "", true);
+  EXPECT_THAT(files(), UnorderedElementsAre("resolved.json", "log.txt", "experiment-files"));
+  EXPECT_TRUE(std::filesystem::exists(directory_.path() / "experiment-files" / "x"));
 }
 
 TEST_F(Folder, OfARunThatNeverBeganIsUsedAgain) {
@@ -98,6 +117,7 @@ TEST_F(Folder, IsHeldByOneRun) {
 }
 
 TEST_F(Folder, ThatCannotBeClearedIsAnError) {
+  directory_.write("effective.music", "");
   std::filesystem::create_directories(directory_.path() / "summary.json" / "x");
   try {
     const RunFolder folder(path_, "", true);

@@ -79,7 +79,17 @@ class SelfContained(explorer.Folder):
         explorer.spikeloop("run", self.folder / "own", "--out", self.folder / "own again")
         self.assertTrue(explorer.same(explorer.recorded(self.folder / "own"), explorer.recorded(self.folder / "own again")))
 
+    def test_an_experiment_named_from_another_folder(self):
+        explorer.spikeloop("run", "../project/explorer.yaml", "--sync", "lockstep", "--set", "duration=0.2 s", "--out",
+                           self.folder / "named", cwd=self.run_folder)
+        (self.project / "parts/weights.json").write_text(json.dumps([[0] * 10] * 2))
+        self.assertIn("the same in both runs", explorer.spikeloop("replay", self.folder / "named")[0])
+
     def test_mistakes(self):
+        for command in ("replay", "run"):
+            self.assertIn("is the run itself", explorer.spikeloop(command, self.run_folder, "--out", self.run_folder,
+                                                                  "--force", code=2)[1])
+        self.assertTrue((self.run_folder / "experiment-files").exists())
         for folder in (self.folder, self.project):
             self.assertIn("it is not a run folder", explorer.spikeloop("run", folder, code=2)[1])
 

@@ -32,8 +32,15 @@ class Interface(explorer.Folder):
         self.assertEqual(self.experiment["encoder.rate_max"], 100)
         self.assertEqual(self.experiment["robot.seed"], 4)
         self.assertIn("0.5", self.experiment["wheels.limits"])
+        self.assertEqual(self.experiment["duration"], 1)
+        self.assertEqual(self.experiment["encoder"]["node"], "rate_encoder")
         with self.assertRaises(KeyError):
             self.experiment["encoder.nothing"]
+        self.experiment["encoder.ratemax"] = 3
+        with self.assertRaisesRegex(spikeloop.SpikeloopError, "did you mean 'rate_max'"):
+            self.experiment["seed"]
+        del self.experiment["encoder.ratemax"]
+        self.assertEqual(self.experiment["seed"], 1)
 
     def test_a_run_has_what_it_recorded(self):
         run = self.experiment.run(seed=3, set={"encoder.rate_max": "100 Hz"})

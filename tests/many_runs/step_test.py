@@ -1,6 +1,10 @@
 #!/usr/bin/python3
 """Experiment.open: a run, tick by tick, and the caller in a simulator's place."""
 
+import os
+import signal
+import threading
+import time
 import unittest
 
 import numpy as np
@@ -17,7 +21,7 @@ class Stepped(explorer.Folder):
             self.assertEqual(loop.tick_s, 0.001)
             self.assertEqual(loop.outputs["encoder.out"], ("spikes", 10))
             self.assertIsNone(loop.signal("scan.out"))
-            while loop.step(10):
+            while loop.step(30):  # the last block is shorter
                 times.append(loop.spikes("encoder.out")[0])
             self.assertAlmostEqual(loop.time_s, 1.0)
             self.assertEqual(loop.signal("wheels.command").shape, (2,))
@@ -38,6 +42,29 @@ class Stepped(explorer.Folder):
             np.testing.assert_array_equal(by_hand[node].signal.values, by_script[node].signal.values)
         np.testing.assert_array_equal(by_hand["encoder"].spikes.times_s, by_script["encoder"].spikes.times_s)
         self.assertGreater(by_hand["decoder"].signal.values.max(), 0)
+        self.assertFalse(loop.step(), "it has ended")
+        for command in ("replay", "run"):
+            self.assertIn("a program in Python stood for its simulators, [\"brain\"]",
+                          explorer.spikeloop(command, self.folder / "by_hand", code=2)[1])
+
+    def test_one_thread_at_a_time(self):
+        experiment = spikeloop.load(self.file, {"sync": "realtime", "duration": "30 s"})
+        with experiment.open() as loop:
+            other = threading.Thread(target=loop.step, args=(500,))
+            other.start()
+            while loop.time_s == 0:
+                time.sleep(0.01)
+            with self.assertRaisesRegex(spikeloop.SpikeloopError, "another thread uses this loop"):
+                loop.step()
+            other.join()
+            self.assertTrue(loop.step())
+
+    def test_ctrl_c_comes_through(self):
+        experiment = spikeloop.load(self.file, {"sync": "realtime", "duration": "1000 s"})
+        with experiment.open() as loop, self.assertRaises(KeyboardInterrupt):
+            threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+            loop.step(1_000_000)
+        self.assertLess(loop.time_s, 900)
 
     def test_mistakes(self):
         experiment = spikeloop.load(self.with_script(), {"sync": "lockstep", "duration": "1 s"})
@@ -48,6 +75,7 @@ class Stepped(explorer.Folder):
                                 (lambda: loop.send("brain.out", [0.003], [0, 1]), "1 times and 2 channels"),
                                 (lambda: loop.send("brian.out", [], []), "did you mean 'brain.out'"),
                                 (lambda: loop.write("brain.out", [1]), "carries spikes; write loop.send"),
+                                (lambda: loop.signal("encoder.out"), "carries spikes; write loop.spikes"),
                                 (lambda: loop.spikes("encoder.in"), "there is no output of a node")):
                 with self.assertRaisesRegex(spikeloop.SpikeloopError, text):
                     wrong()

@@ -28,7 +28,8 @@ class Sweep(explorer.Folder):
 
     def test_every_combination_has_a_row_and_is_the_run_by_hand(self):
         out, said = self.sweep(*FAST, "--set", "encoder.rate_max=[100 Hz, 200 Hz]", "--set", "seed=1..3",
-                               "--columns", "encoder.spikes,wheels.sent")
+                               "--columns", "encoder.spikes,wheels.sent,wheels.sentt")
+        self.assertIn("no run has a counter 'wheels.sentt'; did you mean 'wheels.sent'?", said)
         self.assertEqual(out, f"{self.out / 'results.csv'}\n")
         self.assertIn("6 of 6 runs", said)
         rows = rows_of(self.out)
@@ -88,6 +89,34 @@ class Sweep(explorer.Folder):
         self.assertIn("holds a sweep of the file as it was", self.sweep(*FAST, "--set", "seed=1..2", code=2)[1])
         self.out = self.folder
         self.assertIn("is not empty, and holds no sweep", self.sweep("--set", "seed=1..2", code=2)[1])
+
+    def test_a_damaged_table_is_named_and_lost_results_are_run_again(self):
+        words = (*FAST, "--set", "seed=1..3")
+        self.sweep(*words)
+        table = self.out / "results.csv"
+        before = rows_of(self.out)
+        (self.out / "002" / "summary.json").unlink()
+        self.sweep(*words, "--columns", "encoder.spikes")
+        rows = rows_of(self.out)
+        self.assertEqual([row["distance_m"] for row in rows], [row["distance_m"] for row in before])
+        self.assertTrue(all(int(row["encoder.spikes"]) > 0 for row in rows), "of runs that had ended, too")
+        table.write_text("\ufeff" + table.read_text())  # as a table program saves it
+        self.sweep(*words)
+        for damage in ("run;exit_code\n1;0\n", "run,exit_code,exit_reason\nx,0,\n"):
+            table.write_text(damage)
+            self.assertIn("results.csv' cannot be read", self.sweep(*words, code=4)[1])
+        (self.out / "sweep.json").write_text("{")
+        self.assertIn("sweep.json' is damaged", self.sweep(*words, code=4)[1])
+
+    def test_two_at_once_are_refused(self):
+        words = ("--set", "sync=lockstep", "--set", "duration=20 s", "--set", "seed=1..20", "-j", "1")
+        with subprocess.Popen([explorer.PROGRAM, "sweep", self.file, *words, "--out", self.out],
+                              stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as child:
+            while not (self.out / "001").exists():
+                time.sleep(0.01)
+            self.assertIn("another sweep that has not ended writes to", self.sweep(*words, code=4)[1])
+            child.send_signal(signal.SIGINT)
+            child.wait(60)
 
     def test_mistakes(self):
         for words, text, code in ((("--set", "seed=5..1"), "the range is empty", 2),

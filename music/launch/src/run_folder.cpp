@@ -70,6 +70,21 @@ bool has_ticked(const fs::path& summary) {
          contents["simulated_s"].is_number() && contents["simulated_s"] > 0;
 }
 
+/// Its files may be removed; what has their names in another folder is somebody else's.
+bool is_run_folder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::exists(folder / "effective.music", ignored)) {
+    return true;
+  }
+  const fs::path resolved = folder / "resolved.json";
+  if (!fs::is_regular_file(resolved, ignored)) {
+    return false;
+  }
+  std::ifstream file(resolved);
+  const auto contents = nlohmann::json::parse(file, nullptr, false);
+  return contents.is_object() && contents.contains("experiment_file") && contents.contains("nodes");
+}
+
 void remove_file(const fs::path& path) {
   std::error_code error;
   fs::remove(path, error);
@@ -84,20 +99,32 @@ RunFolder::RunFolder(const std::string& wanted, const std::string& prefix, bool 
     : shown_(wanted.empty() ? first_free(prefix) : wanted),
       path_(make_folder(shown_)),
       lock_(lock_folder(path_, shown_)) {
+  const fs::path folder = path_;
+  const bool ours = is_run_folder(folder);
   const auto earlier = recordings(path_);
-  if (!force && (!earlier.empty() || has_ticked(fs::path(path_) / kSummary))) {
+  if (!force && (!earlier.empty() || has_ticked(folder / kSummary))) {
     throw ConfigurationError(with_code(Code::no_access,
                                        "the folder '{}' has the results of a run; write --force to "
                                        "replace them, or give another folder with --out",
                                        shown_));
   }
-  if (fs::exists(fs::path(path_) / "resolved.json")) {
-    std::error_code ignored;  // it has no results
-    fs::remove_all(fs::path(path_) / "experiment-files", ignored);
+  for (const char* name : kFiles) {
+    if (!ours && !force && fs::exists(folder / name)) {
+      throw ConfigurationError(with_code(Code::no_access,
+                                         "the folder '{}' is not that of a run, and has a file "
+                                         "'{}', which a run writes; write --force to replace it, "
+                                         "or give another folder with --out",
+                                         shown_, name));
+    }
   }
+  if (!ours) {
+    return;
+  }
+  std::error_code ignored;
+  fs::remove_all(folder / "experiment-files", ignored);
   // The summary first: whoever finds one finds the recordings that it is about.
   for (const char* name : kFiles) {
-    remove_file(fs::path(path_) / name);
+    remove_file(folder / name);
   }
   for (const fs::path& recording : earlier) {
     remove_file(recording);
