@@ -148,8 +148,9 @@ class Experiment:
     def open(self, *, seed=None, duration=None, sync=None, set=None, out=None):
         """The experiment in this process, to be stepped: `with experiment.open() as loop: ...`.
 
-        As run(), but without ROS, and with the layout fused. out: a run folder to record in. Nodes that are simulators (`simulator: python`) do not run:
-        the caller reads their inputs, and writes their outputs. @raises SpikeloopError
+        As run(), but without ROS, and with the layout fused. out: a run folder to record in. Nodes that are
+        simulators (`simulator: python`) do not run: the caller reads their inputs, and writes their outputs.
+        @raises SpikeloopError
         """
         return Loop(self.file, self._with(set, seed=seed, duration=duration, sync=sync), out)
 
@@ -162,7 +163,8 @@ class Experiment:
         """Runs the experiment to its end.
 
         set: a dictionary of keys and values for this run alone. out: the run folder; without it the folder is
-        temporary and goes with the result. force: replaces the results of a run in it. record: False leaves out the outputs of nodes.
+        temporary and goes with the result. force: replaces the results of a run in it. record: False leaves out
+        the outputs of nodes.
         @raises SpikeloopError: the file or a setting is wrong, the run failed.
         """
         settings = self._with(set, seed=seed, duration=duration, sync=sync, ros=ros, layout=layout)

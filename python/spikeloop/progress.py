@@ -1,6 +1,8 @@
 """What long work shows while it goes on, and how a signal ends it."""
 
+import os
 import signal
+import subprocess
 import sys
 
 
@@ -32,6 +34,16 @@ def take_signals():
         raise Stopped(number)
     for number in SIGNALS:
         signal.signal(number, stop)
+
+
+def end_process(process, patience_s):
+    """Ctrl-C for a child in a session of its own, which is killed with all of its own when it does not end."""
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(patience_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 class Progress:

@@ -13,14 +13,13 @@ import io
 import json
 import os
 import pathlib
-import signal
 import subprocess
 import sys
 import time
 
 from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
-from .progress import Progress, Stopped, note_signals
+from .progress import Progress, Stopped, end_process, note_signals
 from .run_folder import did_you_mean
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
@@ -157,12 +156,7 @@ class Worker:
             stdout=subprocess.DEVNULL, stderr=self._said, stdin=subprocess.DEVNULL, start_new_session=True)
 
     def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        try:
-            self.process.wait(END_S)
-        except subprocess.TimeoutExpired:
-            os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.wait()
+        end_process(self.process, END_S)
         self._said.close()
 
     def said(self):

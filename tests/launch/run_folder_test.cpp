@@ -31,24 +31,23 @@ class Folder : public testing::Test {
     return names;
   }
 
-  void refused() const {
+  void refused(const std::string& why) const {
     try {
       const RunFolder folder(path_, "", false);
       FAIL() << "it was taken";
     } catch (const ConfigurationError& error) {
-      EXPECT_EQ(std::string(error.what()),
-                "the folder '" + path_ +
-                    "' has the results of a run; write --force to replace them, or give another "
-                    "folder with --out [SL0109]");
+      EXPECT_EQ(std::string(error.what()), "the folder '" + path_ + "' " + why +
+                                               ", or give another folder with --out [SL0109]");
     }
   }
+  static constexpr const char* kResults = "has the results of a run; write --force to replace them";
 };
 
 TEST_F(Folder, KeepsTheResultsOfARunUnlessForced) {
   directory_.write("effective.music", "");
   directory_.write("encoder.h5", kRecording);
   directory_.write("notes.txt", "");
-  refused();
+  refused(kResults);
   directory_.write("summary.json", R"({"simulated_s": 2.5})");
   directory_.write("trajectory.csv", "");
   const RunFolder folder(path_, "", true);
@@ -60,15 +59,9 @@ TEST_F(Folder, OfSomebodyElseKeepsItsFiles) {
   directory_.write("resolved.json", R"({"mine": 1})");
   directory_.write("log.txt", "mine");
   std::filesystem::create_directories(directory_.path() / "experiment-files" / "x");
-  try {
-    const RunFolder folder(path_, "", false);
-    FAIL() << "it was taken";
-  } catch (const ConfigurationError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "the folder '" + path_ +
-                  "' is not that of a run, and has a file 'resolved.json', which a run writes; "
-                  "write --force to replace it, or give another folder with --out [SL0109]");
-  }
+  refused(
+      "is not that of a run, and has a file 'resolved.json', which a run writes; write --force "
+      "to replace it");
   const RunFolder folder(path_, "", true);
   EXPECT_THAT(files(), UnorderedElementsAre("resolved.json", "log.txt", "experiment-files"));
   EXPECT_TRUE(std::filesystem::exists(directory_.path() / "experiment-files" / "x"));
@@ -82,7 +75,7 @@ TEST_F(Folder, OfARunThatNeverBeganIsUsedAgain) {
     EXPECT_THAT(files(), UnorderedElementsAre("effective.music")) << summary;
   }
   directory_.write("summary.json", R"({"simulated_s": 0.001})");
-  refused();
+  refused(kResults);
 }
 
 TEST_F(Folder, KeepsFilesOfOthersWithTheNameOfARecording) {

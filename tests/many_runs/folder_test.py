@@ -34,7 +34,8 @@ class SelfContained(explorer.Folder):
         begin, end = text.index("  brain:"), text.index("  # Speed and turning rate")
         text = text[:begin] + '  brain: {simulator: builtin, network: "parts/brain.py:make"}\n' + text[end:]
         text = text.replace("experiment: explorer", "experiment: explorer\nplugins: [parts/gain.py]")
-        text = text.replace("nodes:\n", "nodes:\n  gain: {node: relay_signal}\n", 1).replace("-> sectors", "-> gain -> sectors")
+        text = text.replace("nodes:\n", "nodes:\n  gain: {node: relay_signal}\n", 1)
+        text = text.replace("-> sectors", "-> gain -> sectors")
         begin, end = text.index("    weights:\n"), text.index("  wheels:")
         rows = [line.split("- ", 1)[1] for line in text[begin:end].splitlines()[1:]]
         (self.project / "parts/weights.json").write_text(json.dumps([json.loads(row) for row in rows]))
@@ -77,7 +78,8 @@ class SelfContained(explorer.Folder):
                            "robot.world=own.xml", "--out", self.folder / "own")
         shutil.rmtree(self.project)
         explorer.spikeloop("run", self.folder / "own", "--out", self.folder / "own again")
-        self.assertTrue(explorer.same(explorer.recorded(self.folder / "own"), explorer.recorded(self.folder / "own again")))
+        self.assertTrue(explorer.same(explorer.recorded(self.folder / "own"),
+                                      explorer.recorded(self.folder / "own again")))
 
     def test_an_experiment_named_from_another_folder(self):
         explorer.spikeloop("run", "../project/explorer.yaml", "--sync", "lockstep", "--set", "duration=0.2 s", "--out",

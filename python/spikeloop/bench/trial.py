@@ -7,9 +7,7 @@ end of the last tick of the slowest program. Only the run counts for the real-ti
 
 import json
 import math
-import os
 import re
-import signal
 import subprocess
 import sys
 import tempfile
@@ -18,6 +16,7 @@ import time
 import pathlib
 
 from . import chain
+from ..progress import end_process
 
 BUILD_LIMIT_S = 300  # simulators that make a neuron a call in Python take their time
 END_S = 30  # for a job to end once it was stopped
@@ -84,12 +83,7 @@ class Job:
 
     def stop(self):
         if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
-            try:
-                self.process.wait(END_S)
-            except subprocess.TimeoutExpired:
-                os.killpg(self.process.pid, signal.SIGKILL)
-                self.process.wait()
+            end_process(self.process, END_S)
         self._reader.join(END_S)
         self.process.stderr.close()
 
