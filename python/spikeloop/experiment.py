@@ -14,7 +14,6 @@ printed; what goes wrong is a SpikeloopError.
 import json
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -24,22 +23,7 @@ import weakref
 
 import numpy as np
 
-from .run_folder import RunFolder
-
-
-class SpikeloopError(Exception):
-    """What `spikeloop` refused, or why a run failed.
-
-    code: of the error, such as "SL0202", which `spikeloop explain` describes; None when it has none.
-    exit_code: of the program. messages: everything that it printed.
-    """
-
-    def __init__(self, message, exit_code, messages=()):
-        super().__init__(message)
-        found = re.search(r"\[(SL\d{4})\]$", message)
-        self.code = found.group(1) if found else None
-        self.exit_code = exit_code
-        self.messages = list(messages)
+from .run_folder import RunFolder, SpikeloopError
 
 
 def program():

@@ -18,6 +18,7 @@ import dataclasses
 import difflib
 import json
 import pathlib
+import re
 
 import h5py
 import numpy as np
@@ -26,7 +27,22 @@ NEWEST_FORMAT = 1
 TRAJECTORY_COLUMNS = ("t_s", "x_m", "y_m", "theta_rad", "v_m_s", "w_rad_s", "collisions")
 
 
-class RunFolderError(Exception):
+class SpikeloopError(Exception):
+    """What `spikeloop` refused, or why a run failed.
+
+    code: of the error, such as "SL0202", which `spikeloop explain` describes; None when it has none.
+    exit_code: of the program. messages: everything that it printed.
+    """
+
+    def __init__(self, message, exit_code=4, messages=()):
+        super().__init__(message)
+        found = re.search(r"\[(SL\d{4})\]$", message)
+        self.code = found.group(1) if found else None
+        self.exit_code = exit_code
+        self.messages = list(messages)
+
+
+class RunFolderError(SpikeloopError):
     """A file is missing or not what it should be; the text says which and what to do."""
 
 

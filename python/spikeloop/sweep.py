@@ -63,8 +63,9 @@ class Sweep:
         """Of the run's folder: "007"; numbers count from 1."""
         return f"{number:0{self._digits}}"
 
-    def open(self):
-        """Makes the folder, or goes on in it. @raises SweepError"""
+    def open(self, files):
+        """Makes the folder, or goes on in it. files: fingerprints of what the experiment reads. @raises SweepError"""
+        self._state["files"] = files
         state = self.folder / STATE
         if self.folder.exists() and not state.exists() and any(self.folder.iterdir()):
             raise SweepError(f"--out: '{self.folder}' is not empty, and holds no sweep; write another folder")
@@ -83,7 +84,8 @@ class Sweep:
         except ValueError as error:
             raise SweepError(f"'{state}' is damaged: {error}; write another folder", EXIT_FILE) from None
         for key, what in (("experiment", "of another experiment"), ("settings", "with other settings"),
-                          ("samples", "with other --samples"), ("sha256", "of the file as it was")):
+                          ("samples", "with other --samples"), ("sha256", "of the file as it was"),
+                          ("files", "with other contents of the experiment's files")):
             if before.get(key) != self._state[key]:
                 raise SweepError(f"--out: '{self.folder}' holds a sweep {what}; write another folder, or remove it")
         self._read_table()
@@ -260,7 +262,7 @@ def _sweep(given):
     signals = note_signals()
     sweep = Sweep(given.file, given.set, given.samples, given.out, given.columns)
     checked = json.loads(call("check", "--json", *setting_words(sweep.runs[0]), "--", given.file))
-    sweep.open()
+    sweep.open(checked["files"])
     progress = Progress(open(os.devnull, "w", encoding="utf-8") if given.quiet else sys.stderr)
     progress.part = str(sweep.folder)
     work = Sweeping(sweep, _jobs(given, sweep, checked["sync"]), progress)

@@ -87,6 +87,12 @@ class Sweep(explorer.Folder):
             self.assertIn(text, self.sweep(*words, code=2)[1])
         self.file.write_text(self.file.read_text() + "\n")
         self.assertIn("holds a sweep of the file as it was", self.sweep(*FAST, "--set", "seed=1..2", code=2)[1])
+        self.out = self.folder / "weights"
+        (self.folder / "w.json").write_text(str([[0.001] * 10] * 2))
+        words = (*FAST, "--set", "decoder.weights=w.json", "--set", "seed=1..2")
+        self.sweep(*words)
+        (self.folder / "w.json").write_text(str([[0.002] * 10] * 2))
+        self.assertIn("holds a sweep with other contents of the experiment's files", self.sweep(*words, code=2)[1])
         self.out = self.folder
         self.assertIn("is not empty, and holds no sweep", self.sweep("--set", "seed=1..2", code=2)[1])
 
