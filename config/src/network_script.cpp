@@ -30,6 +30,7 @@ namespace {
 
 constexpr const char* kSuffix = ".py";
 constexpr const char* kResult = "network.json";
+constexpr const char* kFiles = "files";  // that the function opened, beside the script
 constexpr std::uint64_t kMostScriptBytes = 1'000'000'000;
 
 /// To the error stream. Returns whether more may come.
@@ -166,6 +167,10 @@ NetworkFile run_network_script(const std::string& written) {
     const FilesRead read;
     network = read_result(file, folder);
     files.insert(read.paths().begin(), read.paths().end());
+    std::istringstream opened(read_file((folder / kFiles).string(), "list", kMostScriptBytes));
+    for (std::string path; std::getline(opened, path);) {
+      files.insert(path);
+    }
   }
   for (const std::string& path : files) {
     if (!path.starts_with(folder.string())) {

@@ -236,13 +236,29 @@ def _function(path, name):
     return function
 
 
+def _note_files(path):
+    """A set that gets every file in the folder of the script, or below, that Python opens to read."""
+    root, files = os.path.join(os.path.realpath(os.path.dirname(path)), ""), set()
+
+    def note(event, arguments):
+        if event == "open" and isinstance(arguments[0], str) and not arguments[2] & (os.O_WRONLY | os.O_RDWR):
+            file = os.path.realpath(arguments[0])
+            if file.startswith(root) and os.path.isfile(file) and not file.endswith(".pyc"):
+                files.add(file)
+
+    sys.addaudithook(note)
+    return files
+
+
 def _run(path, name, folder):
+    files = _note_files(path)
     function = _function(path, name)
     network = function()
     if not isinstance(network, Network):
         line = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
         raise _Fault(line, f"the function '{name}' returned {type(network).__name__}, no "
                            "spikeloop.network.Network; write  return net")
+    pathlib.Path(folder, "files").write_text("\n".join(sorted(files)), encoding="utf-8")
     network.write(folder)
 
 

@@ -14,10 +14,13 @@ def relay_signal(step, gain):
     if step.changed("in"):
         step.write("out", gain * step.inputs["in"])
 """
-NETWORK = """from spikeloop.network import Network
+NETWORK = """import pathlib
+import sizes
+from spikeloop.network import Network
 def make():
+    assert pathlib.Path(__file__).with_name("note.txt").read_text() == "ten"
     net = Network()
-    net.population("input", "input", 10)
+    net.population("input", "input", sizes.SIZE)
     net.population("relay", "repeater", 10)
     net.connect("input", "relay", rule="one_to_one", delay="1 ms")
     net.output("relay")
@@ -45,6 +48,8 @@ class SelfContained(explorer.Folder):
         self.file.write_text(text)
         (self.project / "parts/gain.py").write_text(PLUGIN)
         (self.project / "parts/brain.py").write_text(NETWORK)
+        (self.project / "parts/sizes.py").write_text("SIZE = 10\n")
+        (self.project / "parts/note.txt").write_text("ten")
         explorer.spikeloop("run", self.file, "--sync", "lockstep", "--set", "duration=1 s", "--set", "gain.gain=0.9",
                            "--out", self.folder / "run")
         self.run_folder = self.folder / "elsewhere"
@@ -54,7 +59,8 @@ class SelfContained(explorer.Folder):
     def test_its_files_are_in_it(self):
         found = {str(path.relative_to(self.run_folder / "experiment-files"))
                  for path in (self.run_folder / "experiment-files").rglob("*") if path.is_file()}
-        self.assertEqual(found, {"parts/gain.py", "parts/brain.py", "parts/weights.json"})
+        self.assertEqual(found, {"parts/gain.py", "parts/brain.py", "parts/sizes.py", "parts/note.txt",
+                                 "parts/weights.json"})
 
     def test_without_the_originals_it_is_replayed_and_repeated(self):
         shutil.rmtree(self.project)

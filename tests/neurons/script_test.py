@@ -138,7 +138,7 @@ class SameNetwork(Case):
                          built_in.spikes([]), 5, signal=(np.array([0.0]), np.array([[0.0]])))
         resolved = json.loads((self.folder / "run" / "run" / "resolved.json").read_text())
         names = sorted(pathlib.Path(path).name for path in resolved["files"])
-        self.assertEqual(names, ["brain.py", "file.npy", "inputs.h5"])
+        self.assertEqual(names, ["brain.py", "file.npy", "helper.py", "inputs.h5"])
         self.assertEqual(list(temporary.iterdir()), [])
 
     def test_a_change_is_seen_at_once(self):
