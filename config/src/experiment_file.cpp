@@ -1,5 +1,6 @@
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
 
@@ -323,7 +324,7 @@ ExperimentFile parse_experiment(std::string_view text, const std::string& path) 
 
 ExperimentFile read_experiment_file(const std::filesystem::path& path, const ErrorHandler& report,
                                     const Settings& settings) {
-  return parse_experiment(read_text_file(path, kMostBytes, "YAML file"), path.string(), report,
+  return parse_experiment(read_file(path.string(), "YAML file", kMostBytes), path.string(), report,
                           settings);
 }
 

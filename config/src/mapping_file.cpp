@@ -12,8 +12,8 @@
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "text_file.hpp"
 
 namespace spikeloop {
 
@@ -324,7 +324,7 @@ CommandMapping read_mapping(const std::string& name, const MappingOptions& optio
   constexpr std::uint64_t kLimit = 16'000'000;
   std::string text;
   try {
-    text = read_text_file(*path, kLimit, "mapping file");
+    text = read_file(*path, "mapping file", kLimit);
   } catch (const FileError& error) {
     if (options.strict) {
       throw;

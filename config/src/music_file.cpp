@@ -1,5 +1,6 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +9,6 @@
 #include <utility>
 
 #include "music_text.hpp"
-#include "text_file.hpp"
 
 namespace spikeloop {
 
@@ -174,7 +174,7 @@ MusicFile read_music_file(const std::filesystem::path& path) {
 MusicFile read_music_file(const std::filesystem::path& path, const std::string& shown_as) {
   // Far more than any job needs; comments count here, though MUSIC does not pass them on.
   constexpr std::uint64_t kLimit = 4'000'000;
-  return parse_music(read_text_file(path, kLimit, ".music file"), shown_as);
+  return parse_music(read_file(path, ".music file", kLimit), shown_as);
 }
 
 std::string describe(const MusicConnection& connection) {

@@ -1,5 +1,6 @@
 #include "spikeloop/config/network_file.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +11,6 @@
 #include "network_populations.hpp"
 #include "spikeloop/config/network_script.hpp"
 #include "spikeloop/config/weight_file.hpp"
-#include "text_file.hpp"
 #include "yaml_section.hpp"
 
 namespace spikeloop {
@@ -162,7 +162,7 @@ NetworkFile read_network_file(const std::string& path) {
   }
   constexpr std::uint64_t kMostBytes = 100'000'000;
   return parse_network(
-      read_text_file(path, kMostBytes, "network file"), path,
+      read_file(path, "network file", kMostBytes), path,
       [](const std::string& weights) { return read_weights(weights, {.short_forms = false}); });
 }
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "network_connections.hpp"
-#include "spikeloop/core/code.hpp"
 #include "network_populations.hpp"
+#include "spikeloop/core/code.hpp"
 
 namespace spikeloop {
 
@@ -68,17 +68,19 @@ PlasticityRule read_rule(const Section& section) {
       return rule;
     }
   }
-  throw ConfigurationError(section.where("rule"),
-                           with_code(Code::unknown_choice, "{}: unknown rule '{}'{}", section.what(), name,
-                                       did_you_mean(name, {"stdp", "stdp_dopamine"})));
+  throw ConfigurationError(
+      section.where("rule"),
+      with_code(Code::unknown_choice, "{}: unknown rule '{}'{}", section.what(), name,
+                did_you_mean(name, {"stdp", "stdp_dopamine"})));
 }
 
 bool read_pairing(const Section& section, const Parameters& given) {
   const std::string& pairing = given.text("pairing");
   if (pairing != "all_to_all" && pairing != "nearest") {
-    throw ConfigurationError(given.where("pairing"),
-                             with_code(Code::unknown_choice, "{}: unknown pairing '{}'{}", section.what(), pairing,
-                                         did_you_mean(pairing, {"all_to_all", "nearest"})));
+    throw ConfigurationError(
+        given.where("pairing"),
+        with_code(Code::unknown_choice, "{}: unknown pairing '{}'{}", section.what(), pairing,
+                  did_you_mean(pairing, {"all_to_all", "nearest"})));
   }
   return pairing == "nearest";
 }
@@ -91,14 +93,16 @@ void read_reward(const NetworkFile& network, const Section& section, const Param
   const bool signal = population.model == NeuronModel::signal_input;
   if (is_current(population.model) && !signal) {
     throw ConfigurationError(
-        where, with_code(Code::network, "{}: reward '{}' is a {}; write a population with spikes, or a "
-                           "signal_input",
-                           section.what(), population.name, model_name(population.model)));
+        where, with_code(Code::network,
+                         "{}: reward '{}' is a {}; write a population with spikes, or a "
+                         "signal_input",
+                         section.what(), population.name, model_name(population.model)));
   }
   if (signal && given.given("reward_delay")) {
-    throw ConfigurationError(given.where("reward_delay"),
-                             with_code(Code::delay, "{}: the signal '{}' acts at once; leave reward_delay out",
-                                         section.what(), population.name));
+    throw ConfigurationError(
+        given.where("reward_delay"),
+        with_code(Code::delay, "{}: the signal '{}' acts at once; leave reward_delay out",
+                  section.what(), population.name));
   }
   if (signal) {
     return;
@@ -117,18 +121,21 @@ void check_bounds(const NetworkPlasticity& plasticity, const NetworkProjection& 
   if (low >= high) {
     throw ConfigurationError(
         section.has("Wmax") ? section.where("Wmax") : section.where(),
-        stdp ? with_code(Code::wrong_order, "{}: Wmax 0 leaves weights no room; write  Wmax: 100 {}", section.what(),
-                           unit)
-             : with_code(Code::wrong_order, "{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
-                           section.what(), low, unit, high, unit));
+        stdp
+            ? with_code(Code::wrong_order, "{}: Wmax 0 leaves weights no room; write  Wmax: 100 {}",
+                        section.what(), unit)
+            : with_code(Code::wrong_order,
+                        "{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
+                        section.what(), low, unit, high, unit));
   }
   for (const double weight : projection.weight) {
     if (weight < low || weight > high) {
       throw ConfigurationError(
           projection.where,
-          with_code(Code::out_of_bounds, "{}: the weight {} {} is not from {} to {} {}; write a weight in these "
-                      "bounds, or other bounds",
-                      section.what(), weight, unit, low, high, unit));
+          with_code(Code::out_of_bounds,
+                    "{}: the weight {} {} is not from {} to {} {}; write a weight in these "
+                    "bounds, or other bounds",
+                    section.what(), weight, unit, low, high, unit));
     }
   }
 }
@@ -139,16 +146,18 @@ void check_save(const NetworkProjection& projection, const Section& section,
   if (!save.ends_with(".npy") && !save.ends_with(".json")) {
     throw ConfigurationError(
         section.where("save"),
-        with_code(Code::network, "{}: save '{}' ends in neither .npy nor .json; write for example  save: "
-                    "learned.npy",
-                    section.what(), save));
+        with_code(Code::network,
+                  "{}: save '{}' ends in neither .npy nor .json; write for example  save: "
+                  "learned.npy",
+                  section.what(), save));
   }
   if (save.find('/') != std::string::npos) {
     throw ConfigurationError(
         section.where("save"),
-        with_code(Code::network, "{}: save '{}' is a path; write the name of a file alone, which comes to lie "
-                    "in the run folder",
-                    section.what(), save));
+        with_code(Code::network,
+                  "{}: save '{}' is a path; write the name of a file alone, which comes to lie "
+                  "in the run folder",
+                  section.what(), save));
   }
   for (std::size_t i = 0; i + 1 < projection.row_start.size(); ++i) {
     std::set<std::uint32_t> seen;
@@ -156,9 +165,10 @@ void check_save(const NetworkProjection& projection, const Section& section,
       if (!seen.insert(projection.target[k]).second) {
         throw ConfigurationError(
             section.where("save"),
-            with_code(Code::network, "{}: there are two synapses from {} to {}, which a table of weights cannot "
-                        "hold; leave 'save' out, or write the pair once",
-                        section.what(), i, projection.target[k]));
+            with_code(Code::network,
+                      "{}: there are two synapses from {} to {}, which a table of weights cannot "
+                      "hold; leave 'save' out, or write the pair once",
+                      section.what(), i, projection.target[k]));
       }
     }
   }
@@ -172,20 +182,23 @@ NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProje
   const NetworkPopulation& to = network.populations[projection.to];
   if (!has_membrane(to.model)) {
     throw ConfigurationError(
-        section.where(), with_code(Code::network, "{}: a {} does not learn; leave 'plasticity' out, or connect "
-                                     "an iaf_psc_delta or iaf_psc_exp",
-                                     section.what(), model_name(to.model)));
+        section.where(), with_code(Code::network,
+                                   "{}: a {} does not learn; leave 'plasticity' out, or connect "
+                                   "an iaf_psc_delta or iaf_psc_exp",
+                                   section.what(), model_name(to.model)));
   }
   if (is_current(network.populations[projection.from].model)) {
     throw ConfigurationError(
         section.where(),
-        with_code(Code::network, "{}: a current does not learn; leave 'plasticity' out", section.what()));
+        with_code(Code::network, "{}: a current does not learn; leave 'plasticity' out",
+                  section.what()));
   }
   if (network.resolution == 0) {
     throw ConfigurationError(section.where(),
-                             with_code(Code::off_grid, "{}: learning is computed on a grid, but the resolution is "
-                                         "off; write  resolution: 0.1 ms",
-                                         section.what()));
+                             with_code(Code::off_grid,
+                                       "{}: learning is computed on a grid, but the resolution is "
+                                       "off; write  resolution: 0.1 ms",
+                                       section.what()));
   }
   const std::string unit = unit_of_weight(to.model);
   NetworkPlasticity p;

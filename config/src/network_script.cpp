@@ -20,7 +20,6 @@
 #include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/processes/python.hpp"
-#include "text_file.hpp"
 
 namespace spikeloop {
 
@@ -83,7 +82,7 @@ int run_python(const std::vector<std::string>& arguments, const std::string& scr
                                 exit_code, function));
   }
   const FilesRead unnoted;
-  std::istringstream told(read_text_file(fault.string(), kMostScriptBytes, "fault"));
+  std::istringstream told(read_file(fault.string(), "fault", kMostScriptBytes));
   int line = 0;
   std::string text;
   told >> line >> std::ws;
@@ -94,7 +93,7 @@ int run_python(const std::vector<std::string>& arguments, const std::string& scr
 // The line of the user's file behind each line of the network file that Python wrote.
 Location behind(const Location& where, const std::string& file, const fs::path& folder) {
   std::istringstream lines(
-      read_text_file((folder / "lines").string(), kMostScriptBytes, "lines of the network file"));
+      read_file((folder / "lines").string(), "lines of the network file", kMostScriptBytes));
   int line = 0;
   for (int i = 0; i < where.line && lines >> line; ++i) {
   }
@@ -119,8 +118,7 @@ void set_places(NetworkFile& network, const Location& where, const fs::path& fol
 }
 
 NetworkFile read_result(const std::string& file, const fs::path& folder) {
-  const std::string text =
-      read_text_file((folder / kResult).string(), kMostScriptBytes, "network file");
+  const std::string text = read_file((folder / kResult).string(), "network file", kMostScriptBytes);
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
       return read_weights(weights, {.short_forms = false});

@@ -10,7 +10,7 @@
 #include "spikeloop/config/data_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "text_file.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop {
 
@@ -23,7 +23,7 @@ WrittenValues read_sensor_mapping(const std::string& name, const std::filesystem
                                        "there is no mapping file '{}' in {}; write its path",
                                        music_text::shown(name), data_file_places(base)));
   }
-  const std::string text = read_text_file(*path, kLimit, "mapping file");
+  const std::string text = read_file(*path, "mapping file", kLimit);
   const auto json = json_text::parse(text, path->string());
   const auto place = [&](const std::vector<std::string>& keys) {
     return json_text::locate_key(text, keys, path->string());

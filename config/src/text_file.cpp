@@ -2,14 +2,7 @@
 
 #include <algorithm>
 
-#include "spikeloop/core/file.hpp"
-
 namespace spikeloop {
-
-std::string read_text_file(const std::filesystem::path& path, std::uint64_t limit,
-                           std::string_view kind) {
-  return read_file(path.string(), kind, limit);
-}
 
 Location locate(std::string_view text, std::size_t offset, const std::string& file) {
   Location where{file, 1, 1};

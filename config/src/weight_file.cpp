@@ -13,7 +13,6 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "text_file.hpp"
 #include "weight_json.hpp"
 
 namespace spikeloop {
@@ -254,7 +253,7 @@ WeightTable read_weights(const std::string& written, const WeightOptions& option
   }
   std::string text;
   try {
-    text = read_text_file(*path, options.maximum_bytes, options.what);
+    text = read_file(*path, options.what, options.maximum_bytes);
   } catch (const FileError& error) {
     if (options.strict) {
       throw;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "caller.hpp"
+#include "spike_arrays.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -154,17 +155,9 @@ const Seen& seen(Loop& loop, const std::string& end, PortKind kind) {
   return found;
 }
 
-/// (times in ns, channels)
 py::tuple spikes(Loop& loop, const std::string& end) {
   const auto use = loop.in_use();
-  const auto& spikes = seen(loop, end, PortKind::spikes).spikes;
-  py::array_t<std::int64_t> times(static_cast<py::ssize_t>(spikes.size()));
-  py::array_t<std::int64_t> channels(static_cast<py::ssize_t>(spikes.size()));
-  for (std::size_t i = 0; i < spikes.size(); ++i) {
-    times.mutable_data()[i] = spikes[i].time_ns;
-    channels.mutable_data()[i] = spikes[i].channel;
-  }
-  return py::make_tuple(times, channels);
+  return spike_arrays(seen(loop, end, PortKind::spikes).spikes);
 }
 
 py::object signal(Loop& loop, const std::string& end) {

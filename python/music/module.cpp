@@ -11,6 +11,7 @@
 
 #include "host.hpp"
 #include "parameter_values.hpp"
+#include "spike_arrays.hpp"
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/status/signals.hpp"
 
@@ -120,18 +121,8 @@ py::object begin(Host& host) {
   return interval ? py::object(py::make_tuple(interval->begin, interval->end)) : py::none();
 }
 
-/// (times in ns, channels)
 py::tuple spikes(const Host& host, std::size_t i) {
-  const auto& arrived = host.inbox().spikes(i);
-  py::array_t<std::int64_t> times(static_cast<py::ssize_t>(arrived.size()));
-  py::array_t<std::int32_t> channels(static_cast<py::ssize_t>(arrived.size()));
-  auto* time = times.mutable_data();
-  auto* channel = channels.mutable_data();
-  for (const Spike& spike : arrived) {
-    *time++ = spike.time_ns;
-    *channel++ = spike.channel;
-  }
-  return py::make_tuple(times, channels);
+  return spike_arrays(host.inbox().spikes(i));
 }
 
 /// (channels that have spikes, for each of them its times in ms, sorted) on a simulator's grid: to

@@ -240,7 +240,7 @@ class Loop:
     def spikes(self, end):
         """What it sent in the last step(): (times in s, channels). @raises SpikeloopError: no such end"""
         times_ns, channels = self._call(self._loop.spikes, end)
-        return times_ns * 1e-9, channels
+        return times_ns * 1e-9, channels.astype(np.int64)
 
     def signal(self, end):
         """Its newest values; None before the first one. @raises SpikeloopError: no such end"""

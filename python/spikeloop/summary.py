@@ -5,7 +5,7 @@ import pathlib
 import signal
 import sys
 
-from .run_folder import RunFolderError, require_regular
+from .run_folder import RunFolder, RunFolderError, require_regular
 
 # key, label, unit, format
 ROWS = (
@@ -70,9 +70,8 @@ def read_summary(folder):
 def settings_of(folder):
     """What was set in place of the experiment's keys."""
     try:
-        resolved = json.loads((pathlib.Path(folder) / "resolved.json").read_text(encoding="utf-8"))
-        return {key: value for key, value, _ in resolved.get("settings", [])}
-    except (OSError, ValueError):
+        return {key: value for key, value, _ in RunFolder(folder).resolved().get("settings", [])}
+    except RunFolderError:
         return {}
 
 

@@ -21,6 +21,7 @@ from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
 from .progress import Progress, Stopped, end_process, note_signals
 from .run_folder import did_you_mean
+from .whole_file import write_whole
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
@@ -37,13 +38,6 @@ class SweepError(Exception):
     def __init__(self, message, code=EXIT_USAGE):
         super().__init__(message)
         self.code = code
-
-
-def write_whole(path, text):
-    """Nobody reads half of it."""
-    new = path.with_name(path.name + ".new")
-    new.write_text(text, encoding="utf-8")
-    new.replace(path)
 
 
 class Sweep:

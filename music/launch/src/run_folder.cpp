@@ -58,14 +58,19 @@ std::vector<fs::path> recordings(const std::string& folder) {
   return found;
 }
 
-/// A run that never began leaves a summary, too.
-bool has_ticked(const fs::path& summary) {
+/// Discarded when there is none.
+nlohmann::json read_json(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_regular_file(summary, ignored)) {
-    return false;
+  if (!fs::is_regular_file(path, ignored)) {
+    return nlohmann::json(nlohmann::json::value_t::discarded);
   }
-  std::ifstream file(summary);
-  const auto contents = nlohmann::json::parse(file, nullptr, false);
+  std::ifstream file(path);
+  return nlohmann::json::parse(file, nullptr, false);
+}
+
+/// A run that never began leaves a summary, too.
+bool has_ticked(const fs::path& folder) {
+  const auto contents = read_json(folder / kSummary);
   return contents.is_object() && contents.contains("simulated_s") &&
          contents["simulated_s"].is_number() && contents["simulated_s"] > 0;
 }
@@ -73,16 +78,10 @@ bool has_ticked(const fs::path& summary) {
 /// Its files may be removed; what has their names in another folder is somebody else's.
 bool is_run_folder(const fs::path& folder) {
   std::error_code ignored;
-  if (fs::exists(folder / "effective.music", ignored)) {
-    return true;
-  }
-  const fs::path resolved = folder / "resolved.json";
-  if (!fs::is_regular_file(resolved, ignored)) {
-    return false;
-  }
-  std::ifstream file(resolved);
-  const auto contents = nlohmann::json::parse(file, nullptr, false);
-  return contents.is_object() && contents.contains("experiment_file") && contents.contains("nodes");
+  const auto contents = read_json(folder / "resolved.json");
+  return fs::exists(folder / "effective.music", ignored) ||
+         (contents.is_object() && contents.contains("experiment_file") &&
+          contents.contains("nodes"));
 }
 
 void remove_file(const fs::path& path) {
@@ -102,7 +101,7 @@ RunFolder::RunFolder(const std::string& wanted, const std::string& prefix, bool 
   const fs::path folder = path_;
   const bool ours = is_run_folder(folder);
   const auto earlier = recordings(path_);
-  if (!force && (!earlier.empty() || has_ticked(folder / kSummary))) {
+  if (!force && (!earlier.empty() || has_ticked(folder))) {
     throw ConfigurationError(with_code(Code::no_access,
                                        "the folder '{}' has the results of a run; write --force to "
                                        "replace them, or give another folder with --out",

@@ -7,6 +7,7 @@ import platform
 import statistics
 
 from . import entries
+from ..whole_file import write_whole
 
 NAME = "results.json"
 FORMAT = 1
@@ -87,10 +88,8 @@ class Results:
         self._measured = True
         whole = {**self.document(), "written": datetime.datetime.now(datetime.timezone.utc).isoformat(
             "T", "seconds")}
-        beside = self.path.with_suffix(".part")
         try:
-            beside.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
-            beside.replace(self.path)
+            write_whole(self.path, json.dumps(whole, indent=1) + "\n")
         except OSError as error:
             raise ResultsError(f"cannot write '{self.path}': {error.strerror}") from None
 
