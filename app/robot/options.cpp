@@ -22,6 +22,7 @@ constexpr const char* kExamples =
     "  spikeloop-robot --world lab.xml --real-time-factor 0.5    a custom world at half speed\n"
     "  spikeloop-robot --world phototaxis --camera 64x48    a world with a lamp; a camera\n"
     "  spikeloop-robot --duration 20 --render drive.mp4 --render-view above+chase\n"
+    "  spikeloop-robot --model arm.xml --keyframe home --ros 2    any robot in MJCF\n"
     "  spikeloop-robot --step                        stepped by an experiment with sync: lockstep\n"
     "  rostopic pub -r 10 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.3}, angular: {z: 0.5}}'\n"
     "\n"
@@ -58,6 +59,9 @@ void take(const PictureWords& words, RunOptions& options) {
 void declare_pictures(CLI::App& app, PictureWords& words) {
   auto* camera =
       app.add_option("--camera", words.camera, "WIDTHxHEIGHT of the images on camera/image_raw");
+  app.add_option("--camera-name", words.seen.name, "Name of the camera in the MJCF file")
+      ->capture_default_str()
+      ->needs(camera);
   app.add_option("--camera-rate", words.seen.rate_hz, "Images per simulated second")
       ->check(within(0.001, 1000.0))
       ->capture_default_str()
@@ -84,13 +88,33 @@ void declare_pictures(CLI::App& app, PictureWords& words) {
   app.add_flag("--view", words.spectators.window, "Show the robot in a window; needs a display");
 }
 
-void declare(CLI::App& app, RunOptions& options) {
+/// Of another robot than the vehicle.
+struct ModelWords {
+  std::string file;
+  std::string keyframe;
+};
+
+void declare_model(CLI::App& app, ModelWords& words, RunOptions& options) {
+  auto* model = app.add_option("--model", words.file,
+                               "MJCF file of another robot, which takes sensor_msgs/JointState on "
+                               "joint_commands")
+                    ->excludes("--world");
+  app.add_option("--keyframe", words.keyframe, "Keyframe of the model to start from")->needs(model);
+  app.add_option("--model-rate", options.model_rate_hz,
+                 "Rate of the model's joint states and sensors, Hz")
+      ->check(within(0.001, 1000.0))
+      ->capture_default_str()
+      ->needs(model);
+}
+
+void declare(CLI::App& app, RunOptions& options, ModelWords& model) {
   app.set_version_flag("--version", std::string("spikeloop-robot ") + SPIKELOOP_VERSION);
   app.footer(kExamples);
   app.add_option("--world", options.vehicle.world, "MJCF file, or name of a shipped world")
       ->capture_default_str();
   app.add_option("--seed", options.vehicle.seed, "Seed of obstacles and start pose")
       ->capture_default_str();
+  declare_model(app, model, options);
   auto* duration =
       app.add_option("--duration", options.duration_s, "Simulated time, s; 0: until stopped")
           ->check(within(0.0, 1e9))
@@ -114,8 +138,8 @@ void declare(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   app.add_option("--clock-topic", options.clock_topic, "Output topic, rosgraph_msgs/Clock")
       ->capture_default_str();
-  app.add_option("--cmd-topic", options.command_topic, "Input topic, geometry_msgs/Twist")
-      ->capture_default_str();
+  app.add_option("--cmd-topic", options.command_topic,
+                 "Input topic; default: cmd_vel, or joint_commands of a model");
   app.add_option("--ros", options.ros, "ROS version")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
@@ -142,11 +166,13 @@ std::optional<RunOptions> parse_options(int argc, char** argv, int& exit_code) {
   RunOptions options;
   CLI::App app(kDescription, "spikeloop-robot");
   PictureWords words;
-  declare(app, options);
+  ModelWords model;
+  declare(app, options, model);
   declare_pictures(app, words);
   try {
     app.parse(argc, argv);
     take(words, options);
+    if (!model.file.empty()) options.model = {model.file, model.keyframe};
   } catch (const CLI::ParseError& error) {
     exit_code = app.exit(error) == 0 ? 0 : 2;
     return std::nullopt;

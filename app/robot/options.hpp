@@ -5,6 +5,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/robot/command_topic.hpp"
 #include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
@@ -13,6 +14,8 @@ namespace spikeloop::robot {
 
 struct RunOptions {
   vehicle::Options vehicle;
+  std::optional<vehicle::ModelOptions> model{};  ///< in the vehicle's place
+  double model_rate_hz = 100;                    ///< of its joint states and sensors
   std::optional<pictures::CameraOptions> camera{};
   SpectatorOptions spectators{};
   double duration_s = 0;  ///< 0: until stopped
@@ -23,7 +26,7 @@ struct RunOptions {
   std::string scan_topic = "scan";
   std::string odometry_topic = "odom";
   std::string clock_topic = "/clock";
-  std::string command_topic = "cmd_vel";
+  std::string command_topic;  ///< empty: as robot::CommandTopic names it
   std::string topic_prefix = "/";
   std::string node_name = "spikeloop_robot";
   int ros = 1;  ///< its version
@@ -33,7 +36,12 @@ struct RunOptions {
   std::string topic(const std::string& name) const;
   /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
   std::string sensor_topic(const std::string& name) const;
-  SensorOptions sensors(messages::Dialect dialect) const { return {dialect, camera}; }
+  SensorOptions sensors(messages::Dialect dialect) const {
+    return {dialect, camera, model_rate_hz};
+  }
+  std::string command_topic_of(const CommandTopic& robot) const {
+    return topic(command_topic.empty() ? robot.name() : command_topic);
+  }
 };
 
 /// Nothing to run when help or version was asked for or the command line is wrong; then

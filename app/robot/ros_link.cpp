@@ -11,19 +11,20 @@
 namespace spikeloop::robot {
 class RosLink::Impl {
  public:
-  Impl(const RunOptions& options, topics::Session& session, const std::vector<SensorTopic>& sensors)
+  Impl(const RunOptions& options, topics::Session& session, const std::vector<SensorTopic>& sensors,
+       const CommandTopic& command)
       : session_(session),
         clock_message_(session.dialect()),
         clock_(session.publisher(options.topic(options.clock_topic), kClockType)),
-        twist_(session.dialect()) {
+        command_(command) {
     for (const SensorTopic& sensor : sensors) {
       const std::string topic = options.sensor_topic(sensor.name);
       sensors_.push_back(sensor.latched() ? session.publisher(topic, sensor.type, 1, true)
                                           : session.publisher(topic, sensor.type));
       latched_.push_back(sensor.latched());
     }
-    subscriber_ = session.subscriber({.topic = options.topic(options.command_topic),
-                                      .message_type = kTwistType,
+    subscriber_ = session.subscriber({.topic = options.command_topic_of(command),
+                                      .message_type = command.type(),
                                       .take = [this](auto message) { receive(message); }});
   }
 
@@ -37,7 +38,7 @@ class RosLink::Impl {
     if (clock_->has_subscribers()) clock_->publish(clock_message_.write(time));
   }
 
-  std::optional<Command> take_command() {
+  std::optional<std::vector<double>> take_command() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(newest_, std::nullopt);
   }
@@ -47,9 +48,9 @@ class RosLink::Impl {
  private:
   void receive(std::span<const std::byte> message) {
     try {
-      const Command command = twist_.read(message);
+      std::vector<double> numbers = command_.read(message);
       const std::scoped_lock lock(mutex_);
-      newest_ = command;
+      newest_ = std::move(numbers);
       ++commands_;
     } catch (const Error& error) {
       log::warning("a command was left out: {}", error.what());
@@ -61,9 +62,9 @@ class RosLink::Impl {
   std::vector<bool> latched_;  // of each of them
   ClockMessage clock_message_;
   std::unique_ptr<topics::RawPublisher> clock_;
-  TwistReader twist_;
+  const CommandTopic& command_;
   std::mutex mutex_;
-  std::optional<Command> newest_;
+  std::optional<std::vector<double>> newest_;
   std::atomic<std::uint64_t> commands_ = 0;
   std::unique_ptr<topics::RawSubscriber>
       subscriber_;  // the last: what its callback uses is there before it
@@ -82,8 +83,8 @@ std::unique_ptr<topics::Session> open_session(const RunOptions& options,
 }
 
 RosLink::RosLink(const RunOptions& options, topics::Session& session,
-                 const std::vector<SensorTopic>& sensors)
-    : impl_(std::make_unique<Impl>(options, session, sensors)) {}
+                 const std::vector<SensorTopic>& sensors, const CommandTopic& command)
+    : impl_(std::make_unique<Impl>(options, session, sensors, command)) {}
 
 RosLink::~RosLink() = default;
 
@@ -96,7 +97,7 @@ void RosLink::publish(std::size_t sensor, std::span<const std::byte> message) {
 void RosLink::publish_clock(TimeNs time) {
   impl_->publish_clock(time);
 }
-std::optional<Command> RosLink::take_command() {
+std::optional<std::vector<double>> RosLink::take_command() {
   return impl_->take_command();
 }
 std::uint64_t RosLink::commands() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "options.hpp"
+#include "spikeloop/robot/command_topic.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/topics/session.hpp"
@@ -24,9 +25,10 @@ std::unique_ptr<topics::Session> open_session(const RunOptions& options,
 class RosLink {
  public:
   /// Advertises `sensors`, and the clock; subscribes to commands.
+  /// @param command of the robot; must outlive this
   /// @throws ConfigurationError when a topic is malformed.
   RosLink(const RunOptions& options, topics::Session& session,
-          const std::vector<SensorTopic>& sensors);
+          const std::vector<SensorTopic>& sensors, const CommandTopic& command);
   ~RosLink();
 
   /// Whether somebody listens to a sensor, or may later.
@@ -34,8 +36,8 @@ class RosLink {
   void publish(std::size_t sensor, std::span<const std::byte> message);
   void publish_clock(TimeNs time);
 
-  /// The newest command since the last call.
-  std::optional<Command> take_command();
+  /// The newest command since the last call, for Simulation::command().
+  std::optional<std::vector<double>> take_command();
   std::uint64_t commands() const;  ///< that have come
   /// False when ROS has shut the node down, as it does when another one takes its name.
   bool alive() const;

@@ -1,5 +1,7 @@
 #include "run.hpp"
 
+#include "report.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/robot/spectators.hpp"
+#include "spikeloop/robot/stepped_robot.hpp"
 
 namespace spikeloop::robot {
 namespace {
@@ -22,18 +25,19 @@ constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
 
 class Loop {
  public:
-  Loop(const RunOptions& options, const status::Sender& status, vehicle::Vehicle& vehicle,
+  Loop(const RunOptions& options, const status::Sender& status, vehicle::Simulation& robot,
        topics::Session& session)
       : options_(options),
         status_(status),
-        vehicle_(vehicle),
-        sensors_(vehicle, options.sensors(session.dialect())),
-        spectators_(vehicle, options.spectators),
-        ros_(options, session, sensors_.topics()),
+        robot_(robot),
+        sensors_(robot, options.sensors(session.dialect())),
+        spectators_(robot, options.spectators),
+        command_topic_(robot, session.dialect()),
+        ros_(options, session, sensors_.topics(), command_topic_),
         pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
         clock_period_(whole_ticks(1 / options.clock_rate_hz)) {
-    if (!options.out.empty()) {
-      write_world(options.out, vehicle, options.vehicle.seed);
+    if (!options.out.empty() && robot.vehicle() != nullptr) {
+      write_world(options.out, *robot.vehicle(), options.vehicle.seed);
       trajectory_.emplace(options.out);
     }
   }
@@ -47,19 +51,19 @@ class Loop {
       pacer_->wait_until(t);
       publish(t);
       if (const auto command = ros_.take_command()) {
-        vehicle_.command(command->linear_m_s, command->angular_rad_s);
+        robot_.command(*command);
       }
-      vehicle_.step(kTick);
-      spectators_.look(vehicle_);
+      robot_.step(kTick);
+      spectators_.look(robot_);
       report_progress();
       if (!ros_.alive()) {
         finish();
         throw TransportError(fmt::format(
             "ROS has shut this node down after {}; does another node have the name '{}'?",
-            format_time(vehicle_.time()), options_.node_name));
+            format_time(robot_.time()), options_.node_name));
       }
     }
-    publish(vehicle_.time());
+    publish(robot_.time());
     finish();
   }
 
@@ -72,12 +76,12 @@ class Loop {
   // changes: ROS takes a stamp of zero for none.
   void publish(TimeNs t) {
     if (t % kRowPeriod == 0 && trajectory_) {
-      trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
+      trajectory_->write(robot_.vehicle()->odometry(), robot_.vehicle()->statistics().collisions);
     }
     for (std::size_t i = 0; i < sensors_.topics().size(); ++i) {
       if (!sensors_.due(i, t) || (t == 0 && !sensors_.topics()[i].latched())) continue;
       if (i == 0) ++scans_;
-      if (ros_.wanted(i)) ros_.publish(i, sensors_.write(i, vehicle_));
+      if (ros_.wanted(i)) ros_.publish(i, sensors_.write(i, robot_));
     }
     if (t == 0) return;
     if (t % clock_period_ == 0) ros_.publish_clock(t);  // after what is of that time
@@ -88,34 +92,30 @@ class Loop {
     if (now - reported_ < kProgressPeriod) return;
     reported_ = now;
     const auto report = pacer_->report();
-    status_.progress(vehicle_.time(), report.wall_time, report.overruns,
-                     {{"collisions", vehicle_.statistics().collisions}});
+    auto shown = nlohmann::json::object();
+    if (const vehicle::Vehicle* const vehicle = robot_.vehicle()) {
+      shown["collisions"] = vehicle->statistics().collisions;
+    }
+    status_.progress(robot_.time(), report.wall_time, report.overruns, shown);
   }
 
   void finish() {
     if (trajectory_) trajectory_->close();
-    spectators_.finish(vehicle_);
-    const auto result = vehicle_.statistics();
+    spectators_.finish(robot_);
     const auto pace = pacer_->report();
-    status_.report({{"commands", ros_.commands()},
-                    {"invalid_commands", result.invalid_commands},
-                    {"clamped_commands", result.clamped_commands},
-                    {"scans", scans_},
-                    {"overruns", pace.overruns}},
-                   summary_of(result));
-    fmt::print(
-        "{} simulated in {:.1f} s: collisions {}, distance {:.2f} m, mean speed {:.3f} m/s, "
-        "coverage {:.1f} %, commands {} ({} invalid), overruns {}\n",
-        format_time(vehicle_.time()), to_seconds(pace.wall_time), result.collisions,
-        result.distance_m, result.mean_speed_m_s, 100 * result.coverage, ros_.commands(),
-        result.invalid_commands, pace.overruns);
+    auto counters = counters_of(robot_, ros_.commands(), scans_);
+    counters["overruns"] = pace.overruns;
+    status_.report(counters, summary_of(robot_));
+    fmt::print("{} simulated in {:.1f} s: {}commands {}, overruns {}\n", format_time(robot_.time()),
+               to_seconds(pace.wall_time), drive_text(robot_), ros_.commands(), pace.overruns);
   }
 
   const RunOptions& options_;
   const status::Sender& status_;
-  vehicle::Vehicle& vehicle_;
+  vehicle::Simulation& robot_;
   Sensors sensors_;
   Spectators spectators_;
+  CommandTopic command_topic_;
   RosLink ros_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs clock_period_;
@@ -128,10 +128,10 @@ class Loop {
 
 void run(const RunOptions& options, const topics::RosArguments& arguments,
          const status::Sender& status, const std::atomic<bool>& stop) {
-  vehicle::Vehicle vehicle(options.vehicle);
+  const auto robot = make_robot(options.vehicle, options.model);
   auto session = open_session(options, arguments, stop);
   if (session == nullptr) return;
-  Loop loop(options, status, vehicle, *session);
+  Loop loop(options, status, *robot, *session);
   status.started();
   loop.run(stop);
 }

@@ -21,12 +21,12 @@ constexpr std::chrono::seconds kPatience{50};
 }  // namespace
 
 StepLink::StepLink(const RunOptions& options, topics::Session& session,
-                   const std::vector<SensorTopic>& sensors)
+                   const std::vector<SensorTopic>& sensors, const CommandTopic& command)
     : session_(session),
       clock_message_(session.dialect()),
       clock_(session.publisher(options.topic(options.clock_topic), kClockType)),
       answers_(session.publisher(stepping::kSteppedTopic, stepping::kType, 0)),
-      command_topic_(session.whole_topic(options.topic(options.command_topic))) {
+      command_topic_(session.whole_topic(options.command_topic_of(command))) {
   for (const SensorTopic& sensor : sensors) {
     const std::string topic = options.sensor_topic(sensor.name);
     const std::uint32_t queue = sensor.latched() ? 1 : 0;
@@ -34,10 +34,10 @@ StepLink::StepLink(const RunOptions& options, topics::Session& session,
                         .publisher = session.publisher(topic, sensor.type, queue, sensor.latched()),
                         .latched = sensor.latched()});
   }
-  command_subscriber_ = session.subscriber(
-      {.topic = command_topic_, .message_type = kTwistType, .queue = 0, .take = [this](auto twist) {
-         take(twist);
-       }});
+  command_subscriber_ = session.subscriber({.topic = command_topic_,
+                                            .message_type = command.type(),
+                                            .queue = 0,
+                                            .take = [this](auto message) { take(message); }});
   request_subscriber_ =
       session.subscriber({.topic = stepping::kStepTopic,
                           .message_type = stepping::kType,
@@ -45,10 +45,10 @@ StepLink::StepLink(const RunOptions& options, topics::Session& session,
                           .take = [this](auto message) { take_request(message); }});
 }
 
-void StepLink::take(std::span<const std::byte> twist) {
+void StepLink::take(std::span<const std::byte> command) {
   {
     const std::lock_guard lock(mutex_);
-    newest_.emplace(twist.begin(), twist.end());
+    newest_.emplace(command.begin(), command.end());
     ++commands_;
   }
   come_.notify_one();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "options.hpp"
+#include "spikeloop/robot/command_topic.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/stepping/protocol.hpp"
@@ -23,7 +24,7 @@ class StepLink {
   using Bytes = std::vector<std::byte>;
 
   StepLink(const RunOptions& options, topics::Session& session,
-           const std::vector<SensorTopic>& sensors);
+           const std::vector<SensorTopic>& sensors, const CommandTopic& command);
 
   /// The next request; nothing when `stop` is true or ROS has shut the node down. Refuses what it
   /// cannot read.
@@ -59,7 +60,7 @@ class StepLink {
   /// @return false after a minute, or when the robot is to stop
   template <typename Done>
   bool wait(const std::atomic<bool>& stop, Done&& done);
-  void take(std::span<const std::byte> twist);
+  void take(std::span<const std::byte> command);
   void take_request(std::span<const std::byte> message);
 
   topics::Session& session_;

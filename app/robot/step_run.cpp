@@ -1,6 +1,7 @@
 // spikeloop-robot --step: the loop belongs to the experiment.
 #include <fmt/format.h>
 
+#include "report.hpp"
 #include "ros_link.hpp"
 #include "run.hpp"
 #include "spikeloop/core/error.hpp"
@@ -17,10 +18,10 @@ class SteppedRun {
  public:
   SteppedRun(const RunOptions& options, topics::Session& session, const std::atomic<bool>& stop)
       : node_name_(options.node_name),
-        options_{options.vehicle, options.sensors(session.dialect()), options.spectators,
-                 options.out},
+        options_{options.vehicle, options.model, options.sensors(session.dialect()),
+                 options.spectators, options.out},
         robot_(std::in_place, options_),
-        link_(options, session, robot_->topics()),
+        link_(options, session, robot_->topics(), robot_->command_topic()),
         stop_(stop) {}
 
   void run() {
@@ -100,14 +101,10 @@ class SteppedRun {
 };
 
 void report(const SteppedRobot& robot, const StepLink& link, const status::Sender& status) {
-  const auto result = robot.statistics();
-  status.report({{"commands", link.commands()},
-                 {"invalid_commands", result.invalid_commands},
-                 {"clamped_commands", result.clamped_commands},
-                 {"scans", link.scans()}},
-                summary_of(result));
-  fmt::print("stepped to {}: collisions {}, distance {:.2f} m, commands {}\n",
-             format_time(robot.time()), result.collisions, result.distance_m, link.commands());
+  status.report(counters_of(robot.robot(), link.commands(), link.scans()),
+                summary_of(robot.robot()));
+  fmt::print("stepped to {}: {}commands {}\n", format_time(robot.time()), drive_text(robot.robot()),
+             link.commands());
 }
 
 }  // namespace

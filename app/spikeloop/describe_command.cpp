@@ -13,6 +13,7 @@
 #include "option_values.hpp"
 #include "output.hpp"
 #include "own_programs.hpp"
+#include "robot_text.hpp"
 #include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/plugin_path.hpp"
@@ -30,6 +31,8 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop describe sensor_msgs/JointState   definition, checksums, field paths of a message
   spikeloop describe my_robot/msg/Arm.msg     the same for a message file
   spikeloop describe --messages               lists the built-in message types
+
+  spikeloop describe arm.xml              topics, joints, actuators of a robot in MJCF
 
   spikeloop describe --experiment         the keys of experiment files
   spikeloop describe --experiment --markdown   the same for docs/experiment-file.md
@@ -110,6 +113,10 @@ int describe(const DescribeArguments& arguments) {
     put_result(message_list());
     return 0;
   }
+  if (arguments.name.ends_with(".xml")) {
+    put_result(robot_text(arguments.name));
+    return 0;
+  }
   if (is_message_type(arguments.name)) {
     put_result(message_text(arguments.name));
     return 0;
@@ -144,10 +151,11 @@ int describe(const DescribeArguments& arguments) {
 
 void add(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<DescribeArguments>();
-  CLI::App* command = app.add_subcommand("describe", "Describe a node class or a message type");
+  CLI::App* command =
+      app.add_subcommand("describe", "Describe a node class, a message type or a robot");
   auto* name = command
                    ->add_option("NODE", arguments->name,
-                                "Node class or message type; not given: all classes")
+                                "Node class, message type, or MJCF file; not given: all classes")
                    ->check(named("node class"));
   auto* markdown =
       command->add_flag("--markdown", arguments->markdown, "Print the page of all built-in classes")

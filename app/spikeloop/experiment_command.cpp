@@ -189,13 +189,22 @@ void add_robot(const Experiment& experiment, const robot::SpectatorWords& specta
   options.roscore = experiment.ros == experiment::Ros::ros1;
   options.robot = true;
   options.published_in_ros2 = published_in_ros2;
-  options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
-                             fmt::format("--seed={}", experiment.robot->seed)};
+  if (const auto& model = experiment.robot->model) {
+    options.robot_arguments = {fmt::format("--model={}", model->file),
+                               fmt::format("--model-rate={}", model->rate_hz)};
+    if (!model->keyframe.empty()) {
+      options.robot_arguments.push_back(fmt::format("--keyframe={}", model->keyframe));
+    }
+  } else {
+    options.robot_arguments = {fmt::format("--world={}", experiment.robot->world),
+                               fmt::format("--seed={}", experiment.robot->seed)};
+  }
   const auto add = [&](const std::vector<std::string>& more) {
     options.robot_arguments.insert(options.robot_arguments.end(), more.begin(), more.end());
   };
   if (const auto& camera = experiment.robot->camera) {
     add({fmt::format("--camera={}x{}", camera->width, camera->height),
+         fmt::format("--camera-name={}", camera->name),
          fmt::format("--camera-rate={}", camera->rate_hz),
          fmt::format("--camera-fov={}", camera->field_of_view_deg)});
   }

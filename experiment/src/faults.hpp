@@ -95,6 +95,14 @@ void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, 
 bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
                      Experiment& experiment);
 
+/// The key `robot`, and what is known of that robot.
+RobotView read_robot(const ExperimentFile& file, const Overrides& overrides,
+                     const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults);
+/// The topics of nodes, without ROS. A node whose topic is not one of the robot's is no longer
+/// `whole`. @param topics of the robot; none: not known
+void check_topics(const Experiment& experiment, const std::vector<RobotTopic>& topics,
+                  std::set<std::string>& whole, Faults& faults);
+
 /// `robot: {bag: FILE}`: its keys.
 void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);

@@ -87,55 +87,6 @@ Parameters read_keys(const ExperimentFile& file, Experiment& experiment, Faults&
   return keys;
 }
 
-std::optional<Camera> camera_of(const Parameters& robot) {
-  if (robot.entries("camera").empty()) {
-    return std::nullopt;
-  }
-  const Parameters& keys = robot.map("camera");
-  return Camera{static_cast<std::uint32_t>(keys.integer("width")),
-                static_cast<std::uint32_t>(keys.integer("height")), keys.number("rate"),
-                keys.number("fov")};
-}
-
-/// What the robot's messages give its sensors; empty when that is not known.
-SensorWidth read_robot(const ExperimentFile& file, const Overrides& overrides,
-                       const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults) {
-  if (overrides.replay) {
-    if (!overrides.replay->bag.empty()) {
-      experiment.robot = {.where = {file.path, 0, 0}, .bag = overrides.replay->bag};
-    }
-    experiment.ros = Ros::none;
-    return {};
-  }
-  if (!file.robot) {
-    return {};
-  }
-  const std::size_t before = faults.count();
-  const ExperimentNode& robot = *file.robot;
-  if (robot.keys.contains("bag")) {
-    read_bag_keys(robot, directory_of(experiment.origin), experiment, faults);
-    return {};
-  }
-  auto declared = robot_parameters();
-  declared.front().default_value.reset();  // one of simulator and bag must be there
-  const Parameters keys = resolve_keys(
-      declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
-  const std::string& world = keys.text("world");
-  const auto beside = std::filesystem::path(directory_of(experiment.origin)) / world;
-  const bool own_seed = keys.given("seed");
-  experiment.robot = {std::filesystem::exists(beside) ? beside.string() : world,
-                      own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
-                      robot.where,
-                      {},
-                      camera_of(keys)};
-  SensorWidth width;
-  if (look_at_robot && faults.count() == before) {
-    faults.attempt(keys.given("world") ? keys.where("world") : robot.where,
-                   [&] { width = look_at_robot(*experiment.robot, dialect_of(experiment.ros)); });
-  }
-  return width;
-}
-
 /// Ways to run that exclude each other.
 void check_ways(const Experiment& experiment, Faults& faults) {
   if (experiment.ros != Ros::none) {
@@ -153,112 +104,6 @@ void check_ways(const Experiment& experiment, Faults& faults) {
                          "key 'sync': lockstep has no robot to step; write  robot: "
                          "{simulator: mujoco},  ros: 2  for a robot that can be stepped "
                          "(docs/stepping.md), or  sync: unpaced"));
-  }
-}
-
-constexpr const char* kImageTopic = "/camera/image_raw";
-constexpr const char* kInfoTopic = "/camera/camera_info";
-
-/// What the robot in this process sends and takes.
-struct RobotTopic {
-  const char* kind;
-  const char* topic;
-  const char* message;
-};
-constexpr RobotTopic kRobotTopics[] = {{kRosSensor, "/scan", "sensor_msgs/LaserScan"},
-                                       {kRosSensor, "/odom", "nav_msgs/Odometry"},
-                                       {kRosSensor, "/imu", "sensor_msgs/Imu"},
-                                       {kRosSensor, "/joint_states", "sensor_msgs/JointState"},
-                                       {kRosSensor, "/tf", "tf2_msgs/TFMessage"},
-                                       {kRosSensor, "/tf_static", "tf2_msgs/TFMessage"},
-                                       {kRosSensor, "/light", "std_msgs/Float64MultiArray"},
-                                       {kRosSensor, kImageTopic, "sensor_msgs/Image"},
-                                       {kRosSensor, kInfoTopic, "sensor_msgs/CameraInfo"},
-                                       {kRosCommand, "/cmd_vel", "geometry_msgs/Twist"}};
-
-void check_robot_topic(const Node& node, const Experiment& experiment) {
-  if (!experiment.robot) {
-    throw ConfigurationError(node.where,
-                             with_code(Code::no_such_topic,
-                                       "node '{}': no robot provides topic {}; write  ros: 2, "
-                                       "or  robot: {{simulator: mujoco}}",
-                                       node.name, node.parameters.text("topic")));
-  }
-  if (!experiment.robot->bag.empty()) {
-    return;  // check_bag()
-  }
-  const std::string& topic = node.parameters.text("topic");
-  if (node.kind == kRosEventSensor) {
-    throw ConfigurationError(
-        node.parameters.where("topic"),
-        with_code(Code::no_such_topic,
-                  "key 'topic': the robot in this process has no event camera that sends {}; "
-                  "write  ros: 2  for one that has, or take the changes of its pictures "
-                  "(docs/images.md, \"Events from frames\")",
-                  topic));
-  }
-  std::vector<std::string> known;
-  for (const RobotTopic& robot : kRobotTopics) {
-    if (node.kind != robot.kind) {
-      continue;
-    }
-    known.emplace_back(robot.topic);
-    if (topic != robot.topic) {
-      continue;
-    }
-    if ((topic == kImageTopic || topic == kInfoTopic) && !experiment.robot->camera) {
-      throw ConfigurationError(
-          node.parameters.where("topic"),
-          with_code(Code::no_such_topic,
-                    "key 'topic': the robot's camera, which sends {}, is off; write  robot: "
-                    "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
-                    topic));
-    }
-    const std::string& message = node.parameters.text("message");
-    if (message == robot.message) {
-      return;
-    }
-    throw ConfigurationError(
-        node.parameters.where("message"),
-        with_code(Code::wrong_message,
-                  "key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
-                  topic, robot.message, message, robot.message));
-  }
-  throw ConfigurationError(node.parameters.where("topic"),
-                           with_code(Code::no_such_topic,
-                                     "key 'topic': the robot has no topic {} there{}; with  ros: "
-                                     "2  any topic is possible",
-                                     topic, did_you_mean(topic, known)));
-}
-
-/// The robot would obey both in turn.
-void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::string>& whole,
-                              Faults& faults) {
-  std::map<std::string, std::string> senders;
-  for (const Node& node : experiment.nodes) {
-    if (node.kind != kRosCommand || !whole.contains(node.name)) {
-      continue;
-    }
-    const std::string& topic = node.parameters.text("topic");
-    const auto [sender, is_new] = senders.emplace(topic, node.name);
-    if (!is_new) {
-      faults.add(node.parameters.where("topic"),
-                 with_code(Code::topic_conflict,
-                           "key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
-                           "both in turn; write one node with all fields, or another topic",
-                           sender->second, node.name, topic));
-    }
-  }
-}
-
-/// A node whose topic is not one of the robot's is no longer `whole`.
-void check_topics(const Experiment& experiment, std::set<std::string>& whole, Faults& faults) {
-  check_one_sender_a_topic(experiment, whole, faults);
-  for (const Node& node : experiment.nodes) {
-    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none &&
-        !faults.attempt(node.where, [&] { check_robot_topic(node, experiment); })) {
-      whole.erase(node.name);
-    }
   }
 }
 
@@ -331,10 +176,10 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
   experiment.origin = origin_of(file, overrides);
   experiment.settings = overrides.settings;
   const Parameters keys = read_keys(file, experiment, all);
-  SensorWidth sensor_width = read_robot(file, overrides, look_at_robot, experiment, all);
+  RobotView robot = read_robot(file, overrides, look_at_robot, experiment, all);
   const auto bag = open_bag(experiment, all);
   if (bag) {
-    sensor_width = bag_width(bag);
+    robot.width = bag_width(bag);
   }
   check_ways(experiment, all);
   bool joined = file.joined;
@@ -347,7 +192,7 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
       whole.insert(entry.name);
     }
   }
-  check_topics(experiment, whole, all);
+  check_topics(experiment, robot.topics, whole, all);
   if (bag && !overrides.replay) {
     check_bag(*bag, whole, experiment, all);
   }
@@ -355,7 +200,7 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     const std::size_t before = all.count();
     const ExperimentFile named = with_simulator_ports(file, experiment, all);
     if (all.count() == before) {
-      resolve_connections(named, {whole, overrides.try_nodes, sensor_width}, experiment, all);
+      resolve_connections(named, {whole, overrides.try_nodes, robot.width}, experiment, all);
     }
   } else if (!faults.empty() && std::ranges::all_of(faults, [](const Diagnostic& fault) {
                return fault.exit_code == 0;  // code that was not run

@@ -134,18 +134,7 @@ void take_connections(const GraphPlan& plan, const ExperimentFile& file,
 
 void check_against_robot(const Node& node, const Experiment& experiment,
                          const SensorWidth& sensor_width) {
-  const std::optional<std::uint32_t> known = sensor_width ? sensor_width(node) : 0;
-  if (!known && node.kind == kRosSensor && experiment.ros == Ros::none) {
-    // The topic is one of the robot's, with the right message: check_robot_topic().
-    throw ConfigurationError(
-        node.parameters.where("topic"),
-        with_code(Code::no_such_topic,
-                  "key 'topic': the robot sends nothing on {} in this world, which has no lamps; "
-                  "write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
-                  "(docs/robot.md)",
-                  node.parameters.text("topic")));
-  }
-  const std::uint32_t values = known.value_or(0);
+  const std::uint32_t values = sensor_width ? sensor_width(node).value_or(0) : 0;
   for (const Connection& connection : experiment.connections) {
     if (node_of(connection.from) == node.name && values != 0 && values != connection.width) {
       throw ConfigurationError(

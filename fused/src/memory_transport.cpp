@@ -1,6 +1,6 @@
 #include "memory_transport.hpp"
 
-#include "sensor_options.hpp"
+#include "robot_options.hpp"
 #include "spikeloop/robot/files.hpp"
 
 namespace spikeloop::fused {
@@ -11,15 +11,16 @@ MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
   if (!robot) {
     return;
   }
-  robot_.emplace(robot::RobotOptions{.vehicle = {robot->world, robot->seed},
-                                     .sensors = sensor_options(*robot),
-                                     .spectators = spectators,
-                                     .folder = folder});
+  robot::RobotOptions options = robot_options(*robot);
+  options.spectators = spectators;
+  options.folder = folder;
+  robot_.emplace(options);
   for (const robot::SensorTopic& topic : robot_->topics()) {
     publishers_.push_back(session_.publisher(topic.name, topic.type));
   }
-  commands_ = session_.subscriber({.topic = "/cmd_vel",
-                                   .message_type = robot::kTwistType,
+  const robot::CommandTopic& command = robot_->command_topic();
+  commands_ = session_.subscriber({.topic = "/" + command.name(),
+                                   .message_type = command.type(),
                                    .take = [this](auto message) { robot_->command(message); }});
 }
 
@@ -47,7 +48,7 @@ nlohmann::json MemoryTransport::summary() const {
   if (!robot_) {
     return nlohmann::json::object();
   }
-  return robot::summary_of(robot_->statistics());
+  return robot::summary_of(robot_->robot());
 }
 
 }  // namespace spikeloop::fused

@@ -12,11 +12,11 @@
 
 namespace spikeloop::fused {
 
-/// Topics: those of robot::Sensors, and /cmd_vel.
+/// Topics: those of robot::Sensors and robot::CommandTopic.
 class MemoryTransport : public Transport {
  public:
   /// @param robot none: nothing is at the other end
-  /// @throws Error as vehicle::Vehicle; FileError when the folder cannot be written.
+  /// @throws Error as robot::SteppedRobot; FileError when the folder cannot be written.
   MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder,
                   const robot::SpectatorOptions& spectators = {});
 

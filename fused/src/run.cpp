@@ -297,19 +297,6 @@ void warn_of_overruns(const Experiment& experiment, const Progress& progress, Ti
                progress.overruns, ticks, 1 / speed, remedy);
 }
 
-/// Of a table, a list or a map.
-std::string written_text(const experiment::Node& node, const std::string& name) {
-  if (const auto written = node.written.find(name); written != node.written.end()) {
-    return written->second.text;
-  }
-  if (node.node_class == nullptr) {
-    return "";
-  }
-  const auto& declared = node.node_class->description.parameters;
-  const auto parameter = std::ranges::find(declared, name, &ParameterDescription::name);
-  return parameter == declared.end() ? "" : parameter->default_value.value_or("");
-}
-
 }  // namespace
 
 std::string copy_of(const std::string& file, const std::string& experiment_file) {
@@ -317,64 +304,6 @@ std::string copy_of(const std::string& file, const std::string& experiment_file)
   const std::string name =
       fs::path(file).lexically_relative(fs::path(experiment_file).parent_path()).string();
   return name.starts_with("..") || file == experiment_file ? "" : name;
-}
-
-json resolved_json(const Experiment& experiment) {
-  json nodes = json::object();
-  for (const auto& node : experiment.nodes) {
-    json keys{{experiment::is_simulator(node) ? "simulator" : "node", node.kind}};
-    for (const auto& [name, value] : node.parameters.all()) {
-      if (const auto* number = std::get_if<double>(&value)) {
-        keys[name] = *number;
-      } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
-        keys[name] = *integer;
-      } else if (const auto* truth = std::get_if<bool>(&value)) {
-        keys[name] = *truth;
-      } else if (const auto* text = std::get_if<std::string>(&value)) {
-        keys[name] = *text;
-      } else {
-        keys[name] = written_text(node, name);
-      }
-    }
-    nodes[node.name] = keys;
-  }
-  json connections = json::array();
-  for (const auto& connection : experiment.connections) {
-    connections.push_back({{"from", connection.from},
-                           {"to", connection.to},
-                           {"width", connection.width},
-                           {"delay_ticks", connection.delay_ticks.value_or(0)}});
-  }
-  json result{{"experiment", experiment.name},
-              {"tick_ns", experiment.tick},
-              {"seed", experiment.seed},
-              {"sync", experiment::name_of(experiment.sync)},
-              {"version", SPIKELOOP_VERSION},
-              {"nodes", nodes},
-              {"real_time_factor", experiment.real_time_factor},
-              {"ros", experiment::name_of(experiment.ros)},
-              {"layout", name_of(experiment.layout)},
-              {"connections", connections},
-              {"settings", json::parse(to_text(experiment.settings))}};
-  result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
-  if (experiment.robot) {
-    result["robot"] = experiment.robot->bag.empty() ? json{{"world", experiment.robot->world},
-                                                           {"seed", experiment.robot->seed}}
-                                                    : json{{"bag", experiment.robot->bag}};
-    if (const auto& camera = experiment.robot->camera) {
-      result["robot"]["camera"] = {{"width", camera->width},
-                                   {"height", camera->height},
-                                   {"rate_hz", camera->rate_hz},
-                                   {"fov_deg", camera->field_of_view_deg}};
-    }
-  }
-  result["experiment_file"] =
-      std::filesystem::absolute(experiment.origin).lexically_normal().string();
-  result["files"] = json::object();
-  for (const std::string& path : experiment.files) {
-    result["files"][path] = file_print(path);
-  }
-  return result;
 }
 
 std::unique_ptr<Transport> make_transport(const Experiment& experiment, const RunOptions& options) {

@@ -85,6 +85,28 @@ struct Read {
   experiment::Experiment experiment;
 };
 
+/// Topics of the vehicle in a world without lamps, or of an arm with two motors; no widths.
+inline experiment::RobotView view_of(const experiment::Robot& robot, messages::Dialect /*ros*/) {
+  if (robot.model) {
+    return {.topics = {{"/joint_states", "sensor_msgs/JointState"},
+                       {"/sensors/tip", "std_msgs/Float64MultiArray"},
+                       {"/joint_commands",
+                        "sensor_msgs/JointState",
+                        {"effort[name=shoulder]", "effort[name=elbow]"}}}};
+  }
+  experiment::RobotView view{.topics = {{"/scan", "sensor_msgs/LaserScan"},
+                                        {"/odom", "nav_msgs/Odometry"},
+                                        {"/imu", "sensor_msgs/Imu"},
+                                        {"/joint_states", "sensor_msgs/JointState"},
+                                        {"/tf", "tf2_msgs/TFMessage"},
+                                        {"/cmd_vel", "geometry_msgs/Twist", {"linear.x"}}}};
+  if (robot.camera) {
+    view.topics.push_back({"/camera/image_raw", "sensor_msgs/Image"});
+    view.topics.push_back({"/camera/camera_info", "sensor_msgs/CameraInfo"});
+  }
+  return view;
+}
+
 /// As `spikeloop check` reads it. `types` must outlive the result.
 inline Read read(const Files& files, const experiment::NodeTypes& types,
                  const experiment::Overrides& overrides = {}) {
@@ -95,7 +117,7 @@ inline Read read(const Files& files, const experiment::NodeTypes& types,
         files.path(),
         [&](const ConfigurationError& error) { faults.push_back(diagnostic_of(error)); },
         overrides.settings);
-    result.experiment = experiment::resolve(file, types, overrides, faults);
+    result.experiment = experiment::resolve(file, types, overrides, faults, view_of);
   } catch (const Error& error) {
     faults.push_back(diagnostic_of(error));
   }

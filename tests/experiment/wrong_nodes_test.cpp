@@ -30,6 +30,24 @@ INSTANTIATE_TEST_SUITE_P(
               "topic: /camera/image_raw, message: sensor_msgs/Image"}},
             {"x.yaml:6:35: key 'topic': the robot's camera, which sends /camera/image_raw, is "
              "off; write  robot: {simulator: mujoco, camera: {width: 64, height: 48}} [SL0507]"}},
+        WrongFile{"a world and another robot at once",
+                  {{"mujoco}", "mujoco, world: arena, model: arm.xml}"}},
+                  {"x.yaml:4:35: robot: key 'world' is for the vehicle, and 'model' replaces it; "
+                   "leave one of the two out [SL0208]"}},
+        WrongFile{"a keyframe of the vehicle",
+                  {{"mujoco}", "mujoco, keyframe: home}"}},
+                  {"x.yaml:4:38: robot: key 'keyframe' is for a robot with  model: FILE; leave it "
+                   "out [SL0208]"}},
+        WrongFile{
+            "an actuator that the robot does not have",
+            {{"mujoco}", "mujoco, model: arm.xml}"},
+             {"topic: /scan, message: LaserScan",
+              "topic: /sensors/tip, message: Float64MultiArray"},
+             {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
+              "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
+              "{'effort[name=elbow]': 0, 'effort[name=sholder]': 1}"}},
+            {"x.yaml:10:146: the robot does not use the field 'effort[name=sholder]' of its topic "
+             "/joint_commands; did you mean 'effort[name=shoulder]'? [SL0504]"}},
         WrongFile{
             "a camera that is not a map",
             {{"mujoco}", "mujoco, camera: on}"}},

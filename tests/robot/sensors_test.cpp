@@ -101,9 +101,9 @@ TEST_P(RobotSensors, TheInertialUnitsNumbersAreTheVehicles) {
 
 TEST_P(RobotSensors, WheelsHaveNames) {
   const vehicle::JointStates wheels = vehicle_.joint_states();
-  EXPECT_EQ(read("joint_states", "position"), wheels.positions_rad);
-  EXPECT_EQ(read("joint_states", "velocity"), wheels.velocities_rad_s);
-  EXPECT_EQ(read("joint_states", "effort"), wheels.torques_n_m);
+  EXPECT_EQ(read("joint_states", "position"), wheels.positions);
+  EXPECT_EQ(read("joint_states", "velocity"), wheels.velocities);
+  EXPECT_EQ(read("joint_states", "effort"), wheels.efforts);
   for (const std::string& name : wheels.names) EXPECT_TRUE(holds("joint_states", name));
 }
 

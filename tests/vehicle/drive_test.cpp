@@ -197,7 +197,7 @@ TEST_F(Drive, ATimeThatIsNotPositiveIsRefused) {
     vehicle.step(0);
     FAIL();
   } catch (const ConfigurationError& error) {
-    EXPECT_STREQ(error.what(), "cannot advance the vehicle by 0 s; write a time above 0 [SL0801]");
+    EXPECT_STREQ(error.what(), "cannot advance the robot by 0 s; write a time above 0 [SL0801]");
   }
 }
 

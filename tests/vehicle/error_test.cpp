@@ -233,7 +233,7 @@ TEST(PhysicsErrors, AnUnstableWorldSaysSo) {
   } catch (const NodeError& error) {
     EXPECT_THAT(
         error.what(),
-        AllOf(StartsWith("node 'vehicle': the physics of " + world.path() + " became unstable at "),
+        AllOf(StartsWith("node 'robot': the physics of " + world.path() + " became unstable at "),
               EndsWith("; write a smaller <option timestep=\"...\"/> (now 2 ms) or weaker "
                        "actuators [SL0704]")));
   }
@@ -245,7 +245,7 @@ TEST(PhysicsErrors, AnErrorInsideMujocoIsThrown) {
     mju_error("out of memory");
     FAIL();
   } catch (const NodeError& error) {
-    EXPECT_STREQ(error.what(), "node 'vehicle': MuJoCo stopped: out of memory [SL0704]");
+    EXPECT_STREQ(error.what(), "node 'robot': MuJoCo stopped: out of memory [SL0704]");
   }
 }
 

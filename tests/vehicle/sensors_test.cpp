@@ -90,9 +90,9 @@ TEST_F(Sensors, WheelsTurnAsFastAsTheirRimsRoll) {
     EXPECT_EQ(after.stamp - before.stamp, kSecond);
     for (std::size_t i = 0; i < 4; ++i) {
       const double rim = speed + (i % 2 == 0 ? -1 : 1) * rate * half_track;
-      const double turned = after.positions_rad[i] - before.positions_rad[i];
+      const double turned = after.positions[i] - before.positions[i];
       EXPECT_NEAR(turned, rim / kRadius, 0.03 * std::abs(rim / kRadius) + 1e-3);
-      EXPECT_NEAR(after.velocities_rad_s[i], rim / kRadius, 0.03 * std::abs(rim / kRadius) + 1e-3);
+      EXPECT_NEAR(after.velocities[i], rim / kRadius, 0.03 * std::abs(rim / kRadius) + 1e-3);
     }
   }
 }
@@ -102,9 +102,9 @@ TEST_F(Sensors, MotorsOfAWheelThatIsHeldPush) {
   vehicle.command(0, 1.0);  // wheels that skid have to be driven
   vehicle.step(kSecond);
   const JointStates states = vehicle.joint_states();
-  ASSERT_EQ(states.torques_n_m.size(), 4U);
-  EXPECT_LT(states.torques_n_m[0], -0.01);
-  EXPECT_GT(states.torques_n_m[1], 0.01);
+  ASSERT_EQ(states.efforts.size(), 4U);
+  EXPECT_LT(states.efforts[0], -0.01);
+  EXPECT_GT(states.efforts[1], 0.01);
 }
 
 TEST_F(Sensors, MountsAreThoseOfTheFile) {

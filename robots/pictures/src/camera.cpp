@@ -12,28 +12,23 @@ double half_width_at_1(const CameraOptions& options) {
   return std::tan(options.field_of_view_deg * std::numbers::pi / 360);
 }
 
-// Before a scene is made: a vehicle without camera is no matter of OpenGL.
-const vehicle::Vehicle& with_camera(const vehicle::Vehicle& vehicle) {
-  robot_camera(vehicle);
-  return vehicle;
-}
-
 }  // namespace
 
 class Camera::Impl {
  public:
-  Impl(const vehicle::Vehicle& vehicle, const CameraOptions& options)
+  Impl(const vehicle::Simulation& robot, const CameraOptions& options)
       : tangent_(half_width_at_1(options)),
-        state_(with_camera(vehicle)),
+        id_(robot_camera(robot, options.name)),  // first: a missing camera is no matter of OpenGL
+        state_(robot),
         image_{options.size, {}},
-        scene_(vehicle, {.buffer = options.size, .samples = 4, .shadows = false}) {}
+        scene_(robot, {.buffer = options.size, .samples = 4, .shadows = false}) {}
 
-  const Image& look(const vehicle::Vehicle& vehicle) {
-    state_.take(vehicle);
+  const Image& look(const vehicle::Simulation& robot) {
+    state_.take(robot);
     scene_.use([&](Scene& scene) {
       scene.set(state_);
       scene.draw_camera(
-          {0, 0, static_cast<int>(image_.size.width), static_cast<int>(image_.size.height)},
+          {0, 0, static_cast<int>(image_.size.width), static_cast<int>(image_.size.height)}, id_,
           tangent_);
       scene.read(image_);
     });
@@ -42,19 +37,20 @@ class Camera::Impl {
 
  private:
   double tangent_;
+  int id_;
   State state_;
   Image image_;
   OffscreenScene scene_;
 };
 
-Camera::Camera(const vehicle::Vehicle& vehicle, const CameraOptions& options)
-    : impl_(std::make_unique<Impl>(vehicle, options)) {}
+Camera::Camera(const vehicle::Simulation& robot, const CameraOptions& options)
+    : impl_(std::make_unique<Impl>(robot, options)) {}
 Camera::~Camera() = default;
 Camera::Camera(Camera&&) noexcept = default;
 Camera& Camera::operator=(Camera&&) noexcept = default;
 
-const Image& Camera::look(const vehicle::Vehicle& vehicle) {
-  return impl_->look(vehicle);
+const Image& Camera::look(const vehicle::Simulation& robot) {
+  return impl_->look(robot);
 }
 
 double focal_length(const CameraOptions& options) {

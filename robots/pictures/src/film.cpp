@@ -16,6 +16,7 @@
 
 #include "offscreen_scene.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/pictures/camera.hpp"
 #include "video.hpp"
 
 namespace spikeloop::pictures {
@@ -109,10 +110,12 @@ Size size_named(std::string_view text) {
 
 class Film::Impl {
  public:
-  Impl(const vehicle::Vehicle& vehicle, const FilmOptions& options)
-      : options_(options), kind_(kind_of(options.path)), state_(vehicle) {
-    if (std::ranges::count(options.views, View::camera) > 0) robot_camera(vehicle);
-    scene_.emplace(vehicle, SceneOptions{.buffer = options.size});
+  Impl(const vehicle::Simulation& robot, const FilmOptions& options)
+      : options_(options), kind_(kind_of(options.path)), state_(robot) {
+    if (std::ranges::count(options.views, View::camera) > 0) {
+      camera_ = robot_camera(robot, CameraOptions{}.name);
+    }
+    scene_.emplace(robot, SceneOptions{.buffer = options.size});
     image_.size = options.size;
     if (kind_ == Kind::last) try_to_write(options.path);
     if (kind_ == Kind::frames) make_empty_directory(options.path);
@@ -122,11 +125,12 @@ class Film::Impl {
     });
   }
 
-  void take(const vehicle::Vehicle& vehicle) {
-    if (vehicle.time() < next()) return;
-    trail_.go_on(vehicle.pose());
+  void take(const vehicle::Simulation& robot) {
+    if (robot.time() < next()) return;
+    state_.take(robot);
+    trail_.go_on(state_.pose);
     if (kind_ != Kind::last) {
-      draw(vehicle);
+      draw();
       write();
     }
     // Pictures that a long step has passed are those that hold until now.
@@ -135,12 +139,13 @@ class Film::Impl {
 
   TimeNs next() const { return std::llround(static_cast<double>(count_) * 1e9 / options_.rate_hz); }
 
-  void finish(const vehicle::Vehicle& vehicle) {
+  void finish(const vehicle::Simulation& robot) {
     if (finished_) return;
     finished_ = true;
     if (kind_ == Kind::last) {
-      trail_.go_on(vehicle.pose());
-      draw(vehicle);
+      state_.take(robot);
+      trail_.go_on(state_.pose);
+      draw();
       write_png(options_.path, image_);
     }
     if (video_) video_->finish();
@@ -154,8 +159,7 @@ class Film::Impl {
     return static_cast<double>(width_of_view()) / static_cast<double>(options_.size.height);
   }
 
-  void draw(const vehicle::Vehicle& vehicle) {
-    state_.take(vehicle);
+  void draw() {
     scene_->use([&](Scene& scene) {
       scene.set(state_);
       for (std::size_t i = 0; i < options_.views.size(); ++i) {
@@ -164,7 +168,7 @@ class Film::Impl {
         const View view = options_.views[i];
         scene.follow(view, cameras_[i]);
         if (view == View::camera) {
-          scene.draw_camera(where, kCameraHalfWidth);
+          scene.draw_camera(where, camera_, kCameraHalfWidth);
         } else {
           scene.draw(where, cameras_[i], &trail_);
         }
@@ -186,6 +190,7 @@ class Film::Impl {
   Kind kind_;
   State state_;
   Trail trail_;
+  int camera_ = -1;  // for View::camera
   Image image_;
   std::optional<OffscreenScene> scene_;
   std::vector<mjvCamera> cameras_;
@@ -194,20 +199,20 @@ class Film::Impl {
   bool finished_ = false;
 };
 
-Film::Film(const vehicle::Vehicle& vehicle, const FilmOptions& options)
-    : impl_(std::make_unique<Impl>(vehicle, options)) {}
+Film::Film(const vehicle::Simulation& robot, const FilmOptions& options)
+    : impl_(std::make_unique<Impl>(robot, options)) {}
 Film::~Film() = default;
 Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 
-void Film::take(const vehicle::Vehicle& vehicle) {
-  impl_->take(vehicle);
+void Film::take(const vehicle::Simulation& robot) {
+  impl_->take(robot);
 }
 TimeNs Film::next() const {
   return impl_->next();
 }
-void Film::finish(const vehicle::Vehicle& vehicle) {
-  impl_->finish(vehicle);
+void Film::finish(const vehicle::Simulation& robot) {
+  impl_->finish(robot);
 }
 
 }  // namespace spikeloop::pictures

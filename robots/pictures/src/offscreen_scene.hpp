@@ -10,9 +10,9 @@ namespace spikeloop::pictures {
 
 class OffscreenScene {
  public:
-  OffscreenScene(const vehicle::Vehicle& vehicle, const SceneOptions& options) {
+  OffscreenScene(const vehicle::Simulation& robot, const SceneOptions& options) {
     const Offscreen::Current current(context_);
-    scene_ = std::make_unique<Scene>(vehicle, options);
+    scene_ = std::make_unique<Scene>(robot, options);
   }
   ~OffscreenScene() {
     try {

@@ -23,43 +23,49 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 }  // namespace
 
-int robot_camera(const vehicle::Vehicle& vehicle) {
-  const int camera = mj_name2id(&vehicle.model(), mjOBJ_CAMERA, "camera");
+int robot_camera(const vehicle::Simulation& robot, const std::string& name) {
+  const int camera = mj_name2id(&robot.model(), mjOBJ_CAMERA, name.c_str());
   if (camera < 0) {
     throw ConfigurationError(
-        Location{vehicle.world()},
+        Location{robot.world()},
         with_code(Code::world,
-                  "has no camera 'camera'; write <camera name=\"camera\" pos=\"0.2 0 "
-                  "0.07\" xyaxes=\"0 -1 0 0 0 "
-                  "1\"/> into body 'vehicle', or include the shipped vehicle"));
+                  "has no camera '{0}'; write <camera name=\"{0}\" pos=\"0.2 0 0.07\" "
+                  "xyaxes=\"0 -1 0 0 0 1\"/> into body '{1}'{2}",
+                  name, robot.vehicle() != nullptr ? "vehicle" : "...",
+                  robot.vehicle() != nullptr ? ", or include the shipped vehicle" : ""));
   }
   return camera;
 }
 
-void State::take(const vehicle::Vehicle& vehicle) {
-  const mjModel& model = vehicle.model();
-  const mjData& data = vehicle.data();
-  time = vehicle.time();
-  pose = vehicle.pose();
+void State::take(const vehicle::Simulation& robot) {
+  const mjModel& model = robot.model();
+  const mjData& data = robot.data();
+  time = robot.time();
+  if (const vehicle::Vehicle* const vehicle = robot.vehicle()) {
+    pose = vehicle->pose();
+  }
   qpos.assign(data.qpos, data.qpos + model.nq);
   mocap_pos.assign(data.mocap_pos, data.mocap_pos + 3 * model.nmocap);
   mocap_quat.assign(data.mocap_quat, data.mocap_quat + 4 * model.nmocap);
 }
 
-void Trail::go_on(const vehicle::Pose& pose) {
-  if (!points_.empty() &&
-      std::hypot(pose.x_m - points_.back()[0], pose.y_m - points_.back()[1]) < kTrailStep) {
+void Trail::go_on(const std::optional<vehicle::Pose>& pose) {
+  if (!pose || (!points_.empty() && std::hypot(pose->x_m - points_.back()[0],
+                                               pose->y_m - points_.back()[1]) < kTrailStep)) {
     return;
   }
   if (points_.size() == kTrailPoints) {
     for (std::size_t i = 0; 2 * i < points_.size(); ++i) points_[i] = points_[2 * i];
     points_.resize(kTrailPoints / 2);
   }
-  points_.push_back({pose.x_m, pose.y_m});
+  points_.push_back({pose->x_m, pose->y_m});
 }
 
-Scene::Scene(const vehicle::Vehicle& vehicle, const SceneOptions& options)
-    : model_(mj_copyModel(nullptr, &vehicle.model())), arena_(vehicle.arena()) {
+Scene::Scene(const vehicle::Simulation& robot, const SceneOptions& options)
+    : model_(mj_copyModel(nullptr, &robot.model())) {
+  if (const vehicle::Vehicle* const vehicle = robot.vehicle()) {
+    arena_ = vehicle->arena();
+  }
   model_->vis.global.offwidth = static_cast<int>(options.buffer.width);
   model_->vis.global.offheight = static_cast<int>(options.buffer.height);
   model_->vis.quality.offsamples = options.samples;
@@ -81,7 +87,7 @@ Scene::Scene(const vehicle::Vehicle& vehicle, const SceneOptions& options)
     throw TransportError(fmt::format("cannot draw: {}; is libgl1 installed?", error.what()));
   }
   mjr_setBuffer(mjFB_OFFSCREEN, &context_);
-  set(State(vehicle));
+  set(State(robot));
 }
 
 Scene::~Scene() {
@@ -103,14 +109,16 @@ mjvCamera Scene::camera(View view, double aspect) const {
   mjvCamera camera;
   mjv_defaultCamera(&camera);
   camera.type = mjCAMERA_FREE;
-  if (view == View::above) {
-    const double half_height = 0.5 * (arena_.max_y_m - arena_.min_y_m);
-    const double half_width = 0.5 * (arena_.max_x_m - arena_.min_x_m);
+  if (!arena_) {
+    mjv_defaultFreeCamera(model_.get(), &camera);
+  } else if (view == View::above) {
+    const double half_height = 0.5 * (arena_->max_y_m - arena_->min_y_m);
+    const double half_width = 0.5 * (arena_->max_x_m - arena_->min_x_m);
     const double tangent = std::tan(0.5 * model_->vis.global.fovy * kDegree);
     // Room for the walls, and for the near edge, which is larger than the far one.
     camera.distance = 1.22 * std::max(half_height, half_width / aspect) / tangent;
-    camera.lookat[0] = 0.5 * (arena_.max_x_m + arena_.min_x_m);
-    camera.lookat[1] = 0.5 * (arena_.max_y_m + arena_.min_y_m);
+    camera.lookat[0] = 0.5 * (arena_->max_x_m + arena_->min_x_m);
+    camera.lookat[1] = 0.5 * (arena_->max_y_m + arena_->min_y_m);
     camera.lookat[2] = 0;
     camera.azimuth = 90;
     camera.elevation = kElevation;
@@ -123,11 +131,11 @@ mjvCamera Scene::camera(View view, double aspect) const {
 }
 
 void Scene::follow(View view, mjvCamera& camera) const {
-  if (view != View::chase) return;
-  camera.lookat[0] = pose_.x_m + 0.25 * std::cos(pose_.theta_rad);
-  camera.lookat[1] = pose_.y_m + 0.25 * std::sin(pose_.theta_rad);
+  if (view != View::chase || !pose_) return;
+  camera.lookat[0] = pose_->x_m + 0.25 * std::cos(pose_->theta_rad);
+  camera.lookat[1] = pose_->y_m + 0.25 * std::sin(pose_->theta_rad);
   camera.lookat[2] = 0.1;
-  camera.azimuth = pose_.theta_rad / kDegree;
+  camera.azimuth = pose_->theta_rad / kDegree;
 }
 
 void Scene::draw(mjrRect where, mjvCamera& camera, const Trail* trail) {
@@ -136,11 +144,11 @@ void Scene::draw(mjrRect where, mjvCamera& camera, const Trail* trail) {
   mjr_render(where, &scene_, &context_);
 }
 
-void Scene::draw_camera(mjrRect where, double tangent) {
+void Scene::draw_camera(mjrRect where, int id, double tangent) {
   mjvCamera camera;
   mjv_defaultCamera(&camera);
   camera.type = mjCAMERA_FIXED;
-  camera.fixedcamid = mj_name2id(model_.get(), mjOBJ_CAMERA, "camera");
+  camera.fixedcamid = id;
   mjv_updateScene(model_.get(), data_.get(), &option_, nullptr, &camera, mjCAT_ALL, &scene_);
   for (mjvGLCamera& eye : scene_.camera) {
     const double half = tangent * eye.frustum_near * where.height / where.width;

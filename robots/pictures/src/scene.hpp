@@ -1,10 +1,11 @@
-// What MuJoCo draws: a world with everything at its place, and the path that the vehicle has come.
+// What MuJoCo draws: a world with everything at its place, and the path of the vehicle.
 #pragma once
 
 #include <mujoco/mujoco.h>
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,13 @@
 
 namespace spikeloop::pictures {
 
-/// What is needed of a vehicle to draw it; copied, so that drawing changes nothing.
+/// What is needed of a robot to draw it; copied, so that drawing changes nothing.
 struct State {
-  explicit State(const vehicle::Vehicle& vehicle) { take(vehicle); }
-  void take(const vehicle::Vehicle& vehicle);
+  explicit State(const vehicle::Simulation& robot) { take(robot); }
+  void take(const vehicle::Simulation& robot);
 
   TimeNs time = 0;
-  vehicle::Pose pose;
+  std::optional<vehicle::Pose> pose;  ///< of the vehicle
   std::vector<mjtNum> qpos;
   std::vector<mjtNum> mocap_pos;
   std::vector<mjtNum> mocap_quat;
@@ -28,7 +29,7 @@ struct State {
 /// Points of the path, a few centimetres apart.
 class Trail {
  public:
-  void go_on(const vehicle::Pose& pose);
+  void go_on(const std::optional<vehicle::Pose>& pose);
   const std::vector<std::array<double, 2>>& points() const { return points_; }
 
  private:
@@ -44,7 +45,7 @@ struct SceneOptions {
 /// Made, used and destroyed while an OpenGL context is current in the thread.
 class Scene {
  public:
-  Scene(const vehicle::Vehicle& vehicle, const SceneOptions& options);
+  Scene(const vehicle::Simulation& robot, const SceneOptions& options);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -56,8 +57,9 @@ class Scene {
   /// Follows the vehicle where the view does.
   void follow(View view, mjvCamera& camera) const;
   void draw(mjrRect where, mjvCamera& camera, const Trail* trail);
-  /// The same through the vehicle's camera, `tangent` half its width at distance 1.
-  void draw_camera(mjrRect where, double tangent);
+  /// The same through a camera of the model, `tangent` half its width at distance 1.
+  /// @param id as robot_camera() has it
+  void draw_camera(mjrRect where, int id, double tangent);
   void write(mjrRect where, const std::string& text);
   /// Of the buffer's lower left part.
   void read(Image& image);
@@ -76,14 +78,14 @@ class Scene {
 
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
-  vehicle::Arena arena_;
-  vehicle::Pose pose_;
+  std::optional<vehicle::Arena> arena_;  // of the vehicle
+  std::optional<vehicle::Pose> pose_;
   mjvOption option_;
   mjvScene scene_;
   mjrContext context_;
 };
 
-/// The id of camera `camera`. @throws ConfigurationError when the world has none.
-int robot_camera(const vehicle::Vehicle& vehicle);
+/// The id of a camera. @throws ConfigurationError when the world has none of that name.
+int robot_camera(const vehicle::Simulation& robot, const std::string& name);
 
 }  // namespace spikeloop::pictures

@@ -71,7 +71,7 @@ struct Wishes {
 
 class Window::Impl {
  public:
-  Impl(const vehicle::Vehicle& vehicle, const std::string& title) : newest_(vehicle) {
+  Impl(const vehicle::Simulation& robot, const std::string& title) : newest_(robot) {
     if (display_name() == nullptr) {
       throw TransportError(
           "cannot open a window: there is no display (DISPLAY is not set); leave --view out, or "
@@ -79,9 +79,9 @@ class Window::Impl {
     }
     std::promise<void> opened;
     auto result = opened.get_future();
-    thread_ = std::thread([this, &vehicle, title, &opened] {
+    thread_ = std::thread([this, &robot, title, &opened] {
       try {
-        Picture picture(vehicle, title);
+        Picture picture(robot, title);
         open_ = true;
         opened.set_value();
         run(picture);
@@ -104,11 +104,11 @@ class Window::Impl {
     if (thread_.joinable()) thread_.join();
   }
 
-  void show(const vehicle::Vehicle& vehicle) {
+  void show(const vehicle::Simulation& robot) {
     if (!open_ || !drawn_) return;
     {
       const std::lock_guard lock(mutex_);
-      newest_.take(vehicle);
+      newest_.take(robot);
       drawn_ = false;
     }
     come_.notify_one();
@@ -121,7 +121,7 @@ class Window::Impl {
   /// Window and scene, of the thread that draws.
   class Picture {
    public:
-    Picture(const vehicle::Vehicle& vehicle, const std::string& title) {
+    Picture(const vehicle::Simulation& robot, const std::string& title) {
       if (glfw_.glfwInit() == GLFW_FALSE) refuse();
       glfw_.glfwWindowHint(GLFW_SAMPLES, 4);
       window_ = glfw_.glfwCreateWindow(kWidth, kHeight, title.c_str(), nullptr, nullptr);
@@ -130,7 +130,7 @@ class Window::Impl {
       glfw_.glfwSwapInterval(1);
       glfw_.glfwSetWindowUserPointer(window_, &wishes_);
       listen();
-      scene_.emplace(vehicle, SceneOptions{.buffer = {kWidth, kHeight}, .samples = 0});
+      scene_.emplace(robot, SceneOptions{.buffer = {kWidth, kHeight}, .samples = 0});
       mjr_setBuffer(mjFB_WINDOW, const_cast<mjrContext*>(&scene_->context()));
       look_from(View::above);
     }
@@ -246,12 +246,12 @@ class Window::Impl {
   std::thread thread_;
 };
 
-Window::Window(const vehicle::Vehicle& vehicle, const std::string& title)
-    : impl_(std::make_unique<Impl>(vehicle, title)) {}
+Window::Window(const vehicle::Simulation& robot, const std::string& title)
+    : impl_(std::make_unique<Impl>(robot, title)) {}
 Window::~Window() = default;
 
-void Window::show(const vehicle::Vehicle& vehicle) {
-  impl_->show(vehicle);
+void Window::show(const vehicle::Simulation& robot) {
+  impl_->show(robot);
 }
 std::uint64_t Window::pictures() const {
   return impl_->pictures();

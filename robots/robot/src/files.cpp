@@ -92,7 +92,9 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
   write_file(in_directory(directory, "world.json"), world.dump(2) + "\n");
 }
 
-nlohmann::json summary_of(const vehicle::Statistics& statistics) {
+nlohmann::json summary_of(const vehicle::Simulation& robot) {
+  if (robot.vehicle() == nullptr) return nlohmann::json::object();
+  const vehicle::Statistics statistics = robot.vehicle()->statistics();
   return {{"collisions", statistics.collisions},
           {"distance_m", statistics.distance_m},
           {"coverage", statistics.coverage},

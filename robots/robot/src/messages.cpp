@@ -66,15 +66,4 @@ const std::vector<std::byte>& ClockMessage::write(TimeNs time) {
   return Message::write(std::array{number(stamp.secs), number(stamp.nsecs)});
 }
 
-TwistReader::TwistReader(Dialect dialect)
-    : linear_(Catalog::builtin(dialect), kTwistType, "linear.x"),
-      angular_(Catalog::builtin(dialect), kTwistType, "angular.z") {}
-
-Command TwistReader::read(std::span<const std::byte> message) const {
-  std::vector<double> values;
-  linear_.read(message, values);
-  angular_.read(message, values);
-  return {values.at(0), values.at(1)};
-}
-
 }  // namespace spikeloop::robot

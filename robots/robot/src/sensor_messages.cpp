@@ -13,17 +13,15 @@ namespace {
 using messages::Dialect;
 using messages::FieldValue;
 
-constexpr std::size_t kWheels = 4;
-
 std::vector<std::string> with_header(const std::vector<std::string>& paths) {
   std::vector<std::string> all{"header.stamp.secs", "header.stamp.nsecs", "header.frame_id"};
   all.insert(all.end(), paths.begin(), paths.end());
   return all;
 }
 
-std::vector<std::string> joint_paths() {
+std::vector<std::string> joint_paths(std::size_t joints) {
   std::vector<std::string> paths;
-  for (std::size_t i = 0; i < kWheels; ++i) paths.push_back(fmt::format("name[{}]", i));
+  for (std::size_t i = 0; i < joints; ++i) paths.push_back(fmt::format("name[{}]", i));
   paths.insert(paths.end(), {"position", "velocity", "effort"});
   return with_header(paths);
 }
@@ -83,15 +81,15 @@ const std::vector<std::byte>& ImuMessage::write(const vehicle::Imu& imu) {
   return Message::write(values);
 }
 
-JointStateMessage::JointStateMessage(Dialect dialect)
-    : Message(dialect, kJointStateType, joint_paths()) {}
+JointStateMessage::JointStateMessage(Dialect dialect, std::size_t joints)
+    : Message(dialect, kJointStateType, joint_paths(joints)) {}
 
 const std::vector<std::byte>& JointStateMessage::write(const vehicle::JointStates& states) {
   const Stamp stamp(states.stamp);
   std::vector<FieldValue> values{number(stamp.secs), number(stamp.nsecs), text("")};
   for (const std::string& name : states.names) values.push_back(text(name));
-  values.insert(values.end(), {numbers(states.positions_rad), numbers(states.velocities_rad_s),
-                               numbers(states.torques_n_m)});
+  values.insert(values.end(),
+                {numbers(states.positions), numbers(states.velocities), numbers(states.efforts)});
   return Message::write(values);
 }
 
@@ -122,10 +120,9 @@ const std::vector<std::byte>& StaticTransformMessage::write(TimeNs time) {
   return Message::write(values);
 }
 
-LightMessage::LightMessage(Dialect dialect) : Message(dialect, kLightType, {"data"}) {}
+NumbersMessage::NumbersMessage(Dialect dialect) : Message(dialect, kNumbersType, {"data"}) {}
 
-const std::vector<std::byte>& LightMessage::write(const vehicle::Light& light) {
-  const std::array<double, 2> values{light.left_lux, light.right_lux};
+const std::vector<std::byte>& NumbersMessage::write(std::span<const double> values) {
   return Message::write(std::array{numbers(values)});
 }
 

@@ -1,15 +1,19 @@
 #include "spikeloop/robot/sensors.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "spikeloop/robot/messages.hpp"
+#include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
 namespace {
 
+using vehicle::Simulation;
 using vehicle::Vehicle;
 
 constexpr TimeNs kMillisecond = 1'000'000;
@@ -20,25 +24,29 @@ TimeNs rounded(double seconds) {
   return std::max<TimeNs>(kMillisecond, 1000 * std::llround(seconds * 1e6));
 }
 
+/// A name of MJCF as part of a topic's, which has letters, digits and '_'.
+std::string topic_part(std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return std::isdigit(static_cast<unsigned char>(name.front())) != 0 ? "_" + name : name;
+}
+
 }  // namespace
 
 class Sensors::Impl {
  public:
-  Impl(const Vehicle& vehicle, const SensorOptions& options) : dialect_(options.dialect) {
-    add("scan", kScanType, rounded(static_cast<double>(vehicle.scan().scan_time_s)),
-        writer<ScanMessage>(&Vehicle::scan));
-    add("odom", kOdometryType, 20 * kMillisecond, writer<OdometryMessage>(&Vehicle::odometry));
-    add("imu", kImuType, 10 * kMillisecond, writer<ImuMessage>(&Vehicle::imu));
-    add("joint_states", kJointStateType, 20 * kMillisecond,
-        writer<JointStateMessage>(&Vehicle::joint_states));
-    add_transforms(vehicle);
-    if (vehicle.light()) add_light();
-    if (options.camera) add_camera(vehicle, *options.camera, options.blind);
+  Impl(const Simulation& robot, const SensorOptions& options) : dialect_(options.dialect) {
+    if (const Vehicle* const vehicle = robot.vehicle()) {
+      add_vehicle(*vehicle);
+    } else {
+      add_model(robot, rounded(1 / options.rate_hz));
+    }
+    if (options.camera) add_camera(robot, *options.camera, options.blind);
   }
 
   const std::vector<SensorTopic>& topics() const { return topics_; }
-  std::span<const std::byte> write(std::size_t index, const Vehicle& vehicle) {
-    return writers_[index](vehicle);
+  std::span<const std::byte> write(std::size_t index, const Simulation& robot) {
+    return writers_[index](robot);
   }
 
   bool due(std::size_t index, TimeNs time) {
@@ -50,9 +58,9 @@ class Sensors::Impl {
 
  private:
   using Bytes = std::span<const std::byte>;
-  using Write = std::function<Bytes(const Vehicle&)>;
+  using Write = std::function<Bytes(const Simulation&)>;
 
-  void add(const char* name, const char* type, TimeNs period, Write write) {
+  void add(const std::string& name, const char* type, TimeNs period, Write write) {
     topics_.push_back({name, type, period});
     writers_.push_back(std::move(write));
     next_.push_back(0);
@@ -61,9 +69,37 @@ class Sensors::Impl {
   template <typename Message, typename Value>
   Write writer(Value (Vehicle::*value)() const) const {
     const auto message = std::make_shared<Message>(dialect_);
-    return [message, value](const Vehicle& vehicle) -> Bytes {
-      return message->write((vehicle.*value)());
+    return [message, value](const Simulation& robot) -> Bytes {
+      return message->write((robot.vehicle()->*value)());
     };
+  }
+
+  void add_vehicle(const Vehicle& vehicle) {
+    add("scan", kScanType, rounded(static_cast<double>(vehicle.scan().scan_time_s)),
+        writer<ScanMessage>(&Vehicle::scan));
+    add("odom", kOdometryType, 20 * kMillisecond, writer<OdometryMessage>(&Vehicle::odometry));
+    add("imu", kImuType, 10 * kMillisecond, writer<ImuMessage>(&Vehicle::imu));
+    add_joints(vehicle, 20 * kMillisecond);
+    add_transforms(vehicle);
+    if (vehicle.light()) add_light();
+  }
+
+  void add_model(const Simulation& robot, TimeNs period) {
+    add_joints(robot, period);
+    for (std::size_t i = 0; i < robot.sensors().size(); ++i) {
+      const std::string name = "sensors/" + topic_part(robot.sensors()[i].name);
+      const auto message = std::make_shared<NumbersMessage>(dialect_);
+      add(name, kNumbersType, period, [message, i](const Simulation& now) -> Bytes {
+        return message->write(now.read_sensor(i));
+      });
+    }
+  }
+
+  void add_joints(const Simulation& robot, TimeNs period) {
+    const auto message =
+        std::make_shared<JointStateMessage>(dialect_, robot.joint_states().names.size());
+    add("joint_states", kJointStateType, period,
+        [message](const Simulation& now) -> Bytes { return message->write(now.joint_states()); });
   }
 
   void add_transforms(const Vehicle& vehicle) {
@@ -71,32 +107,36 @@ class Sensors::Impl {
     const auto fixed = std::make_shared<StaticTransformMessage>(dialect_, vehicle.laser_mount(),
                                                                 vehicle.camera_mount());
     add("/tf_static", kTransformType, 0,
-        [fixed](const Vehicle& now) -> Bytes { return fixed->write(now.time()); });
+        [fixed](const Simulation& now) -> Bytes { return fixed->write(now.time()); });
   }
 
   void add_light() {
-    const auto message = std::make_shared<LightMessage>(dialect_);
-    add("light", kLightType, 20 * kMillisecond,
-        [message](const Vehicle& now) -> Bytes { return message->write(*now.light()); });
+    const auto message = std::make_shared<NumbersMessage>(dialect_);
+    add("light", kNumbersType, 20 * kMillisecond, [message](const Simulation& now) -> Bytes {
+      const vehicle::Light light = *now.vehicle()->light();
+      return message->write(std::array{light.left_lux, light.right_lux});
+    });
   }
 
-  void add_camera(const Vehicle& vehicle, const pictures::CameraOptions& options, bool blind) {
+  void add_camera(const Simulation& robot, const pictures::CameraOptions& options, bool blind) {
     const TimeNs period = rounded(1 / options.rate_hz);
     const auto image = std::make_shared<ImageMessage>(dialect_);
     if (blind) {
       const auto size = static_cast<std::size_t>(options.size.width) * options.size.height;
       add("camera/image_raw", kImageType, period,
           [image, black = pictures::Image{options.size, std::vector<std::uint8_t>(3 * size)}](
-              const Vehicle& now) -> Bytes { return image->write(now.time(), black); });
+              const Simulation& now) -> Bytes { return image->write(now.time(), black); });
     } else {
-      const auto camera = std::make_shared<pictures::Camera>(vehicle, options);
-      add("camera/image_raw", kImageType, period, [image, camera](const Vehicle& now) -> Bytes {
+      const auto camera = std::make_shared<pictures::Camera>(robot, options);
+      add("camera/image_raw", kImageType, period, [image, camera](const Simulation& now) -> Bytes {
         return image->write(now.time(), camera->look(now));
       });
     }
     const auto info = std::make_shared<CameraInfoMessage>(dialect_);
     add("camera/camera_info", kCameraInfoType, period,
-        [info, options](const Vehicle& now) -> Bytes { return info->write(now.time(), options); });
+        [info, options](const Simulation& now) -> Bytes {
+          return info->write(now.time(), options);
+        });
   }
 
   messages::Dialect dialect_;
@@ -105,8 +145,8 @@ class Sensors::Impl {
   std::vector<TimeNs> next_;
 };
 
-Sensors::Sensors(const Vehicle& vehicle, const SensorOptions& options)
-    : impl_(std::make_unique<Impl>(vehicle, options)) {}
+Sensors::Sensors(const Simulation& robot, const SensorOptions& options)
+    : impl_(std::make_unique<Impl>(robot, options)) {}
 Sensors::~Sensors() = default;
 Sensors::Sensors(Sensors&&) noexcept = default;
 Sensors& Sensors::operator=(Sensors&&) noexcept = default;
@@ -114,8 +154,8 @@ Sensors& Sensors::operator=(Sensors&&) noexcept = default;
 const std::vector<SensorTopic>& Sensors::topics() const {
   return impl_->topics();
 }
-std::span<const std::byte> Sensors::write(std::size_t index, const Vehicle& vehicle) {
-  return impl_->write(index, vehicle);
+std::span<const std::byte> Sensors::write(std::size_t index, const Simulation& robot) {
+  return impl_->write(index, robot);
 }
 bool Sensors::due(std::size_t index, TimeNs time) {
   return impl_->due(index, time);

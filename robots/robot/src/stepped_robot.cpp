@@ -13,49 +13,58 @@ TimeNs next_row(TimeNs time) {
 
 }  // namespace
 
+std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
+                                                const std::optional<vehicle::ModelOptions>& model) {
+  if (model) return std::make_unique<vehicle::Simulation>(*model);
+  return std::make_unique<vehicle::Vehicle>(vehicle);
+}
+
 SteppedRobot::SteppedRobot(const RobotOptions& options)
-    : vehicle_(options.vehicle),
-      sensors_(vehicle_, options.sensors),
-      spectators_(vehicle_, options.spectators),
-      twist_(options.sensors.dialect) {
-  if (!options.folder.empty()) {
-    write_world(options.folder, vehicle_, options.vehicle.seed);
+    : robot_(make_robot(options.vehicle, options.model)),
+      sensors_(*robot_, options.sensors),
+      spectators_(*robot_, options.spectators),
+      command_topic_(*robot_, options.sensors.dialect) {
+  if (!options.folder.empty() && robot_->vehicle() != nullptr) {
+    write_world(options.folder, *robot_->vehicle(), options.vehicle.seed);
     trajectory_.emplace(options.folder);
   }
+}
+
+void SteppedRobot::write_row() {
+  const vehicle::Vehicle& vehicle = *robot_->vehicle();
+  trajectory_->write(vehicle.odometry(), vehicle.statistics().collisions);
 }
 
 void SteppedRobot::publish(TimeNs time, const Wanted& wanted, const Publish& publish) {
   for (std::size_t topic = 0; topic < topics().size(); ++topic) {
     if (sensors_.due(topic, time) && wanted(topic)) {
-      publish(topic, sensors_.write(topic, vehicle_));
+      publish(topic, sensors_.write(topic, *robot_));
     }
   }
 }
 
 /// Stops at every row of the trajectory, and at every picture.
 void SteppedRobot::advance(TimeNs time) {
-  for (TimeNs now = vehicle_.time(); now < time;) {
-    if (trajectory_ && now % kRowPeriod == 0) {
-      trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
-    }
+  for (TimeNs now = robot_->time(); now < time;) {
+    if (trajectory_ && now % kRowPeriod == 0) write_row();
     const TimeNs next = std::min({time, next_row(now), std::max(now + 1, spectators_.next())});
-    vehicle_.step(next - now);
-    spectators_.look(vehicle_);
+    robot_->step(next - now);
+    spectators_.look(*robot_);
     now = next;
   }
   if (command_) {
-    vehicle_.command(command_->linear_m_s, command_->angular_rad_s);
+    robot_->command(*command_);
     command_.reset();
   }
 }
 
 void SteppedRobot::finish() {
   if (trajectory_) {
-    trajectory_->write(vehicle_.odometry(), vehicle_.statistics().collisions);
+    write_row();
     trajectory_->close();
     trajectory_.reset();
   }
-  spectators_.finish(vehicle_);
+  spectators_.finish(*robot_);
 }
 
 }  // namespace spikeloop::robot

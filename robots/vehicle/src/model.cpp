@@ -1,5 +1,7 @@
 #include "model.hpp"
 
+#include "model_files.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -32,7 +34,7 @@ void install_handlers() {
   std::call_once(once, [] {
     mju_user_warning = [](const char* text) { log::warning("MuJoCo: {}", text); };
     mju_user_error = [](const char* text) {
-      throw NodeError("vehicle", fmt::format("MuJoCo stopped: {}", text));
+      throw NodeError("robot", fmt::format("MuJoCo stopped: {}", text));
     };
   });
 }
@@ -169,6 +171,7 @@ ModelPointer load_model(const std::string& path) {
     throw_not_mjcf(path, text);
   }
   if (reason[0] != '\0') log::warning("{}: {}", path, reason.data());
+  note_model_files(path);
   return model;
 }
 

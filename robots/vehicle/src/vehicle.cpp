@@ -20,20 +20,6 @@
 namespace spikeloop::vehicle {
 namespace {
 
-constexpr double kLongestTimestep = 0.01;  // s; wheels would bounce
-
-TimeNs read_timestep(const mjModel& model, const Names& names) {
-  const double seconds = model.opt.timestep;
-  if (!(seconds >= 1e-6 && seconds <= kLongestTimestep)) {
-    throw ConfigurationError(
-        Location{names.path()},
-        with_code(Code::world,
-                  "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}", seconds,
-                  kLongestTimestep));
-  }
-  return tick_from_seconds(seconds);
-}
-
 struct Limits {
   double linear_m_s = 0;
   double angular_rad_s = 0;
@@ -59,30 +45,26 @@ double approach(double from, double to, double largest_step) {
   return from + std::clamp(to - from, -largest_step, largest_step);
 }
 
-DataPointer make_data(const mjModel& model) {
-  return DataPointer(mj_makeData(&model));
-}
-
 }  // namespace
 
 class Vehicle::Impl {
  public:
-  explicit Impl(const Options& options)
-      : path_(find_world(options.world)),
-        model_(load_model(path_)),
-        names_(*model_, path_),
-        parts_(find_parts(*model_, names_)),
-        timestep_(read_timestep(*model_, names_)),
+  /// `data` is that of a simulation that has not begun.
+  Impl(mjModel& model, mjData& data, TimeNs timestep, const std::string& path, std::uint64_t seed)
+      : model_(&model),
+        data_(&data),
+        names_(model, path),
+        parts_(find_parts(model, names_)),
+        timestep_(timestep),
         limits_(read_limits(names_)),
-        laser_(*model_, names_, parts_),
-        photodiodes_(*model_, names_),
-        inertia_(timestep_),
-        data_(make_data(*model_)),
+        laser_(model, names_, parts_),
+        photodiodes_(model, names_),
+        inertia_(timestep),
         arena_(read_arena(names_)),
-        obstacles_(lay_out(*model_, *data_, names_, parts_, arena_, options.seed)),
-        cue_place_(place_cue(*model_, *data_, names_, options.seed)),
+        obstacles_(lay_out(*model_, *data_, names_, parts_, arena_, seed)),
+        cue_place_(place_cue(*model_, *data_, names_, seed)),
         coverage_(arena_, obstacles_, parts_.radius_m) {
-    mj_forward(model_.get(), data_.get());
+    mj_forward(model_, data_);
     inertia_.look(*data_, parts_);
     visit_here();
   }
@@ -97,18 +79,9 @@ class Vehicle::Impl {
     if (wanted_linear_ != linear || wanted_angular_ != angular) ++clamped_commands_;
   }
 
-  void step(TimeNs dt) {
-    if (dt <= 0) {
-      throw ConfigurationError(with_code(
-          Code::world, "cannot advance the vehicle by {}; write a time above 0", format_time(dt)));
-    }
-    time_ += dt;
-    while (physics_time_ + timestep_ <= time_) physics_step();
-  }
-
-  LaserScan scan() const {
+  LaserScan scan(TimeNs time) const {
     place_parts();
-    return laser_.scan(*model_, *data_, time_);
+    return laser_.scan(*model_, *data_, time);
   }
 
   Pose pose() const {
@@ -118,9 +91,9 @@ class Vehicle::Impl {
     return {q[0], q[1], heading};
   }
 
-  Odometry odometry() const {
+  Odometry odometry(TimeNs time) const {
     const mjtNum* velocity = data_->qvel + parts_.qvel;  // linear: world's frame; angular: own
-    Odometry odometry{time_, pose()};
+    Odometry odometry{time, pose()};
     const double c = std::cos(odometry.pose.theta_rad);
     const double s = std::sin(odometry.pose.theta_rad);
     odometry.linear_x_m_s = c * velocity[0] + s * velocity[1];
@@ -129,24 +102,12 @@ class Vehicle::Impl {
     return odometry;
   }
 
-  Imu imu() const { return inertia_.read(*model_, *data_, parts_, time_); }
+  Imu imu(TimeNs time) const { return inertia_.read(*model_, *data_, parts_, time); }
 
-  JointStates joint_states() const {
-    JointStates states;
-    states.stamp = time_;
-    for (std::size_t i = 0; i < parts_.joint.size(); ++i) {
-      states.names.push_back(names_.joint(parts_.joint[i]));
-      states.positions_rad.push_back(data_->qpos[model_->jnt_qposadr[parts_.joint[i]]]);
-      states.velocities_rad_s.push_back(data_->qvel[model_->jnt_dofadr[parts_.joint[i]]]);
-      states.torques_n_m.push_back(data_->actuator_force[parts_.actuator[i]]);
-    }
-    return states;
-  }
-
-  std::optional<Light> light() const {
+  std::optional<Light> light(TimeNs time) const {
     if (!photodiodes_.has_lamps()) return std::nullopt;
     place_parts();
-    return photodiodes_.read(*model_, *data_, time_);
+    return photodiodes_.read(*model_, *data_, time);
   }
 
   Mount laser_mount() const {
@@ -154,7 +115,7 @@ class Vehicle::Impl {
   }
 
   std::optional<Mount> camera_mount() const {
-    const int camera = mj_name2id(model_.get(), mjOBJ_CAMERA, "camera");
+    const int camera = mj_name2id(model_, mjOBJ_CAMERA, "camera");
     if (camera < 0) return std::nullopt;
     // MuJoCo's cameras look along -z, y up: half a turn about x from the optical frame.
     constexpr mjtNum kHalfTurn[4] = {0, 1, 0, 0};
@@ -163,11 +124,11 @@ class Vehicle::Impl {
     return mount_of(model_->cam_pos + 3 * camera, optical);
   }
 
-  Statistics statistics() const {
+  Statistics statistics(TimeNs time) const {
     Statistics result;
     result.collisions = collisions_.count();
     result.distance_m = distance_m_;
-    result.mean_speed_m_s = time_ > 0 ? distance_m_ / to_seconds(time_) : 0;
+    result.mean_speed_m_s = time > 0 ? distance_m_ / to_seconds(time) : 0;
     result.free_cells = coverage_.free_cells();
     result.visited_cells = coverage_.visited_cells();
     result.coverage = result.free_cells == 0 ? 0
@@ -178,14 +139,32 @@ class Vehicle::Impl {
     return result;
   }
 
-  TimeNs time() const { return time_; }
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const Arena& arena() const { return arena_; }
   const Parts& parts() const { return parts_; }
-  const std::string& path() const { return path_; }
   int cue_place() const { return cue_place_; }
-  const mjModel& model() const { return *model_; }
-  const mjData& data() const { return *data_; }
+
+  void turn_wheels() {
+    before_ = pose();
+    const double dt = to_seconds(timestep_);
+    linear_ = approach(linear_, wanted_linear_, limits_.linear_m_s2 * dt);
+    angular_ = approach(angular_, wanted_angular_, limits_.angular_rad_s2 * dt);
+    const double turn = angular_ * parts_.half_effective_track_m;
+    for (std::size_t i = 0; i < parts_.actuator.size(); ++i) {
+      const bool left = i % 2 == 0;
+      data_->ctrl[parts_.actuator[i]] =
+          (left ? linear_ - turn : linear_ + turn) / parts_.wheel_radius_m;
+    }
+  }
+
+  /// After a physics step.
+  void look(TimeNs time) {
+    collisions_.look(*model_, *data_, parts_, time);
+    inertia_.look(*data_, parts_);
+    const Pose after = pose();
+    distance_m_ += std::hypot(after.x_m - before_.x_m, after.y_m - before_.y_m);
+    visit_here();
+  }
 
  private:
   static Mount mount_of(const mjtNum* position, const mjtNum* attitude) {
@@ -198,40 +177,8 @@ class Vehicle::Impl {
   /// what follows.
   void place_parts() const {
     const std::vector<mjtNum> places(data_->qpos, data_->qpos + model_->nq);
-    mj_kinematics(model_.get(), data_.get());
+    mj_kinematics(model_, data_);
     std::ranges::copy(places, data_->qpos);
-  }
-
-  void turn_wheels() {
-    const double dt = to_seconds(timestep_);
-    linear_ = approach(linear_, wanted_linear_, limits_.linear_m_s2 * dt);
-    angular_ = approach(angular_, wanted_angular_, limits_.angular_rad_s2 * dt);
-    const double turn = angular_ * parts_.half_effective_track_m;
-    for (std::size_t i = 0; i < parts_.actuator.size(); ++i) {
-      const bool left = i % 2 == 0;
-      data_->ctrl[parts_.actuator[i]] =
-          (left ? linear_ - turn : linear_ + turn) / parts_.wheel_radius_m;
-    }
-  }
-
-  void physics_step() {
-    const Pose before = pose();
-    turn_wheels();
-    mj_step(model_.get(), data_.get());
-    physics_time_ += timestep_;
-    for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
-      if (data_->warning[warning].number > 0) {
-        throw NodeError("vehicle",
-                        fmt::format("the physics of {} became unstable at {}; write a smaller "
-                                    "<option timestep=\"...\"/> (now {}) or weaker actuators",
-                                    path_, format_time(physics_time_), format_time(timestep_)));
-      }
-    }
-    collisions_.look(*model_, *data_, parts_, physics_time_);
-    inertia_.look(*data_, parts_);
-    const Pose after = pose();
-    distance_m_ += std::hypot(after.x_m - before.x_m, after.y_m - before.y_m);
-    visit_here();
   }
 
   void visit_here() {
@@ -239,8 +186,8 @@ class Vehicle::Impl {
     coverage_.visit(here.x_m, here.y_m);
   }
 
-  std::string path_;
-  ModelPointer model_;
+  mjModel* model_;
+  mjData* data_;
   Names names_;
   Parts parts_;
   TimeNs timestep_;
@@ -248,14 +195,12 @@ class Vehicle::Impl {
   Laser laser_;
   Photodiodes photodiodes_;
   Inertia inertia_;
-  DataPointer data_;
   Arena arena_;
   std::vector<Obstacle> obstacles_;
   int cue_place_ = 0;
   Coverage coverage_;
   Collisions collisions_;
-  TimeNs time_ = 0;
-  TimeNs physics_time_ = 0;
+  Pose before_;  // the last physics step
   double distance_m_ = 0;
   double wanted_linear_ = 0;
   double wanted_angular_ = 0;
@@ -265,34 +210,34 @@ class Vehicle::Impl {
   std::uint64_t clamped_commands_ = 0;
 };
 
-Vehicle::Vehicle(const Options& options) : impl_(std::make_unique<Impl>(options)) {}
+Vehicle::Vehicle(const Options& options)
+    : Simulation({options.world}),
+      impl_(std::make_unique<Impl>(own_model(), own_data(), timestep(), world(), options.seed)) {}
 Vehicle::~Vehicle() = default;
-Vehicle::Vehicle(Vehicle&&) noexcept = default;
-Vehicle& Vehicle::operator=(Vehicle&&) noexcept = default;
 
 void Vehicle::command(double linear_m_s, double angular_rad_s) {
   impl_->command(linear_m_s, angular_rad_s);
 }
-void Vehicle::step(TimeNs dt) {
-  impl_->step(dt);
+void Vehicle::command(std::span<const double> numbers) {
+  impl_->command(numbers[0], numbers[1]);
 }
-TimeNs Vehicle::time() const {
-  return impl_->time();
+void Vehicle::before_physics() {
+  impl_->turn_wheels();
+}
+void Vehicle::after_physics(TimeNs end) {
+  impl_->look(end);
 }
 LaserScan Vehicle::scan() const {
-  return impl_->scan();
+  return impl_->scan(time());
 }
 Odometry Vehicle::odometry() const {
-  return impl_->odometry();
+  return impl_->odometry(time());
 }
 Imu Vehicle::imu() const {
-  return impl_->imu();
-}
-JointStates Vehicle::joint_states() const {
-  return impl_->joint_states();
+  return impl_->imu(time());
 }
 std::optional<Light> Vehicle::light() const {
-  return impl_->light();
+  return impl_->light(time());
 }
 Mount Vehicle::laser_mount() const {
   return impl_->laser_mount();
@@ -304,7 +249,7 @@ Pose Vehicle::pose() const {
   return impl_->pose();
 }
 Statistics Vehicle::statistics() const {
-  return impl_->statistics();
+  return impl_->statistics(time());
 }
 const std::vector<Obstacle>& Vehicle::obstacles() const {
   return impl_->obstacles();
@@ -318,17 +263,8 @@ double Vehicle::radius_m() const {
 double Vehicle::half_effective_track_m() const {
   return impl_->parts().half_effective_track_m;
 }
-const std::string& Vehicle::world() const {
-  return impl_->path();
-}
 int Vehicle::cue_place() const {
   return impl_->cue_place();
-}
-const mjModel_& Vehicle::model() const {
-  return impl_->model();
-}
-const mjData_& Vehicle::data() const {
-  return impl_->data();
 }
 
 }  // namespace spikeloop::vehicle

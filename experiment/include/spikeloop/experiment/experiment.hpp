@@ -74,10 +74,18 @@ struct Output {
 
 /// The robot's camera.
 struct Camera {
+  std::string name = "camera";
   std::uint32_t width = 64;  ///< pixels
   std::uint32_t height = 48;
   double rate_hz = 20;
   double field_of_view_deg = 80;  ///< from the left to the right edge
+};
+
+/// A robot that is not the vehicle.
+struct RobotModel {
+  std::string file;
+  std::string keyframe;
+  double rate_hz = 100;  ///< of joint states and sensors
 };
 
 struct Robot {
@@ -86,6 +94,7 @@ struct Robot {
   Location where;
   std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
   std::optional<Camera> camera{};
+  std::optional<RobotModel> model{};  ///< in the vehicle's place
 };
 
 /// The nodes that share a process.
@@ -144,15 +153,30 @@ struct Overrides {
 /// Number of values that a message of the robot gives a ros_sensor; 0: as many as are asked for;
 /// nothing: this robot does not send it.
 using SensorWidth = std::function<std::optional<std::uint32_t>(const Node& sensor)>;
+
+/// A topic of the robot.
+struct RobotTopic {
+  std::string name;
+  std::string message;
+  /// Of a topic for commands: paths of all fields that it reads. Of sensors: none.
+  std::vector<std::string> fields{};
+  bool takes_commands() const { return !fields.empty(); }
+};
+
+/// What is known of the robot.
+struct RobotView {
+  std::vector<RobotTopic> topics{};  ///< none: not known
+  SensorWidth width{};               ///< empty: not known
+};
 /// Of the robot that speaks this ROS. @throws Error when there is no such robot.
-using LookAtRobot = std::function<SensorWidth(const Robot&, messages::Dialect)>;
+using LookAtRobot = std::function<RobotView(const Robot&, messages::Dialect)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not
 /// have; makes every node once. Relative paths start where the file lies. `types` must outlive the
 /// result, which is not to be used when there are diagnostics. These are added to `diagnostics`,
 /// which is then in the file's order.
-/// @param look_at_robot empty: sensors are not held against the robot
+/// @param look_at_robot empty: topics and sensors are not held against the robot
 Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
                    Diagnostics& diagnostics, const LookAtRobot& look_at_robot = {});
 

@@ -1,13 +1,13 @@
-// What the robot that is simulated in this process tells its sensors.
+// Topics of the robot that is simulated in this process.
 #pragma once
 
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::fused {
 
-/// Makes the robot once; the numbers of values are those of its messages.
+/// Makes the robot once: its topics, and the numbers of values of its messages.
 /// @param ros whose messages they are
-/// @throws Error as vehicle::Vehicle: no such world, or one that cannot be used.
-experiment::SensorWidth look_at_robot(const experiment::Robot& robot, messages::Dialect ros);
+/// @throws Error as robot::make_robot: no such file, or one that cannot be used.
+experiment::RobotView look_at_robot(const experiment::Robot& robot, messages::Dialect ros);
 
 }  // namespace spikeloop::fused

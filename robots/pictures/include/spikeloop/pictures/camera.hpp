@@ -1,33 +1,35 @@
-// The vehicle's own camera.
+// A camera on the robot.
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "spikeloop/pictures/image.hpp"
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::pictures {
 
 struct CameraOptions {
+  std::string name = "camera";  ///< of the world's <camera>
   Size size{64, 48};
   double rate_hz = 20;
   double field_of_view_deg = 80;  ///< from the left to the right edge
 };
 
-/// A pinhole camera at the world's camera `camera`, drawn off screen by OpenGL: with the world's
+/// A pinhole camera at a camera of the world, drawn off screen by OpenGL: with the world's
 /// lights and materials, without shadows. The same world and state give the same bytes with the
 /// same Mesa on the same kind of processor. No other object's state is changed.
 class Camera {
  public:
-  /// @throws ConfigurationError when the vehicle has no camera; TransportError when OpenGL without
-  /// a display (EGL) is missing.
-  Camera(const vehicle::Vehicle& vehicle, const CameraOptions& options);
+  /// @throws ConfigurationError when the world has no such camera; TransportError when OpenGL
+  /// without a display (EGL) is missing.
+  Camera(const vehicle::Simulation& robot, const CameraOptions& options);
   ~Camera();
   Camera(Camera&&) noexcept;
   Camera& operator=(Camera&&) noexcept;
 
-  /// What it sees now. Holds until the next call. `vehicle` is the one it was made for.
-  const Image& look(const vehicle::Vehicle& vehicle);
+  /// What it sees now. Holds until the next call. `robot` is the one it was made for.
+  const Image& look(const vehicle::Simulation& robot);
 
  private:
   class Impl;

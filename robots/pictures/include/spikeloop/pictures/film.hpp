@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "spikeloop/pictures/image.hpp"
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::pictures {
 
@@ -34,7 +34,7 @@ class Film {
   /// @throws ConfigurationError: no such kind of file, ffmpeg is not installed, the view of a
   /// camera that is not there; FileError when the directory cannot be made or has frames;
   /// TransportError when OpenGL without a display is missing.
-  Film(const vehicle::Vehicle& vehicle, const FilmOptions& options);
+  Film(const vehicle::Simulation& robot, const FilmOptions& options);
   /// What has been taken is finished.
   ~Film();
   Film(Film&&) noexcept;
@@ -42,11 +42,11 @@ class Film {
 
   /// Takes the picture that is due at the vehicle's time, if one is; otherwise does nothing.
   /// @throws FileError when it cannot be written.
-  void take(const vehicle::Vehicle& vehicle);
+  void take(const vehicle::Simulation& robot);
   /// When the next picture is due.
   TimeNs next() const;
   /// Ends the file; with FILE.png, takes the picture. @throws FileError.
-  void finish(const vehicle::Vehicle& vehicle);
+  void finish(const vehicle::Simulation& robot);
 
  private:
   class Impl;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::pictures {
 
@@ -15,13 +15,13 @@ namespace spikeloop::pictures {
 class Window {
  public:
   /// @throws TransportError when there is no display, no GLFW or no OpenGL.
-  Window(const vehicle::Vehicle& vehicle, const std::string& title);
+  Window(const vehicle::Simulation& robot, const std::string& title);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
   /// The vehicle has moved: copies its state when the one before has been drawn.
-  void show(const vehicle::Vehicle& vehicle);
+  void show(const vehicle::Simulation& robot);
   std::uint64_t pictures() const;  ///< drawn so far
   bool open() const;
 

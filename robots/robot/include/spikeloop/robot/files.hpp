@@ -34,7 +34,8 @@ class TrajectoryFile {
 /// @throws FileError.
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle, std::uint64_t seed);
 
-/// What a summary says of a drive: collisions, distance_m, coverage, mean_speed_m_s.
-nlohmann::json summary_of(const vehicle::Statistics& statistics);
+/// What a summary says of a drive: collisions, distance_m, coverage, mean_speed_m_s; nothing of a
+/// robot that is not the vehicle.
+nlohmann::json summary_of(const vehicle::Simulation& robot);
 
 }  // namespace spikeloop::robot

@@ -1,4 +1,4 @@
-// The vehicle's data as messages of ROS, 1 or 2.
+// The robot's data as messages of ROS, 1 or 2.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ inline constexpr const char* kOdometryType = "nav_msgs/Odometry";
 inline constexpr const char* kImuType = "sensor_msgs/Imu";
 inline constexpr const char* kJointStateType = "sensor_msgs/JointState";
 inline constexpr const char* kTransformType = "tf2_msgs/TFMessage";
-inline constexpr const char* kLightType = "std_msgs/Float64MultiArray";
+inline constexpr const char* kNumbersType = "std_msgs/Float64MultiArray";
 inline constexpr const char* kImageType = "sensor_msgs/Image";
 inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
 inline constexpr const char* kClockType = "rosgraph_msgs/Clock";
@@ -68,7 +68,7 @@ class ImuMessage : Message {
 
 class JointStateMessage : Message {
  public:
-  explicit JointStateMessage(messages::Dialect dialect);
+  JointStateMessage(messages::Dialect dialect, std::size_t joints);
   const std::vector<std::byte>& write(const vehicle::JointStates& states);
 };
 
@@ -92,11 +92,11 @@ class StaticTransformMessage : Message {
   std::optional<vehicle::Mount> camera_;
 };
 
-/// Two values: left, right (lux).
-class LightMessage : Message {
+/// The numbers of a sensor, as an array.
+class NumbersMessage : Message {
  public:
-  explicit LightMessage(messages::Dialect dialect);
-  const std::vector<std::byte>& write(const vehicle::Light& light);
+  explicit NumbersMessage(messages::Dialect dialect);
+  const std::vector<std::byte>& write(std::span<const double> values);
 };
 
 /// Encoding rgb8, in frame "camera_optical".
@@ -117,22 +117,6 @@ class ClockMessage : Message {
  public:
   explicit ClockMessage(messages::Dialect dialect);
   const std::vector<std::byte>& write(TimeNs time);
-};
-
-struct Command {
-  double linear_m_s = 0;
-  double angular_rad_s = 0;
-};
-
-class TwistReader {
- public:
-  explicit TwistReader(messages::Dialect dialect);
-  /// @throws TransportError when the message is too short.
-  Command read(std::span<const std::byte> message) const;
-
- private:
-  messages::FieldReader linear_;
-  messages::FieldReader angular_;
 };
 
 }  // namespace spikeloop::robot

@@ -18,6 +18,8 @@ struct SensorOptions {
   messages::Dialect dialect = messages::Dialect::ros1;
   /// None: the camera is off.
   std::optional<pictures::CameraOptions> camera{};
+  /// Messages in a simulated second of a robot that is not the vehicle, pictures aside.
+  double rate_hz = 100;
   /// Pictures are black: only their size is asked for, and OpenGL is not needed.
   bool blind = false;
 };
@@ -42,10 +44,17 @@ struct SensorTopic {
 /// | light             | std_msgs/Float64MultiArray | 20 ms, in a world with lamps |
 /// | camera/image_raw  | sensor_msgs/Image          | as its options say        |
 /// | camera/camera_info | sensor_msgs/CameraInfo    | with the image            |
+///
+/// A robot that is not the vehicle has, beside its camera,
+///
+/// | topic             | carries                                     | every        |
+/// |-------------------|---------------------------------------------|--------------|
+/// | joint_states      | sensor_msgs/JointState                      | 1 / rate_hz  |
+/// | sensors/NAME      | std_msgs/Float64MultiArray of that <sensor> | 1 / rate_hz  |
 class Sensors {
  public:
   /// @throws ConfigurationError, TransportError as pictures::Camera.
-  Sensors(const vehicle::Vehicle& vehicle, const SensorOptions& options);
+  Sensors(const vehicle::Simulation& robot, const SensorOptions& options);
   ~Sensors();
   Sensors(Sensors&&) noexcept;
   Sensors& operator=(Sensors&&) noexcept;
@@ -53,7 +62,7 @@ class Sensors {
   const std::vector<SensorTopic>& topics() const;
   /// The message of a topic as things are now. Holds until its next one.
   /// @param index in topics()
-  std::span<const std::byte> write(std::size_t index, const vehicle::Vehicle& vehicle);
+  std::span<const std::byte> write(std::size_t index, const vehicle::Simulation& robot);
 
   /// Whether a message has become due since the last call, each multiple of the period at most
   /// once; time 0 is one. Of a topic without a period at the first call.

@@ -10,7 +10,7 @@
 
 #include "spikeloop/pictures/film.hpp"
 #include "spikeloop/pictures/window.hpp"
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::robot {
 
@@ -38,22 +38,22 @@ struct SpectatorWords {
 class Spectators {
  public:
   /// @throws Error as pictures::Film and pictures::Window.
-  Spectators(const vehicle::Vehicle& vehicle, const SpectatorOptions& options) {
-    if (options.window) window_ = std::make_unique<pictures::Window>(vehicle, "Spikeloop");
-    if (options.film) film_.emplace(vehicle, *options.film);
-    look(vehicle);
+  Spectators(const vehicle::Simulation& robot, const SpectatorOptions& options) {
+    if (options.window) window_ = std::make_unique<pictures::Window>(robot, "Spikeloop");
+    if (options.film) film_.emplace(robot, *options.film);
+    look(robot);
   }
 
-  /// After the vehicle has moved.
-  void look(const vehicle::Vehicle& vehicle) {
-    if (film_) film_->take(vehicle);
-    if (window_) window_->show(vehicle);
+  /// After the robot has moved.
+  void look(const vehicle::Simulation& robot) {
+    if (film_) film_->take(robot);
+    if (window_) window_->show(robot);
   }
   /// When they want to look next.
   TimeNs next() const { return film_ ? film_->next() : std::numeric_limits<TimeNs>::max(); }
   /// @throws FileError.
-  void finish(const vehicle::Vehicle& vehicle) {
-    if (film_) film_->finish(vehicle);
+  void finish(const vehicle::Simulation& robot) {
+    if (film_) film_->finish(robot);
   }
 
  private:

@@ -23,13 +23,13 @@ struct Imu {
   Vector3 linear_acceleration_m_s2{};
 };
 
-/// The four wheels: front left, front right, rear left, rear right. Turning ahead is positive.
+/// Joints of one degree of freedom: hinges (rad, rad/s, N m) and slides (m, m/s, N).
 struct JointStates {
   TimeNs stamp = 0;
   std::vector<std::string> names;  ///< "wheel_front_left", ...
-  std::vector<double> positions_rad;
-  std::vector<double> velocities_rad_s;
-  std::vector<double> torques_n_m;  ///< of their motors
+  std::vector<double> positions;
+  std::vector<double> velocities;
+  std::vector<double> efforts;  ///< of their actuators
 };
 
 /// Two photodiodes. Each measures the illuminance

@@ -1,18 +1,16 @@
-// The robot: a four-wheeled, skid-steered vehicle with a laser in a MuJoCo world, as a library
-// that the caller advances. No ROS, no clock, no threads.
+// The vehicle: four wheels, steered by skidding, with a laser, in a MuJoCo world.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/vehicle/sensors.hpp"
-
-struct mjModel_;  // MuJoCo's, for what draws it
-struct mjData_;
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::vehicle {
 
@@ -121,30 +119,24 @@ struct Options {
 /// effective track. In a turn on the spot every wheel slips with the same speed, so with equal
 /// loads and Coulomb friction the yaw moment vanishes when sum((w |y| - u) |y| + w x^2) = 0 over
 /// the wheels at (x, y) with rim speed u: h = u / w = sum(x^2 + y^2) / sum(|y|).
-class Vehicle {
+class Vehicle : public Simulation {
  public:
   /// @throws FileError when the world cannot be read; ConfigurationError when it is not MJCF, lacks
   /// one of the things above, or cannot be laid out.
   explicit Vehicle(const Options& options);
-  ~Vehicle();
-  Vehicle(Vehicle&&) noexcept;
-  Vehicle& operator=(Vehicle&&) noexcept;
+  ~Vehicle() override;
 
   /// Holds from now on: speed ahead and yaw rate (counterclockwise), clamped to the world's
   /// `command_limits`, which also limit how fast the wheels are brought there. A command that is
   /// not finite stops the vehicle and is counted.
   void command(double linear_m_s, double angular_rad_s);
+  /// The same: {speed ahead, yaw rate}.
+  void command(std::span<const double> numbers) override;
+  const Vehicle* vehicle() const override { return this; }
 
-  /// Advances by `dt` > 0. Physics runs in steps of the world's own timestep; a remainder is kept
-  /// for the next call, so the trajectory does not depend on how a time is divided.
-  /// @throws NodeError when the physics becomes unstable.
-  void step(TimeNs dt);
-
-  TimeNs time() const;
   LaserScan scan() const;
   Odometry odometry() const;
   Imu imu() const;
-  JointStates joint_states() const;
   /// Nothing when the world has no lamps.
   std::optional<Light> light() const;
   Mount laser_mount() const;
@@ -159,24 +151,15 @@ class Vehicle {
   double radius_m() const;
   /// Half the effective track of the skid steering.
   double half_effective_track_m() const;
-  const std::string& world() const;  ///< path of the file that was read
   /// Where the seed has put the cue, from 1; 0: the world has none.
   int cue_place() const;
 
-  /// What MuJoCo makes pictures of. Positions that follow from the state are those before the last
-  /// physics step.
-  const mjModel_& model() const;
-  const mjData_& data() const;
-
  private:
+  void before_physics() override;
+  void after_physics(TimeNs end) override;
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// The path itself when such a file exists; else, for a bare file name, the shipped world of that
-/// name, with or without its ".xml": in `worlds` of $SPIKELOOP_SHARE, or of share/spikeloop beside
-/// or above the running program's directory.
-/// @throws FileError naming the places that were searched.
-std::string find_world(const std::string& name);
 
 }  // namespace spikeloop::vehicle

@@ -1,0 +1,225 @@
+// The key `robot`, and the topics of the nodes against those of the robot.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "faults.hpp"
+#include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/experiment/endpoints.hpp"
+
+namespace spikeloop::experiment {
+namespace {
+
+/// A file beside the experiment; else a name of a shipped one.
+std::string beside(const std::string& directory, const std::string& name) {
+  const auto path = std::filesystem::path(directory) / name;
+  return std::filesystem::exists(path) ? path.string() : name;
+}
+
+std::optional<Camera> camera_of(const Parameters& robot) {
+  if (robot.entries("camera").empty()) {
+    return std::nullopt;
+  }
+  const Parameters& keys = robot.map("camera");
+  return Camera{keys.text("name"), static_cast<std::uint32_t>(keys.integer("width")),
+                static_cast<std::uint32_t>(keys.integer("height")), keys.number("rate"),
+                keys.number("fov")};
+}
+
+/// A robot is the vehicle in a world, or any other that a model describes.
+std::optional<RobotModel> model_of(const Parameters& keys, const std::string& directory,
+                                   Faults& faults) {
+  const bool model = keys.given("model");
+  for (const char* const key : {"keyframe", "rate"}) {
+    if (keys.given(key) && !model) {
+      faults.add(keys.where(key),
+                 with_code(Code::conflicting_keys,
+                           "robot: key '{}' is for a robot with  model: FILE; leave it out", key));
+    }
+  }
+  for (const char* const key : {"world", "seed"}) {
+    if (keys.given(key) && model) {
+      faults.add(keys.where(key),
+                 with_code(Code::conflicting_keys,
+                           "robot: key '{}' is for the vehicle, and 'model' replaces it; leave one "
+                           "of the two out",
+                           key));
+    }
+  }
+  if (!model) {
+    return std::nullopt;
+  }
+  return RobotModel{beside(directory, keys.text("model")), keys.text("keyframe"),
+                    keys.number("rate")};
+}
+
+}  // namespace
+
+RobotView read_robot(const ExperimentFile& file, const Overrides& overrides,
+                     const LookAtRobot& look_at_robot, Experiment& experiment, Faults& faults) {
+  if (overrides.replay) {
+    if (!overrides.replay->bag.empty()) {
+      experiment.robot = {.where = {file.path, 0, 0}, .bag = overrides.replay->bag};
+    }
+    experiment.ros = Ros::none;
+    return {};
+  }
+  if (!file.robot) {
+    return {};
+  }
+  const std::size_t before = faults.count();
+  const ExperimentNode& robot = *file.robot;
+  if (robot.keys.contains("bag")) {
+    read_bag_keys(robot, directory_of(experiment.origin), experiment, faults);
+    return {};
+  }
+  auto declared = robot_parameters();
+  declared.front().default_value.reset();  // one of simulator and bag must be there
+  const Parameters keys = resolve_keys(
+      declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
+  const std::string directory = directory_of(experiment.origin);
+  const bool own_seed = keys.given("seed");
+  experiment.robot = {beside(directory, keys.text("world")),
+                      own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
+                      robot.where,
+                      {},
+                      camera_of(keys),
+                      model_of(keys, directory, faults)};
+  RobotView view;
+  if (look_at_robot && faults.count() == before) {
+    const char* const key = keys.given("model") ? "model" : "world";
+    faults.attempt(keys.given(key) ? keys.where(key) : robot.where,
+                   [&] { view = look_at_robot(*experiment.robot, dialect_of(experiment.ros)); });
+  }
+  return view;
+}
+
+namespace {
+
+constexpr const char* kImageTopic = "/camera/image_raw";
+constexpr const char* kInfoTopic = "/camera/camera_info";
+
+/// Topics of robots that are otherwise made: which one is meant, and how to get it.
+[[noreturn]] void refuse_topic(const Node& node, const Robot& robot,
+                               const std::vector<std::string>& known) {
+  const std::string& topic = node.parameters.text("topic");
+  const Location& where = node.parameters.where("topic");
+  if (node.kind == kRosSensor && (topic == kImageTopic || topic == kInfoTopic)) {
+    throw ConfigurationError(
+        where, with_code(Code::no_such_topic,
+                         "key 'topic': the robot's camera, which sends {}, is off; write  robot: "
+                         "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
+                         topic));
+  }
+  if (node.kind == kRosSensor && topic == "/light" && !robot.model) {
+    throw ConfigurationError(
+        where, with_code(Code::no_such_topic,
+                         "key 'topic': the robot sends nothing on {} in this world, which has no "
+                         "lamps; write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
+                         "(docs/robot.md)",
+                         topic));
+  }
+  throw ConfigurationError(
+      where, with_code(Code::no_such_topic,
+                       "key 'topic': the robot has no topic {} there{}; with  ros: 2  any topic "
+                       "is possible",
+                       topic, did_you_mean(topic, known)));
+}
+
+/// A joint or actuator that a command names.
+void check_fields(const Node& node, const RobotTopic& topic) {
+  for (const CommandField& field : node.mapping.fields) {
+    if (std::ranges::find(topic.fields, field.field) == topic.fields.end()) {
+      throw ConfigurationError(
+          field.where,
+          with_code(Code::field_path, "the robot does not use the field '{}' of its topic {}{}",
+                    field.field, topic.name, did_you_mean(field.field, topic.fields)));
+    }
+  }
+}
+
+void check_robot_topic(const Node& node, const Experiment& experiment,
+                       const std::vector<RobotTopic>& topics) {
+  if (!experiment.robot) {
+    throw ConfigurationError(node.where,
+                             with_code(Code::no_such_topic,
+                                       "node '{}': no robot provides topic {}; write  ros: 2, "
+                                       "or  robot: {{simulator: mujoco}}",
+                                       node.name, node.parameters.text("topic")));
+  }
+  if (!experiment.robot->bag.empty() || topics.empty()) {
+    return;  // check_bag(), or not known
+  }
+  const std::string& name = node.parameters.text("topic");
+  if (node.kind == kRosEventSensor) {
+    throw ConfigurationError(
+        node.parameters.where("topic"),
+        with_code(Code::no_such_topic,
+                  "key 'topic': the robot in this process has no event camera that sends {}; "
+                  "write  ros: 2  for one that has, or take the changes of its pictures "
+                  "(docs/images.md, \"Events from frames\")",
+                  name));
+  }
+  std::vector<std::string> known;
+  for (const RobotTopic& topic : topics) {
+    if (topic.takes_commands() == (node.kind == kRosCommand)) {
+      known.push_back(topic.name);
+    }
+  }
+  const auto topic = std::ranges::find_if(topics, [&](const RobotTopic& candidate) {
+    return candidate.name == name && std::ranges::find(known, name) != known.end();
+  });
+  if (topic == topics.end()) {
+    refuse_topic(node, *experiment.robot, known);
+  }
+  const std::string& message = node.parameters.text("message");
+  if (message != topic->message) {
+    throw ConfigurationError(
+        node.parameters.where("message"),
+        with_code(Code::wrong_message,
+                  "key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
+                  name, topic->message, message, topic->message));
+  }
+  if (topic->takes_commands() && experiment.robot->model) {
+    check_fields(node, *topic);
+  }
+}
+
+/// The robot would obey both in turn.
+void check_one_sender_a_topic(const Experiment& experiment, const std::set<std::string>& whole,
+                              Faults& faults) {
+  std::map<std::string, std::string> senders;
+  for (const Node& node : experiment.nodes) {
+    if (node.kind != kRosCommand || !whole.contains(node.name)) {
+      continue;
+    }
+    const std::string& topic = node.parameters.text("topic");
+    const auto [sender, is_new] = senders.emplace(topic, node.name);
+    if (!is_new) {
+      faults.add(node.parameters.where("topic"),
+                 with_code(Code::topic_conflict,
+                           "key 'topic': '{}' and '{}' both send to {}, and the robot would obey "
+                           "both in turn; write one node with all fields, or another topic",
+                           sender->second, node.name, topic));
+    }
+  }
+}
+
+}  // namespace
+
+void check_topics(const Experiment& experiment, const std::vector<RobotTopic>& topics,
+                  std::set<std::string>& whole, Faults& faults) {
+  check_one_sender_a_topic(experiment, whole, faults);
+  for (const Node& node : experiment.nodes) {
+    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none &&
+        !faults.attempt(node.where, [&] { check_robot_topic(node, experiment, topics); })) {
+      whole.erase(node.name);
+    }
+  }
+}
+
+}  // namespace spikeloop::experiment

@@ -1,0 +1,100 @@
+// resolved.json: an experiment with every default, width and delay.
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/core/files_read.hpp"
+#include "spikeloop/experiment/layout.hpp"
+#include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/fused/run.hpp"
+
+namespace spikeloop::fused {
+namespace {
+
+using nlohmann::json;
+
+/// Of a table, a list or a map.
+std::string written_text(const experiment::Node& node, const std::string& name) {
+  if (const auto written = node.written.find(name); written != node.written.end()) {
+    return written->second.text;
+  }
+  if (node.node_class == nullptr) {
+    return "";
+  }
+  const auto& declared = node.node_class->description.parameters;
+  const auto parameter = std::ranges::find(declared, name, &ParameterDescription::name);
+  return parameter == declared.end() ? "" : parameter->default_value.value_or("");
+}
+
+json robot_json(const experiment::Robot& robot) {
+  if (!robot.bag.empty()) {
+    return {{"bag", robot.bag}};
+  }
+  if (robot.model) {
+    return {{"model", robot.model->file},
+            {"keyframe", robot.model->keyframe},
+            {"rate_hz", robot.model->rate_hz}};
+  }
+  return {{"world", robot.world}, {"seed", robot.seed}};
+}
+
+}  // namespace
+
+json resolved_json(const experiment::Experiment& experiment) {
+  json nodes = json::object();
+  for (const auto& node : experiment.nodes) {
+    json keys{{experiment::is_simulator(node) ? "simulator" : "node", node.kind}};
+    for (const auto& [name, value] : node.parameters.all()) {
+      if (const auto* number = std::get_if<double>(&value)) {
+        keys[name] = *number;
+      } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+        keys[name] = *integer;
+      } else if (const auto* truth = std::get_if<bool>(&value)) {
+        keys[name] = *truth;
+      } else if (const auto* text = std::get_if<std::string>(&value)) {
+        keys[name] = *text;
+      } else {
+        keys[name] = written_text(node, name);
+      }
+    }
+    nodes[node.name] = keys;
+  }
+  json connections = json::array();
+  for (const auto& connection : experiment.connections) {
+    connections.push_back({{"from", connection.from},
+                           {"to", connection.to},
+                           {"width", connection.width},
+                           {"delay_ticks", connection.delay_ticks.value_or(0)}});
+  }
+  json result{{"experiment", experiment.name},
+              {"tick_ns", experiment.tick},
+              {"seed", experiment.seed},
+              {"sync", experiment::name_of(experiment.sync)},
+              {"version", SPIKELOOP_VERSION},
+              {"nodes", nodes},
+              {"real_time_factor", experiment.real_time_factor},
+              {"ros", experiment::name_of(experiment.ros)},
+              {"layout", name_of(experiment.layout)},
+              {"connections", connections},
+              {"settings", json::parse(to_text(experiment.settings))}};
+  result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
+  if (experiment.robot) {
+    result["robot"] = robot_json(*experiment.robot);
+    if (const auto& camera = experiment.robot->camera) {
+      result["robot"]["camera"] = {{"name", camera->name},
+                                   {"width", camera->width},
+                                   {"height", camera->height},
+                                   {"rate_hz", camera->rate_hz},
+                                   {"fov_deg", camera->field_of_view_deg}};
+    }
+  }
+  result["experiment_file"] =
+      std::filesystem::absolute(experiment.origin).lexically_normal().string();
+  result["files"] = json::object();
+  for (const std::string& path : experiment.files) {
+    result["files"][path] = file_print(path);
+  }
+  return result;
+}
+
+}  // namespace spikeloop::fused

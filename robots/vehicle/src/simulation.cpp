@@ -1,0 +1,229 @@
+#include "spikeloop/vehicle/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model.hpp"
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::vehicle {
+namespace {
+
+constexpr double kLongestTimestep = 0.01;  // s; wheels would bounce
+
+TimeNs read_timestep(const mjModel& model, const std::string& path) {
+  const double seconds = model.opt.timestep;
+  if (!(seconds >= 1e-6 && seconds <= kLongestTimestep)) {
+    throw ConfigurationError(
+        Location{path},
+        with_code(Code::world,
+                  "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}", seconds,
+                  kLongestTimestep));
+  }
+  return tick_from_seconds(seconds);
+}
+
+std::string name_or(const mjModel& model, mjtObj type, int id, const std::string& otherwise) {
+  const char* const name = mj_id2name(&model, type, id);
+  return name != nullptr && *name != '\0' ? name : otherwise;
+}
+
+/// The model does not hold the element's tag. <position kp> has gain kp and bias -kp * length,
+/// <velocity kv> has gain kv and bias -kv * velocity (MuJoCo, XML Reference, actuator).
+Quantity quantity_of(const mjModel& model, int id) {
+  const mjtNum* const gain = model.actuator_gainprm + mjNGAIN * id;
+  const mjtNum* const bias = model.actuator_biasprm + mjNBIAS * id;
+  if (model.actuator_biastype[id] != mjBIAS_AFFINE || gain[0] == 0) {
+    return Quantity::effort;
+  }
+  if (bias[1] == -gain[0]) {
+    return Quantity::position;
+  }
+  return bias[1] == 0 && bias[2] == -gain[0] ? Quantity::velocity : Quantity::effort;
+}
+
+std::vector<Actuator> find_actuators(const mjModel& model) {
+  std::vector<Actuator> actuators;
+  for (int id = 0; id < model.nu; ++id) {
+    const int type = model.actuator_trntype[id];
+    std::string otherwise = fmt::format("actuator_{}", id);
+    if (type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT) {
+      otherwise = name_or(model, mjOBJ_JOINT, model.actuator_trnid[2 * id], otherwise);
+    }
+    actuators.push_back({name_or(model, mjOBJ_ACTUATOR, id, otherwise), quantity_of(model, id)});
+  }
+  return actuators;
+}
+
+std::vector<ModelSensor> find_sensors(const mjModel& model) {
+  std::vector<ModelSensor> sensors;
+  for (int id = 0; id < model.nsensor; ++id) {
+    sensors.push_back({name_or(model, mjOBJ_SENSOR, id, fmt::format("sensor_{}", id)),
+                       static_cast<std::size_t>(model.sensor_dim[id])});
+  }
+  return sensors;
+}
+
+std::vector<std::string> all_names(const mjModel& model, mjtObj type, int count) {
+  std::vector<std::string> names;
+  for (int id = 0; id < count; ++id) {
+    if (std::string name = name_or(model, type, id, ""); !name.empty()) {
+      names.push_back(std::move(name));
+    }
+  }
+  return names;
+}
+
+bool has_one_position(int joint_type) {
+  return joint_type == mjJNT_HINGE || joint_type == mjJNT_SLIDE;
+}
+
+void start_from(const std::string& keyframe, const mjModel& model, const std::string& path,
+                mjData& data) {
+  if (keyframe.empty()) {
+    return;
+  }
+  const int id = mj_name2id(&model, mjOBJ_KEY, keyframe.c_str());
+  if (id < 0) {
+    throw ConfigurationError(
+        Location{path}, with_code(Code::world, "has no keyframe '{}'{}", keyframe,
+                                  did_you_mean(keyframe, all_names(model, mjOBJ_KEY, model.nkey))));
+  }
+  mj_resetDataKeyframe(&model, &data, id);
+}
+
+}  // namespace
+
+class Simulation::Impl {
+ public:
+  explicit Impl(const ModelOptions& options)
+      : path_(find_world(options.file)),
+        model_(load_model(path_)),
+        timestep_(read_timestep(*model_, path_)),
+        data_(mj_makeData(model_.get())),
+        now_(mj_makeData(model_.get())),
+        actuators_(find_actuators(*model_)),
+        sensors_(find_sensors(*model_)) {
+    start_from(options.keyframe, *model_, path_, *data_);
+  }
+
+  void require_stable() const {
+    for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
+      if (data_->warning[warning].number > 0) {
+        throw NodeError("robot",
+                        fmt::format("the physics of {} became unstable at {}; write a smaller "
+                                    "<option timestep=\"...\"/> (now {}) or weaker actuators",
+                                    path_, format_time(physics_time_), format_time(timestep_)));
+      }
+    }
+  }
+
+  JointStates joint_states() const {
+    JointStates states;
+    states.stamp = time_;
+    for (int joint = 0; joint < model_->njnt; ++joint) {
+      if (!has_one_position(model_->jnt_type[joint])) continue;
+      const int dof = model_->jnt_dofadr[joint];
+      states.names.push_back(name_or(*model_, mjOBJ_JOINT, joint, fmt::format("joint_{}", joint)));
+      states.positions.push_back(data_->qpos[model_->jnt_qposadr[joint]]);
+      states.velocities.push_back(data_->qvel[dof]);
+      states.efforts.push_back(data_->qfrc_actuator[dof]);
+    }
+    return states;
+  }
+
+  /// MuJoCo measures at the beginning of a physics step. A copy measures now, and what follows
+  /// does not depend on who reads.
+  std::vector<double> read_sensor(std::size_t index) {
+    if (measured_ != physics_time_) {
+      mj_copyData(now_.get(), model_.get(), data_.get());
+      mj_forward(model_.get(), now_.get());
+      measured_ = physics_time_;
+    }
+    const mjtNum* const values = now_->sensordata + model_->sensor_adr[index];
+    return {values, values + sensors_[index].width};
+  }
+
+  void command(std::span<const double> numbers) {
+    for (std::size_t i = 0; i < numbers.size() && i < actuators_.size(); ++i) {
+      if (std::isfinite(numbers[i])) data_->ctrl[i] = numbers[i];
+    }
+    measured_ = -1;
+  }
+
+  std::string path_;
+  ModelPointer model_;
+  TimeNs timestep_;
+  DataPointer data_;
+  DataPointer now_;
+  TimeNs measured_ = -1;
+  std::vector<Actuator> actuators_;
+  std::vector<ModelSensor> sensors_;
+  TimeNs time_ = 0;
+  TimeNs physics_time_ = 0;
+};
+
+Simulation::Simulation(const ModelOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Simulation::~Simulation() = default;
+
+void Simulation::step(TimeNs dt) {
+  if (dt <= 0) {
+    throw ConfigurationError(with_code(
+        Code::world, "cannot advance the robot by {}; write a time above 0", format_time(dt)));
+  }
+  impl_->time_ += dt;
+  while (impl_->physics_time_ + impl_->timestep_ <= impl_->time_) {
+    before_physics();
+    mj_step(impl_->model_.get(), impl_->data_.get());
+    impl_->physics_time_ += impl_->timestep_;
+    impl_->require_stable();
+    after_physics(impl_->physics_time_);
+  }
+}
+
+TimeNs Simulation::time() const {
+  return impl_->time_;
+}
+const std::string& Simulation::world() const {
+  return impl_->path_;
+}
+JointStates Simulation::joint_states() const {
+  return impl_->joint_states();
+}
+const std::vector<ModelSensor>& Simulation::sensors() const {
+  return impl_->sensors_;
+}
+std::vector<double> Simulation::read_sensor(std::size_t index) const {
+  return impl_->read_sensor(index);
+}
+const std::vector<Actuator>& Simulation::actuators() const {
+  return impl_->actuators_;
+}
+std::vector<std::string> Simulation::names_of(Named kind) const {
+  const mjModel& model = *impl_->model_;
+  return kind == Named::camera ? all_names(model, mjOBJ_CAMERA, model.ncam)
+                               : all_names(model, mjOBJ_KEY, model.nkey);
+}
+void Simulation::command(std::span<const double> numbers) {
+  impl_->command(numbers);
+}
+const mjModel_& Simulation::model() const {
+  return *impl_->model_;
+}
+const mjData_& Simulation::data() const {
+  return *impl_->data_;
+}
+mjModel_& Simulation::own_model() {
+  return *impl_->model_;
+}
+mjData_& Simulation::own_data() {
+  return *impl_->data_;
+}
+TimeNs Simulation::timestep() const {
+  return impl_->timestep_;
+}
+
+}  // namespace spikeloop::vehicle
