@@ -35,8 +35,9 @@ def run(spikeloop, experiment, folder, *more, code=0):
 
 
 def fingerprint(folder):
-    """Of all recorded spikes, signals and the trajectory, to the bit."""
-    digest = hashlib.sha256((folder / "trajectory.csv").read_bytes())
+    """Of all recorded spikes, signals and the vehicle's trajectory, to the bit."""
+    trajectory = folder / "trajectory.csv"
+    digest = hashlib.sha256(trajectory.read_bytes() if trajectory.exists() else b"")
     for path in sorted(folder.glob("*.h5")):
         with h5py.File(path) as file:
             def add(name, item, label=path.name):
@@ -44,3 +45,9 @@ def fingerprint(folder):
                     digest.update(f"{label}/{name}".encode() + item[()].tobytes())
             file.visititems(add)
     return digest.hexdigest()
+
+
+def last_values(path):
+    """The last values of a node's recorded output."""
+    with h5py.File(path) as file:
+        return list(file["signals/out/values"][-1])

@@ -18,7 +18,7 @@ class Camera::Impl {
  public:
   Impl(const vehicle::Simulation& robot, const CameraOptions& options)
       : tangent_(half_width_at_1(options)),
-        id_(robot_camera(robot, options.name)),  // first: a missing camera is no matter of OpenGL
+        id_(camera_id(robot, options.name)),  // first: a missing camera is no matter of OpenGL
         state_(robot),
         image_{options.size, {}},
         scene_(robot, {.buffer = options.size, .samples = 4, .shadows = false}) {}

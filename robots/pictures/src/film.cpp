@@ -16,7 +16,6 @@
 
 #include "offscreen_scene.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/pictures/camera.hpp"
 #include "video.hpp"
 
 namespace spikeloop::pictures {
@@ -113,7 +112,7 @@ class Film::Impl {
   Impl(const vehicle::Simulation& robot, const FilmOptions& options)
       : options_(options), kind_(kind_of(options.path)), state_(robot) {
     if (std::ranges::count(options.views, View::camera) > 0) {
-      camera_ = robot_camera(robot, CameraOptions{}.name);
+      camera_ = camera_id(robot, CameraOptions{}.name);
     }
     scene_.emplace(robot, SceneOptions{.buffer = options.size});
     image_.size = options.size;

@@ -23,7 +23,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 }  // namespace
 
-int robot_camera(const vehicle::Simulation& robot, const std::string& name) {
+int camera_id(const vehicle::Simulation& robot, const std::string& name) {
   const int camera = mj_name2id(&robot.model(), mjOBJ_CAMERA, name.c_str());
   if (camera < 0) {
     throw ConfigurationError(

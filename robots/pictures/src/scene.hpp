@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "spikeloop/pictures/camera.hpp"
 #include "spikeloop/pictures/film.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
@@ -58,7 +59,7 @@ class Scene {
   void follow(View view, mjvCamera& camera) const;
   void draw(mjrRect where, mjvCamera& camera, const Trail* trail);
   /// The same through a camera of the model, `tangent` half its width at distance 1.
-  /// @param id as robot_camera() has it
+  /// @param id as camera_id() has it
   void draw_camera(mjrRect where, int id, double tangent);
   void write(mjrRect where, const std::string& text);
   /// Of the buffer's lower left part.
@@ -84,8 +85,5 @@ class Scene {
   mjvScene scene_;
   mjrContext context_;
 };
-
-/// The id of a camera. @throws ConfigurationError when the world has none of that name.
-int robot_camera(const vehicle::Simulation& robot, const std::string& name);
 
 }  // namespace spikeloop::pictures

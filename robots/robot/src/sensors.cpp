@@ -120,6 +120,7 @@ class Sensors::Impl {
 
   void add_camera(const Simulation& robot, const pictures::CameraOptions& options, bool blind) {
     const TimeNs period = rounded(1 / options.rate_hz);
+    pictures::camera_id(robot, options.name);  // also of a blind one
     const auto image = std::make_shared<ImageMessage>(dialect_);
     if (blind) {
       const auto size = static_cast<std::size_t>(options.size.width) * options.size.height;

@@ -12,16 +12,14 @@
 namespace spikeloop::vehicle {
 namespace {
 
-constexpr double kLongestTimestep = 0.01;  // s; wheels would bounce
-
-TimeNs read_timestep(const mjModel& model, const std::string& path) {
+TimeNs read_timestep(const mjModel& model, const std::string& path, double longest) {
   const double seconds = model.opt.timestep;
-  if (!(seconds >= 1e-6 && seconds <= kLongestTimestep)) {
+  if (!(seconds >= 1e-6 && seconds <= longest)) {
     throw ConfigurationError(
         Location{path},
         with_code(Code::world,
                   "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}", seconds,
-                  kLongestTimestep));
+                  longest));
   }
   return tick_from_seconds(seconds);
 }
@@ -99,10 +97,10 @@ void start_from(const std::string& keyframe, const mjModel& model, const std::st
 
 class Simulation::Impl {
  public:
-  explicit Impl(const ModelOptions& options)
+  Impl(const ModelOptions& options, double longest_timestep)
       : path_(find_world(options.file)),
         model_(load_model(path_)),
-        timestep_(read_timestep(*model_, path_)),
+        timestep_(read_timestep(*model_, path_, longest_timestep)),
         data_(mj_makeData(model_.get())),
         now_(mj_makeData(model_.get())),
         actuators_(find_actuators(*model_)),
@@ -166,7 +164,8 @@ class Simulation::Impl {
   TimeNs physics_time_ = 0;
 };
 
-Simulation::Simulation(const ModelOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Simulation::Simulation(const ModelOptions& options, double longest_timestep_s)
+    : impl_(std::make_unique<Impl>(options, longest_timestep_s)) {}
 Simulation::~Simulation() = default;
 
 void Simulation::step(TimeNs dt) {

@@ -20,6 +20,8 @@
 namespace spikeloop::vehicle {
 namespace {
 
+constexpr double kLongestTimestep = 0.01;  // s; wheels would bounce
+
 struct Limits {
   double linear_m_s = 0;
   double angular_rad_s = 0;
@@ -211,7 +213,7 @@ class Vehicle::Impl {
 };
 
 Vehicle::Vehicle(const Options& options)
-    : Simulation({options.world}),
+    : Simulation({options.world}, kLongestTimestep),
       impl_(std::make_unique<Impl>(own_model(), own_data(), timestep(), world(), options.seed)) {}
 Vehicle::~Vehicle() = default;
 

@@ -36,6 +36,9 @@ class Camera {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Number of a camera in the model. @throws ConfigurationError when there is none of that name.
+int camera_id(const vehicle::Simulation& robot, const std::string& name);
+
 /// Focal length in pixels: a thing at angle a to the right of the axis is f tan(a) right of the
 /// middle of the picture. Pixels are square.
 double focal_length(const CameraOptions& options);

@@ -48,8 +48,8 @@ struct ModelOptions {
 class Simulation {
  public:
   /// @throws FileError when the file cannot be read; ConfigurationError when it is not MJCF, its
-  /// timestep is above 0.01 s, or it does not have the keyframe.
-  explicit Simulation(const ModelOptions& options);
+  /// timestep is longer than that, or it does not have the keyframe.
+  explicit Simulation(const ModelOptions& options, double longest_timestep_s = 0.1);
   virtual ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
