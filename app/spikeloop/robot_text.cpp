@@ -18,7 +18,7 @@ std::string names(const char* title, const std::vector<std::string>& all) {
 }
 
 std::string topic_line(const std::string& name, const std::string& type, const std::string& text) {
-  return fmt::format("  {:<28}  {:<26}  {}\n", "/" + name, type, text);
+  return fmt::format("  {:<26}  /{:<26}  {}\n", type, name, text);
 }
 
 }  // namespace
@@ -31,10 +31,11 @@ std::string robot_text(const std::string& file) {
       fmt::format("{0}: write  robot: {{simulator: mujoco, model: {0}}}\n\nTopics:\n", file);
   std::size_t sensor = 0;
   for (const robot::SensorTopic& topic : sensors.topics()) {
-    const bool joints = topic.type == robot::kJointStateType;
+    const bool numbers = topic.type == robot::kNumbersType;
     text += topic_line(topic.name, topic.type,
-                       joints ? "position, velocity, effort of joints"
-                              : fmt::format("{} values", robot.sensors()[sensor++].width));
+                       numbers ? fmt::format("{} values", robot.sensors()[sensor++].width)
+                       : topic.type == robot::kImuType ? "inertial unit"
+                                                       : "position, velocity, effort of joints");
   }
   text += topic_line(command.name(), command.type(), "commands for actuators");
   text += "\n" + names("Joints", robot.joint_states().names);

@@ -114,6 +114,29 @@ TEST_F(Models, SensorsMeasureTheStateOfNow) {
   }
 }
 
+// A box that lies turned by 90 degrees about x on a turntable: it feels the floor along its own y
+// axis, and the turning there, too.
+TEST_F(Models, AnInertialUnitMeasuresInTheFrameOfItsSite) {
+  Simulation table({written(R"(<mujoco><worldbody><body>
+      <joint name="turn" type="hinge" axis="0 0 1"/>
+      <geom type="box" size="0.1 0.1 0.1" mass="1"/>
+      <site name="unit" euler="90 0 0"/></body></worldbody>
+      <actuator><velocity name="motor" joint="turn" kv="1"/></actuator>
+      <sensor><gyro site="unit"/><accelerometer site="unit"/></sensor></mujoco>)")});
+  ASSERT_EQ(table.inertial_units().size(), 1U);
+  EXPECT_EQ(table.inertial_units()[0].site, "unit");
+  table.command(std::vector{0.5});
+  table.step(4000 * kMillisecond);
+  const Imu imu = table.read_inertial_unit(0);
+  EXPECT_NEAR(imu.linear_acceleration_m_s2[1], 9.81, 1e-6);
+  EXPECT_NEAR(imu.linear_acceleration_m_s2[2], 0, 1e-6);
+  EXPECT_NEAR(imu.angular_velocity_rad_s[1], 0.5, 1e-3);
+  const double turned = table.joint_states().positions[0];
+  // Quaternions: half the turn about z, after the quarter turn about x.
+  EXPECT_NEAR(imu.orientation[0], std::cos(turned / 2) * std::numbers::sqrt2 / 2, 1e-9);
+  EXPECT_NEAR(imu.orientation[3], std::sin(turned / 2) * std::numbers::sqrt2 / 2, 1e-9);
+}
+
 // A motor with 2 N m against a damper of 0.1 N m s/rad, without gravity: 20 rad/s, reached with
 // the time constant of inertia over damping, 1/3 m l^2 / d.
 TEST_F(Models, ACommandHoldsWithinTheControlRange) {

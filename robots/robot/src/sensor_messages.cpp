@@ -65,16 +65,17 @@ std::vector<std::string> camera_info_paths(Dialect dialect) {
 
 }  // namespace
 
-ImuMessage::ImuMessage(Dialect dialect)
-    : Message(dialect, kImuType,
-              with_header({"orientation.w", "orientation.x", "orientation.y", "orientation.z",
-                           "angular_velocity.x", "angular_velocity.y", "angular_velocity.z",
-                           "linear_acceleration.x", "linear_acceleration.y",
-                           "linear_acceleration.z"})) {}
+ImuMessage::ImuMessage(Dialect dialect, std::string frame)
+    : Message(
+          dialect, kImuType,
+          with_header({"orientation.w", "orientation.x", "orientation.y", "orientation.z",
+                       "angular_velocity.x", "angular_velocity.y", "angular_velocity.z",
+                       "linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"})),
+      frame_(std::move(frame)) {}
 
 const std::vector<std::byte>& ImuMessage::write(const vehicle::Imu& imu) {
   const Stamp stamp(imu.stamp);
-  std::vector<FieldValue> values{number(stamp.secs), number(stamp.nsecs), text(kVehicleFrame)};
+  std::vector<FieldValue> values{number(stamp.secs), number(stamp.nsecs), text(frame_)};
   for (const double& value : imu.orientation) values.push_back(number(value));
   for (const double& value : imu.angular_velocity_rad_s) values.push_back(number(value));
   for (const double& value : imu.linear_acceleration_m_s2) values.push_back(number(value));

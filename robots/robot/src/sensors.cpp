@@ -86,12 +86,24 @@ class Sensors::Impl {
 
   void add_model(const Simulation& robot, TimeNs period) {
     add_joints(robot, period);
+    add_inertial_units(robot, period);
     for (std::size_t i = 0; i < robot.sensors().size(); ++i) {
       const std::string name = "sensors/" + topic_part(robot.sensors()[i].name);
       const auto message = std::make_shared<NumbersMessage>(dialect_);
       add(name, kNumbersType, period, [message, i](const Simulation& now) -> Bytes {
         return message->write(now.read_sensor(i));
       });
+    }
+  }
+
+  void add_inertial_units(const Simulation& robot, TimeNs period) {
+    const auto& units = robot.inertial_units();
+    for (std::size_t i = 0; i < units.size(); ++i) {
+      const auto message = std::make_shared<ImuMessage>(dialect_, units[i].site);
+      add(units.size() == 1 ? "imu" : "imu/" + topic_part(units[i].site), kImuType, period,
+          [message, i](const Simulation& now) -> Bytes {
+            return message->write(now.read_inertial_unit(i));
+          });
     }
   }
 

@@ -79,6 +79,22 @@ bool has_one_position(int joint_type) {
   return joint_type == mjJNT_HINGE || joint_type == mjJNT_SLIDE;
 }
 
+std::vector<InertialUnit> find_inertial_units(const mjModel& model) {
+  std::vector<InertialUnit> units;
+  for (int gyro = 0; gyro < model.nsensor; ++gyro) {
+    for (int other = 0; other < model.nsensor; ++other) {
+      if (model.sensor_type[gyro] == mjSENS_GYRO &&
+          model.sensor_type[other] == mjSENS_ACCELEROMETER &&
+          model.sensor_objid[gyro] == model.sensor_objid[other]) {
+        const int site = model.sensor_objid[gyro];
+        units.push_back({name_or(model, mjOBJ_SITE, site, fmt::format("site_{}", site)),
+                         static_cast<std::size_t>(other), static_cast<std::size_t>(gyro)});
+      }
+    }
+  }
+  return units;
+}
+
 void start_from(const std::string& keyframe, const mjModel& model, const std::string& path,
                 mjData& data) {
   if (keyframe.empty()) {
@@ -104,7 +120,8 @@ class Simulation::Impl {
         data_(mj_makeData(model_.get())),
         now_(mj_makeData(model_.get())),
         actuators_(find_actuators(*model_)),
-        sensors_(find_sensors(*model_)) {
+        sensors_(find_sensors(*model_)),
+        units_(find_inertial_units(*model_)) {
     start_from(options.keyframe, *model_, path_, *data_);
   }
 
@@ -136,13 +153,28 @@ class Simulation::Impl {
   /// MuJoCo measures at the beginning of a physics step. A copy measures now, and what follows
   /// does not depend on who reads.
   std::vector<double> read_sensor(std::size_t index) {
+    measure();
+    const mjtNum* const values = now_->sensordata + model_->sensor_adr[index];
+    return {values, values + sensors_[index].width};
+  }
+
+  Imu read_inertial_unit(std::size_t index) {
+    const InertialUnit& unit = units_[index];
+    Imu imu;
+    imu.stamp = time_;
+    std::ranges::copy(read_sensor(unit.accelerometer), imu.linear_acceleration_m_s2.begin());
+    std::ranges::copy(read_sensor(unit.gyro), imu.angular_velocity_rad_s.begin());
+    const int site = model_->sensor_objid[unit.gyro];
+    mju_mat2Quat(imu.orientation.data(), now_->site_xmat + 9 * site);
+    return imu;
+  }
+
+  void measure() {
     if (measured_ != physics_time_) {
       mj_copyData(now_.get(), model_.get(), data_.get());
       mj_forward(model_.get(), now_.get());
       measured_ = physics_time_;
     }
-    const mjtNum* const values = now_->sensordata + model_->sensor_adr[index];
-    return {values, values + sensors_[index].width};
   }
 
   void command(std::span<const double> numbers) {
@@ -160,6 +192,7 @@ class Simulation::Impl {
   TimeNs measured_ = -1;
   std::vector<Actuator> actuators_;
   std::vector<ModelSensor> sensors_;
+  std::vector<InertialUnit> units_;
   TimeNs time_ = 0;
   TimeNs physics_time_ = 0;
 };
@@ -197,6 +230,12 @@ const std::vector<ModelSensor>& Simulation::sensors() const {
 }
 std::vector<double> Simulation::read_sensor(std::size_t index) const {
   return impl_->read_sensor(index);
+}
+const std::vector<InertialUnit>& Simulation::inertial_units() const {
+  return impl_->units_;
+}
+Imu Simulation::read_inertial_unit(std::size_t index) const {
+  return impl_->read_inertial_unit(index);
 }
 const std::vector<Actuator>& Simulation::actuators() const {
   return impl_->actuators_;

@@ -59,11 +59,14 @@ class OdometryMessage : Message {
   const std::vector<std::byte>& write(const vehicle::Odometry& odometry);
 };
 
-/// In frame "base_link", as REP 145 has it. No noise, so all covariances are 0: not known.
+/// As REP 145 has it. No noise, so all covariances are 0: not known.
 class ImuMessage : Message {
  public:
-  explicit ImuMessage(messages::Dialect dialect);
+  explicit ImuMessage(messages::Dialect dialect, std::string frame = kVehicleFrame);
   const std::vector<std::byte>& write(const vehicle::Imu& imu);
+
+ private:
+  std::string frame_;
 };
 
 class JointStateMessage : Message {

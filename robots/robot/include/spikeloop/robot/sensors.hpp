@@ -50,6 +50,7 @@ struct SensorTopic {
 /// | topic             | carries                                     | every        |
 /// |-------------------|---------------------------------------------|--------------|
 /// | joint_states      | sensor_msgs/JointState                      | 1 / rate_hz  |
+/// | imu, or imu/SITE  | sensor_msgs/Imu of a site with <accelerometer> and <gyro>  | 1 / rate_hz |
 /// | sensors/NAME      | std_msgs/Float64MultiArray of that <sensor> | 1 / rate_hz  |
 class Sensors {
  public:

@@ -13,13 +13,14 @@ using Vector3 = std::array<double, 3>;
 /// w, x, y, z, of length 1.
 using Quaternion = std::array<double, 4>;
 
-/// An inertial unit in the middle of the vehicle, in the vehicle's own frame (x ahead, y left, z
-/// up), as REP 145 has it: at rest on the floor it measures +9.81 m/s^2 along z.
+/// An inertial unit, in its own frame, as REP 145 has it: at rest on the floor it measures +9.81
+/// m/s^2 upwards. That of the vehicle is in its middle (x ahead, y left, z up).
 struct Imu {
   TimeNs stamp = 0;
-  Quaternion orientation{1, 0, 0, 0};  ///< of the vehicle in the arena
+  Quaternion orientation{1, 0, 0, 0};  ///< in the world
   Vector3 angular_velocity_rad_s{};
-  /// The mean over the last 10 ms, without gravity's own pull: what a mass on springs feels.
+  /// Without gravity's own pull: what a mass on springs feels. That of the vehicle is the mean over
+  /// the last 10 ms.
   Vector3 linear_acceleration_m_s2{};
 };
 

@@ -38,6 +38,13 @@ struct ModelSensor {
 
 enum class Named { camera, keyframe };
 
+/// A site with an <accelerometer> and a <gyro>.
+struct InertialUnit {
+  std::string site;
+  std::size_t accelerometer = 0;  ///< index in sensors()
+  std::size_t gyro = 0;
+};
+
 struct ModelOptions {
   /// Path of an MJCF file, or the name of a shipped one. See find_world.
   std::string file;
@@ -67,6 +74,11 @@ class Simulation {
   /// What a sensor measures now, as MuJoCo's documentation describes it (XML Reference, sensor).
   /// @param index in sensors()
   std::vector<double> read_sensor(std::size_t index) const;
+
+  const std::vector<InertialUnit>& inertial_units() const;
+  /// In the frame of its site; the orientation is that of the site in the world.
+  /// @param index in inertial_units()
+  Imu read_inertial_unit(std::size_t index) const;
 
   const std::vector<Actuator>& actuators() const;
   /// Numbers for the actuators, which hold from now on, within their control ranges. An actuator
