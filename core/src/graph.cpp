@@ -104,6 +104,18 @@ struct Element {
 
 }  // namespace
 
+const PortDescription* find_output(const GraphDescription& description, std::string_view end) {
+  for (const auto& entry : description.nodes) {
+    for (const PortDescription& port : entry.node_class->description.ports) {
+      if (port.direction == Direction::output &&
+          end == fmt::format("{}.{}", entry.name, port.name)) {
+        return &port;
+      }
+    }
+  }
+  return nullptr;
+}
+
 struct Graph::Impl {
   TimeNs tick = 0;
   std::uint64_t tick_index = 0;

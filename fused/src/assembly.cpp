@@ -284,11 +284,10 @@ void Assembly::record(const std::string& folder) {
     if (output.width == 0 || !is_here(output.node)) {
       continue;  // its own process records what it puts out
     }
-    record::Recorder& recorder = recorder_of(experiment_.node(output.node), folder);
-    add_recording(fmt::format("{}.{}", output.node, output.port), name_of(output.node, output.port),
-                  output.kind == PortKind::spikes
-                      ? recorder.spike_sink(output.port, output.width)
-                      : recorder.signal_sink(output.port, output.width, "1"));
+    const std::string end = fmt::format("{}.{}", output.node, output.port);
+    add_recording(end, name_of(output.node, output.port),
+                  recorder_of(experiment_.node(output.node), folder)
+                      .output_sink(description_, end, {output.port, output.kind, output.width}));
   }
   auto command = commands_.begin();
   for (const Node& node : experiment_.nodes) {

@@ -187,6 +187,12 @@ std::unique_ptr<Node> create(const NodeSetup& setup) {
   return make_network(std::move(network), setup.name, setup.seed);
 }
 
+constexpr const char* kPotentialUnit = "mV";
+
+Population population_of(const NetworkFile& network, std::size_t index) {
+  return {network.populations[index].name, network.populations[index].size};
+}
+
 PortDescription port(std::string name, PortKind kind, Direction direction, std::uint32_t width,
                      std::string text) {
   const WidthRule rule = width == 0 ? WidthRule{} : WidthRule::fixed(width);
@@ -213,6 +219,7 @@ NodeClass network_class() {
                             "Populations of model signal_input: currents, rewards"),
                        port("potential", PortKind::signal, Direction::output, 0,
                             "Membrane potentials in the list potential of the file, mV")};
+  description.ports[3].unit = kPotentialUnit;
   ParameterDescription path;
   path.name = "network";
   path.type = ParameterType::text;
@@ -228,17 +235,22 @@ NodeClass network_class(const NetworkFile& network) {
   ports[1].width = WidthRule::fixed(network.output_width());
   ports[2].width = WidthRule::fixed(network.signal_width());
   ports[3].width = WidthRule::fixed(network.potential_width());
+  for (const std::size_t population : network.output) {
+    ports[1].populations.push_back(population_of(network, population));
+  }
   std::erase_if(ports, [](const PortDescription& listed) { return listed.width.value == 0; });
   for (const NetworkRecord& record : network.record) {
     const NetworkPopulation& population = network.populations[record.population];
     if (record.spikes) {
       ports.push_back(port(population.name + "_spikes", PortKind::spikes, Direction::output,
                            population.size, "Recorded spikes"));
+      ports.back().populations = {population_of(network, record.population)};
     }
     if (!record.potential.empty()) {
       ports.push_back(port(population.name + "_V_m", PortKind::signal, Direction::output,
                            static_cast<std::uint32_t>(record.potential.size()),
                            "Recorded membrane potentials, mV"));
+      ports.back().unit = kPotentialUnit;
     }
   }
   node_class.create = [network](const NodeSetup& setup) {

@@ -178,11 +178,12 @@ std::shared_ptr<Stream> Recorder::Impl::add(const std::function<std::shared_ptr<
   return stream;
 }
 
-std::unique_ptr<Sink> Recorder::spike_sink(const std::string& stream, std::uint32_t width) {
+std::unique_ptr<Sink> Recorder::spike_sink(const std::string& stream, std::uint32_t width,
+                                           const std::vector<Population>& populations) {
   impl_->check_name(stream, width);
   const auto added = impl_->add([&] {
-    return std::make_shared<SpikeStream>(stream, width, impl_->spikes.get(), impl_->path,
-                                         impl_->options.spike_capacity);
+    return std::make_shared<SpikeStream>(stream, width, populations, impl_->spikes.get(),
+                                         impl_->path, impl_->options.spike_capacity);
   });
   return std::make_unique<RecordSink>(added, PortKind::spikes);
 }
@@ -205,6 +206,15 @@ std::unique_ptr<Sink> Recorder::signal_sink(const std::string& stream, std::uint
   return std::make_unique<RecordSink>(added, PortKind::signal);
 }
 
+std::unique_ptr<Sink> Recorder::output_sink(const GraphDescription& description,
+                                            const std::string& end, const EndpointPort& port) {
+  const PortDescription* const known = find_output(description, end);
+  return port.kind == PortKind::spikes
+             ? spike_sink(port.name, port.width,
+                          known == nullptr ? std::vector<Population>() : known->populations)
+             : signal_sink(port.name, port.width, known == nullptr ? "1" : known->unit);
+}
+
 std::function<void(TimeNs, double)> Recorder::value_writer(const std::string& stream,
                                                            const std::string& unit) {
   impl_->check_name(stream, 1);
@@ -216,20 +226,6 @@ std::function<void(TimeNs, double)> Recorder::value_writer(const std::string& st
     return *added;
   });
   return [signal = *added](TimeNs time, double value) { signal->take(time, value); };
-}
-
-void Recorder::annotate(const std::string& stream, const std::string& name, double value) {
-  std::vector<std::string> names;
-  for (const auto& known : impl_->snapshot()) {
-    if (known->name() == stream) {
-      const hdf5::Lock lock;
-      hdf5::Attributes(known->group(), impl_->path).write(name.c_str(), value);
-      return;
-    }
-    names.push_back(known->name());
-  }
-  throw ConfigurationError(fmt::format("'{}' records no stream '{}'{}", impl_->path, stream,
-                                       did_you_mean(stream, names)));
 }
 
 void Recorder::Impl::wait() noexcept {

@@ -87,7 +87,8 @@ void Stream::abandon() {
   group_.abandon();
 }
 
-SpikeStream::SpikeStream(std::string name, std::uint32_t width, hid_t parent,
+SpikeStream::SpikeStream(std::string name, std::uint32_t width,
+                         const std::vector<Population>& populations, hid_t parent,
                          const std::string& path, std::size_t capacity)
     : Stream(std::move(name), width), ring_(capacity) {
   make_group(parent, path);
@@ -96,6 +97,7 @@ SpikeStream::SpikeStream(std::string name, std::uint32_t width, hid_t parent,
   timestamps_ns_ = hdf5::GrowingDataset(group(), "timestamps_ns", H5T_STD_I64LE, 0, path);
   hdf5::Attributes(timestamps_.get(), path).write("units", std::string("ms"));
   hdf5::Attributes(timestamps_ns_.get(), path).write("units", std::string("ns"));
+  write_populations(populations);
   write_sorting(false);
 }
 
@@ -134,6 +136,24 @@ void SpikeStream::append() {
   node_ids_.append(ids.data(), ids.size(), H5T_NATIVE_UINT64);
   timestamps_ns_.append(nanoseconds.data(), nanoseconds.size(), H5T_NATIVE_INT64);
   write_sorting(sorted_);
+}
+
+void SpikeStream::write_populations(const std::vector<Population>& populations) const {
+  constexpr std::size_t kMost = 1000;  // an attribute has room for 64 KiB
+  if (populations.empty() || populations.size() > kMost) {
+    return;
+  }
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> sizes;
+  for (const Population& population : populations) {
+    names.push_back(population.name);
+    sizes.push_back(population.size);
+  }
+  const hsize_t count = sizes.size();
+  const hdf5::Attributes attributes(group(), file_path());
+  attributes.write("populations", names);
+  attributes.write("population_sizes", H5T_NATIVE_UINT32,
+                   hdf5::Handle(H5Screate_simple(1, &count, nullptr)).get(), sizes.data());
 }
 
 /// SONATA: "sorting" is an enumeration of none, by_id and by_time.

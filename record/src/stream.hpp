@@ -11,7 +11,7 @@
 
 #include "hdf5.hpp"
 #include "ring.hpp"
-#include "spikeloop/core/signal.hpp"
+#include "spikeloop/core/node.hpp"
 #include "spikeloop/core/time.hpp"
 
 namespace spikeloop::record {
@@ -93,8 +93,8 @@ class Stream {
 
 class SpikeStream : public Stream {
  public:
-  SpikeStream(std::string name, std::uint32_t width, hid_t parent, const std::string& path,
-              std::size_t capacity);
+  SpikeStream(std::string name, std::uint32_t width, const std::vector<Population>& populations,
+              hid_t parent, const std::string& path, std::size_t capacity);
   void take(const Step& step) override;
   std::size_t batch_items() const override { return batch_.size(); }
   bool is_spikes() const override { return true; }
@@ -106,6 +106,7 @@ class SpikeStream : public Stream {
   std::vector<hdf5::GrowingDataset*> datasets() override {
     return {&timestamps_, &timestamps_ns_, &node_ids_};
   }
+  void write_populations(const std::vector<Population>& populations) const;
   void write_sorting(bool sorted) const;
 
   Ring<Spike> ring_;

@@ -291,12 +291,24 @@ TEST_F(RecorderTest, TwoRecordersWorkSideBySide) {
   EXPECT_EQ(record::read_spikes(file("b.h5"), "out").spikes.size(), 1000u);
 }
 
-TEST_F(RecorderTest, AnnotationsStandBesideTheStream) {
-  Recorder recorder(file(), "sensor", {});
-  const auto sink = recorder.signal_sink("scan", 1, "m");
-  recorder.annotate("scan", "angle_min_rad", -1.5);
+TEST_F(RecorderTest, OutputsHaveThePopulationsAndTheUnitOfTheirPorts) {
+  NodeClass network;
+  network.description.ports = {
+      {"out", PortKind::spikes, Direction::output, {}, "", "1", {{"left", 2}, {"right", 3}}},
+      {"potential", PortKind::signal, Direction::output, {}, "", "mV"}};
+  GraphDescription graph;
+  graph.nodes.push_back({"brain", &network, {}});
+  Recorder recorder(file(), "brain", {});
+  const auto spikes = recorder.output_sink(graph, "brain.out", {"out", PortKind::spikes, 5});
+  const auto known =
+      recorder.output_sink(graph, "brain.potential", {"potential", PortKind::signal, 1});
+  const auto unknown = recorder.output_sink(graph, "scan.out", {"scan", PortKind::signal, 1});
   recorder.close();
-  EXPECT_EQ(python("print(f['signals/scan'].attrs['angle_min_rad'])\n"), "-1.5\n");
+  EXPECT_EQ(
+      python("a = f['spikes/out'].attrs\n"
+             "print(list(a['populations']), a['population_sizes'].tolist())\n"
+             "print(*(f['signals'][s]['values'].attrs['unit'] for s in ('potential', 'scan')))\n"),
+      "['left', 'right'] [2, 3]\nmV 1\n");
 }
 
 /// One spike a tick, and a value that changes every second tick.

@@ -71,9 +71,7 @@ class FileRecording : public Recording {
  private:
   void add(GraphDescription& description, const Recorded& recorded) {
     const auto& [from, stream, port] = recorded;
-    sinks_.push_back(port.kind == PortKind::spikes
-                         ? recorder_.spike_sink(stream, port.width)
-                         : recorder_.signal_sink(stream, port.width, "1"));
+    sinks_.push_back(recorder_.output_sink(description, from, {stream, port.kind, port.width}));
     const std::string name = "record " + stream;
     description.sinks.push_back({name, sinks_.back().get()});
     description.connections.push_back({from, name, port.width, 0, {}});

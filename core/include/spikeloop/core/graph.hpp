@@ -52,6 +52,9 @@ struct GraphDescription {
   std::vector<ConnectionDescription> connections;
 };
 
+/// The output "node.port" of a node; null for that of a source, whose ports are not described.
+const PortDescription* find_output(const GraphDescription& description, std::string_view end);
+
 /// What passed a connection since the beginning of the run.
 struct ConnectionReport {
   std::string from;

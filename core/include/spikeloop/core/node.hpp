@@ -33,12 +33,20 @@ struct WidthRule {
   static WidthRule same_as(std::uint32_t port) { return {Kind::same_as, port}; }
 };
 
+/// Neurons with one name: neighbouring channels of a port.
+struct Population {
+  std::string name;
+  std::uint32_t size = 0;
+};
+
 struct PortDescription {
   std::string name;
   PortKind kind = PortKind::signal;
   Direction direction = Direction::input;
   WidthRule width{};
-  std::string text;  ///< one line
+  std::string text;                       ///< one line
+  std::string unit = "1";                 ///< of a signal's values
+  std::vector<Population> populations{};  ///< of spikes, in the order of the channels; empty: one
 };
 
 /// Everything that is known of a class of nodes without making one.

@@ -4,6 +4,8 @@
 //   /spikes/STREAM/timestamps     float64, ms          SONATA report
 //   /spikes/STREAM/node_ids       uint64, 0-based
 //   /spikes/STREAM/timestamps_ns  int64, ns, exact
+//   /spikes/STREAM                attributes `populations`, `population_sizes`: names, numbers of
+//                                 channels, in the order of the channels
 //   /signals/STREAM/times_ns      int64, ns; one row where the signal's revision changed
 //   /signals/STREAM/values        float64, rows x width, attribute `unit`
 // A value holds from its time until the next row's time. Spikes stand in the order in which the
@@ -17,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/core/endpoint.hpp"
+#include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
 
 namespace spikeloop::record {
@@ -67,8 +69,10 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
 
   /// A sink with one spike port "in". Counter: spikes_dropped.
+  /// `populations`: empty, or of `width` neurons together.
   /// @throws ConfigurationError for a stream that exists, an empty name or one with '/'.
-  std::unique_ptr<Sink> spike_sink(const std::string& stream, std::uint32_t width);
+  std::unique_ptr<Sink> spike_sink(const std::string& stream, std::uint32_t width,
+                                   const std::vector<Population>& populations = {});
 
   /// A sink with one signal port "in". A row is written when the revision has changed; a signal
   /// that turns invalid is written as a row of NaN. `channels` names the channels, when they have
@@ -80,15 +84,16 @@ class Recorder {
                                     const std::string& unit,
                                     const std::vector<std::string>& channels = {});
 
+  /// One of the two, for the output `end` of a graph, with the unit or the populations that its
+  /// port has.
+  std::unique_ptr<Sink> output_sink(const GraphDescription& description, const std::string& end,
+                                    const EndpointPort& port);
+
   /// For numbers that no port has: a signal of one channel, a row a call. To be called in one
   /// thread, with times that do not go back; as free of locks as a sink.
   /// @throws ConfigurationError as spike_sink().
   std::function<void(TimeNs time, double value)> value_writer(const std::string& stream,
                                                               const std::string& unit);
-
-  /// A number beside a stream, e.g. the angle of a scan's first beam.
-  /// @throws ConfigurationError when there is no such stream.
-  void annotate(const std::string& stream, const std::string& name, double value);
 
   /// Writes what waits, closes the file, ends the writer. Whatever is sent later is counted as
   /// dropped. A second call gives the same report. Never throws.
