@@ -20,6 +20,7 @@
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/messages/translation.hpp"
 #include "spikeloop/record/recorder.hpp"
+#include "spikeloop/status/status.hpp"
 
 namespace spikeloop::fused {
 namespace {
@@ -376,7 +377,7 @@ nlohmann::json Assembly::close_recordings(std::string& error) {
 nlohmann::json Assembly::summary() const {
   nlohmann::json summary = nlohmann::json::object();
   for (const auto& command : commands_) {
-    summary.update(command->summary());
+    status::add_summary(command->summary(), summary);
   }
   return summary;
 }

@@ -183,6 +183,19 @@ TEST_F(Status, PassesOverWhatIsNoMessage) {
   EXPECT_EQ(next()["type"], "first_tick");
 }
 
+TEST(StatusSummary, CountsAddUpAndTheLargestTimeCounts) {
+  json sum = json::object();
+  add_summary({{"commands", 3}, {"latency_median_ms", 2.5}, {"age_max_ms", nullptr}, {"a", 1}},
+              sum);
+  add_summary({{"commands", 4}, {"latency_median_ms", 2.0}, {"age_max_ms", 7.0}, {"b", 2}}, sum);
+  add_summary({{"latency_median_ms", nullptr}, {"a", 5}}, sum);
+  EXPECT_EQ(
+      sum,
+      (json{{"commands", 7}, {"latency_median_ms", 2.5}, {"age_max_ms", 7.0}, {"a", 5}, {"b", 2}}));
+  add_summary({{"commands", "many"}}, sum);
+  EXPECT_EQ(sum["commands"], 7) << "what a process sends may be anything";
+}
+
 TEST(StatusReceiver, SaysWhySocketCannotBeMade) {
   const auto message_of = [](const std::string& path) -> std::string {
     try {

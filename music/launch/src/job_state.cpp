@@ -35,18 +35,6 @@ json object_of(const json& message, const char* key) {
   return found != message.end() && found->is_object() ? *found : json::object();
 }
 
-/// Counts of several processes add up.
-void add_summary(const json& summary, json& sum) {
-  const json before = sum;
-  sum.update(summary);
-  for (const char* count : {"spikes", "scans", "commands", "spikes_recorded", "records_dropped"}) {
-    if (before.contains(count) && summary.contains(count)) {
-      sum[count] =
-          value_of(before, count, std::uint64_t{0}) + value_of(summary, count, std::uint64_t{0});
-    }
-  }
-}
-
 std::string label_that_paces(const MusicFile& file) {
   for (const MusicSection& section : file.sections) {
     const MusicKey* pace = file.find_key(section, "pace");
@@ -270,7 +258,7 @@ json JobState::summary() const {
   json processes = json::object();
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
-    add_summary(process.summary, result);
+    status::add_summary(process.summary, result);
     json& entry = processes[label];
     entry["reported"] = process.reported;
     entry["counters"] = process.counters;

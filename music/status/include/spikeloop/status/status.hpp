@@ -34,6 +34,10 @@ std::optional<Phase> phase_named(std::string_view name);
 /// for want of data. Such a run has failed.
 inline constexpr const char* kStoodAtEnd = "stood_at_end";
 
+/// Adds a summary to those of other processes or commands: counts add up, of latencies and of the
+/// time that the robot stood the largest counts, and of all else the last one.
+void add_summary(const nlohmann::json& summary, nlohmann::json& sum);
+
 /// The reporting side, one a process. Without a launcher, or when it has gone, every call does
 /// nothing. No call throws, and all may be used from any thread.
 class Sender {
