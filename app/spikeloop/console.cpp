@@ -26,18 +26,23 @@ bool is_warning(std::string text) {
 
 }  // namespace
 
-std::string progress_text(const launch::Progress& progress) {
+std::string progress_text(const launch::Progress& progress, bool follows_clock) {
   const std::string total = progress.total_s ? fmt::format(" of {:g}", *progress.total_s) : "";
   const std::string factor =
       progress.wall_s < kMeaningfulWallTime_s
           ? ""
           : fmt::format(", real-time factor {:.2f}", progress.real_time_factor());
-  return fmt::format("{:.1f}{} s{}, {} overrun{}", progress.simulated_s, total, factor,
-                     progress.overruns, progress.overruns == 1 ? "" : "s");
+  const std::string overruns = follows_clock ? fmt::format(", {} overrun{}", progress.overruns,
+                                                           progress.overruns == 1 ? "" : "s")
+                                             : "";
+  return fmt::format("{:.1f}{} s{}{}", progress.simulated_s, total, factor, overruns);
 }
 
-Console::Console(Volume volume, RunLog* log)
-    : volume_(volume), log_(log), terminal_(isatty(STDERR_FILENO) != 0) {}
+Console::Console(Volume volume, RunLog* log, bool follows_clock)
+    : volume_(volume),
+      log_(log),
+      follows_clock_(follows_clock),
+      terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void Console::keep(const std::string& text) {
   if (log_ != nullptr) {
@@ -83,10 +88,10 @@ void Console::progress(const launch::Progress& progress) {
   last_ = now;
   if (terminal_) {
     clear();
-    put(stderr, progress_text(progress));
+    put(stderr, progress_text(progress, follows_clock_));
     shown_ = true;
   } else {
-    write("spikeloop: " + progress_text(progress));
+    write("spikeloop: " + progress_text(progress, follows_clock_));
   }
 }
 
@@ -100,19 +105,20 @@ void Console::log(log::Level level, std::string_view message) {
 }
 
 void Console::end(const launch::JobResult& result, const launch::Progress& progress) {
+  const std::string finished = "finished: " + progress_text(progress, follows_clock_);
   keep(result.exit_code != 0 ? fmt::format("{}; exit code {}", result.reason, result.exit_code)
-                             : "finished: " + progress_text(progress));
+                             : finished);
   if (result.exit_code != 0) {
     write("spikeloop: " + result.reason);
   } else if (volume_ != Volume::quiet) {
-    write("spikeloop: finished: " + progress_text(progress));
+    write("spikeloop: " + finished);
   }
   clear();
 }
 
-int run_job(launch::Job& job, Console::Volume volume, RunLog* log) {
+int run_job(launch::Job& job, Console::Volume volume, RunLog* log, bool follows_clock) {
   const BackgroundOutput output;
-  Console console(volume, log);
+  Console console(volume, log, follows_clock);
   log::set_sink(
       [&console](log::Level level, std::string_view message) { console.log(level, message); });
   launch::Progress last;

@@ -12,15 +12,16 @@
 namespace spikeloop::app {
 
 /// "12.3 of 60 s, real-time factor 0.99, 3 overruns"; without the factor in the first second of
-/// wall time.
-std::string progress_text(const launch::Progress& progress);
+/// wall time, without overruns where no clock can be overrun.
+std::string progress_text(const launch::Progress& progress, bool follows_clock);
 
 /// On a terminal one line is written over and over again; else one is added every 5 s.
 class Console {
  public:
   enum class Volume { quiet, normal, verbose };
   /// @param log gets all that is said, whatever the volume, but no progress; null: nobody does
-  explicit Console(Volume volume, RunLog* log = nullptr);
+  /// @param follows_clock ticks can be late
+  explicit Console(Volume volume, RunLog* log = nullptr, bool follows_clock = true);
 
   void line(const launch::ProgramLine& line);
   void progress(const launch::Progress& progress);
@@ -37,12 +38,14 @@ class Console {
 
   Volume volume_;
   RunLog* log_;
+  bool follows_clock_;
   bool terminal_;
   bool shown_ = false;
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
 /// Runs a job and shows it. Returns its exit code.
-int run_job(launch::Job& job, Console::Volume volume, RunLog* log = nullptr);
+int run_job(launch::Job& job, Console::Volume volume, RunLog* log = nullptr,
+            bool follows_clock = true);
 
 }  // namespace spikeloop::app

@@ -162,7 +162,7 @@ void say_which_signal(fused::RunResult& result) {
 int run_here(const Experiment& experiment, const fused::RunOptions& options, Console::Volume volume,
              RunLog& log) {
   const BackgroundOutput output;
-  Console console(volume, &log);
+  Console console(volume, &log, experiment::follows_clock(experiment.sync));
   log::set_sink(
       [&console](log::Level level, std::string_view message) { console.log(level, message); });
   take_signals();
@@ -240,7 +240,7 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   options.alone = !experiment::needs_music(experiment);
   const int exit_code = logged(log, [&] {
     launch::Job job(read_music_file(music.path), options);
-    return run_job(job, arguments.volume, &log);
+    return run_job(job, arguments.volume, &log, experiment::follows_clock(experiment.sync));
   });
   put_result(folder.shown() + "\n");
   return exit_code;

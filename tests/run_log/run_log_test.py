@@ -72,7 +72,7 @@ def a_quiet_run(spikeloop, folder):
         lines = log_of(folder / "quiet")
         assert len(lines) == 2, lines
         assert lines[0][1].endswith("small.yaml, layout fused, sync lockstep, seed 1"), lines
-        assert lines[1] == (2.0, "finished: 2.0 of 2 s, 0 overruns"), lines
+        assert lines[1] == (2.0, "finished: 2.0 of 2 s"), lines
 
 
 def a_node_that_fails(spikeloop, folder):

@@ -27,6 +27,10 @@ enum class Ros { none, ros1, ros2 };
 /// "realtime", "unpaced", "lockstep", "sim_time", as the key `sync` has them.
 Sync sync_named(std::string_view name);
 std::string_view name_of(Sync sync);
+/// Whether ticks can be late: in the others each begins when the one before is complete.
+inline bool follows_clock(Sync sync) {
+  return sync == Sync::realtime || sync == Sync::sim_time;
+}
 /// "none", "1", "2", as the key `ros` has them.
 Ros ros_named(std::string_view name);
 std::string name_of(Ros ros);
