@@ -2,8 +2,10 @@
 #include "spikeloop/core/file.hpp"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <cerrno>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -33,6 +35,38 @@ nlohmann::json describe(const vehicle::Obstacle& obstacle) {
     result["radius_m"] = obstacle.radius_m;
   }
   return result;
+}
+
+/// Sites "lamp_*", which shine.
+nlohmann::json lamps_of(const mjModel& model, const mjData& data) {
+  nlohmann::json lamps = nlohmann::json::array();
+  for (int site = 0; site < model.nsite; ++site) {
+    const std::string name = model.names + model.name_siteadr[site];
+    if (name.starts_with("lamp_")) {
+      const mjtNum* at = data.site_xpos + 3 * site;
+      lamps.push_back({{"name", name}, {"x_m", at[0]}, {"y_m", at[1]}});
+    }
+  }
+  return lamps;
+}
+
+/// Boxes "goal_*" on the floor, seen from above.
+nlohmann::json goals_of(const mjModel& model, const mjData& data) {
+  nlohmann::json goals = nlohmann::json::array();
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const std::string name = model.names + model.name_geomadr[geom];
+    if (name.starts_with("goal_") && model.geom_type[geom] == mjGEOM_BOX) {
+      const mjtNum* at = data.geom_xpos + 3 * geom;
+      const mjtNum* axes = data.geom_xmat + 9 * geom;
+      goals.push_back(describe({.name = name,
+                                .x_m = at[0],
+                                .y_m = at[1],
+                                .theta_rad = std::atan2(axes[3], axes[0]),
+                                .half_x_m = model.geom_size[3 * geom],
+                                .half_y_m = model.geom_size[3 * geom + 1]}));
+    }
+  }
+  return goals;
 }
 
 }  // namespace
@@ -86,6 +120,8 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
        {{"beams", scan.ranges_m.size()},
         {"angle_min_rad", scan.angle_min_rad},
         {"angle_increment_rad", scan.angle_increment_rad}}},
+      {"lamps", lamps_of(vehicle.model(), vehicle.data())},
+      {"goals", goals_of(vehicle.model(), vehicle.data())},
       {"obstacles", nlohmann::json::array()}};
   if (vehicle.cue_place() > 0) world["cue_place"] = vehicle.cue_place();
   for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
