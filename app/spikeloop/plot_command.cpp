@@ -20,12 +20,15 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop plot runs/explorer-1
   spikeloop plot runs/explorer-1 --from 2 --to 2500ms --format pdf --out figures
   spikeloop plot runs/braitenberg --network network
+  spikeloop plot sweep1 --format pdf
 
 Draws figures of a run of an experiment or a .music file, and reports missing data:
   trajectory  the robot's path through its arena
   spikes      sensors, spikes and rates of every population, commands, above one time axis
   signals     outputs of the other nodes
-  latency     from a sensor message to the first command computed from it
+  latency     from a sensor message to the first command computed from it, in wall time
+and of the folder of a sweep:
+  sweep       every measure over the swept keys
 PYTHON selects an interpreter other than /usr/bin/python3; it needs matplotlib, h5py and numpy.
 
 Exit codes: 0 all data were drawn, 1 some data could not be drawn, 2 an option is invalid,
@@ -96,8 +99,10 @@ int plot(const PlotArguments& given) {
 
 void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<PlotArguments>();
-  CLI::App* command = app.add_subcommand("plot", "Draw figures of a run");
-  command->add_option("RUN", given->folder, "Run folder")->required()->check(named("folder"));
+  CLI::App* command = app.add_subcommand("plot", "Draw figures of a run or a sweep");
+  command->add_option("RUN", given->folder, "Run folder, or that of a sweep")
+      ->required()
+      ->check(named("folder"));
   command->add_option("--out", given->out, "Folder for the figures [the run folder]")
       ->check(named("folder"));
   command->add_option("--format", given->format, "File format")

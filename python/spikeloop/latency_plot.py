@@ -8,10 +8,10 @@ from .run_folder import RunFolderError
 OUTLIERS = 3.0  # times the 99th percentile: more would hide all that lies below
 
 
-def draw(parts, path, window, clock):
+def draw(parts, path, window):
     """Writes the picture, a row a command; returns a list of sentences about what is missing.
 
-    clock: what latencies are measured with. Raises RunFolderError when none is recorded.
+    Raises RunFolderError when no latency is recorded.
     """
     streams = [stream for stream in map(lambda signal: within(signal, window), parts.latencies)
                if len(stream[1])]
@@ -23,7 +23,7 @@ def draw(parts, path, window, clock):
         axes = figure.subplots(len(streams), 2, squeeze=False, sharey="row",
                                gridspec_kw={"width_ratios": [3, 1]})
         for row, (times_s, latencies_ms, label) in zip(axes, streams):
-            _draw_row(row, times_s, latencies_ms, label, clock)
+            _draw_row(row, times_s, latencies_ms, label)
             row[0].set_xlim(*window)
         axes[-1, 0].set_xlabel("time (s)")
         axes[-1, 1].set_xlabel("messages")
@@ -43,7 +43,7 @@ def statistics(latencies_ms):
     return tuple(ordered[max(1, int(np.ceil(part * len(ordered)))) - 1] for part in (0.5, 0.99))
 
 
-def _draw_row(row, times_s, latencies_ms, label, clock):
+def _draw_row(row, times_s, latencies_ms, label):
     median, p99 = statistics(latencies_ms)
     top = upper_limit(latencies_ms, p99)
     beyond = latencies_ms > top
@@ -68,8 +68,7 @@ def _draw_row(row, times_s, latencies_ms, label, clock):
         note.set_in_layout(False)
     row[0].set_ylim(0, top)
     row[0].set_ylabel("latency (ms)")
-    row[0].set_title(f"Sensor to command ({label}), {clock}: {len(latencies_ms)} messages",
-                     loc="left")
+    row[0].set_title(f"Sensor to command ({label}): {len(latencies_ms):,} messages", loc="left")
 
 
 def upper_limit(latencies_ms, p99):

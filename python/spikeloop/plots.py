@@ -7,9 +7,10 @@ writes into the folder, if the run has the data:
     trajectory.png  the robot's path through its arena
     spikes.png      sensors, spikes and rates of every population, commands, above one time axis
     signals.png     outputs of the other nodes
-    latency.png     from a sensor message to the first command computed from it
+    latency.png     from a sensor message to the first command computed from it, in wall time
 
-Missing data are not drawn, and reported on standard error. In Python:
+and into the folder of a sweep sweep.png. Missing data are not drawn, and reported on standard error. In
+Python:
 
     from spikeloop.plots import plot_run
     result = plot_run("runs/braitenberg")     # result.pictures, result.missing, result.notes
@@ -35,10 +36,11 @@ class Result:
 
 
 class _Painter:
-    """Draws the pictures of one run one after the other."""
+    """Draws the pictures of one folder one after the other."""
 
-    def __init__(self, run, out, suffix):
-        self.run, self.out, self.suffix = run, out, suffix
+    def __init__(self, out, suffix):
+        self.out, self.suffix = out, suffix
+        out.mkdir(parents=True, exist_ok=True)
         self.result = Result([], [])
 
     def draw(self, name, paint, wanted=True):
@@ -56,45 +58,57 @@ class _Painter:
 
 
 def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="png"):
-    """Draws all pictures into `out` (default: the run folder).
+    """Draws all pictures of a run, or that of a sweep, into `out` (default: the folder).
 
-    labels: spikes_plot.Labels, the section labels of sensor, network and command.
+    labels: parts.Labels, the section labels of sensor, network and command.
     begin_s, end_s: the part of the time axis, in seconds of simulated time.
     suffix: of the pictures, one of FORMATS.
     Raises RunFolderError when `folder` is not a run folder.
     """
-    from . import parts, spikes_plot, trajectory_plot
+    from . import parts, sweep_plot, trajectory_plot
     from .run_folder import RunFolder
     run = RunFolder(folder)
+    painter = _Painter(pathlib.Path(out) if out else run.path, suffix)
+    if (run.path / sweep_plot.TABLE).exists():
+        painter.draw("sweep", lambda path: sweep_plot.draw(run.path, path))
+        return painter.result
     _refuse_other_folders(run)
-    found = parts.find(run)
-    out = pathlib.Path(out) if out else run.path
-    out.mkdir(parents=True, exist_ok=True)
-    painter = _Painter(run, out, suffix)
+    found = parts.find(run, labels)
     painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
-                 wanted=found is None or (run.path / "trajectory.csv").exists())
-    painter.draw("spikes", lambda path: spikes_plot.draw(run, path, labels, begin_s, end_s, found),
-                 wanted=found is None or bool(run.labels))
-    if found is not None:
-        painter.result.missing += found.missing
-        painter.result.notes += found.notes
-        _draw_rest(painter, found, begin_s, end_s)
+                 wanted=not found.known or (run.path / "trajectory.csv").exists())
+    painter.result.missing += found.missing
+    painter.result.notes += found.notes
+    _draw_recorded(painter, run, found, begin_s, end_s)
     return painter.result
 
 
-def _draw_rest(painter, found, begin_s, end_s):
-    from . import latency_plot, parts, signals_plot, spikes_plot
-    everything = found.sensors + found.spikes + found.signals + found.commands
-    if not everything:
-        return
+def _draw_recorded(painter, run, found, begin_s, end_s):
+    from . import latency_plot, signals_plot, spikes_plot
 
     def window():
-        return spikes_plot.time_window(everything, begin_s, end_s)
+        return _time_window(found.recorded(), begin_s, end_s)
+    painter.draw("spikes", lambda path: spikes_plot.draw(found, path, window()),
+                 wanted=not found.known or bool(run.labels))
+    if not found.known or not found.recorded():
+        return
     painter.draw("signals", lambda path: signals_plot.draw(found, path, window()),
                  wanted=bool(found.signals))
-    painter.draw("latency", lambda path: latency_plot.draw(found, path, window(),
-                                                           parts.clock(painter.run)),
-                 wanted=False)
+    if not found.simulated:
+        painter.draw("latency", lambda path: latency_plot.draw(found, path, window()), wanted=False)
+
+
+def _time_window(streams, begin_s, end_s):
+    """Begin and end in seconds; the run's own where they are None."""
+    from .run_folder import RunFolderError
+    if not streams:
+        raise RunFolderError("neither sensor, spikes nor command is recorded")
+    until = max(stream.until_s for stream in streams)
+    begin = 0.0 if begin_s is None else begin_s
+    end = until if end_s is None else end_s
+    if not begin < end or begin >= until:
+        raise RunFolderError(f"there is nothing to draw from {begin:g} s to {end:g} s: the "
+                             f"recordings go to {until:g} s")
+    return begin, end
 
 
 def _refuse_other_folders(run):
@@ -129,13 +143,13 @@ def _fail(message, code):
 def main(arguments=None):
     given = _arguments(arguments)
     try:
-        from . import spikes_plot
+        from . import parts, style  # noqa: F401  (matplotlib)
         from .run_folder import RunFolderError
     except ImportError as error:
         package = (error.name or "matplotlib").split(".")[0]
         return _fail(f"Python's package {package} is missing, or of no use ({error}); "
                      f"apt-get install python3-{package}", 3)
-    labels = spikes_plot.Labels(given.sensor, given.network, given.command)
+    labels = parts.Labels(given.sensor, given.network, given.command)
     try:
         result = plot_run(given.folder, given.out, labels, given.begin, given.end, given.format)
     except RunFolderError as error:

@@ -8,7 +8,7 @@ Files (docs/run-folder.md):
 
     LABEL.h5        spikes and signals of the process LABEL
     trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
-    world.json      the robot's arena and obstacles
+    world.json      the robot's arena, obstacles, lamps and goals
     summary.json    results of the run
     resolved.json   an experiment with every default
 """
@@ -62,6 +62,7 @@ class Spikes:
     channels: np.ndarray  # int64, 0-based
     width: int
     until_s: float
+    populations: list = dataclasses.field(default_factory=list)  # (name, size), in the channels' order
 
 
 @dataclasses.dataclass
@@ -75,7 +76,8 @@ class Signal:
     unit: str
     channels: list  # names; empty when there are none
     until_s: float
-    annotations: dict  # numbers that stand beside the stream
+    quantities: list = dataclasses.field(default_factory=list)  # of plots: (name, unit) of each channel
+    beams: tuple = None  # of plots: angle of a laser's first beam and between beams, degrees
 
     @property
     def width(self):
@@ -205,7 +207,7 @@ class RunFolder:
             raise RunFolderError(f"'{file}' holds something that is not a number: {error}") from None
 
     def world(self):
-        """The robot's world as written by the robot: arena and obstacles, in metres."""
+        """The robot's world as written by the robot: arena, obstacles, lamps, goals, in metres."""
         return self._json("world.json", "arena and obstacles are not drawn")
 
     def summary(self):
@@ -264,16 +266,16 @@ class RunFolder:
     @staticmethod
     def _read_spikes(label, name, group):
         count = min(len(group["timestamps_ns"]), len(group["node_ids"]))
+        populations = zip(group.attrs.get("populations", []), group.attrs.get("population_sizes", []))
         return Spikes(label, name, group["timestamps_ns"][:count] * 1e-9,
                       group["node_ids"][:count].astype(np.int64), int(group.attrs["width"]),
-                      group.attrs["until_ns"] * 1e-9)
+                      group.attrs["until_ns"] * 1e-9,
+                      [(str(population), int(size)) for population, size in populations])
 
     @staticmethod
     def _read_signal(label, name, group):
         count = min(len(group["times_ns"]), len(group["values"]))
-        known = ("width", "until_ns", "dropped", "channels")
-        annotations = {key: float(value) for key, value in group.attrs.items() if key not in known}
         return Signal(label, name, group["times_ns"][:count] * 1e-9, group["values"][:count],
                       str(group["values"].attrs["unit"]),
                       [str(text) for text in group.attrs.get("channels", [])],
-                      group.attrs["until_ns"] * 1e-9, annotations)
+                      group.attrs["until_ns"] * 1e-9)

@@ -13,6 +13,7 @@ GREEN = "#009E73"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 ORANGE = "#E69F00"
+YELLOW = "#F0E442"
 GROUPS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE)
 INK = "#222222"
 SOFT = "#6b6b6b"
@@ -20,6 +21,7 @@ FILL = "#d9d9d9"
 NO_VALUE = "#ececec"
 VALUE_MAP = "cividis"
 DPI = 160
+PRINT_DPI = 300  # of the parts of a PDF or SVG that are images
 
 SETTINGS = {
     "font.family": "DejaVu Sans",
@@ -43,6 +45,7 @@ SETTINGS = {
     "lines.linewidth": 1.2,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    "pdf.fonttype": 42,  # TrueType: text that journals accept and editors can change
 }
 
 
@@ -60,7 +63,13 @@ def new_figure(width_in, height_in):
 
 
 def save(figure, path):
-    figure.savefig(path, dpi=DPI)
+    figure.savefig(path, dpi=DPI if str(path).endswith(".png") else PRINT_DPI)
+
+
+def legend_beside(axes, handles=None):
+    """A legend to the right of the axes, where it covers nothing."""
+    axes.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5), borderaxespad=0.3,
+                handlelength=1.2, handletextpad=0.5)
 
 
 def group_colours(count):

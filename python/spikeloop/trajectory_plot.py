@@ -10,6 +10,11 @@ from . import style
 from .run_folder import RunFolderError
 
 MOST_SEGMENTS = 20_000
+GOAL = {"facecolor": "#d5efe6", "edgecolor": style.GREEN, "linestyle": (0, (4, 2))}
+LAMP = {"linestyle": "none", "marker": "*", "markersize": 15, "markerfacecolor": style.YELLOW,
+        "markeredgecolor": style.INK, "markeredgewidth": 1.0}
+COLLISION = {"linestyle": "none", "marker": "X", "markersize": 8, "markerfacecolor": style.VERMILLION,
+             "markeredgecolor": "white", "markeredgewidth": 0.8}
 
 
 def draw(run, path):
@@ -61,7 +66,7 @@ def _optional(read, missing):
 
 
 def draw_world(axes, world):
-    """The arena's walls and its obstacles, of RunFolder.world(), into matplotlib axes in metres."""
+    """Walls, obstacles, goals and lamps of RunFolder.world(), into matplotlib axes in metres."""
     arena = world.get("arena")
     if arena:
         axes.add_patch(Rectangle((arena["min_x_m"], arena["min_y_m"]),
@@ -69,11 +74,15 @@ def draw_world(axes, world):
                                  arena["max_y_m"] - arena["min_y_m"],
                                  facecolor="none", edgecolor=style.INK, linewidth=2.5, zorder=1))
     for obstacle in world.get("obstacles", []):
-        axes.add_patch(_footprint(obstacle))
+        axes.add_patch(_footprint(obstacle, facecolor=style.FILL, edgecolor=style.SOFT, zorder=2))
+    for goal in world.get("goals", []):
+        axes.add_patch(_footprint(goal, **GOAL, zorder=1.5))
+    for lamp in world.get("lamps", []):
+        axes.plot(lamp["x_m"], lamp["y_m"], zorder=5.8, **LAMP)
 
 
-def _footprint(obstacle):
-    look = {"facecolor": style.FILL, "edgecolor": style.SOFT, "linewidth": 1.0, "zorder": 2}
+def _footprint(obstacle, **look):
+    look["linewidth"] = 1.0
     x, y = obstacle["x_m"], obstacle["y_m"]
     if obstacle["shape"] == "cylinder":
         return Circle((x, y), obstacle["radius_m"], **look)
@@ -101,8 +110,7 @@ def _draw_collisions(axes, track):
     """Marks the rows in which the count of collisions rose; False when it never did."""
     rows = np.flatnonzero(np.diff(track["collisions"], prepend=0.0) > 0)
     x, y = track["x_m"][rows], track["y_m"][rows]
-    axes.plot(x, y, "X", markersize=11, color=style.VERMILLION, markeredgecolor="white",
-              markeredgewidth=1.2, zorder=6)
+    axes.plot(x, y, zorder=6, **COLLISION)  # smaller than the mark of the end, which it may lie on
     return len(rows) > 0
 
 
@@ -163,8 +171,12 @@ def _legend(figure, axes, world, collided):
                (point("s", style.INK, style.INK, 8), "end")]
     if world.get("obstacles"):
         entries.append((Patch(facecolor=style.FILL, edgecolor=style.SOFT), "obstacle"))
+    if world.get("goals"):
+        entries.append((Patch(**GOAL), "goal"))
+    if world.get("lamps"):
+        entries.append((Line2D([], [], **LAMP), "lamp"))
     if collided:
-        entries.append((point("X", style.VERMILLION, "white", 11), "collision"))
+        entries.append((Line2D([], [], **COLLISION), "collision"))
     below = offset_copy(axes.transAxes, fig=figure, y=-0.62, units="inches")
     axes.legend([entry[0] for entry in entries], [entry[1] for entry in entries],
                 loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,

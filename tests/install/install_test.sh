@@ -51,7 +51,7 @@ env -u PYTHONPATH -u SPIKELOOP_LIBRARY_PATH SPIKELOOP_PLUGIN_PATH="$work/nodes" 
 "$work/prefix/bin/spikeloop" run -q "$work/explorer.yaml" --sync lockstep --duration 1 --out "$work/run"
 env -u PYTHONPATH PYTHONVERBOSE=1 "$work/prefix/bin/spikeloop" plot "$work/run" \
   >"$work/plot.log" 2>"$work/imports.log"
-grep "^$work/run/latency.png" "$work/plot.log"
+grep "^$work/run/signals.png" "$work/plot.log"
 grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.log"
 # The paper's measurements: chain, probe over ROS, and a simulator's script, all of them installed.
 (cd "$work" && env -u PYTHONPATH "$work/prefix/bin/spikeloop" bench --part a,c --layouts separate \

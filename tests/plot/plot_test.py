@@ -5,10 +5,16 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 import h5py
 import numpy as np
+from spikeloop import parts, spikes_plot
+from spikeloop.run_folder import RunFolder
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "fused"))
+import ros  # noqa: E402
 
 
 def plot(spikeloop, *arguments, code=0, **environment):
@@ -24,13 +30,13 @@ def run(spikeloop, *arguments):
 
 
 def an_experiment(spikeloop, folder):
-    """All pictures of a robot's run; the latency is the one that summary.json has."""
+    """All pictures of a robot's run in lockstep, which has no latency to draw; it is recorded all the same."""
     text = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
     (folder / "explorer.yaml").write_text(text)
     out = folder / "drive"
     run(spikeloop, folder / "explorer.yaml", "--sync", "lockstep", "--duration", "2", "--out", out)
     pictures, said = plot(spikeloop, out)
-    assert (pictures, said) == (["trajectory.png", "spikes.png", "signals.png", "latency.png"], "")
+    assert (pictures, said) == (["trajectory.png", "spikes.png", "signals.png"], "")
     with h5py.File(out / "wheels.h5") as file:
         latency = file["signals/latency"]
         values, times = latency["values"][:, 0], latency["times_ns"][:]
@@ -42,8 +48,82 @@ def an_experiment(spikeloop, folder):
     assert np.all(values == 1.0) and np.all(np.diff(times[1:]) == 50_000_000), (values, times)
     pictures, _ = plot(spikeloop, out, "--format", "pdf", "--from", "500 ms", "--to", "1", "--out",
                        folder / "figures")
-    assert pictures == ["trajectory.pdf", "spikes.pdf", "signals.pdf", "latency.pdf"], pictures
+    assert pictures == ["trajectory.pdf", "spikes.pdf", "signals.pdf"], pictures
     return out
+
+
+MAZE = """experiment: maze
+duration: 1 s
+sync: lockstep
+robot: {simulator: mujoco, world: t_maze}
+nodes:
+  scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
+  light: {node: ros_sensor, topic: /light, message: std_msgs/Float64MultiArray}
+  sectors: {node: connect, weights: blocks}
+  encoder: {node: rate_encoder, rate_max: 100 Hz}
+  brain:
+    simulator: builtin
+    network:
+      populations:
+        input: {model: input, size: 10}
+        first: {model: repeater, size: 10}
+        second: {model: iaf_psc_exp, size: 2, parameters: {I_e: 400 pA}}
+      connections:
+        - {from: input, to: first, rule: one_to_one, delay: 1 ms}
+      output: [first, second]
+      record:
+        second: {spikes: true, V_m: [0]}
+  decoder: {node: rate_window}
+  wheels: {node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, fields: {linear.x: {channel: 1, scale: 0.01}}}
+  seen: {node: delay, delay: 1 ms}
+connections:
+  - scan -> sectors [100] -> encoder [10] -> brain [10]
+  - brain.out -> decoder [12] -> wheels [12]
+  - light -> seen [2]
+"""
+
+
+def what_the_pictures_need(spikeloop, folder):
+    """Names of populations, units, lamps and goals come with the run."""
+    (folder / "maze.yaml").write_text(MAZE)
+    out = folder / "maze"
+    run(spikeloop, folder / "maze.yaml", "--out", out)
+    found = parts.find(RunFolder(out))
+    assert [(population.name, population.size) for population in spikes_plot.populations(
+        [stream for stream in found.spikes if stream.label == "brain"])] == [("first", 10), ("second", 2)]
+    potential, = (signal for signal in found.signals if signal.stream == "second_V_m")
+    assert potential.unit == "mV" and -75 < potential.values.min() < potential.values.max() < -50, potential
+    light, = (signal for signal in found.sensors if signal.label == "light")
+    assert (light.channels, light.quantities) == (["left", "right"], [("illuminance", "lux")] * 2), light
+    world = RunFolder(out).world()
+    assert [(lamp["name"], abs(lamp["x_m"]), lamp["y_m"]) for lamp in world["lamps"]] == [("lamp_1", 0.46, -1.2)]
+    assert [(goal["name"], goal["x_m"], goal["half_y_m"]) for goal in world["goals"]] == [
+        ("goal_left", -1.75, 0.45), ("goal_right", 1.75, 0.45)], world["goals"]
+    decoder, = (signal for signal in found.signals if signal.label == "decoder")
+    assert decoder.channels[:3] == ["channel 0", "to linear.x", "channel 2"], decoder.channels
+    pictures, said = plot(spikeloop, out)
+    assert (pictures, said) == (["trajectory.png", "spikes.png", "signals.png"], ""), (pictures, said)
+
+
+def two_commands(spikeloop, folder, drive):
+    """A summary counts the messages of both."""
+    (folder / "two.yaml").write_text(f"""experiment: two
+duration: 500 ms
+ros: 2
+nodes:
+  scan: {{node: signal_playback, file: {drive}/scan.h5}}
+  a: {{node: ros_command, topic: /a, message: std_msgs/Float64MultiArray}}
+  b: {{node: ros_command, topic: /b, message: std_msgs/Float64MultiArray}}
+connections:
+  - scan -> a [100]
+  - scan -> b [100]
+""")
+    with ros.domain():
+        run(spikeloop, folder / "two.yaml", "--out", folder / "two")
+    summary = json.loads((folder / "two/summary.json").read_text())
+    process, = summary["processes"].values()
+    each = [process["counters"][f"{name}.commands"] for name in "ab"]
+    assert summary["commands"] == sum(each) and min(each) > 0, (summary["commands"], each)
 
 
 def a_music_job(spikeloop, folder, drive):
@@ -98,6 +178,8 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         drive = an_experiment(spikeloop, folder)
+        what_the_pictures_need(spikeloop, folder)
+        two_commands(spikeloop, folder, drive)
         a_music_job(spikeloop, folder, drive)
         errors(spikeloop, folder, drive)
 

@@ -11,6 +11,7 @@ import numpy as np
 TICK_S = 0.001
 BEAMS = 100
 ARENA = {"min_x_m": -3.0, "min_y_m": -3.0, "max_x_m": 3.0, "max_y_m": 3.0}
+LASER = {"beams": BEAMS, "angle_min_rad": -np.pi / 2, "angle_increment_rad": np.pi / (BEAMS - 1)}
 OBSTACLES = [
     {"name": "obstacle_box_1", "shape": "box", "x_m": -1.5, "y_m": 1.4, "theta_rad": 0.4,
      "half_x_m": 0.2, "half_y_m": 0.2},
@@ -37,25 +38,26 @@ def recording(path, process):
     return file
 
 
-def add_spikes(file, stream, times_s, channels, width, until_s):
+def add_spikes(file, stream, times_s, channels, width, until_s, populations=()):
     group = file["spikes"].create_group(stream)
     group.attrs["width"] = np.uint32(width)
     group.attrs["until_ns"] = np.int64(round(until_s * 1e9))
     group.attrs["dropped"] = np.uint64(0)
+    if populations:
+        group.attrs["populations"], sizes = zip(*populations)
+        group.attrs["population_sizes"] = np.array(sizes, dtype=np.uint32)
     group.create_dataset("timestamps", data=np.asarray(times_s, dtype=float) * 1e3)
     group.create_dataset("timestamps_ns", data=np.round(np.asarray(times_s) * 1e9).astype(np.int64))
     group.create_dataset("node_ids", data=np.asarray(channels, dtype=np.uint64))
 
 
-def add_signal(file, stream, times_s, values, unit, until_s, channels=(), **annotations):
+def add_signal(file, stream, times_s, values, unit, until_s, channels=()):
     group = file["signals"].create_group(stream)
     group.attrs["width"] = np.uint32(np.shape(values)[1])
     group.attrs["until_ns"] = np.int64(round(until_s * 1e9))
     group.attrs["dropped"] = np.uint64(0)
     if channels:
         group.attrs["channels"] = list(channels)
-    for name, value in annotations.items():
-        group.attrs[name] = value
     group.create_dataset("times_ns", data=np.round(np.asarray(times_s) * 1e9).astype(np.int64))
     group.create_dataset("values", data=np.asarray(values, dtype=float)).attrs["unit"] = unit
 
@@ -111,20 +113,19 @@ def make(folder, duration_s=60.0, neurons=20, seed=3):
     header = "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions"
     np.savetxt(folder / "trajectory.csv", rows, delimiter=",", header=header, comments="",
                fmt="%.6g")
-    (folder / "world.json").write_text(json.dumps({"arena": ARENA, "obstacles": OBSTACLES}))
+    (folder / "world.json").write_text(json.dumps({"arena": ARENA, "laser": LASER, "obstacles": OBSTACLES}))
     length = np.hypot(*np.diff(rows[:, 1:3], axis=0).T).sum()
     (folder / "summary.json").write_text(json.dumps(
         {"distance_m": length, "coverage": 0.62, "collisions": int(rows[-1, 6]),
          "mean_speed_m_s": length / duration_s}))
     with recording(folder / "sensor.h5", "sensor") as file:
         normalised = (scans - 0.05) / 4.95 * 2 - 1
-        add_signal(file, "out", rows[:, 0] + TICK_S, normalised, "", duration_s,
-                   angle_min_rad=-np.pi / 2, angle_increment_rad=np.pi / (BEAMS - 1))
+        add_signal(file, "out", rows[:, 0] + TICK_S, normalised, "1", duration_s)
         add_signal(file, "pace", rows[:, 0] + TICK_S, rows[:, :1], "s", duration_s)
     with recording(folder / "network.h5", "network") as file:
         add_spikes(file, "out", *_spikes(random, rows, commands, neurons), neurons, duration_s)
     with recording(folder / "command.h5", "command") as file:
-        add_signal(file, "command", rows[:, 0] + 2 * TICK_S, commands, "m/s,rad/s", duration_s,
+        add_signal(file, "command", rows[:, 0] + 2 * TICK_S, commands, "1", duration_s,
                    channels=("linear.x", "angular.z"))
 
 

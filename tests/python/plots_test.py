@@ -12,8 +12,8 @@ import matplotlib.image
 import numpy as np
 
 import fake_run
-from spikeloop import latency_plot, parts, plots, spikes_plot
-from spikeloop.run_folder import RunFolder, RunFolderError, Spikes
+from spikeloop import latency_plot, panels, parts, plots, quantities, spikes_plot, style, sweep_plot
+from spikeloop.run_folder import RunFolder, RunFolderError, Signal, Spikes
 
 
 def drawn(path):
@@ -62,7 +62,7 @@ class PicturesTest(Folder):
                 for name, width, count in streams:
                     fake_run.add_spikes(file, name, np.sort(random.random(count)),
                                         random.integers(0, width, count), width, 1.0)
-            spikes_plot.draw(RunFolder(self.folder), self.folder / "spikes.png")
+            spikes_plot.draw(parts.find(RunFolder(self.folder)), self.folder / "spikes.png", (0.0, 1.0))
             self.assertGreater(drawn(self.folder / "spikes.png"), 0.004, streams)
 
     def test_values_without_an_angle_and_nan_can_be_drawn(self):
@@ -72,8 +72,9 @@ class PicturesTest(Folder):
             fake_run.add_signal(file, "out", np.arange(50) * 0.1, values, "m", 5.0)
         with fake_run.recording(self.folder / "command.h5", "command") as file:
             fake_run.add_signal(file, "in", np.empty(0), np.empty((0, 2)), "", 5.0)
-        missing = spikes_plot.draw(RunFolder(self.folder), self.folder / "spikes.png")
-        self.assertEqual(missing, [f"no network in '{self.folder}': recorded: command, sensor; "
+        found = parts.find(RunFolder(self.folder))
+        spikes_plot.draw(found, self.folder / "spikes.png", (0.0, 5.0))
+        self.assertEqual(found.missing, [f"no network in '{self.folder}': recorded: command, sensor; "
                                    "write record=true into its section, or name it with "
                                    "--network LABEL"])
         self.assertGreater(drawn(self.folder / "spikes.png"), 0.02)
@@ -130,8 +131,8 @@ class IncompleteTest(Folder):
         (self.folder / "summary.json").write_text("{}")
         code, out, err = run_main(self.folder)
         self.assertEqual((code, out), (4, ""))
-        self.assertIn("spikes.png is not drawn: nothing to draw beside the trajectory: no sensor "
-                      f"in '{self.folder}': nothing is recorded;", err)
+        self.assertIn(f"no sensor in '{self.folder}': nothing is recorded;", err)
+        self.assertIn("spikes.png is not drawn: neither sensor, spikes nor command is recorded", err)
 
     def test_a_damaged_recording(self):
         fake_run.make(self.folder, duration_s=5.0)
@@ -175,20 +176,19 @@ class RolesTest(Folder):
                 fake_run.add_signal(file, "out", [0.0], np.ones((1, 2)), "", 1.0)
         with fake_run.recording(self.folder / "encoder.h5", "encoder") as file:
             fake_run.add_spikes(file, "out", [0.5], [0], 1, 1.0)
-        run = RunFolder(self.folder)
-        self.assertEqual(spikes_plot.find_sensor(run).label, "laser_sensor")
-        self.assertEqual(spikes_plot.find_command(run).label, "decoder")
-        self.assertEqual(spikes_plot.find_network(run)[0].label, "encoder")
+        found = parts.find(RunFolder(self.folder))
+        self.assertEqual([stream.label for stream in found.sensors + found.spikes + found.commands],
+                         ["laser_sensor", "encoder", "decoder"])
 
 
 class ExperimentTest(Folder):
     """Nodes have any names: resolved.json says what they are."""
 
-    def make(self, nodes, connections, ros="none"):
+    def make(self, nodes, connections, ros="2", sync="realtime"):
         ends = [{"from": a, "to": b} for a, b in connections]
         (self.folder / "resolved.json").write_text(json.dumps(
             {"nodes": {name: {"node": kind} for name, kind in nodes.items()},
-             "connections": ends, "ros": ros}))
+             "connections": ends, "ros": ros, "sync": sync}))
 
     def signal(self, label, stream="out", width=2, **more):
         with self.file(label) as file:
@@ -220,6 +220,16 @@ class ExperimentTest(Folder):
         self.assertEqual([pathlib.Path(line).name for line in out.splitlines()],
                          ["spikes.png", "signals.png", "latency.png"])
         self.assertIn("trajectory.png is not drawn", err)
+
+    def test_latencies_of_the_simulation_are_not_drawn(self):
+        self.signal("wheels", "command")
+        self.signal("wheels", "latency", width=1)
+        for ros, sync, names in (("none", "realtime", ["spikes.png"]), ("2", "lockstep", ["spikes.png"]),
+                                 ("2", "realtime", ["spikes.png", "latency.png"])):
+            self.make({"wheels": "ros_command"}, [], ros, sync)
+            _, out, err = run_main(self.folder)
+            self.assertEqual([pathlib.Path(line).name for line in out.splitlines()], names)
+            self.assertNotIn("latency", err)
 
     def test_sections_of_a_music_job_are_known_by_their_programs(self):
         (self.folder / "effective.music").write_text(
@@ -286,73 +296,153 @@ class ThinningTest(unittest.TestCase):
             self.assertEqual(spikes_plot.every_nth(rows), stride)
 
 
-class AxesTest(Folder):
-    """What stands at the axes follows from what is known of the stream."""
+class QuantityTest(Folder):
+    """What stands at the axes follows from the message."""
 
-    def signal(self, width, unit, **more):
-        with fake_run.recording(self.folder / "x.h5", "x") as file:
-            fake_run.add_signal(file, "in", [0.0], np.ones((1, width)), unit, 1.0, **more)
-        return RunFolder(self.folder).signal("x")
+    def described(self, width, message, channels=(), world=None, **keys):
+        signal = Signal("x", "out", np.zeros(1), np.ones((1, width)), "1", list(channels), 1.0)
+        quantities.describe(signal, message, keys, world or {})
+        return signal
 
-    def test_names_and_units_of_commands(self):
-        for arguments, expected in (
-                ((2, "1"), [("linear.x", "m/s"), ("angular.z", "rad/s")]),
-                ((2, "m/s,rad/s"), [("linear.x", "m/s"), ("angular.z", "rad/s")]),
-                ((3, "N"), [("channel 0", "N"), ("channel 1", "N"), ("channel 2", "N")]),
-                ((1, ""), [("channel 0", "1")])):
-            command = self.signal(*arguments)
-            self.assertEqual([spikes_plot._name_and_unit(command, channel)
-                              for channel in range(command.width)], expected)
-        command = self.signal(2, "", channels=("angular.z", "arm"))
-        self.assertEqual([spikes_plot._name_and_unit(command, channel) for channel in (0, 1)],
-                         [("angular.z", "rad/s"), ("arm", "1")])
+    def test_quantities_follow_from_the_fields(self):
+        velocity, turn, position = ("velocity", "m/s"), ("angular velocity", "rad/s"), ("position", "m")
+        for message, width, fields, names, expected in (
+                ("geometry_msgs/Twist", 2, "", ["linear.x", "angular.z"], [velocity, turn]),
+                ("nav_msgs/Odometry", 2, "", ["x", "y"], [position] * 2),
+                ("nav_msgs/Odometry", 2, '["twist.twist.linear.x", {"path": "pose.pose.position.x", "scale": 2}]',
+                 ["twist.twist.linear.x", "x"], [velocity, ("position", "")]),
+                ("sensor_msgs/Imu", 1, '["angular_velocity.z"]', ["angular_velocity.z"], [turn]),
+                ("JointState", 1, "position[0]", ["position[0]"], [("joint position", "rad or m")]),
+                ("a/B", 1, '["c"]', ["c"], [("value", "")])):
+            signal = self.described(width, message, fields=fields)
+            self.assertEqual((signal.channels, signal.quantities), (names, expected), message)
 
-    def test_angles_come_from_the_recording_or_from_the_world(self):
-        beams = {"angle_min_rad": -np.pi / 2, "angle_increment_rad": np.pi / 4}
-        low, high, label = spikes_plot._angles(self.signal(5, "", **beams))
-        self.assertEqual(label.splitlines()[0], "beam angle (°)")
-        np.testing.assert_allclose((low, high), (-112.5, 112.5))
-        self.assertEqual(spikes_plot._angles(self.signal(5, "")), (-0.5, 4.5, "beam (index)"))
+    def test_commands_have_the_names_of_their_recording(self):
+        signal = self.described(2, "geometry_msgs/Twist", ["angular.z", "arm"], fields='{"angular.z": 1, "arm": 0}')
+        self.assertEqual(signal.quantities, [("angular velocity", "rad/s"), ("value", "")])
+
+    def test_light_of_the_simulated_robot_is_in_lux(self):
+        for topic, world, known in (("/light", {"lamps": [{"x_m": 0, "y_m": 0}]}, True), ("/light", {}, False),
+                                    ("/other", {"lamps": [{"x_m": 0, "y_m": 0}]}, False)):
+            signal = self.described(2, "std_msgs/Float64MultiArray", world=world, topic=topic)
+            self.assertEqual(signal.channels, ["left", "right"] if known else [])
+            self.assertEqual(signal.quantities, [("illuminance", "lux")] * 2 if known else [])
+
+    def test_beams_have_the_angles_of_the_robots_laser(self):
+        laser = {"angle_min_rad": -np.pi / 2, "angle_increment_rad": np.pi / 4}
         for count, known in ((7, True), (5, True), (4, False)):  # a longer scan was cropped
-            (self.folder / "world.json").write_text(json.dumps({"laser": {"beams": count, **beams}}))
-            sensor = self.signal(5, "")
-            spikes_plot._place_beams(RunFolder(self.folder), sensor)
-            self.assertEqual(sensor.annotations, beams if known else {})
+            signal = self.described(5, "sensor_msgs/LaserScan", world={"laser": {"beams": count, **laser}})
+            np.testing.assert_allclose(signal.beams or (), (-90, 45) if known else ())
+        self.assertIsNone(self.described(2, "nav_msgs/Odometry", world={"laser": {"beams": 100, **laser}}).beams)
+
+    def test_a_panel_a_quantity_with_lines_or_an_image(self):
+        with style.styled():
+            for signal, expected in (
+                    (self.described(3, "a/B", fields='["linear.x", "linear.y", "angular.z"]'),
+                     [("velocity\n(m/s)", ["linear.x", "linear.y"]), ("angular.z\n(rad/s)", [])]),
+                    (self.described(5, "a/B"), [("channel (index)", [])])):
+                found = []
+                for _, draw in panels.of_signal(signal, "x", (0.0, 1.0)):
+                    figure = style.new_figure(4, 2)
+                    axes = figure.subplots()
+                    draw(figure, axes)
+                    legend = axes.get_legend()
+                    found.append((axes.get_ylabel(), [text.get_text() for text in legend.texts] if legend else []))
+                    self.assertEqual(len(axes.images), int(signal.width == 5))
+                self.assertEqual(found, expected)
+
+
+class SweepTest(Folder):
+    def table(self, header, rows, samples=None):
+        lines = [header, *rows]
+        (self.folder / "results.csv").write_text("\n".join(lines) + "\n")
+        (self.folder / "sweep.json").write_text(json.dumps({"samples": samples}))
+
+    def test_medians_and_quartiles_over_the_seeds(self):
+        header = "run,seed,encoder.rate_max,exit_code,exit_reason,wall_s,coverage"
+        self.table(header, [f"{n},{seed},{rate} Hz,0,finished,{seed},{rate * seed / 1000}" for n, (rate, seed) in
+                            enumerate((rate, seed) for rate in (100, 50) for seed in (1, 2, 3, 4, 9))]
+                   + ["99,1,70 Hz,3,failed,,"])
+        keys, measures, rows = sweep_plot._read(self.folder)
+        self.assertEqual((keys, len(rows)), (["seed", "encoder.rate_max"], 10))
+        with style.styled():
+            figure = style.new_figure(4, 3)
+            axes = figure.subplots()
+            sweep_plot._draw(axes, rows, "encoder.rate_max", [], "coverage", True)
+            sweep_plot._finish_column([axes], rows, "encoder.rate_max")
+        (container,) = axes.containers
+        line, _, (bars,) = container.lines
+        np.testing.assert_allclose(line.get_xydata(), [(50, 15), (100, 30)])  # %
+        np.testing.assert_allclose([bar[:, 1] for bar in bars.get_segments()], [(10, 20), (20, 40)])
+        self.assertEqual(axes.get_xlabel(), "encoder.rate_max (Hz)")
+        self.assertEqual(sweep_plot._statistics(rows, ["encoder.rate_max"]), "Median and quartiles of 5 runs")
+        self.assertEqual(sweep_plot._statistics(rows[1:], ["encoder.rate_max"]),
+                         "Median and quartiles of up to 5 runs")
+        self.assertEqual(sweep_plot._statistics(rows, keys), "")
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out, err), (0, f"{self.folder}/sweep.png\n", ""))
+        self.assertEqual(matplotlib.image.imread(out.strip()).shape[0], round(2.6 * style.DPI))  # one measure
+
+    def test_names_curves_and_random_designs(self):
+        header = "run,layout,a.gain,exit_code,exit_reason,distance_m,a.spikes"
+        rows = [f"{n},{layout},{gain},0,finished,{n},{n * n}" for n, (layout, gain) in
+                enumerate((layout, gain) for layout in ("fused", "separate", "two") for gain in (1, 2))]
+        for samples, width in ((None, 7.0), (6, 11.5)):
+            self.table(header, rows, samples)
+            code, out, err = run_main(self.folder)
+            self.assertEqual((code, err), (0, ""))
+            shape = matplotlib.image.imread(out.strip()).shape
+            self.assertEqual(shape[:2], (round(4.4 * style.DPI), round(width * style.DPI)))
+        self.assertEqual(sweep_plot._places([{"k": "5 ms"}, {"k": "1 s"}], "k"), ({"5 ms": 0, "1 s": 1}, "", False))
+
+    def test_what_cannot_be_drawn(self):
+        for header, row, expected in (
+                ("run,seed,exit_code,exit_reason,distance_m", "1,{0},0,finished,{0}", "no key but the seed"),
+                ("run,k,exit_code,exit_reason,distance_m", "1,{0},0,finished,5", "no measure differs"),
+                ("run,k", "1,{0}", "results.csv' cannot be read")):
+            self.table(header, [row.format(n) for n in range(3)])
+            code, out, err = run_main(self.folder)
+            self.assertEqual((code, out), (4, ""))
+            self.assertIn(f"sweep.png is not drawn: {expected}" if "no " in expected else expected, err)
 
 
 class RateTest(unittest.TestCase):
     def test_regular_spikes_have_their_rate_up_to_the_ends(self):
         for rate in (20.0, 100.0):
             times = np.arange(0.5 / rate, 10.0, 1.0 / rate)
-            group = spikes_plot.Group("", np.repeat(times, 3), np.zeros(3 * len(times)), 3)
+            group = spikes_plot.Population("", np.repeat(times, 3), np.zeros(3 * len(times)), 3)
             _, shown = spikes_plot.population_rate(group, (0.0, 10.0), 0.05)
             np.testing.assert_allclose(shown, rate, rtol=0.15)
             np.testing.assert_allclose(shown[50:-50], rate, rtol=1e-2)
 
     def test_a_single_spike_is_a_gaussian_of_area_one(self):
-        group = spikes_plot.Group("", np.array([5.005]), np.zeros(1), 1)
+        group = spikes_plot.Population("", np.array([5.005]), np.zeros(1), 1)
         times, shown = spikes_plot.population_rate(group, (0.0, 10.0), 0.05)
         sigma = 0.05
         expected = np.exp(-0.5 * ((times - 5.005) / sigma) ** 2) / (sigma * np.sqrt(2 * np.pi))
         np.testing.assert_allclose(shown, expected, atol=1e-3 * expected.max())
         self.assertAlmostEqual(shown.sum() * (times[1] - times[0]), 1.0, places=3)
 
-    def test_kernels_are_as_wide_as_can_be_seen(self):
-        self.assertEqual([spikes_plot.kernel_width_s((1.0, 1.0 + length))
-                          for length in (2.0, 60.0, 3600.0)], [0.05, 0.2, 1.0])
+    def test_kernels_suit_the_window(self):
+        for length, expected in ((0.1, 0.005), (2.0, 0.05), (4.0, 0.05), (20.0, 0.2), (60.0, 0.5), (3600.0, 1.0)):
+            self.assertAlmostEqual(spikes_plot.kernel_width_s((1.0, 1.0 + length)), expected)
 
-    def test_neurons_are_grouped_by_half(self):
-        stream = Spikes("network", "out", np.arange(5.0), np.arange(5), 5, 5.0)
-        low, high = spikes_plot.group_neurons([stream])
-        self.assertEqual((low.name, low.size, list(low.rows)), ("neurons 0–1", 2, [0, 1]))
-        self.assertEqual((high.name, high.size, list(high.rows)), ("neurons 2–4", 3, [2, 3, 4]))
+    def test_populations_have_the_names_of_the_network_and_stand_once(self):
+        streams = [Spikes("brain", "left_spikes", np.arange(2.0), np.array([0, 1]), 2, 5.0, [("left", 2)]),
+                   Spikes("brain", "other_spikes", np.arange(1.0), np.array([0]), 1, 5.0, [("other", 1)]),
+                   Spikes("brain", "out", np.arange(5.0), np.arange(5), 5, 5.0, [("left", 2), ("right", 3)])]
+        found = [(population.name, list(population.rows), list(population.times_s), population.size)
+                 for population in spikes_plot.populations(streams)]
+        self.assertEqual(found, [("left", [0, 1], [0, 1], 2), ("right", [2, 3, 4], [2, 3, 4], 3),
+                                 ("other", [5], [0], 1)])
 
-    def test_populations_are_stacked(self):
+    def test_without_names_a_node_or_a_stream_is_one_population(self):
         first = Spikes("network", "a", np.arange(2.0), np.array([0, 1]), 2, 5.0)
         second = Spikes("network", "b", np.arange(1.0), np.array([2]), 3, 5.0)
-        groups = spikes_plot.group_neurons([first, second])
-        self.assertEqual([(group.name, list(group.rows), group.size) for group in groups],
-                         [("a", [0, 1], 2), ("b", [4], 3)])
+        for streams, expected in (([first], [("network", [0, 1], 2)]),
+                                  ([first, second], [("a", [0, 1], 2), ("b", [4], 3)])):
+            self.assertEqual([(population.name, list(population.rows), population.size)
+                              for population in spikes_plot.populations(streams)], expected)
 
 
 if __name__ == "__main__":

@@ -103,11 +103,10 @@ class SignalTest(Folder):
             fake_run.add_signal(file, "narrow", [0.0], np.ones((1, 1)), "", 1.0)
             fake_run.add_signal(file, "pace", [0.0], np.ones((1, 9)), "s", 1.0)
             fake_run.add_signal(file, "wide", [0.0], np.ones((1, 3)), "", 1.0,
-                                channels=("a", "b", "c"), angle_min_rad=-1.5)
+                                channels=("a", "b", "c"))
         signal = RunFolder(self.folder).signal("sensor")
         self.assertEqual(signal.stream, "wide")
         self.assertEqual(signal.channels, ["a", "b", "c"])
-        self.assertEqual(signal.annotations, {"angle_min_rad": -1.5})
 
     def test_datasets_of_a_killed_process_may_differ_in_length(self):
         with fake_run.recording(self.folder / "x.h5", "x") as file:
