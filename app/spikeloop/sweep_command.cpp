@@ -20,9 +20,10 @@ Values: [A, B] is a list; A..B are whole numbers; A..B by STEP are numbers with 
 else is one value. Every combination is a run; with --samples, values are drawn from lists and ranges
 at random, the same ones each time.
 
-The folder of --out has results.csv, a row per run: settings, exit code, results of summary.json; and
-the run folders 001, 002, ... The same command continues a sweep that was stopped. Runs that failed
-are named, and are rows of the table; remove a row to repeat its run.
+The folder of --out has results.csv, a row per run: settings, exit code, results of summary.json;
+sweep.png, the results over the swept keys; and the run folders 001, 002, ... The same command
+continues a sweep that was stopped. Runs that failed are named, and are rows of the table; remove a
+row to repeat its run.
 
 Exit codes: 0 all runs finished, 1 some runs failed, 2 the file, a setting or the folder is invalid,
 3 Python or a program is missing, 4 a file cannot be read or written, 129, 130, 143 stopped)";

@@ -2,7 +2,8 @@
 (sweep_command.cpp).
 
 A sweep's folder holds sweep.json (the experiment and its settings), the run folders 001, 002, ...,
-and results.csv, a row for every run that has ended. The same command goes on where it was stopped.
+results.csv, a row for every run that has ended, and at the end sweep.png. The same command goes on
+where it was stopped.
 """
 
 import argparse
@@ -21,14 +22,13 @@ from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
 from .progress import Progress, Stopped, end_process, note_signals
 from .run_folder import did_you_mean
+from .summary import ROWS
 from .whole_file import write_whole
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
 TABLE = "results.csv"
-# Of a summary; a run has those that it measured.
-MEASURED = ("simulated_s", "wall_s", "real_time_factor", "collisions", "distance_m", "mean_speed_m_s", "coverage",
-            "visited_m2", "spikes", "scans", "commands", "stopped_s", "latency_median_ms", "latency_p99_ms")
+MEASURED = tuple(key for key, *_ in ROWS)  # a run has those that it measured
 END_S = 10
 
 
@@ -252,6 +252,16 @@ def _jobs(given, sweep, sync):
     return given.jobs or (len(os.sched_getaffinity(0)) if all_of_them <= {"lockstep", "unpaced"} else 1)
 
 
+def _draw(folder):
+    """sweep.png, if there is something to see: `spikeloop plot FOLDER` says why there is not."""
+    try:
+        from .plots import plot_run
+        plot_run(folder)
+    except ImportError as error:
+        print(f"spikeloop: {folder / 'sweep.png'} is not drawn: Python's package {error.name} is missing; "
+              f"apt-get install python3-{error.name}", file=sys.stderr)
+
+
 def _sweep(given):
     signals = note_signals()
     sweep = Sweep(given.file, given.set, given.samples, given.out, given.columns)
@@ -278,6 +288,7 @@ def _sweep(given):
             print(f"spikeloop: warning: --columns: no run has a counter '{name}'"
                   f"{did_you_mean(name, sorted(sweep.counters))}", file=sys.stderr)
     print(sweep.folder / TABLE)
+    _draw(sweep.folder)
     return _report(sweep)
 
 

@@ -32,6 +32,7 @@ class Sweep(explorer.Folder):
         self.assertIn("no run has a counter 'wheels.sentt'; did you mean 'wheels.sent'?", said)
         self.assertEqual(out, f"{self.out / 'results.csv'}\n")
         self.assertIn("6 of 6 runs", said)
+        self.assertEqual((self.out / "sweep.png").read_bytes()[:4], b"\x89PNG")
         rows = rows_of(self.out)
         self.assertEqual([(row["encoder.rate_max"], row["seed"]) for row in rows],
                          [(rate, seed) for rate in ("100 Hz", "200 Hz") for seed in "123"])
