@@ -222,7 +222,7 @@ class RunFolder:
         with self._open(label) as file:
             try:
                 return [read(label, name, group) for name, group in sorted(file[kind].items())]
-            except (OSError, KeyError, RuntimeError, ValueError) as error:
+            except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
                 raise RunFolderError(f"'{self._file(label)}' is damaged: {error}; was the run "
                                      "killed while it wrote?") from None
 
