@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "spike_sort.hpp"
 #include "spikeloop/core/graph_plan.hpp"
@@ -47,13 +48,18 @@ struct Edge {
     return {slot.values.data(), slot.revision, from->width, 0};
   }
 
-  spikeloop_spike_input spikes(std::uint64_t tick_index, TimeNs begin) {
+  std::span<const Spike> spikes(std::uint64_t tick_index) {
     const auto& arrived = ring.empty() ? from->spikes : ring[tick_index % ring.size()].spikes;
-    report.spikes += arrived.size();
-    for (auto spike = arrived.begin(); spike != arrived.end() && spike->time_ns <= begin; ++spike) {
+    report.sent += arrived.size();
+    return arrived;
+  }
+
+  // Of the sorted spikes that the receiver gets.
+  void count(std::span<const Spike> passed, TimeNs begin) {
+    report.spikes += passed.size();
+    for (auto spike = passed.begin(); spike != passed.end() && spike->time_ns <= begin; ++spike) {
       ++report.late;
     }
-    return {arrived.data(), arrived.size(), from->width, 0};
   }
 
   // At the end of interval k: what interval k + d will read.
@@ -74,13 +80,99 @@ struct Edge {
   }
 };
 
+// What an input port reads: the output of one connection, or what several are combined to.
+class Input {
+ public:
+  void add(Edge& edge, const ChannelRange& channels, Combination combination) {
+    const std::uint32_t count = channels.count(edge.from->width);
+    const std::uint32_t offset = combination == Combination::appended ? width_ : 0;
+    parts_.push_back({&edge, channels.begin, count, offset});
+    width_ = offset + count;
+  }
+
+  // Without a value until every sender has one.
+  spikeloop_signal_input signal(std::uint64_t tick_index) {
+    if (is_whole_output()) {
+      return parts_.front().edge->signal(tick_index);
+    }
+    bool valid = true;
+    bool changed = false;
+    for (Part& part : parts_) {
+      part.signal = part.edge->signal(tick_index);
+      valid = valid && part.signal.revision != 0;
+      changed = changed || part.signal.revision != part.revision;
+      part.revision = part.signal.revision;
+    }
+    if (valid && changed) {
+      combine();
+    }
+    return {values_.data(), valid ? revision_ : 0, width_, 0};
+  }
+
+  spikeloop_spike_input spikes(std::uint64_t tick_index, TimeNs begin, SpikeSorter& sorter) {
+    if (is_whole_output()) {
+      Edge& edge = *parts_.front().edge;
+      const auto arrived = edge.spikes(tick_index);
+      edge.count(arrived, begin);
+      return {arrived.data(), arrived.size(), width_, 0};
+    }
+    spikes_.clear();
+    for (const Part& part : parts_) {
+      const std::size_t before = spikes_.size();
+      for (const Spike& spike : part.edge->spikes(tick_index)) {
+        const std::uint32_t channel = static_cast<std::uint32_t>(spike.channel) - part.begin;
+        if (channel < part.count) {
+          spikes_.push_back(
+              make_spike(spike.time_ns, static_cast<std::int32_t>(channel + part.offset)));
+        }
+      }
+      part.edge->count(std::span(spikes_).subspan(before), begin);
+    }
+    if (parts_.size() > 1) {
+      sorter.sort(spikes_);
+    }
+    return {spikes_.data(), spikes_.size(), width_, 0};
+  }
+
+ private:
+  struct Part {
+    Edge* edge = nullptr;
+    std::uint32_t begin = 0;   // of the sender's channels
+    std::uint32_t count = 0;   // of channels
+    std::uint32_t offset = 0;  // of the input's channels
+    spikeloop_signal_input signal{};
+    std::uint64_t revision = 0;  // that `values_` has
+  };
+
+  bool is_whole_output() const {
+    return parts_.size() == 1 && parts_.front().count == parts_.front().edge->from->width;
+  }
+
+  // In the order in which the connections are listed, so that sums are equal in every layout.
+  void combine() {
+    values_.assign(width_, 0.0);
+    for (const Part& part : parts_) {
+      for (std::uint32_t c = 0; c < part.count; ++c) {
+        values_[part.offset + c] += part.signal.values[part.begin + c];
+      }
+    }
+    ++revision_;
+  }
+
+  std::vector<Part> parts_;
+  std::uint32_t width_ = 0;
+  std::vector<double> values_;
+  std::uint64_t revision_ = 0;
+  std::vector<Spike> spikes_;
+};
+
 // A source, node or sink with its ports in the order of the step data.
 struct Element {
   std::string name;
   Source* source = nullptr;
   std::unique_ptr<Node> node;
   Sink* sink = nullptr;
-  std::vector<Edge*> signal_inputs, spike_inputs;
+  std::vector<Input*> signal_inputs, spike_inputs;
   std::vector<Output*> signal_outputs, spike_outputs;
   std::vector<spikeloop_signal_input> signal_input_data;
   std::vector<spikeloop_spike_input> spike_input_data;
@@ -116,11 +208,25 @@ const PortDescription* find_output(const GraphDescription& description, std::str
   return nullptr;
 }
 
+std::uint32_t ChannelRange::count(std::uint32_t width) const {
+  return end != 0 ? end - begin : width > begin ? width - begin : 0;
+}
+
+std::string ChannelRange::text() const {
+  if (all()) {
+    return "";
+  }
+  return end == begin + 1 ? fmt::format("[{}]", begin)
+         : end == 0       ? fmt::format("[{}:]", begin)
+                          : fmt::format("[{}:{}]", begin, end);
+}
+
 struct Graph::Impl {
   TimeNs tick = 0;
   std::uint64_t tick_index = 0;
   std::vector<std::unique_ptr<Output>> outputs;
   std::vector<std::unique_ptr<Edge>> edges;
+  std::vector<std::unique_ptr<Input>> inputs;
   std::vector<Element> elements;
   std::vector<std::size_t> order;
   SpikeSorter sorter;
@@ -166,10 +272,10 @@ void Graph::Impl::make_elements(const GraphDescription& description, const Graph
 
 void Graph::Impl::wire(const GraphPlan& plan) {
   std::vector<std::vector<Output*>> output_of(elements.size());
-  std::vector<std::vector<Edge*>> edge_into(elements.size());
+  std::vector<std::vector<Input*>> input_of(elements.size());
   for (std::size_t e = 0; e < elements.size(); ++e) {
     output_of[e].resize(plan.elements[e].ports.size());
-    edge_into[e].resize(plan.elements[e].ports.size());
+    input_of[e].resize(plan.elements[e].ports.size());
     for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
       const PlannedPort& port = plan.elements[e].ports[p];
       if (port.direction == Direction::output) {
@@ -192,15 +298,19 @@ void Graph::Impl::wire(const GraphPlan& plan) {
     }
     edge->report.from = plan.text(connection.from);
     edge->report.to = plan.text(connection.to);
-    edge_into[connection.to.element][connection.to.port] = edge.get();
+    Input*& input = input_of[connection.to.element][connection.to.port];
+    if (input == nullptr) {
+      input = inputs.emplace_back(std::make_unique<Input>()).get();
+    }
+    input->add(*edge, connection.channels, connection.combination);
     edges.push_back(std::move(edge));
   }
   for (std::size_t e = 0; e < elements.size(); ++e) {
     for (std::size_t p = 0; p < plan.elements[e].ports.size(); ++p) {
       const bool spikes = plan.elements[e].ports[p].kind == PortKind::spikes;
       Element& element = elements[e];
-      if (Edge* edge = edge_into[e][p]) {
-        (spikes ? element.spike_inputs : element.signal_inputs).push_back(edge);
+      if (Input* input = input_of[e][p]) {
+        (spikes ? element.spike_inputs : element.signal_inputs).push_back(input);
       } else {
         (spikes ? element.spike_outputs : element.signal_outputs).push_back(output_of[e][p]);
       }
@@ -213,11 +323,11 @@ void Graph::Impl::gather(Element& element, TimeNs begin) {
   element.spike_input_data.clear();
   element.signal_output_data.clear();
   element.spike_output_data.clear();
-  for (Edge* edge : element.signal_inputs) {
-    element.signal_input_data.push_back(edge->signal(tick_index));
+  for (Input* input : element.signal_inputs) {
+    element.signal_input_data.push_back(input->signal(tick_index));
   }
-  for (Edge* edge : element.spike_inputs) {
-    element.spike_input_data.push_back(edge->spikes(tick_index, begin));
+  for (Input* input : element.spike_inputs) {
+    element.spike_input_data.push_back(input->spikes(tick_index, begin, sorter));
   }
   for (Output* output : element.signal_outputs) {
     element.signal_output_data.push_back(

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "planned_input.hpp"
 #include "spikeloop/core/connection_faults.hpp"
 
 namespace spikeloop {
@@ -110,15 +111,6 @@ PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
   throw ConfigurationError(where, unknown_port(element.name, direction, port, names));
 }
 
-// Sets a width that was unknown; says whether anything changed.
-bool settle(std::uint32_t& width, std::uint32_t other) {
-  const bool changes = width == 0 && other != 0;
-  if (changes) {
-    width = other;
-  }
-  return changes;
-}
-
 bool settle_same_as(PlannedElement& element) {
   bool changed = false;
   for (PlannedPort& port : element.ports) {
@@ -131,43 +123,25 @@ bool settle_same_as(PlannedElement& element) {
   return changed;
 }
 
-void settle_widths(GraphPlan& plan, const GraphDescription& description) {
+std::vector<PlannedInput> planned_inputs(GraphPlan& plan, const GraphDescription& description) {
+  std::vector<PlannedInput> inputs;
+  for (std::size_t i = 0; i < plan.connections.size(); i = inputs.back().end()) {
+    inputs.emplace_back(plan, description, i);
+  }
+  return inputs;
+}
+
+void settle_widths(GraphPlan& plan, std::vector<PlannedInput>& inputs) {
   for (bool changed = true; changed;) {
     changed = false;
-    for (std::size_t i = 0; i < plan.connections.size(); ++i) {
-      const PlannedConnection& connection = plan.connections[i];
-      auto& from = plan.elements[connection.from.element].ports[connection.from.port].width;
-      auto& to = plan.elements[connection.to.element].ports[connection.to.port].width;
-      const std::uint32_t written = description.connections[i].width;
-      changed |= settle(from, written);
-      changed |= settle(to, written);
-      changed |= settle(from, to);
-      changed |= settle(to, from);
+    for (PlannedInput& input : inputs) {
+      changed |= input.settle_input();
     }
     for (PlannedElement& element : plan.elements) {
       changed |= settle_same_as(element);
     }
-  }
-}
-
-void check_connection_widths(const GraphPlan& plan, const GraphDescription& description,
-                             const ErrorHandler& report) {
-  for (std::size_t i = 0; i < plan.connections.size(); ++i) {
-    const PlannedConnection& connection = plan.connections[i];
-    const std::uint32_t from = plan.port(connection.from).width;
-    const std::uint32_t to = plan.port(connection.to).width;
-    const std::uint32_t written = description.connections[i].width;
-    if (from != to || (written != 0 && written != from)) {
-      report(ConfigurationError(
-          connection.where,
-          with_code(Code::widths_differ, "widths differ: '{}' has {} channels, '{}' has {}{}",
-                    plan.text(connection.from), from, plan.text(connection.to), to,
-                    written != 0 ? fmt::format(", the connection says [{}]", written) : "")));
-    } else if (from == 0) {
-      report(ConfigurationError(
-          connection.where,
-          with_code(Code::unknown_width, "the width of '{}' -> '{}' is unknown; write it as [10]",
-                    plan.text(connection.from), plan.text(connection.to))));
+    for (auto input = inputs.begin(); !changed && input != inputs.end(); ++input) {
+      changed = input->settle_senders();
     }
   }
 }
@@ -217,7 +191,7 @@ class Connector {
     const std::string sender = from ? plan_.text(*from) : written.from;
     if (to) {
       const auto [first, is_new] = reached_.try_emplace({to->element, to->port}, sender);
-      if (!is_new) {
+      if (!is_new && written.combination == Combination::alone) {
         report_(ConfigurationError(written.where,
                                    two_connections(plan_.text(*to), first->second, sender)));
       }
@@ -229,7 +203,8 @@ class Connector {
       report_(ConfigurationError(written.where,
                                  kinds_differ(sender, plan_.port(*from).kind, plan_.text(*to))));
     }
-    plan_.connections.push_back({*from, *to, written.delay_ticks, written.where});
+    plan_.connections.push_back(
+        {*from, *to, written.delay_ticks, written.where, written.channels, written.combination});
   }
   /// An input whose connection has a slip in its name is not said to have none.
   void finish() const {
@@ -338,8 +313,11 @@ GraphPlan plan(const GraphDescription& description, const ErrorHandler& report) 
   connector.finish();
   order_elements(plan, tell);
   if (good) {
-    settle_widths(plan, description);
-    check_connection_widths(plan, description, tell);
+    std::vector<PlannedInput> inputs = planned_inputs(plan, description);
+    settle_widths(plan, inputs);
+    for (const PlannedInput& input : inputs) {
+      input.check_widths(tell);
+    }
   }
   if (good) {
     check_node_widths(plan, tell);

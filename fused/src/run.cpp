@@ -207,7 +207,7 @@ void add_spikes_of_simulators(const Experiment& experiment, const std::string& p
   for (const ConnectionReport& connection : graph.connections()) {
     const std::string from = name_in_file(connection.from);
     if (counts(experiment, process, from)) {
-      spikes[from] = std::max(spikes[from], connection.spikes);
+      spikes[from] = std::max(spikes[from], connection.sent);
     }
   }
   for (const auto& [from, count] : spikes) {

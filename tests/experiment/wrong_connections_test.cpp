@@ -44,8 +44,7 @@ INSTANTIATE_TEST_SUITE_P(
             {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out "
              "[SL0302]",
              "x.yaml:13:15: input 'encoder.in' has two senders, 'scan.out' and 'wheels'; remove "
-             "one "
-             "connection [SL0304]"}},
+             "one connection [SL0304]"}},
         WrongFile{
             "output that leads nowhere",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",

@@ -13,16 +13,40 @@
 
 namespace spikeloop {
 
+/// The channels [begin, end) of a sender.
+struct ChannelRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;  ///< 0: to the sender's last channel
+
+  bool all() const { return begin == 0 && end == 0; }
+  /// How many there are when the sender has `width` channels; 0: `width` is 0 and `end`, too.
+  std::uint32_t count(std::uint32_t width) const;
+  /// "[0:50]", "[7]", "[50:]"; empty for all channels.
+  std::string text() const;
+};
+
+/// How a connection shares its input with the connection that is listed before it.
+enum class Combination : std::uint32_t {
+  alone,     ///< it does not: the input's first or only connection
+  appended,  ///< its channels follow those of the connections before
+  added      ///< its signals are added to those before, its spikes merged, channel by channel
+};
+
 /// "node.port"; the port may be left out where the node has only one of that direction.
 struct ConnectionDescription {
   std::string from;
   std::string to;
-  std::uint32_t width = 0;  ///< 0: as the ports say
+  std::uint32_t width = 0;  ///< of the input; 0: as the ports say
   /// Whole ticks. A delay of d moves spikes and breakpoints by d ticks: a spike stamped s arrives
   /// stamped s + d * tick.
   std::uint32_t delay_ticks = 0;
   Location where{};       ///< of `to`
   Location where_from{};  ///< empty: as `where`
+  ChannelRange channels{};
+  /// Connections into one input are listed one after another. The first one is `alone`, all others
+  /// are appended, or all others are added.
+  Combination combination = Combination::alone;
+  std::uint32_t sender_width = 0;  ///< 0: as the ports say
 };
 
 /// What a graph is made from. Pointers must outlive the graph.
@@ -59,16 +83,18 @@ const PortDescription* find_output(const GraphDescription& description, std::str
 struct ConnectionReport {
   std::string from;
   std::string to;
-  std::uint64_t spikes = 0;
-  std::uint64_t late = 0;  ///< of these, stamped at or before the begin of their interval
+  std::uint64_t sent = 0;    ///< by the sender, also on channels that the connection leaves out
+  std::uint64_t spikes = 0;  ///< on the channels of the connection
+  std::uint64_t late = 0;    ///< of these, stamped at or before the begin of their interval
 };
 
 class Graph {
  public:
   /// Checks names, kinds, widths, cycles; then makes the nodes.
   /// @throws ConfigurationError: unknown node or port (did you mean), two connections into one
-  /// input, input without connection, widths that differ (both named), a cycle whose delays add up
-  /// to nothing (its nodes named), a share of a node whose class cannot share.
+  /// input that are not combined, input without connection, channels that the sender does not have,
+  /// widths that differ (both named), a cycle whose delays add up to nothing (its nodes named), a
+  /// share of a node whose class cannot share.
   explicit Graph(const GraphDescription& description);
   ~Graph();
   Graph(Graph&&) noexcept;

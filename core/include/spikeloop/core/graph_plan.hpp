@@ -34,6 +34,8 @@ struct PlannedConnection {
   PlannedPortAddress to;
   std::uint32_t delay_ticks = 0;
   Location where{};
+  ChannelRange channels{};
+  Combination combination = Combination::alone;
 };
 
 /// Elements are listed sources first, then nodes, then sinks, each in the description's order.
