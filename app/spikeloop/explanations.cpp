@@ -101,8 +101,10 @@ constexpr Explanation kExplanations[] = {
      "two nodes.",
      "- scan -> readout [100]", "- scan -> encoder [100]"},
     {Code::two_senders, "Two connections lead to one input",
-     "An input has one sender. Remove one of the connections.", "- scan -> wheels [2]",
-     "- scan -> encoder [100]"},
+     "An input has one connection. Remove one of the two. In an experiment file one connection may "
+     "have several senders: 'left, right -> brain' has their channels one after another, 'left + "
+     "right -> brain' their sum.",
+     "- scan -> wheels [2]", "- scan -> encoder [100]"},
     {Code::not_connected, "An input or output is not connected",
      "A node without its inputs computes nothing, and MUSIC waits forever for a port that is not "
      "connected.",

@@ -16,6 +16,7 @@ namespace {
 
 constexpr const char* kExample =
     "write for example  scan -> encoder [100] -> brain [100, delay 5 ms]";
+constexpr const char* kSenders = "write for example  left, right.out  or  left + right.out";
 constexpr std::string_view kBlank = " \t";
 
 /// A part of a line, and where it begins in the line.
@@ -64,6 +65,12 @@ std::optional<std::uint32_t> width_of(std::string_view text) {
   return good && width <= kMaximumChannels ? std::optional(width) : std::nullopt;
 }
 
+/// Something in the text of a connection is not right.
+[[noreturn]] void fail_at(Location where, std::size_t offset, const std::string& message) {
+  where.column += where.line > 0 ? static_cast<int>(offset) : 0;
+  throw ConfigurationError(where, message);
+}
+
 class Line {
  public:
   Line(const std::string& text, const Location& where) : text_(text), where_(where) {}
@@ -77,14 +84,21 @@ class Line {
     if (stations.size() < 2) {
       fail(0, with_code(Code::syntax, "'{}' is not a connection; {}", text_, kExample));
     }
-    Piece from = end_of(stations.front(), false);
+    std::vector<ExperimentConnection> senders = first_senders(stations.front());
     for (std::size_t i = 1; i < stations.size(); ++i) {
-      const Piece end = end_of(stations[i], true);
-      ExperimentConnection connection{std::string(from.text), std::string(end.text), 0, {},
-                                      place(end.begin),       place(from.begin)};
-      read_brackets(stations[i], connection);
-      arrows.push_back(connection);
-      from = {end.text.substr(0, end.text.find('.')), end.begin};
+      const Piece end = end_of(stations[i]);
+      ExperimentConnection arrow;
+      read_brackets(stations[i], arrow);
+      for (ExperimentConnection& sender : senders) {
+        sender.to = end.text;
+        sender.where = place(end.begin);
+        sender.width = arrow.width;
+        sender.delay = arrow.delay;
+        arrows.push_back(sender);
+      }
+      senders = {{}};
+      senders.front().from = end.text.substr(0, end.text.find('.'));
+      senders.front().where_from = place(end.begin);
     }
     connections.insert(connections.end(), arrows.begin(), arrows.end());
   }
@@ -96,20 +110,29 @@ class Line {
     return where;
   }
   [[noreturn]] void fail(std::size_t offset, const std::string& message) const {
-    throw ConfigurationError(place(offset), message);
+    fail_at(where_, offset, message);
+  }
+  [[noreturn]] void fail_without_node(const Piece& station) const {
+    fail(station.begin, with_code(Code::syntax, "a node is missing beside '->'; {}", kExample));
   }
 
-  /// "encoder.in" of "encoder.in [100]".
-  Piece end_of(const Piece& station, bool may_have_brackets) const {
-    const auto bracket = station.text.find('[');
-    if (bracket != std::string_view::npos && !may_have_brackets) {
+  std::vector<ExperimentConnection> first_senders(const Piece& station) const {
+    if (station.text.empty()) {
+      fail_without_node(station);
+    }
+    if (const auto bracket = station.text.find('['); bracket != std::string_view::npos) {
       fail(station.begin + bracket,
            with_code(Code::unknown_width, "the first node of a connection has no width; {}",
                      kExample));
     }
-    const Piece name = trimmed({station.text.substr(0, bracket), station.begin});
+    return read_senders(std::string(station.text), place(station.begin));
+  }
+
+  /// "encoder.in" of "encoder.in [100]".
+  Piece end_of(const Piece& station) const {
+    const Piece name = trimmed({station.text.substr(0, station.text.find('[')), station.begin});
     if (name.text.empty()) {
-      fail(station.begin, with_code(Code::syntax, "a node is missing beside '->'; {}", kExample));
+      fail_without_node(station);
     }
     if (!is_end(name.text)) {
       fail(name.begin, with_code(Code::unknown_node, "'{}' is neither a node nor NODE.PORT; {}",
@@ -177,6 +200,38 @@ class Line {
 void read_connections(const std::string& text, const Location& where,
                       std::vector<ExperimentConnection>& connections) {
   Line(text, where).read(connections);
+}
+
+std::vector<ExperimentConnection> read_senders(const std::string& text, const Location& where) {
+  const bool adds = text.find('+') != std::string::npos;
+  if (adds && text.find(',') != std::string::npos) {
+    fail_at(where, text.find('+'),
+            with_code(Code::syntax,
+                      "'{}' has both ',' (channels one after another) and '+' (sum); write one of "
+                      "them, and put another node between for the other",
+                      text));
+  }
+  std::vector<ExperimentConnection> senders;
+  for (const Piece& piece : split({text, 0}, adds ? "+" : ",")) {
+    if (piece.text.empty()) {
+      fail_at(where, piece.begin,
+              with_code(Code::syntax, "a sender is missing beside '{}'; {}", adds ? '+' : ',',
+                        kSenders));
+    }
+    if (!is_end(piece.text)) {
+      fail_at(where, piece.begin,
+              with_code(Code::unknown_node, "'{}' is neither a node nor NODE.PORT; {}", piece.text,
+                        kSenders));
+    }
+    ExperimentConnection& sender = senders.emplace_back();
+    sender.from = piece.text;
+    sender.where_from = where;
+    sender.where_from.column += where.line > 0 ? static_cast<int>(piece.begin) : 0;
+    sender.combination = senders.size() == 1 ? Combination::alone
+                         : adds              ? Combination::added
+                                             : Combination::appended;
+  }
+  return senders;
 }
 
 std::uint32_t read_width(const std::string& text, const Location& where) {

@@ -147,26 +147,60 @@ class Reader {
     }
   }
 
+  /// a.out, or a list of such.
+  std::vector<ExperimentConnection> read_from(const YAML::Node& node) {
+    const auto read = [&](const YAML::Node& text) {
+      return experiment_text::read_senders(yaml_text::scalar(file_.path, "from", text),
+                                           yaml_text::text_place(file_.path, text));
+    };
+    if (!node.IsSequence()) {
+      return read(node);
+    }
+    std::vector<ExperimentConnection> senders;
+    for (const YAML::Node& item : node) {
+      const std::vector<ExperimentConnection> sender = read(item);
+      if (sender.size() > 1) {
+        throw ConfigurationError(
+            place(file_.path, item),
+            with_code(Code::wrong_shape,
+                      "key 'from': '{}' has several senders in one entry of a list; write one in "
+                      "each entry, or  from: left + right  for their sum",
+                      item.Scalar()));
+      }
+      senders.push_back(sender.front());
+      senders.back().combination = senders.size() == 1 ? Combination::alone : Combination::appended;
+    }
+    if (senders.empty()) {
+      throw ConfigurationError(
+          place(file_.path, node),
+          with_code(Code::wrong_shape, "key 'from' has an empty list; write  from: [left, right]"));
+    }
+    return senders;
+  }
+
   /// {from: a.out, to: b.in, width: 2, delay: 5 ms}
-  ExperimentConnection read_arrow(const YAML::Node& node) {
+  std::vector<ExperimentConnection> read_arrow(const YAML::Node& node) {
     const Section arrow(file_.path, "connection", node, names_of(connection_parameters()));
-    ExperimentConnection connection{arrow.text("from", "scan"), arrow.text("to", "encoder"), 0, {},
-                                    arrow.where("to"),          arrow.where("from")};
-    experiment_text::check_end(connection.from, arrow.where("from"));
-    experiment_text::check_end(connection.to, arrow.where("to"));
-    if (arrow.has("width")) {
-      connection.width =
-          experiment_text::read_width(arrow.text("width", "100"), arrow.where("width"));
+    std::vector<ExperimentConnection> connections = read_from(arrow.at("from", "scan"));
+    for (ExperimentConnection& connection : connections) {
+      connection.to = arrow.text("to", "encoder");
+      connection.where = arrow.where("to");
+      experiment_text::check_end(connection.to, connection.where);
+      if (arrow.has("width")) {
+        connection.width =
+            experiment_text::read_width(arrow.text("width", "100"), arrow.where("width"));
+      }
+      if (arrow.has("delay")) {
+        connection.delay = {arrow.text("delay", "5 ms"), arrow.where("delay")};
+      }
     }
-    if (arrow.has("delay")) {
-      connection.delay = {arrow.text("delay", "5 ms"), arrow.where("delay")};
-    }
-    return connection;
+    return connections;
   }
 
   void read_connection(const YAML::Node& item) {
     if (item.IsMap()) {
-      file_.connections.push_back(read_arrow(item));
+      const std::vector<ExperimentConnection> arrow = read_arrow(item);
+      file_.connections.insert(file_.connections.end(), arrow.begin(), arrow.end());
     } else if (!item.IsScalar()) {
       throw ConfigurationError(
           place(file_.path, item),

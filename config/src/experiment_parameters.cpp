@@ -136,7 +136,10 @@ std::vector<ParameterDescription> camera_parameters() {
 }
 
 std::vector<ParameterDescription> connection_parameters() {
-  return {{.name = "from", .type = ParameterType::text, .text = "Sender: NODE or NODE.PORT"},
+  return {{.name = "from",
+           .type = ParameterType::text,
+           .text = "Sender: NODE or NODE.PORT; or several: [a, b] with channels one after another, "
+                   "a + b for the sum"},
           {.name = "to", .type = ParameterType::text, .text = "Receiver: NODE or NODE.PORT"},
           {.name = "width",
            .type = ParameterType::integer,

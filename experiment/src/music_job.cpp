@@ -285,6 +285,14 @@ class Writer : JobWriter {
   }
 
   void write_connection(const Connection& connection) {
+    if (connection.combination != Combination::alone) {
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::layout,
+                    "input '{}' has several senders, which an exported job does not support; "
+                    "connect one output to each input",
+                    connection.to));
+    }
     MusicConnection written{node_of(connection.from),
                             port_of(connection.from),
                             node_of(connection.to),

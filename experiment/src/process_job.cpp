@@ -110,11 +110,12 @@ class ProcessWriter : JobWriter {
     const std::string from = process_of(experiment_, node_of(edge.from));
     const std::string to = process_of(experiment_, node_of(edge.to));
     const bool to_simulator = is_simulator_end(experiment_, edge.to);
-    // One output that several nodes of a process take from is one connection of MUSIC's.
-    if (from == to || (!to_simulator && !taken_.insert({edge.from, to}).second)) {
+    const std::string& end = to_simulator ? edge.to : edge.from;
+    // One output that several nodes of a process take from is one connection of MUSIC's; so is an
+    // input of a simulator whose senders the sending process combines.
+    if (from == to || !taken_.insert({end, to}).second) {
       return;
     }
-    const std::string& end = to_simulator ? edge.to : edge.from;
     const std::string name = process_port(end);
     if (const auto known = ports_.emplace(name, end).first; known->second != end) {
       throw ConfigurationError(
@@ -128,7 +129,7 @@ class ProcessWriter : JobWriter {
          is_simulator_end(experiment_, edge.from) ? port_of(edge.from) : name,
          to,
          to_simulator ? port_of(edge.to) : name,
-         edge.width,
+         to_simulator ? experiment_.width(node_of(edge.to), port_of(edge.to)) : edge.width,
          {},
          {},
          edge.where});
@@ -139,6 +140,7 @@ class ProcessWriter : JobWriter {
     if (!is_simulator_end(experiment_, connection.to)) {
       return;
     }
+    check_combination(connection);
     const std::uint32_t delay = connection.delay_ticks.value_or(0);
     const std::uint32_t least = music_delay(experiment_, connection);
     const bool waits = !is_simulator_end(experiment_, connection.from);
@@ -152,6 +154,33 @@ class ProcessWriter : JobWriter {
                   "the inputs '{}' and '{}' have different delays, and a simulator waits for all "
                   "of its inputs as long as for those from another one; write {}[delay {}]",
                   first->to, connection.to, waits ? "at least " : "", format_ticks(least)));
+  }
+
+  /// The graph of the sending process combines what a simulator's input takes.
+  void check_combination(const Connection& connection) const {
+    if (connection.combination == Combination::alone) {
+      return;
+    }
+    const auto first = std::ranges::find(experiment_.connections, connection.to, &Connection::to);
+    const std::string process = process_of(experiment_, node_of(first->from));
+    const std::string other = process_of(experiment_, node_of(connection.from));
+    if (process != other) {
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::layout,
+                    "'{}' and '{}' are in the processes '{}' and '{}', and the senders of one "
+                    "input of a simulator must be in one process; put them into one process, or "
+                    "put another node before '{}'",
+                    first->from, connection.from, process, other, connection.to));
+    }
+    if (is_simulator_end(experiment_, connection.from)) {
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::layout,
+                    "'{}' and '{}' are outputs of a simulator, and no graph combines them before "
+                    "'{}', which is an input of another one; put another node between them",
+                    first->from, connection.from, connection.to));
+    }
   }
 
   void check_joined() const {
@@ -179,7 +208,7 @@ class ProcessWriter : JobWriter {
             "fused layout, and MUSIC would wait forever; connect them, or use --layout separate"));
   }
 
-  std::set<std::pair<std::string, std::string>> taken_;  ///< an output, and the process it goes to
+  std::set<std::pair<std::string, std::string>> taken_;  ///< an end, and the process it goes to
   std::set<std::string> joined_;
   std::map<std::string, std::string> ports_;  ///< their ends by their names
 };

@@ -105,8 +105,13 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
         })) {
       ticks = 1;  // something was meant: a cycle that it is part of has a delay
     }
-    description.connections.push_back({connection.from, connection.to, connection.width, ticks,
-                                       connection.where, connection.where_from});
+    description.connections.push_back({.from = connection.from,
+                                       .to = connection.to,
+                                       .width = connection.width,
+                                       .delay_ticks = ticks,
+                                       .where = connection.where,
+                                       .where_from = connection.where_from,
+                                       .combination = connection.combination});
   }
   return description;
 }
@@ -115,9 +120,14 @@ void take_connections(const GraphPlan& plan, const ExperimentFile& file,
                       const GraphDescription& graph, Experiment& experiment) {
   for (std::size_t i = 0; i < plan.connections.size(); ++i) {
     const PlannedConnection& planned = plan.connections[i];
-    Connection connection{
-        plan.text(planned.from),       plan.text(planned.to), plan.port(planned.from).kind,
-        plan.port(planned.from).width, std::nullopt,          planned.where};
+    Connection connection{plan.text(planned.from),
+                          plan.text(planned.to),
+                          plan.port(planned.from).kind,
+                          plan.port(planned.from).width,
+                          std::nullopt,
+                          planned.where,
+                          planned.channels,
+                          planned.combination};
     if (!file.connections[i].delay.text.empty()) {
       connection.delay_ticks = graph.connections[i].delay_ticks;
     }

@@ -238,17 +238,21 @@ Json node(const std::vector<std::string>& names) {
 
 Json connections() {
   const std::string end = R"([A-Za-z0-9_]+(\.[A-Za-z0-9_]+)?)";
+  const std::string senders = fmt::format("{0}(( *, *{0})*|( *\\+ *{0})*)", end);
   const std::string station = fmt::format(R"( *{}( *\[[^\[\]]*\])? *)", end);
   Json map = object_of(connection_parameters());
   map["properties"]["delay"]["pattern"] =
       fmt::format("^{} *(ticks?|{})$", kDigits, fmt::join(units_like("s"), "|"));
   map["properties"]["delay"]["type"] = "string";
-  for (const char* key : {"from", "to"}) {
-    map["properties"][key]["type"] = "string";
-    map["properties"][key]["pattern"] = fmt::format("^{}$", end);
-  }
+  const auto text_like = [](const std::string& pattern) {
+    return Json{{"type", "string"}, {"pattern", fmt::format("^{}$", pattern)}};
+  };
+  map["properties"]["to"].update(text_like(end));
+  map["properties"]["from"].erase("type");
+  map["properties"]["from"]["anyOf"] = {
+      text_like(senders), {{"type", "array"}, {"minItems", 1}, {"items", text_like(end)}}};
   const Json line{{"type", "string"},
-                  {"pattern", fmt::format("^ *{}( *->{})+$", end, station)},
+                  {"pattern", fmt::format("^ *{}( *->{})+$", senders, station)},
                   {"description", "scan -> encoder [100] -> brain [100, delay 5 ms]"}};
   return {{"type", "array"},
           {"minItems", 1},

@@ -177,7 +177,13 @@ void Assembly::add_edge(const Connection& edge) {
 
 void Assembly::connect(const std::string& from, const std::string& to, const Connection& edge,
                        std::uint32_t delay) {
-  description_.connections.push_back({from, to, edge.width, delay, edge.where});
+  description_.connections.push_back({.from = from,
+                                      .to = to,
+                                      .delay_ticks = delay,
+                                      .where = edge.where,
+                                      .channels = edge.channels,
+                                      .combination = edge.combination,
+                                      .sender_width = edge.width});
 }
 
 /// What does not pass of its delay outside.
@@ -208,12 +214,17 @@ void Assembly::send(const Connection& edge) {
   const bool to_simulator = is_simulator_end(experiment_, edge.to);
   const std::string& end = to_simulator ? edge.to : edge.from;
   const std::string element = element_of(end) + std::string(to_simulator ? "" : kSent);
-  if (outside_.insert(element).second) {
+  const bool is_new = outside_.insert(element).second;
+  if (is_new) {
     sinks_.push_back(others_->sink(edge));
     description_.sinks.push_back({element, sinks_.back().get()});
-    // Into another graph it waits there.
-    connect(edge.from, fmt::format("{}.{}", element, experiment::port_of(end)), edge,
-            to_simulator ? waiting(edge) : 0);
+  }
+  const std::string to = fmt::format("{}.{}", element, experiment::port_of(end));
+  if (to_simulator) {
+    connect(edge.from, to, edge, waiting(edge));
+  } else if (is_new) {
+    // All channels, once for all receivers; in their graph it waits and is combined.
+    description_.connections.push_back({edge.from, to, edge.width, 0, edge.where});
   }
 }
 

@@ -26,6 +26,21 @@ std::string written_text(const experiment::Node& node, const std::string& name) 
   return parameter == declared.end() ? "" : parameter->default_value.value_or("");
 }
 
+json connections_json(const experiment::Experiment& experiment) {
+  json connections = json::array();
+  for (const auto& connection : experiment.connections) {
+    connections.push_back({{"from", connection.from},
+                           {"to", connection.to},
+                           {"width", connection.width},
+                           {"delay_ticks", connection.delay_ticks.value_or(0)}});
+    if (connection.combination != Combination::alone) {
+      const bool adds = connection.combination == Combination::added;
+      connections.back()["combination"] = adds ? "added" : "appended";
+    }
+  }
+  return connections;
+}
+
 json robot_json(const experiment::Robot& robot) {
   if (!robot.bag.empty()) {
     return {{"bag", robot.bag}};
@@ -59,13 +74,6 @@ json resolved_json(const experiment::Experiment& experiment) {
     }
     nodes[node.name] = keys;
   }
-  json connections = json::array();
-  for (const auto& connection : experiment.connections) {
-    connections.push_back({{"from", connection.from},
-                           {"to", connection.to},
-                           {"width", connection.width},
-                           {"delay_ticks", connection.delay_ticks.value_or(0)}});
-  }
   json result{{"experiment", experiment.name},
               {"tick_ns", experiment.tick},
               {"seed", experiment.seed},
@@ -75,7 +83,7 @@ json resolved_json(const experiment::Experiment& experiment) {
               {"real_time_factor", experiment.real_time_factor},
               {"ros", experiment::name_of(experiment.ros)},
               {"layout", name_of(experiment.layout)},
-              {"connections", connections},
+              {"connections", connections_json(experiment)},
               {"settings", json::parse(to_text(experiment.settings))}};
   result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
   if (experiment.robot) {

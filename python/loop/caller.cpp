@@ -86,7 +86,9 @@ std::unique_ptr<Source> Caller::source(const experiment::Connection& edge) {
 }
 
 std::unique_ptr<Sink> Caller::sink(const experiment::Connection& edge) {
-  return observe(edge.to, edge.kind, edge.width);
+  const std::uint32_t width =
+      experiment_.width(experiment::node_of(edge.to), experiment::port_of(edge.to));
+  return observe(edge.to, edge.kind, width);
 }
 
 std::unique_ptr<Sink> Caller::observe(const std::string& end, PortKind kind, std::uint32_t width) {

@@ -29,6 +29,10 @@ nodes:
 connections:
   - scan -> encoder [3] -> brain.in [ 3, delay 2 ticks ] -> decoder -> wheels [2]
   - {from: odom.out, to: smooth, width: 1, delay: 1.5 ms}
+  - scan, odom.out, scan -> first [3] -> second
+  - scan + odom -> third
+  - {from: [scan, odom.out], to: fourth}
+  - {from: scan + odom, to: fifth}
 ros: 1
 """
 
@@ -70,6 +74,10 @@ WRONG = [
     ("  smooth:", "  smo-oth:"),
     ("scan -> encoder [3]", "scan => encoder [3]"),
     ("scan -> encoder [3]", "scan [3] -> encoder"),
+    ("scan, odom.out, scan", "scan, odom.out + scan"),
+    ("scan, odom.out, scan", "scan, odom.out,"),
+    ("[scan, odom.out]", "[]"),
+    ("[scan, odom.out]", "[scan + odom]"),
     ("width: 1", "width: 0"),
     ("to: smooth", "too: smooth"),
     ("delay: 1.5 ms", "delay: 1.5"),

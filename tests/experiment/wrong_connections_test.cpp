@@ -243,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan.out.x, to: encoder}\n"}},
                   {"x.yaml:13:12: 'scan.out.x' is neither a node nor NODE.PORT; write for example  "
-                   "encoder.out [SL0301]"}},
+                   "left, right.out  or  left + right.out [SL0301]"}},
         WrongFile{"connection that is a list",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - [scan, "

@@ -26,6 +26,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/error_handler.hpp"
+#include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop {
@@ -39,14 +40,16 @@ struct ExperimentNode {
   std::map<std::string, Location> places{};  ///< of the keys, not of their values
 };
 
-/// One arrow.
+/// One arrow; or of an arrow with several senders, as `left, right -> brain`, that of one of them.
 struct ExperimentConnection {
   std::string from;  ///< "scan" or "scan.out"
   std::string to;
-  std::uint32_t width = 0;  ///< 0: not written
+  std::uint32_t width = 0;  ///< of the receiver's port; 0: not written
   WrittenValue delay{};     ///< "5 ms" or "2 ticks"; an empty text: none
   Location where;           ///< of the arrow's target
   Location where_from{};    ///< of its source
+  /// Of an arrow with several senders: not `alone` but for the first one, which comes before.
+  Combination combination = Combination::alone;
 };
 
 struct ExperimentFile {

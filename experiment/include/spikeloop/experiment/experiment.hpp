@@ -51,13 +51,16 @@ struct Node {
   Location where;
 };
 
+/// What goes from an output to an input. Those to one input stand one after another.
 struct Connection {
   std::string from;  ///< "encoder.out"
   std::string to;
   PortKind kind = PortKind::signal;
-  std::uint32_t width = 0;
+  std::uint32_t width = 0;                   ///< of the sender's port
   std::optional<std::uint32_t> delay_ticks;  ///< as written
   Location where;
+  ChannelRange channels{};  ///< of the sender's that the input takes
+  Combination combination = Combination::alone;
 };
 
 /// "encoder" and "out" of "encoder.out"; "encoder" alone is a node's name, too.
