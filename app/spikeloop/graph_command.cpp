@@ -80,8 +80,11 @@ Box box_of(const Node& node) {
 
 std::string label_of(const Connection& connection, TimeNs tick) {
   const bool delayed = connection.delay_ticks.value_or(0) > 0;
-  return fmt::format("[{}{}]", connection.width,
-                     delayed ? ", delay " + format_time(*connection.delay_ticks * tick) : "");
+  const std::string channels = connection.channels.text();  // with brackets
+  return fmt::format(
+      "[{}{}]",
+      channels.empty() ? std::to_string(connection.width) : channels.substr(1, channels.size() - 2),
+      delayed ? ", delay " + format_time(*connection.delay_ticks * tick) : "");
 }
 
 Diagram diagram_of(const Experiment& experiment) {

@@ -17,6 +17,9 @@ namespace {
 constexpr const char* kExample =
     "write for example  scan -> encoder [100] -> brain [100, delay 5 ms]";
 constexpr const char* kSenders = "write for example  left, right.out  or  left + right.out";
+constexpr const char* kRange =
+    "write the first channel, counted from 0, and the one behind the last, as  [0:50],  or one "
+    "channel, as  [7]";
 constexpr std::string_view kBlank = " \t";
 
 /// A part of a line, and where it begins in the line.
@@ -57,18 +60,75 @@ bool is_end(std::string_view text) {
          (dot == std::string_view::npos || is_name(text.substr(dot + 1)));
 }
 
-std::optional<std::uint32_t> width_of(std::string_view text) {
-  std::uint32_t width = 0;
+std::optional<std::uint32_t> number_of(std::string_view text) {
+  std::uint32_t number = 0;
   const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, width);
-  const bool good = parsed.ec == std::errc() && parsed.ptr == end && width > 0;
-  return good && width <= kMaximumChannels ? std::optional(width) : std::nullopt;
+  const auto parsed = std::from_chars(text.data(), end, number);
+  const bool good = parsed.ec == std::errc() && parsed.ptr == end;
+  return good && number <= kMaximumChannels ? std::optional(number) : std::nullopt;
 }
 
-/// Something in the text of a connection is not right.
-[[noreturn]] void fail_at(Location where, std::size_t offset, const std::string& message) {
+std::optional<std::uint32_t> width_of(std::string_view text) {
+  const auto width = number_of(text);
+  return width && *width > 0 ? width : std::nullopt;
+}
+
+/// "[0:50]", "[50:]", "[:50]", "[7]", as in Python.
+std::optional<ChannelRange> range_of(std::string_view text) {
+  if (text.size() < 3 || text.front() != '[' || text.back() != ']' || text == "[:]") {
+    return std::nullopt;
+  }
+  const std::string_view inside = text.substr(1, text.size() - 2);
+  const auto colon = inside.find(':');
+  if (colon == std::string_view::npos) {
+    const auto channel = number_of(inside);
+    return channel ? std::optional(ChannelRange{*channel, *channel + 1}) : std::nullopt;
+  }
+  const std::string_view last = inside.substr(colon + 1);
+  const auto begin = colon == 0 ? 0 : number_of(inside.substr(0, colon));
+  const auto end = last.empty() ? 0 : number_of(last);
+  const bool good = begin && end && (last.empty() || *begin < *end);
+  return good ? std::optional(ChannelRange{*begin, *end}) : std::nullopt;
+}
+
+/// The place of a part of a text that begins at `where`.
+Location place_in(Location where, std::size_t offset) {
   where.column += where.line > 0 ? static_cast<int>(offset) : 0;
-  throw ConfigurationError(where, message);
+  return where;
+}
+[[noreturn]] void fail_at(const Location& where, std::size_t offset, const std::string& message) {
+  throw ConfigurationError(place_in(where, offset), message);
+}
+
+/// One of "left, right.out[0:50]".
+ExperimentConnection sender_of(const Piece& piece, const Location& where) {
+  const auto bracket = piece.text.find('[');
+  const std::string_view name = piece.text.substr(0, bracket);
+  if (name.ends_with(' ') || name.ends_with('\t')) {
+    fail_at(where, piece.begin + bracket,
+            with_code(Code::unknown_width,
+                      "a sender has no width; write the width behind the receiver, as  scan -> "
+                      "encoder [100],  and a part of the sender's channels without a blank, as  "
+                      "scan[0:50] -> encoder"));
+  }
+  if (!is_end(name)) {
+    fail_at(
+        where, piece.begin,
+        with_code(Code::unknown_node, "'{}' is neither a node nor NODE.PORT; {}", name, kSenders));
+  }
+  ExperimentConnection sender;
+  sender.from = name;
+  sender.where_from = place_in(where, piece.begin);
+  if (bracket != std::string_view::npos) {
+    const auto range = range_of(piece.text.substr(bracket));
+    if (!range) {
+      fail_at(where, piece.begin + bracket,
+              with_code(Code::syntax, "'{}' is not a range of channels; {}",
+                        piece.text.substr(bracket), kRange));
+    }
+    sender.channels = *range;
+  }
+  return sender;
 }
 
 class Line {
@@ -104,11 +164,7 @@ class Line {
   }
 
  private:
-  Location place(std::size_t offset) const {
-    Location where = where_;
-    where.column += where.line > 0 ? static_cast<int>(offset) : 0;
-    return where;
-  }
+  Location place(std::size_t offset) const { return place_in(where_, offset); }
   [[noreturn]] void fail(std::size_t offset, const std::string& message) const {
     fail_at(where_, offset, message);
   }
@@ -119,11 +175,6 @@ class Line {
   std::vector<ExperimentConnection> first_senders(const Piece& station) const {
     if (station.text.empty()) {
       fail_without_node(station);
-    }
-    if (const auto bracket = station.text.find('['); bracket != std::string_view::npos) {
-      fail(station.begin + bracket,
-           with_code(Code::unknown_width, "the first node of a connection has no width; {}",
-                     kExample));
     }
     return read_senders(std::string(station.text), place(station.begin));
   }
@@ -182,6 +233,13 @@ class Line {
       return;
     }
     const auto width = width_of(item.text);
+    if (!width && item.text.find(':') != std::string_view::npos) {
+      fail(item.begin,
+           with_code(Code::unknown_width,
+                     "'{}' is neither a width nor a delay; channels are selected where a line "
+                     "begins, as  scan[0:50] -> encoder [50]",
+                     item.text));
+    }
     if (!width) {
       fail(item.begin,
            with_code(Code::unknown_width, "'{}' is neither a width from 1 to {} nor a delay; {}",
@@ -218,18 +276,10 @@ std::vector<ExperimentConnection> read_senders(const std::string& text, const Lo
               with_code(Code::syntax, "a sender is missing beside '{}'; {}", adds ? '+' : ',',
                         kSenders));
     }
-    if (!is_end(piece.text)) {
-      fail_at(where, piece.begin,
-              with_code(Code::unknown_node, "'{}' is neither a node nor NODE.PORT; {}", piece.text,
-                        kSenders));
-    }
-    ExperimentConnection& sender = senders.emplace_back();
-    sender.from = piece.text;
-    sender.where_from = where;
-    sender.where_from.column += where.line > 0 ? static_cast<int>(piece.begin) : 0;
-    sender.combination = senders.size() == 1 ? Combination::alone
-                         : adds              ? Combination::added
-                                             : Combination::appended;
+    senders.push_back(sender_of(piece, where));
+    senders.back().combination = senders.size() == 1 ? Combination::alone
+                                 : adds              ? Combination::added
+                                                     : Combination::appended;
   }
   return senders;
 }

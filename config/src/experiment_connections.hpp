@@ -15,7 +15,7 @@ namespace spikeloop::experiment_text {
 void read_connections(const std::string& text, const Location& where,
                       std::vector<ExperimentConnection>& connections);
 
-/// The senders of "scan", "left, right.out" or "a + b": connections that lead nowhere yet.
+/// The senders of "scan", "left, right.out[0:50]" or "a + b": connections that lead nowhere yet.
 /// @throws ConfigurationError at the place of what cannot be read.
 std::vector<ExperimentConnection> read_senders(const std::string& text, const Location& where);
 

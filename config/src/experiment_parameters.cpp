@@ -136,21 +136,23 @@ std::vector<ParameterDescription> camera_parameters() {
 }
 
 std::vector<ParameterDescription> connection_parameters() {
-  return {{.name = "from",
-           .type = ParameterType::text,
-           .text = "Sender: NODE or NODE.PORT; or several: [a, b] with channels one after another, "
-                   "a + b for the sum"},
-          {.name = "to", .type = ParameterType::text, .text = "Receiver: NODE or NODE.PORT"},
-          {.name = "width",
-           .type = ParameterType::integer,
-           .default_value = "",
-           .minimum = 1,
-           .maximum = kMaximumChannels,
-           .text = "Number of channels; not given: derived from the nodes and other connections"},
-          {.name = "delay",
-           .type = ParameterType::text,
-           .default_value = "",
-           .text = "Time or number of ticks: 5 ms, 2 ticks; a cycle needs a delay"}};
+  return {
+      {.name = "from",
+       .type = ParameterType::text,
+       .text =
+           "Sender: NODE or NODE.PORT; some of its channels: \"a[0:50]\"; several senders: [a, b] "
+           "with channels one after another, a + b for the sum"},
+      {.name = "to", .type = ParameterType::text, .text = "Receiver: NODE or NODE.PORT"},
+      {.name = "width",
+       .type = ParameterType::integer,
+       .default_value = "",
+       .minimum = 1,
+       .maximum = kMaximumChannels,
+       .text = "Number of channels; not given: derived from the nodes and other connections"},
+      {.name = "delay",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text = "Time or number of ticks: 5 ms, 2 ticks; a cycle needs a delay"}};
 }
 
 }  // namespace spikeloop

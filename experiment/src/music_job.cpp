@@ -293,6 +293,14 @@ class Writer : JobWriter {
                     "connect one output to each input",
                     connection.to));
     }
+    if (!connection.channels.all()) {
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::layout,
+                    "'{}' takes {} of '{}', and an exported job has no slices; connect all "
+                    "channels",
+                    connection.to, connection.channels.text(), connection.from));
+    }
     MusicConnection written{node_of(connection.from),
                             port_of(connection.from),
                             node_of(connection.to),

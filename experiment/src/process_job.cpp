@@ -158,6 +158,15 @@ class ProcessWriter : JobWriter {
 
   /// The graph of the sending process combines what a simulator's input takes.
   void check_combination(const Connection& connection) const {
+    const bool from_simulator = is_simulator_end(experiment_, connection.from);
+    if (from_simulator && !connection.channels.all()) {
+      throw ConfigurationError(
+          connection.where,
+          with_code(Code::layout,
+                    "no graph selects the channels of '{}' before '{}', which is an input of "
+                    "another simulator; put another node between them",
+                    connection.from, connection.to));
+    }
     if (connection.combination == Combination::alone) {
       return;
     }
@@ -173,7 +182,7 @@ class ProcessWriter : JobWriter {
                     "put another node before '{}'",
                     first->from, connection.from, process, other, connection.to));
     }
-    if (is_simulator_end(experiment_, connection.from)) {
+    if (from_simulator) {
       throw ConfigurationError(
           connection.where,
           with_code(Code::layout,

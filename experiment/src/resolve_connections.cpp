@@ -111,6 +111,7 @@ GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experime
                                        .delay_ticks = ticks,
                                        .where = connection.where,
                                        .where_from = connection.where_from,
+                                       .channels = connection.channels,
                                        .combination = connection.combination});
   }
   return description;

@@ -238,7 +238,8 @@ Json node(const std::vector<std::string>& names) {
 
 Json connections() {
   const std::string end = R"([A-Za-z0-9_]+(\.[A-Za-z0-9_]+)?)";
-  const std::string senders = fmt::format("{0}(( *, *{0})*|( *\\+ *{0})*)", end);
+  const std::string sender = end + R"((\[([0-9]+|[0-9]+:[0-9]*|:[0-9]+)\])?)";
+  const std::string senders = fmt::format("{0}(( *, *{0})*|( *\\+ *{0})*)", sender);
   const std::string station = fmt::format(R"( *{}( *\[[^\[\]]*\])? *)", end);
   Json map = object_of(connection_parameters());
   map["properties"]["delay"]["pattern"] =
@@ -250,7 +251,7 @@ Json connections() {
   map["properties"]["to"].update(text_like(end));
   map["properties"]["from"].erase("type");
   map["properties"]["from"]["anyOf"] = {
-      text_like(senders), {{"type", "array"}, {"minItems", 1}, {"items", text_like(end)}}};
+      text_like(senders), {{"type", "array"}, {"minItems", 1}, {"items", text_like(sender)}}};
   const Json line{{"type", "string"},
                   {"pattern", fmt::format("^ *{}( *->{})+$", senders, station)},
                   {"description", "scan -> encoder [100] -> brain [100, delay 5 ms]"}};

@@ -33,6 +33,10 @@ json connections_json(const experiment::Experiment& experiment) {
                            {"to", connection.to},
                            {"width", connection.width},
                            {"delay_ticks", connection.delay_ticks.value_or(0)}});
+    if (const ChannelRange& channels = connection.channels; !channels.all()) {
+      const std::uint32_t end = channels.begin + channels.count(connection.width);
+      connections.back()["channels"] = {channels.begin, end};
+    }
     if (connection.combination != Combination::alone) {
       const bool adds = connection.combination == Combination::added;
       connections.back()["combination"] = adds ? "added" : "appended";

@@ -31,7 +31,9 @@ connections:
   - {from: odom.out, to: smooth, width: 1, delay: 1.5 ms}
   - scan, odom.out, scan -> first [3] -> second
   - scan + odom -> third
-  - {from: [scan, odom.out], to: fourth}
+  - scan[0:50], odom.out[7] -> sixth
+  - scan[:5] + scan[5:] -> seventh [5]
+  - {from: [scan, "odom.out[0:2]"], to: fourth}
   - {from: scan + odom, to: fifth}
 ros: 1
 """
@@ -76,8 +78,11 @@ WRONG = [
     ("scan -> encoder [3]", "scan [3] -> encoder"),
     ("scan, odom.out, scan", "scan, odom.out + scan"),
     ("scan, odom.out, scan", "scan, odom.out,"),
-    ("[scan, odom.out]", "[]"),
-    ("[scan, odom.out]", "[scan + odom]"),
+    ('[scan, "odom.out[0:2]"]', "[]"),
+    ('[scan, "odom.out[0:2]"]', "[scan + odom]"),
+    ("scan[0:50]", "scan[0-50]"),
+    ("scan[0:50]", "scan[0:50:2]"),
+    ("scan[:5]", "scan[:]"),
     ("width: 1", "width: 0"),
     ("to: smooth", "too: smooth"),
     ("delay: 1.5 ms", "delay: 1.5"),

@@ -111,6 +111,10 @@ TEST_F(Senders, SaysWhatIsWrong) {
   EXPECT_THAT(faults("  - left + right + left -> brain [5]\n"),
               ElementsAre("x.yaml:12:28: widths differ: 'left.out' has 3 channels, 'brain.in' has "
                           "5, the connection says [5] [SL0306]"));
+  EXPECT_THAT(
+      faults("  - right + left[0:2] -> brain\n"),
+      ElementsAre("x.yaml:12:26: widths differ: 'right.out' has 3 channels, 'brain.in' has 2 "
+                  "[SL0306]"));
   EXPECT_THAT(faults("  - left, rigth -> brain\n"),
               ElementsAre("x.yaml:12:11: unknown node 'rigth'; did you mean 'right'? [SL0301]"));
   EXPECT_THAT(faults("  - left, scan -> brain\n"),
@@ -138,11 +142,64 @@ TEST_F(Senders, SaysWhatIsWrong) {
                           "1000000; write a multiple of the tick, 1 ms [SL0310]"));
 }
 
+TEST_F(Senders, GiveSomeOfTheirChannelsAsInPython) {
+  const auto channels = [&](const std::string& sender) {
+    return into(good("  - " + sender + " -> brain\n"), "brain.in").front();
+  };
+  EXPECT_EQ(channels("left[0:2]"), "left.out[0:2]");
+  EXPECT_EQ(channels("left.out[:2]"), "left.out[0:2]");
+  EXPECT_EQ(channels("left[1:]"), "left.out[1:]");
+  EXPECT_EQ(channels("left[2]"), "left.out[2]");
+  EXPECT_EQ(channels("left[0:3]"), "left.out[0:3]");
+  const Experiment experiment = good("  - left[1:], right[0] -> brain [3, delay 1 tick]\n");
+  EXPECT_THAT(into(experiment, "brain.in"), ElementsAre("left.out[1:] 1", ", right.out[0] 1"));
+  EXPECT_EQ(experiment.width("brain", "in"), 3U);
+  EXPECT_EQ(experiment.width("left", "out"), 3U);
+  EXPECT_THAT(into(good("  - {from: [left, \"right[0:2]\"], to: brain, width: 5}\n"), "brain.in"),
+              ElementsAre("left.out", ", right.out[0:2]"));
+  EXPECT_THAT(into(good("  - {from: \"left[0] + right[2]\", to: brain}\n"), "brain.in"),
+              ElementsAre("left.out[0]", "+ right.out[2]"));
+}
+
+TEST_F(Senders, SaysWhatIsWrongWithChannels) {
+  EXPECT_THAT(faults("  - right, left[1:5] -> brain\n"),
+              ElementsAre("x.yaml:12:12: 'left.out' has 3 channels, counted from 0, and [1:5] is "
+                          "not within them; write for example  [0:3] [SL0203]"));
+  EXPECT_THAT(faults("  - left[3] -> brain\n"),
+              ElementsAre("x.yaml:12:5: 'left.out' has 3 channels, counted from 0, and [3] is not "
+                          "within them; write for example  [0:3] [SL0203]"));
+  EXPECT_THAT(faults("  - left[0:2] -> brain [3]\n"),
+              ElementsAre("x.yaml:12:18: widths differ: 'left.out[0:2]' has 2 channels, 'brain.in' "
+                          "has 3, the connection says [3] [SL0306]"));
+  for (const char* range : {"[2:1]", "[1:1]", "[-1]", "[0:2:1]", "[:]", "[]", "[a]", "[0 :2]",
+                            "[0:2", "[99999999]", "[0:2]]", "[0:]0"}) {
+    EXPECT_THAT(faults(std::string("  - left") + range + " -> brain\n"),
+                ElementsAre(std::string("x.yaml:12:9: '") + range +
+                            "' is not a range of channels; write the first channel, counted from "
+                            "0, and the one behind the last, as  [0:50],  or one channel, as  [7] "
+                            "[SL0101]"));
+  }
+  EXPECT_THAT(faults("  - left -> brain [0:2]\n"),
+              ElementsAre("x.yaml:12:20: '0:2' is neither a width nor a delay; channels are "
+                          "selected where a line begins, as  scan[0:50] -> encoder [50] [SL0307]"));
+  std::string text = kTwo;
+  text.replace(text.find("  - scan -> left [3]\n"), 21, "  - scan[0:3] -> left\n");
+  text.replace(text.find("  - scan -> right\n"), 18, "");
+  const Files files(text + "  - left, left -> brain\n");
+  EXPECT_THAT(read(files, types_).faults,
+              testing::Contains("x.yaml:10:5: the width of 'scan.out' is unknown; write it in a "
+                                "connection of all its channels:  scan.out -> NODE [10] [SL0307]"));
+}
+
 TEST_F(Senders, AnExportedJobHasNone) {
   const Experiment experiment = good("  - left, right -> brain\n");
   EXPECT_EQ(refusal([&] { experiment::music_job(experiment, "out"); }),
             "x.yaml:12:20: input 'brain.in' has several senders, which an exported job does not "
             "support; connect one output to each input [SL0601]");
+  const Experiment slice = good("  - left[1:] -> brain\n");
+  EXPECT_EQ(refusal([&] { experiment::music_job(slice, "out"); }),
+            "x.yaml:12:17: 'brain.in' takes [1:] of 'left.out', and an exported job has no slices; "
+            "connect all channels [SL0601]");
 }
 
 /// brain is a script, in a process of its own.
@@ -167,11 +224,11 @@ class SendersOfASimulator : public Senders {
 
 TEST_F(SendersOfASimulator, AreOneConnectionOfMusic) {
   const Experiment experiment =
-      scripted("  - left, right -> brain [6]\n  - left + right -> other\n");
+      scripted("  - left, right -> brain [6]\n  - left[1:] + right[0:2] -> other\n");
   const MusicFile file = experiment::process_job(experiment, "", {}).file;
   EXPECT_NO_THROW(check_structure(file));
   EXPECT_THAT(to_text(file), HasSubstr("experiment.brain__in -> brain.in [6]\n"
-                                       "experiment.other__in -> other.in [3]\n"));
+                                       "experiment.other__in -> other.in [2]\n"));
 }
 
 TEST_F(SendersOfASimulator, AreInOneProcess) {
@@ -184,6 +241,10 @@ TEST_F(SendersOfASimulator, AreInOneProcess) {
             "x.yaml:14:26: 'brain.a' and 'brain.b' are outputs of a simulator, and no graph "
             "combines them before 'other.in', which is an input of another one; put another node "
             "between them [SL0601]");
+  EXPECT_EQ(job_refusal(scripted("  - left -> brain\n  - brain.a -> other.b [2]\n"
+                                 "  - brain.a[0] -> other [1]\n")),
+            "x.yaml:15:19: no graph selects the channels of 'brain.a' before 'other.in', which is "
+            "an input of another simulator; put another node between them [SL0601]");
 }
 
 }  // namespace senders

@@ -184,8 +184,9 @@ INSTANTIATE_TEST_SUITE_P(
                    "[100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"width before the first arrow",
                   {{"- scan ->", "- scan [3] ->"}},
-                  {"x.yaml:12:10: the first node of a connection has no width; write for example  "
-                   "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
+                  {"x.yaml:12:10: a sender has no width; write the width behind the receiver, as  "
+                   "scan -> encoder [100],  and a part of the sender's channels without a blank, "
+                   "as  scan[0:50] -> encoder [SL0307]"}},
         WrongFile{"bracket not closed",
                   {{"wheels [2]", "wheels [2"}},
                   {"x.yaml:12:63: '[2' has no closing bracket at its end; write for example  scan "

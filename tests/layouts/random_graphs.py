@@ -4,7 +4,7 @@
     random_graphs.py --spikeloop build/release/bin/spikeloop --graphs 100 --seed 1
 
 A graph is acyclic, 3 to 9 nodes long, driven by recordings of a robot's drive, with delays on all
-connections. Every spike of every node must be there in every layout, at the same time to 1 ns.
+connections, some of which have several senders or slices. Every spike of every node must be there in every layout, at the same time to 1 ns.
 """
 
 import argparse
@@ -56,6 +56,28 @@ def spike_consumer(rng, width):
     ))
 
 
+def random_senders(rng, ends, parts):
+    """What a connection comes from: its text, its senders, its kind and its width."""
+    first = rng.choice(sorted(ends))
+    kind, width = ends[first]
+    if not parts or rng.random() < 0.5:
+        return first, [first], kind, width
+    others = rng.choices(sorted(name for name in ends if ends[name][0] == kind), k=rng.randint(0, 2))
+    senders = [first, *others]
+    if rng.random() < 0.5:  # added: all as wide as the narrowest
+        least = rng.randint(1, min(ends[name][1] for name in senders))
+        begins = [rng.randint(0, ends[name][1] - least) for name in senders]
+        texts = [f"{name}[{begin}:{begin + least}]" for name, begin in zip(senders, begins)]
+        return " + ".join(texts), senders, kind, least
+    texts, total = [], 0
+    for name in senders:
+        begin, end = sorted(rng.sample(range(ends[name][1] + 1), 2))
+        whole = rng.random() < 0.5
+        texts.append(name if whole else f"{name}[{begin}:{end}]")
+        total += ends[name][1] if whole else end - begin
+    return ", ".join(texts), senders, kind, total
+
+
 def random_processes(rng, nodes, arrows, cyclic):
     """A list of lists of nodes, all of them joined; in a cycle of processes only when asked for."""
     for _ in range(100):
@@ -70,35 +92,36 @@ def random_processes(rng, nodes, arrows, cyclic):
     return [nodes]
 
 
-def random_experiment(rng, recording):
-    """The text of an experiment, whose layout has several processes."""
+def random_experiment(rng, recording, parts=True):
+    """The text of an experiment, whose layout has several processes. parts: some connections have several
+    senders or slices."""
     cyclic = rng.random() < 0.5
     nodes = {"scan": f"node: signal_playback, file: {recording}/scan.h5",
              "speed": f"node: signal_playback, file: {recording}/decoder.h5",
              "beams": f"node: spike_playback, file: {recording}/encoder.h5"}
     ends = {"scan": ("signal", 100), "speed": ("signal", 2), "beams": ("spikes", 10)}
     arrows = []
+    joins = []
     for i in range(rng.randint(3, 9)):
-        source = rng.choice(sorted(ends))
-        kind, width = ends[source]
+        text, senders, kind, width = random_senders(rng, ends, parts)
         keys, out_kind, out_width = (signal_consumer if kind == "signal" else spike_consumer)(rng, width)
         name = f"n{i}"
         nodes[name] = keys
         ends[name] = (out_kind, out_width)
         least = (3, 1) if cyclic else (1, 0)  # that processes in a cycle take
         delay = rng.randint(least[0 if kind == "signal" else 1], 5)
-        arrows.append((source, name, width, delay))
-    used = {end for arrow in arrows for end in arrow[:2]}
+        arrows.append((text, name, width, delay))
+        joins += [(sender, name) for sender in senders]
+    used = {end for join in joins for end in join}
     lines = [f"experiment: random\nduration: {DURATION_S} s\ntick: {rng.choice(TICKS)}",
              f"seed: {rng.randint(0, 10**9)}\nsync: unpaced\nnodes:"]
     lines += [f"  {name}: {{{keys}}}" for name, keys in nodes.items() if name in used]
     lines.append("connections:")
-    for source, name, width, delay in arrows:
-        lines.append(f"  - {source} -> {name} [{width}, delay {delay} ticks]")
-    # A node nobody reads has outputs as wide as its parameters say: give every leaf a reader.
+    for text, name, width, delay in arrows:
+        lines.append(f"  - {text} -> {name} [{width}, delay {delay} ticks]")
+    # The width of an output is known from a connection of all its channels: give each one.
     read = {arrow[0] for arrow in arrows}
     chain = [name for name in nodes if name in used]
-    joins = [arrow[:2] for arrow in arrows]
     for name in sorted(used - read):
         kind, width = ends[name]
         sink = f"end_{name}"

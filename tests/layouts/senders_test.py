@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Connections with several senders, in every layout, against numpy.
+"""Connections with several senders and with slices, in every layout, against numpy.
 
     senders_test.py --spikeloop build/release/bin/spikeloop
 
@@ -19,7 +19,7 @@ from random_graphs import DURATION_S, record_drive, run, spikes_of
 DELAY_NS = 3_000_000  # of all connections, and what a process in a cycle needs
 EXPERIMENT = """duration: {duration} s
 sync: unpaced
-layout: {{one: [scan, left, sum], two: [speed, right, row], three: [many, merged]}}
+layout: {{one: [scan, left, sum], two: [speed, right, row, few], three: [many, merged, part]}}
 nodes:
   scan: {{node: signal_playback, file: {drive}/scan.h5}}
   speed: {{node: signal_playback, file: {drive}/decoder.h5}}
@@ -29,7 +29,11 @@ nodes:
   sum: {{node: clip, min: -1000, max: 1000}}
   many: {{node: disturb_spikes}}
   merged: {{node: disturb_spikes}}
+  part: {{node: clip, min: -1000, max: 1000}}
+  few: {{node: disturb_spikes}}
 connections:
+  - scan[98:], speed[0] -> part [3, delay 3 ticks]
+  - right[1], left[0:2] -> few [delay 3 ms]
   - speed -> left [2, delay 3 ticks]
   - speed -> right [2, delay 3 ticks]
   - speed, scan, speed -> row [104, delay 3 ticks]
@@ -41,10 +45,12 @@ connections:
 ROWS = {
     "row": lambda of: np.hstack([of["speed"], of["scan"], of["speed"]]),
     "sum": lambda of: of["speed"] + of["speed"],
+    "part": lambda of: np.hstack([of["scan"][:, 98:], of["speed"][:, :1]]),
 }
 TRAINS = {
     "many": lambda of: [moved(of["left.out"], 0), moved(of["right.out"], 2), moved(of["left.out"], 4)],
     "merged": lambda of: [of["left.out"], of["right.out"]],
+    "few": lambda of: [moved(of["right.out"], 0, 1, 2), moved(of["left.out"], 1, 0, 2)],
 }
 
 

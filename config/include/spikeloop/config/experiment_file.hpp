@@ -48,6 +48,7 @@ struct ExperimentConnection {
   WrittenValue delay{};     ///< "5 ms" or "2 ticks"; an empty text: none
   Location where;           ///< of the arrow's target
   Location where_from{};    ///< of its source
+  ChannelRange channels{};  ///< of the sender: "scan[0:50]"
   /// Of an arrow with several senders: not `alone` but for the first one, which comes before.
   Combination combination = Combination::alone;
 };
