@@ -235,7 +235,6 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   RunLog log(folder.path());
   begin_log(log, experiment);
   launch::JobOptions options = job_options(arguments, experiment, folder.path());
-  options.run.record = arguments.record;
   options.translate = music.places;
   options.alone = !experiment::needs_music(experiment);
   const int exit_code = logged(log, [&] {
@@ -340,6 +339,7 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
   const Experiment experiment = experiment::with_layout_delays(written);
   std::map<std::string, std::string> keys{
       {"about", about_run(partners_of(experiment)).dump()},
+      {"record", arguments.record ? "true" : "false"},
       {"stall_timeout",
        fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
   if (!arguments.overrides.origin.empty()) {

@@ -73,6 +73,9 @@ std::string experiment_reference(const experiment::NodeTypes& types, bool markdo
                   "Robot that is simulated in this process, or a bag that replaces it: write  "
                   "simulator  or  bag.",
                   parameter_text(robot_parameters()), markdown);
+  text +=
+      section("nodes", "Keys of every node, beside  node  or  simulator  and those of its class.",
+              parameter_text(node_parameters()), markdown);
   text += section("connections", "Keys of a connection that is written as a map.",
                   parameter_text(connection_parameters()), markdown);
   for (const std::string& name : experiment_classes(types)) {

@@ -105,8 +105,9 @@ void check_recordings(const std::string& folder, const RecordedRun& run) {
   constexpr double kGrace_s = 1;
   TimeNs end = 0;
   for (const auto& [node, keys] : run.resolved["nodes"].items()) {
-    if (keys.contains("simulator") && !sends(run.resolved, node)) {
-      continue;  // nor has its script an output
+    const bool has_output = !keys.contains("simulator") || sends(run.resolved, node);
+    if (!has_output || !keys.value("record", true)) {
+      continue;
     }
     const std::string file = (fs::path(folder) / (node + ".h5")).string();
     if (!fs::exists(file)) {

@@ -155,4 +155,11 @@ std::vector<ParameterDescription> connection_parameters() {
        .text = "Time or number of ticks: 5 ms, 2 ticks; a cycle needs a delay"}};
 }
 
+std::vector<ParameterDescription> node_parameters() {
+  return {{.name = "record",
+           .type = ParameterType::boolean,
+           .default_value = "true",
+           .text = "false: the outputs of the node are not written to the run folder"}};
+}
+
 }  // namespace spikeloop

@@ -116,6 +116,9 @@ class Writer : JobWriter {
       write_node(node);
     }
     write_delay(node);
+    if (!node.record) {
+      add("record", "false");
+    }
   }
 
   void write_node(const Node& node) {

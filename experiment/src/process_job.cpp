@@ -15,6 +15,7 @@ namespace spikeloop::experiment {
 namespace {
 
 constexpr const char* kProgram = "spikeloop-fused";
+constexpr const char* kRecordKey = "record";  // of every program
 
 class ProcessWriter : JobWriter {
  public:
@@ -34,6 +35,9 @@ class ProcessWriter : JobWriter {
       if (is_simulator(node)) {
         begin_section(node.name, node.where);
         write_simulator(node);
+        if (const auto record = keys.find(kRecordKey); record != keys.end()) {
+          add(kRecordKey, node.record ? record->second : "false");
+        }
       }
     }
     for (const Connection& connection : experiment_.connections) {

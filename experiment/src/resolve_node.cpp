@@ -108,6 +108,20 @@ std::string kind_of(const ExperimentNode& entry, Node& node) {
   return simulator_kind(entry, take("simulator"));
 }
 
+/// The keys that every node has, whatever its class.
+void take_common_keys(const ExperimentNode& entry, Node& node, Faults& faults) {
+  WrittenValues common;
+  for (const std::string& name : names_of(node_parameters())) {
+    if (auto written = node.written.extract(name)) {
+      common.insert(std::move(written));
+    }
+  }
+  const Parameters keys = resolve_keys(
+      node_parameters(),
+      {common, fmt::format("node '{}'", entry.name), entry.where, {}, entry.places}, {}, faults);
+  node.record = keys.boolean("record");
+}
+
 }  // namespace
 
 std::string in_directory(const std::string& directory, const std::string& path) {
@@ -129,6 +143,8 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
   node.name = entry.name;
   node.where = entry.where;
   node.written = entry.keys;
+  const std::size_t before = faults.count();
+  take_common_keys(entry, node, faults);
   const bool by_class = entry.keys.contains("node");
   const bool found = faults.attempt(entry.where, [&] {
     node.kind = kind_of(entry, node);
@@ -150,7 +166,6 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
   if (!found || node.node_class == nullptr) {
     return {};
   }
-  const std::size_t before = faults.count();
   node.parameters = resolve_keys(
       node.node_class->description.parameters,
       {node.written, fmt::format("node '{}'", entry.name), entry.where, entry.unread, entry.places},

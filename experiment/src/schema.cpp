@@ -192,6 +192,7 @@ Json class_key(const NodeDescription& description) {
 Json kind(const NodeDescription& description) {
   Json schema = object_of(description.parameters);
   Json& properties = schema["properties"];
+  properties.update(object_of(node_parameters())["properties"]);
   properties["node"] = class_key(description);
   if (description.name == kNetwork) {
     properties["simulator"] = {{"const", "builtin"}};
@@ -204,6 +205,7 @@ Json kind(const NodeDescription& description) {
 /// A script's parameters are its own.
 Json simulator() {
   Json schema = object_of(simulator_description().parameters);
+  schema["properties"].update(object_of(node_parameters())["properties"]);
   schema["additionalProperties"] = true;
   return schema;
 }

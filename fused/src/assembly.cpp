@@ -287,13 +287,14 @@ void Assembly::add_recording(const std::string& from, const std::string& name,
   recording_sinks_.push_back(std::move(sink));
 }
 
-/// Every output of a node, and the fields of every command.
+/// Every output of a node, and the fields of every command, unless the node has  record: false.
 void Assembly::record(const std::string& folder) {
   const auto name_of = [](const std::string& node, const std::string& stream) {
     return fmt::format("{}{} {}", kRecord, node, stream);
   };
   for (const experiment::Output& output : experiment_.outputs) {
-    if (output.width == 0 || !is_here(output.node)) {
+    const bool is_recorded = experiment_.node(output.node).record;
+    if (output.width == 0 || !is_recorded || !is_here(output.node)) {
       continue;  // its own process records what it puts out
     }
     const std::string end = fmt::format("{}.{}", output.node, output.port);
@@ -306,7 +307,11 @@ void Assembly::record(const std::string& folder) {
     if (node.role != Role::sink || !is_here(node.name)) {
       continue;
     }
-    record_latency(node, **command++, folder);
+    ros_command::CommandEndpoint& endpoint = **command++;
+    if (!node.record) {
+      continue;
+    }
+    record_latency(node, endpoint, folder);
     const bool all = node.mapping.all_channels;
     const auto paths = command::field_paths(node.mapping);
     const auto width =

@@ -76,6 +76,9 @@ json resolved_json(const experiment::Experiment& experiment) {
         keys[name] = written_text(node, name);
       }
     }
+    if (!node.record) {
+      keys["record"] = false;
+    }
     nodes[node.name] = keys;
   }
   json result{{"experiment", experiment.name},

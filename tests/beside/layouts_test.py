@@ -5,10 +5,12 @@ between, and those that its rules say: of a script (spikes and continuous values
 import itertools
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 
 import experiments
+import numpy as np
 
 SIMULATORS = pathlib.Path(__file__).resolve().parents[1] / "simulators/scripts"
 DURATION = 2 * 10**9
@@ -60,6 +62,21 @@ connections:
   - beams -> first [10, delay 1 tick] -> second [10, delay 2 ticks] -> came [10, delay 1 tick]
   - level -> encoder
 """
+# Inputs of scripts and nodes that take parts of outputs, and several of them; nodes that are not recorded.
+PARTS = HEAD + """\
+  brain: {{simulator: python, script: echo.py}}
+  silent: {{simulator: python, script: echo.py, record: false}}
+  came: {{node: pass_on}}
+  other: {{node: pass_on, record: false}}
+  encoder: {{node: rate_encoder, rate_max: 150 Hz}}
+layout: {{one: [beams], two: [level, encoder, came, other]}}
+connections:
+  - beams[5:], beams -> brain [15, delay 1 tick]
+  - brain -> silent [15, delay 1 tick]
+  - brain[3:6] + beams[7:] -> came [3, delay 2 ticks]
+  - silent -> other [15]
+  - level -> encoder
+"""
 
 
 def written(scratch, name, text, tick_us):
@@ -109,6 +126,31 @@ def chain(scratch, beams, tick_us):
         check(folder, "came", experiments.delayed(beams, 4 * tick, DURATION))
 
 
+def channels(found, first, end, at=0):
+    """The spikes of these channels, which become those from `at` on."""
+    inside = (found[1] >= first) & (found[1] < end)
+    return found[:, inside] + np.array([[0], [at - first]])
+
+
+def merged(*trains):
+    both = np.concatenate(trains, axis=1)
+    return both[:, np.lexsort((both[1], both[0]))]
+
+
+def parts(scratch, beams, tick_us):
+    tick = tick_us * 1000
+    for folder in every_layout(scratch, "parts", PARTS, tick_us):
+        answers = experiments.delayed(merged(channels(beams, 5, 10), channels(beams, 0, 10, 5)), tick, DURATION)
+        check(folder, "brain", answers)
+        check(folder, "came", experiments.delayed(
+            merged(channels(answers, 3, 6), channels(beams, 7, 10)), 2 * tick, DURATION))
+        recorded = sorted(file.stem for file in folder.glob("*.h5"))
+        assert recorded == ["beams", "brain", "came", "encoder", "level"], recorded
+        replayed = folder.parent / f"{folder.name}-again"
+        subprocess.run([experiments.SPIKELOOP, "replay", "-q", folder, "--out", replayed], check=True)
+        assert sorted(file.stem for file in replayed.glob("*.h5")) == recorded
+
+
 def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
@@ -118,7 +160,7 @@ def main():
         experiments.run(file, scratch / "recorded")
         beams = experiments.spikes(scratch / "recorded", "encoder")
         assert beams.shape[1] > 300, beams.shape
-        for test, tick_us in itertools.product((script, cells, chain), (1000, 5000)):
+        for test, tick_us in itertools.product((script, cells, chain, parts), (1000, 5000)):
             test(scratch, beams, tick_us)
     print("all layouts give the spikes that the delays say")
 

@@ -15,11 +15,11 @@ nodes:
   odom: {node: ros_sensor, topic: /odom, message: Odometry, fields: [pose.pose.position.x]}
   encoder: {node: rate_encoder, rate_max: 0.2 kHz, rate_min: 0}
   brain: {simulator: builtin, network: net.yaml}
-  cells: {simulator: neuron, script: brain.py, weight: 0.05, gains: [1, 2]}
+  cells: {simulator: neuron, script: brain.py, weight: 0.05, gains: [1, 2], record: false}
   other: {node: network, network: {populations: {n: {model: repeater, size: 3}}, output: [n]}}
   decoder: {node: linear_readout, tau: 30 ms, weights: [[1, 0, 0.5], [0, 1, -2]]}
   sparse: {node: connect, weights: {rows: 1, columns: 3, entries: [[0, 2, 0.5]]}}
-  smooth: {node: sigmoid, slope: 1e-1}
+  smooth: {node: sigmoid, slope: 1e-1, record: true}
   wheels:
     node: ros_command
     topic: /cmd_vel
@@ -72,6 +72,8 @@ WRONG = [
     ("linear.x: 0,", "linear.x: {chanel: 0},"),
     ("linear.x: 0,", "linear.x: -1,"),
     ("limits: {linear.x: [-1, 1]}", "limits: {linear.x: 1}"),
+    ("record: true", "record: maybe"),
+    ("record: false", "record: maybe"),
     ("output: [n]", "outputs: [n]"),
     ("  smooth:", "  smo-oth:"),
     ("scan -> encoder [3]", "scan => encoder [3]"),

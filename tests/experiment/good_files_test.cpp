@@ -228,6 +228,20 @@ TEST_F(GoodFiles, AnOutputOfKnownWidthMayLeadNowhere) {
              {"connections:\n", "connections:\n  - scan -> other\n"}}));
 }
 
+TEST_F(GoodFiles, EveryNodeIsRecordedUnlessItSaysOtherwise) {
+  more_["brain.py"] = "import spikeloop\n";
+  const Experiment experiment =
+      good(with({{"rate_max: 200 Hz", "record: false"},
+                 {"nodes:\n",
+                  "nodes:\n  script: {simulator: python, script: brain.py, record: false, "
+                  "gain: 2}\n"},
+                 {"connections:\n", "connections:\n  - encoder -> script\n"}}));
+  EXPECT_TRUE(experiment.node("scan").record);
+  EXPECT_FALSE(experiment.node("encoder").record);
+  EXPECT_FALSE(experiment.node("script").record);
+  EXPECT_FALSE(experiment.node("script").written.contains("record")) << "no parameter of its";
+}
+
 TEST_F(GoodFiles, ACycleWithADelay) {
   const Experiment experiment =
       good(with({{"nodes:\n", "nodes:\n  a: {node: sigmoid}\n  b: {node: sigmoid}\n"},

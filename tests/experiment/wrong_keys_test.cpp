@@ -22,6 +22,10 @@ INSTANTIATE_TEST_SUITE_P(
             {{"duration", "durations"}, {"tick", "tack"}},
             {"x.yaml:2:1: experiment: unknown key 'durations'; did you mean 'duration'? [SL0103]",
              "x.yaml:3:1: experiment: unknown key 'tack'; did you mean 'tick'? [SL0103]"}},
+        WrongFile{"record is no word of its own",
+                  {{"rate_max: 200 Hz", "record: never"}},
+                  {"x.yaml:7:41: key 'record': 'never' is not a truth value; write true or false "
+                   "[SL0205]"}},
         WrongFile{"top key twice",
                   {{"tick: 1 ms", "tick: 1 ms\ntick: 2 ms"}},
                   {"x.yaml:4:1: experiment: duplicate key 'tick'; the first "

@@ -89,6 +89,8 @@ std::vector<ParameterDescription> robot_parameters();
 /// Those of the map  camera  in `robot`.
 std::vector<ParameterDescription> camera_parameters();
 std::vector<ParameterDescription> connection_parameters();
+/// The keys of every node, beside `node`, `simulator` and those of its class.
+std::vector<ParameterDescription> node_parameters();
 
 /// Parses the text of a file; `path` only names it in locations. Tells everything that is wrong,
 /// and returns what could be read. Of two settings of one key the last one holds.

@@ -46,8 +46,9 @@ struct Node {
   Role role = Role::node;
   const NodeClass* node_class = nullptr;
   Parameters parameters;
-  WrittenValues written;     ///< as the file has them, without `node`
+  WrittenValues written;     ///< as the file has them, without `node` and the keys of every node
   CommandMapping mapping{};  ///< of a ros_command
+  bool record = true;        ///< its outputs, or commands, in the run folder
   Location where;
 };
 

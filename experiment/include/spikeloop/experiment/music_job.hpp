@@ -17,8 +17,8 @@ struct MusicJob {
   std::map<std::string, std::string> files;
 };
 
-/// The job of `spikeloop export`: each node is a section of the program of its class, which users of
-/// MUSIC can edit and run without an experiment file. A declared delay is kept; a continuous
+/// The job of `spikeloop export`: each node is a section of the program of its class, which users
+/// of MUSIC can edit and run without an experiment file. A declared delay is kept; a continuous
 /// connection without one gets what MUSIC takes, a tick.
 /// @param folder where `files` will lie
 /// @throws ConfigurationError for what MUSIC cannot do: lockstep, a robot without ROS, a continuous
@@ -30,7 +30,8 @@ std::string process_port(const std::string& end);
 
 /// A section for each process of the layout, and for each simulator.
 /// @param experiment as with_layout_delays() gives it
-/// @param keys of every section that has nodes, beside those that the experiment gives it
+/// @param keys of every section that has nodes, beside those that the experiment gives it; `record`
+/// goes to simulators, too
 /// @throws ConfigurationError when MUSIC cannot do it: nothing joins a process with the others,
 /// different delays into one simulator.
 MusicJob process_job(const Experiment& experiment, const std::string& folder,
