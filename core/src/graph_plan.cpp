@@ -94,6 +94,11 @@ PlannedPortAddress find_port(const std::vector<PlannedElement>& elements,
                          element.name, direction_text));
   }
   if (dot == std::string::npos) {
+    const auto usual =
+        std::ranges::find(names, usual_port(direction));  // stays meant when others are added
+    if (usual != names.end()) {
+      return {index, candidates[static_cast<std::size_t>(usual - names.begin())]};
+    }
     if (candidates.size() > 1) {
       throw ConfigurationError(
           where, with_code(Code::unknown_port, "'{}' has several {} ports; write one of: {}.{}",
@@ -288,6 +293,10 @@ void order_elements(GraphPlan& plan, const ErrorHandler& report) {
 }
 
 }  // namespace
+
+std::string_view usual_port(Direction direction) {
+  return direction == Direction::input ? "in" : "out";
+}
 
 std::string GraphPlan::text(const PlannedPortAddress& address) const {
   return fmt::format("{}.{}", elements[address.element].name, port(address).name);

@@ -85,11 +85,18 @@ const PortDescription* port_at(const Experiment& experiment, const std::string& 
   if (node == experiment.nodes.end() || is_simulator(*node)) {
     return nullptr;
   }
-  const bool named = end.find('.') != std::string::npos;
   const auto& ports = node->node_class->description.ports;
-  const auto found = std::ranges::find_if(ports, [&](const PortDescription& port) {
-    return port.direction == direction && (!named || port.name == port_of(end));
-  });
+  const auto find = [&](std::string_view name) {
+    return std::ranges::find_if(ports, [&](const PortDescription& port) {
+      return port.direction == direction && (name.empty() || port.name == name);
+    });
+  };
+  if (end.find('.') != std::string::npos) {
+    const auto named = find(port_of(end));
+    return named == ports.end() ? nullptr : &*named;
+  }
+  const auto usual = find(usual_port(direction));
+  const auto found = usual == ports.end() ? find("") : usual;
   return found == ports.end() ? nullptr : &*found;
 }
 
@@ -144,7 +151,7 @@ class PortFinder {
 };
 
 /// "brain" as the end of a connection is "brain.in", or "brain.out".
-void complete(std::string& end, const char* port, const Experiment& experiment) {
+void complete(std::string& end, std::string_view port, const Experiment& experiment) {
   const auto node = std::ranges::find(experiment.nodes, end, &Node::name);
   if (node != experiment.nodes.end() && is_simulator(*node)) {
     end += fmt::format(".{}", port);
@@ -218,8 +225,8 @@ ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& expe
                                     Faults& faults) {
   ExperimentFile result = file;
   for (ExperimentConnection& connection : result.connections) {
-    complete(connection.from, "out", experiment);
-    complete(connection.to, "in", experiment);
+    complete(connection.from, usual_port(Direction::output), experiment);
+    complete(connection.to, usual_port(Direction::input), experiment);
     refuse_itself(connection, experiment, faults);
   }
   PortFinder finder(result, experiment, faults);

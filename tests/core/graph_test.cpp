@@ -245,10 +245,20 @@ TEST_F(GraphErrors, NoPortOfThatDirection) {
 }
 
 TEST_F(GraphErrors, SeveralPorts) {
-  increment_.description.ports.push_back(port("other", kSignal, kIn));
+  increment_.description.ports[0].name = "left";
+  increment_.description.ports.push_back(port("right", kSignal, kIn));
   EXPECT_EQ(message(),
-            "x.yaml:3:5: 'encoder' has several input ports; write one of: encoder.in, "
-            "encoder.other [SL0302]");
+            "x.yaml:3:5: 'encoder' has several input ports; write one of: encoder.left, "
+            "encoder.right [SL0302]");
+}
+
+TEST_F(GraphErrors, OfSeveralPortsTheOneNamedInIsMeant) {
+  increment_.description.ports.insert(increment_.description.ports.begin(),
+                                      port("other", kSignal, kIn));
+  increment_.description.ports.back().width = WidthRule::same_as(1);
+  EXPECT_EQ(message(),
+            "input 'encoder.other' is not connected; write for example  SENDER.out -> "
+            "encoder.other [10] [SL0305]");
 }
 
 TEST_F(GraphErrors, KindsDiffer) {

@@ -32,7 +32,8 @@ enum class Combination : std::uint32_t {
   added      ///< its signals are added to those before, its spikes merged, channel by channel
 };
 
-/// "node.port"; the port may be left out where the node has only one of that direction.
+/// "node.port"; the port may be left out where the node has only one of that direction, or where
+/// `in`, or `out`, is meant.
 struct ConnectionDescription {
   std::string from;
   std::string to;

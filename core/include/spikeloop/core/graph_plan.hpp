@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "spikeloop/core/error_handler.hpp"
@@ -16,6 +17,9 @@ struct PlannedPort {
   WidthRule rule{};
   std::uint32_t width = 0;  ///< 0 until it is known
 };
+
+/// The port that is meant when several have this direction and none is named: "in", "out".
+std::string_view usual_port(Direction direction);
 
 /// A source, node or sink alike.
 struct PlannedElement {
