@@ -1,11 +1,8 @@
 // `argmax`: which channel is the largest.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "signal_function.hpp"
-#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
@@ -14,15 +11,7 @@ namespace {
 
 class Argmax final : public SignalFunction {
  public:
-  explicit Argmax(const NodeSetup& setup) : SignalFunction(setup) {
-    if (setup.widths[1] != 1) {
-      throw ConfigurationError(
-          with_code(Code::widths_differ,
-                    "port 'out' has {} channels, but there is one result; write [1] in its "
-                    "connection",
-                    setup.widths[1]));
-    }
-  }
+  using SignalFunction::SignalFunction;
 
  private:
   void apply(std::span<const double> x, std::span<double> y) const override {
@@ -38,7 +27,8 @@ NodeClass argmax_class() {
   description.name = "argmax";
   description.text = "Index of the channel with the largest value";
   description.source = "music-adapters, argmax adapter";
-  description.ports[1].text = "One channel: the index, counted from 0; on a tie, the lowest";
+  description.ports[1].width = WidthRule::fixed(1);
+  description.ports[1].text = "The index, counted from 0; on a tie, the lowest";
   return {description, [](const NodeSetup& setup) { return std::make_unique<Argmax>(setup); }};
 }
 

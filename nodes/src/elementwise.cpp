@@ -18,9 +18,7 @@ template <typename Function>
 class Elementwise final : public SignalFunction {
  public:
   Elementwise(const NodeSetup& setup, Function function)
-      : SignalFunction(setup), function_(std::move(function)) {
-    require_equal_widths(setup);
-  }
+      : SignalFunction(setup), function_(std::move(function)) {}
 
  private:
   void apply(std::span<const double> x, std::span<double> y) const override {
@@ -80,6 +78,12 @@ std::unique_ptr<Node> make_normalise(const NodeSetup& setup) {
       });
 }
 
+NodeDescription elementwise_description(std::vector<ParameterDescription> parameters) {
+  NodeDescription description = signal_function_description(std::move(parameters));
+  description.ports[1].width = WidthRule::same_as(0);
+  return description;
+}
+
 ParameterDescription number(std::string name, std::string value, std::string text) {
   return {.name = std::move(name),
           .unit = "1",
@@ -91,7 +95,7 @@ ParameterDescription number(std::string name, std::string value, std::string tex
 
 /// out = scale * (in < threshold ? 0 : is_heaviside ? 1 : in) + shift
 NodeClass threshold_class() {
-  NodeDescription description = signal_function_description(
+  NodeDescription description = elementwise_description(
       {number("threshold", "0", "Smallest value that counts as above the threshold"),
        {.name = "is_heaviside",
         .type = ParameterType::boolean,
@@ -108,7 +112,7 @@ NodeClass threshold_class() {
 
 /// out = scale / (1 + exp(x_offset - slope * in)) + y_offset
 NodeClass sigmoid_class() {
-  NodeDescription description = signal_function_description(
+  NodeDescription description = elementwise_description(
       {number("scale", "1", "Height of the curve"),
        number("slope", "1", "Factor applied to the input"),
        number("x_offset", "0", "Subtracted from the input after the factor"),
@@ -122,9 +126,9 @@ NodeClass sigmoid_class() {
 /// out = min(max(in, min), max)
 NodeClass clip_class() {
   constexpr double kMost = 1e300;
-  NodeDescription description = signal_function_description(
-      {number_parameter("min", "1", "-1", -kMost, kMost, "Lower bound"),
-       number_parameter("max", "1", "1", -kMost, kMost, "Upper bound")});
+  NodeDescription description =
+      elementwise_description({number_parameter("min", "1", "-1", -kMost, kMost, "Lower bound"),
+                               number_parameter("max", "1", "1", -kMost, kMost, "Upper bound")});
   description.name = "clip";
   description.text = "Limits each channel to a range";
   description.source = "y = min(max(x, min), max)";
@@ -135,7 +139,7 @@ NodeClass clip_class() {
 /// is taken between in_min and in_max. out_min may be the larger one: that turns the range round.
 NodeClass normalise_class() {
   constexpr double kMost = 1e100;
-  NodeDescription description = signal_function_description(
+  NodeDescription description = elementwise_description(
       {number_parameter("in_min", "1", "0", -kMost, kMost, "Input value that is mapped to out_min"),
        number_parameter("in_max", "1", "1", -kMost, kMost, "Input value that is mapped to out_max"),
        number_parameter("out_min", "1", "-1", -kMost, kMost, "Output value for in_min"),

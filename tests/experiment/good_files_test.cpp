@@ -224,8 +224,12 @@ TEST_F(GoodFiles, AnOutputWithATableMayLeadNowhere) {
 }
 
 TEST_F(GoodFiles, AnOutputOfKnownWidthMayLeadNowhere) {
-  good(with({{"nodes:\n", "nodes:\n  other: {node: rate_encoder}\n"},
-             {"connections:\n", "connections:\n  - scan -> other\n"}}));
+  for (const char* name : {"rate_encoder", "sigmoid", "argmax"}) {
+    const Experiment experiment =
+        good(with({{"nodes:\n", std::string("nodes:\n  other: {node: ") + name + "}\n"},
+                   {"connections:\n", "connections:\n  - scan -> other\n"}}));
+    EXPECT_EQ(experiment.outputs[0].width, std::string(name) == "argmax" ? 1U : 3U) << name;
+  }
 }
 
 TEST_F(GoodFiles, EveryNodeIsRecordedUnlessItSaysOtherwise) {

@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan -> "
               "extra\n"},
              {"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
-              "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: sigmoid}\n"}},
+              "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: nef_encoder}\n"}},
             {"x.yaml:8:3: nothing is connected to the output 'extra.out', and nothing else says "
              "how wide it is; connect it, or leave the node out [SL0305]"}},
         WrongFile{"two connections into one input",

@@ -94,13 +94,6 @@ TEST(Normalise, WhatDoesNotFitIsRefused) {
         mapped("normalise", {{"in_max", "0"}}, {0});
       }),
       "test.yaml:7:3: key 'in_min': 0 is not below in_max, 0; write in_min below in_max [SL0206]");
-  for (const char* name : {"clip", "normalise"}) {
-    EXPECT_EQ(
-        message_of([&] {
-          NodeHarness(name, {1, 2});
-        }),
-        "port 'in' has 1 channels and port 'out' 2; make both connections equally wide [SL0306]");
-  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "harness.hpp"
+#include "spikeloop/nodes/register.hpp"
 
 namespace spikeloop::testing {
 namespace {
@@ -116,22 +117,17 @@ TEST(Discretize, AGridThatDoesNotFitIsRefused) {
             "numbers, and sigma above 0 [SL0308]");
 }
 
-TEST(SignalFunction, WidthsThatDoNotFitAreRefused) {
-  EXPECT_EQ(
-      message_of([] {
-        NodeHarness("threshold", {3, 2});
-      }),
-      "port 'in' has 3 channels and port 'out' 2; make both connections equally wide [SL0306]");
-  EXPECT_EQ(
-      message_of([] {
-        NodeHarness("sigmoid", {1, 2});
-      }),
-      "port 'in' has 1 channels and port 'out' 2; make both connections equally wide [SL0306]");
-  EXPECT_EQ(
-      message_of([] {
-        NodeHarness("argmax", {3, 2});
-      }),
-      "port 'out' has 2 channels, but there is one result; write [1] in its connection [SL0306]");
+TEST(SignalFunction, OutputsThatLeadNowhereHaveAWidth) {
+  Registry registry;
+  register_nodes(registry);
+  for (const char* name : {"threshold", "sigmoid", "clip", "normalise"}) {
+    const WidthRule& width = registry.find(name).description.ports[1].width;
+    EXPECT_EQ(width.kind, WidthRule::Kind::same_as) << name;
+    EXPECT_EQ(width.value, 0U) << name;
+  }
+  const WidthRule& width = registry.find("argmax").description.ports[1].width;
+  EXPECT_EQ(width.kind, WidthRule::Kind::fixed);
+  EXPECT_EQ(width.value, 1U);
 }
 
 TEST(SignalFunction, IsIdleAndInvalidAsItsInput) {
