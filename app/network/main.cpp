@@ -6,6 +6,7 @@
 #include <string>
 
 #include "check.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/neurons/network.hpp"
 #include "spikeloop/process/music_main.hpp"
@@ -102,10 +103,20 @@ void check(const music::Process& process, const NetworkFile& network) {
   }
 }
 
+/// Of a Python function with the arguments that the section has.
+NetworkFile read_network(const music::Process& process, const std::string& path) {
+  if (!is_network_script(path)) {
+    return read_network_file(path);
+  }
+  NetworkScript script(path);
+  return script.network(process.read(script.parameters()));
+}
+
 int body(music::Process& process) {
   const Parameters parameters = process.read(network_class().description.parameters);
-  const NetworkFile network = located_at(
-      parameters.where("network"), [&] { return read_network_file(parameters.text("network")); });
+  const NetworkFile network = located_at(parameters.where("network"), [&] {
+    return read_network(process, parameters.text("network"));
+  });
   check(process, network);
   NodeClass node_class = network_class(network);
   const Node* node = nullptr;

@@ -158,7 +158,8 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
 
 NetworkFile read_network_file(const std::string& path) {
   if (is_network_script(path)) {
-    return run_network_script(path);
+    NetworkScript script(path);
+    return script.network(resolve(script.parameters(), {}, {}));
   }
   constexpr std::uint64_t kMostBytes = 100'000'000;
   return parse_network(

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <sstream>
@@ -29,7 +30,9 @@ namespace {
 
 constexpr const char* kSuffix = ".py";
 constexpr const char* kResult = "network.json";
-constexpr const char* kFiles = "files";  // that the function opened, beside the script
+constexpr const char* kParameters = "parameters";  // that the function takes
+constexpr const char* kValues = "values";          // of them
+constexpr const char* kFiles = "files";            // that the function opened, beside the script
 constexpr std::uint64_t kMostScriptBytes = 1'000'000'000;
 
 /// To the error stream. Returns whether more may come.
@@ -117,7 +120,7 @@ void set_places(NetworkFile& network, const Location& where, const fs::path& fol
   }
 }
 
-NetworkFile read_result(const std::string& file, const fs::path& folder) {
+NetworkFile parse_result(const std::string& file, const fs::path& folder) {
   const std::string text = read_file((folder / kResult).string(), "network file", kMostScriptBytes);
   try {
     NetworkFile network = parse_network(text, file, [](const std::string& weights) {
@@ -128,6 +131,73 @@ NetworkFile read_result(const std::string& file, const fs::path& folder) {
   } catch (const ConfigurationError& error) {
     throw ConfigurationError(behind(error.where(), file, folder), reason_of(error));
   }
+}
+
+/// With the files that the function read, and without ours.
+NetworkFile read_result(const std::string& file, const fs::path& folder) {
+  std::set<std::string> files{file};
+  NetworkFile network;
+  {
+    const FilesRead read;
+    network = parse_result(file, folder);
+    files.insert(read.paths().begin(), read.paths().end());
+    std::istringstream opened(read_file((folder / kFiles).string(), "list", kMostScriptBytes));
+    for (std::string path; std::getline(opened, path);) {
+      files.insert(path);
+    }
+  }
+  for (const std::string& path : files) {
+    if (!path.starts_with(folder.string())) {
+      FilesRead::note(path);
+    }
+  }
+  return network;
+}
+
+/// Parameter.plain() of each argument.
+std::vector<ParameterDescription> read_parameters(const fs::path& folder) {
+  const FilesRead unnoted;
+  std::vector<ParameterDescription> parameters;
+  for (const nlohmann::json& plain : nlohmann::json::parse(
+           read_file((folder / kParameters).string(), "parameters", kMostScriptBytes))) {
+    ParameterDescription& parameter = parameters.emplace_back();
+    parameter.name = plain[0];
+    parameter.type = parameter_type(plain[1].get<std::string>());
+    parameter.unit = plain[2];
+    if (!plain[3].is_null()) {
+      parameter.default_value = plain[3].get<std::string>();
+    }
+    parameter.minimum = plain[4].is_null() ? parameter.minimum : plain[4].get<double>();
+    parameter.maximum = plain[5].is_null() ? parameter.maximum : plain[5].get<double>();
+    parameter.choices = plain[6];
+    parameter.text = plain[7];
+  }
+  return parameters;
+}
+
+/// Those that the user wrote; Python has the defaults.
+std::string json_of(const std::vector<ParameterDescription>& parameters, const Parameters& values) {
+  nlohmann::json written = nlohmann::json::object();
+  for (const ParameterDescription& parameter : parameters) {
+    const std::string& name = parameter.name;
+    if (!values.given(name)) {
+      continue;
+    }
+    switch (parameter.type) {
+      case ParameterType::number:
+        written[name] = values.number(name);
+        break;
+      case ParameterType::integer:
+        written[name] = values.integer(name);
+        break;
+      case ParameterType::boolean:
+        written[name] = values.boolean(name);
+        break;
+      default:
+        written[name] = values.text(name);
+    }
+  }
+  return written.dump();
 }
 
 }  // namespace
@@ -143,39 +213,41 @@ bool is_network_script(const std::string& written) {
   return network_source(written).ends_with(kSuffix);
 }
 
-NetworkFile run_network_script(const std::string& written) {
-  const std::string file = network_source(written);
+NetworkScript::NetworkScript(const std::string& written) : written_(written) {
+  run("");
+}
+
+NetworkFile NetworkScript::network(const Parameters& values) {
+  if (!parameters_.empty()) {
+    run(json_of(parameters_, values));
+  }
+  return std::move(network_);
+}
+
+// With `values` of the arguments, or for a first time without.
+void NetworkScript::run(const std::string& values) {
+  const std::string file = network_source(written_);
   const std::string function =
-      file.size() == written.size() ? "make" : written.substr(file.size() + 1);
+      file.size() == written_.size() ? "make" : written_.substr(file.size() + 1);
   if (!fs::exists(file)) {
     throw FileError("read the network's function from", file, ENOENT);
   }
   require_regular_file(file, "network script");
-  require_code_may_run(fmt::format("network '{}'", written));
+  require_code_may_run(fmt::format("network '{}'", written_));
   const ScratchFolder scratch(fs::temp_directory_path().string());
   const fs::path folder = scratch.path();
+  if (!values.empty()) {
+    write_file((folder / kValues).string(), values);
+  }
   const int code =
       run_python({"spikeloop.network", file, function, folder.string()}, folder.string());
-  if (code != 0 || !fs::exists(folder / kResult)) {
+  if (code == 0 && fs::exists(folder / kParameters)) {
+    parameters_ = read_parameters(folder);
+  } else if (code == 0 && fs::exists(folder / kResult)) {
+    network_ = read_result(file, folder);
+  } else {
     refuse(file, function, folder, code);
   }
-  std::set<std::string> files{file};
-  NetworkFile network;
-  {
-    const FilesRead read;
-    network = read_result(file, folder);
-    files.insert(read.paths().begin(), read.paths().end());
-    std::istringstream opened(read_file((folder / kFiles).string(), "list", kMostScriptBytes));
-    for (std::string path; std::getline(opened, path);) {
-      files.insert(path);
-    }
-  }
-  for (const std::string& path : files) {
-    if (!path.starts_with(folder.string())) {
-      FilesRead::note(path);
-    }
-  }
-  return network;
 }
 
 }  // namespace spikeloop

@@ -102,6 +102,15 @@ std::vector<std::string> names_of(const std::vector<ParameterDescription>& param
   return names;
 }
 
+ParameterType parameter_type(std::string_view kind) {
+  return kind == "integer"   ? ParameterType::integer
+         : kind == "boolean" ? ParameterType::boolean
+         : kind == "text"    ? ParameterType::text
+         : kind == "choice"  ? ParameterType::choice
+         : kind == "weights" ? ParameterType::weights
+                             : ParameterType::number;
+}
+
 std::string missing_key(const ParameterDescription& parameter, std::string_view equals) {
   const std::string example =
       parameter.choices.empty() ? parameter.example : parameter.choices.front();

@@ -73,6 +73,8 @@ std::string simulator_kind(const ExperimentNode& entry, const WrittenValue& writ
 /// ports, before with_simulator_ports().
 Checked resolve_simulator(const ExperimentNode& entry, Node node, const std::string& directory,
                           Experiment& experiment, Faults& faults);
+/// A key that is a parameter of a script must not be one of all sections of a .music file.
+void check_parameter_name(const ExperimentNode& entry, const std::string& name, Faults& faults);
 /// Gives simulators the ports that the connections name; these are named in full in the result.
 ExperimentFile with_simulator_ports(const ExperimentFile& file, Experiment& experiment,
                                     Faults& faults);

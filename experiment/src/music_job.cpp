@@ -109,6 +109,9 @@ class Writer : JobWriter {
     } else if (node.kind == kNetwork) {
       add(node, "binary", "spikeloop-network");
       const std::string& network = node.parameters.text("network");
+      for (const auto& [name, value] : node.written) {
+        add(node, name, value.text);
+      }
       add(node, "network",
           is_in_place(network) ? as_file(node, "network", network, "yaml")
                                : std::filesystem::absolute(network).string());

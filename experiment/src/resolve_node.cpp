@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "faults.hpp"
 #include "spikeloop/config/network_file.hpp"
@@ -45,20 +46,38 @@ NetworkFile network_in_place(const std::string& text, const Location& where,
   }
 }
 
+/// @throws ConfigurationError when there is no such file
+std::string network_path(const WrittenValue& written, const std::string& directory) {
+  const std::string path = in_directory(directory, written.text);
+  if (!std::filesystem::exists(network_source(path))) {
+    refuse_file("network", written.where, "network file", network_source(path));
+  }
+  return path;
+}
+
+/// The Python function that makes a network; none: the network is not one of Python's.
+std::optional<NetworkScript> script_of(const Node& node, const std::string& directory) {
+  const auto network = node.written.find("network");
+  if (node.kind != kNetwork || network == node.written.end() ||
+      !is_network_script(network->second.text)) {
+    return std::nullopt;
+  }
+  return located_at(network->second.where,
+                    [&] { return NetworkScript(network_path(network->second, directory)); });
+}
+
 /// A network's ports are as wide as its file says.
-void read_network(Node& node, const std::string& directory, Experiment& experiment) {
+void read_network(Node& node, std::optional<NetworkScript>& script, const std::string& directory,
+                  Experiment& experiment) {
   const Location where = node.parameters.where("network");
-  const std::string& written = node.parameters.text("network");
+  const std::string written = node.parameters.text("network");
   const bool in_place = written.starts_with('{');
   if (!in_place) {
-    const std::string path = in_directory(directory, written);
-    if (!std::filesystem::exists(network_source(path))) {
-      refuse_file("network", where, "network file", network_source(path));
-    }
-    node.parameters.set("network", path, true, where);
+    node.parameters.set("network", network_path({written, where}, directory), true, where);
   }
   const std::string& path = node.parameters.text("network");
   const NetworkFile network = in_place ? network_in_place(path, where, directory)
+                              : script ? script->network(node.parameters)
                                        : located_at(where, [&] { return read_network_file(path); });
   network.check_tick(experiment.tick);
   experiment.own_classes.push_back(std::make_shared<NodeClass>(network_class(network)));
@@ -166,9 +185,24 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
   if (!found || node.node_class == nullptr) {
     return {};
   }
+  std::optional<NetworkScript> script;
+  WrittenValues keys = node.written;
+  auto declared = node.node_class->description.parameters;
+  if (!faults.attempt(entry.where, [&] { script = script_of(node, directory); })) {
+    std::erase_if(keys, [](const auto& key) {
+      return key.first != "network";
+    });  // the function's: not checked
+  } else if (script) {
+    for (const ParameterDescription& parameter : script->parameters()) {
+      declared.push_back(parameter);
+      if (keys.contains(parameter.name)) {
+        check_parameter_name(entry, parameter.name, faults);
+      }
+    }
+  }
   node.parameters = resolve_keys(
-      node.node_class->description.parameters,
-      {node.written, fmt::format("node '{}'", entry.name), entry.where, entry.unread, entry.places},
+      declared,
+      {keys, fmt::format("node '{}'", entry.name), entry.where, entry.unread, entry.places},
       table_loader(directory, *node.node_class), faults);
   bool good = faults.count() == before && entry.unread.empty();
   good = good && faults.attempt(entry.where, [&] {
@@ -176,7 +210,7 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
       read_endpoint(node, directory, dialect_of(experiment.ros));
     }
     if (node.kind == kNetwork) {
-      read_network(node, directory, experiment);
+      read_network(node, script, directory, experiment);
     } else if (node.kind == kSpikePlayback || node.kind == kSignalPlayback) {
       read_recording(node, directory, experiment);
     }

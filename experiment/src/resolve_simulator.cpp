@@ -65,14 +65,7 @@ void take_parameters(const ExperimentNode& entry, Node& node, Faults& faults) {
     if (is_own(name)) {
       continue;
     }
-    const auto place = entry.places.find(name);
-    if (std::ranges::find(reserved_keys(), std::string_view(name)) != reserved_keys().end()) {
-      faults.add(place == entry.places.end() ? value.where : place->second,
-                 with_code(Code::invalid_name,
-                           "node '{}': '{}' is the name of a key of every program, and no "
-                           "parameter of a script; give it another name",
-                           node.name, name));
-    }
+    check_parameter_name(entry, name, faults);
     node.parameters.set(name, value.text, true, value.where);
   }
 }
@@ -175,6 +168,17 @@ void refuse_itself(ExperimentConnection& connection, const Experiment& experimen
 }
 
 }  // namespace
+
+void check_parameter_name(const ExperimentNode& entry, const std::string& name, Faults& faults) {
+  const auto place = entry.places.find(name);
+  if (std::ranges::find(reserved_keys(), std::string_view(name)) != reserved_keys().end()) {
+    faults.add(place == entry.places.end() ? entry.keys.at(name).where : place->second,
+               with_code(Code::invalid_name,
+                         "node '{}': '{}' is the name of a key of every program, and no "
+                         "parameter of a script; give it another name",
+                         entry.name, name));
+  }
+}
 
 std::string simulator_kind(const ExperimentNode& entry, const WrittenValue& written) {
   constexpr const char* kBuiltin = "builtin";

@@ -198,6 +198,7 @@ Json kind(const NodeDescription& description) {
     properties["simulator"] = {{"const", "builtin"}};
     properties["network"]["anyOf"] = {{{"type", "string"}}, network()};
     properties["network"].erase("type");
+    schema["additionalProperties"] = true;  // arguments of a Python function
   }
   return schema;
 }

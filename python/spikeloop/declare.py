@@ -192,6 +192,18 @@ class Weights(Parameter):
         return given
 
 
+def script_parameter(name, value):
+    """The Parameter of a script or of a network's function: `value`, or one with this default.
+
+    Raises NodeError for a table.
+    """
+    parameter = value if isinstance(value, Parameter) else Parameter(value)
+    if isinstance(parameter, Weights):
+        raise NodeError(f"parameter '{name}' is a table; take its file's name, as "
+                        f"{name}=spikeloop.Parameter(type=str), and read it with numpy.load")
+    return parameter
+
+
 class Definition:
     """A node class: `name`, `text`, `ports` and `parameters` by name, and how to make one."""
 

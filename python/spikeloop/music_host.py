@@ -17,7 +17,7 @@ import sys
 
 import numpy as np
 
-from .declare import NodeError, Parameter, Weights, did_you_mean
+from .declare import NodeError, did_you_mean, script_parameter
 from .music_library import library
 from .node_host import report
 
@@ -138,7 +138,7 @@ class Host:
                  **parameters):
         ports = _declared_ports({("spikes", True): spikes_in, ("spikes", False): spikes_out,
                                  ("signal", True): signals_in, ("signal", False): signals_out})
-        declared = _declared_parameters(parameters)
+        declared = [script_parameter(name, value).plain(name) for name, value in parameters.items()]
         self._begun = self._complete = self._finished = False
         self._end = End.begin()
         self.label = self._end.label
@@ -343,17 +343,6 @@ def _names_and_widths(given):
         raise HostError(f"ports are {given!r}; write a dict such as {{'in': 100}}, or {{'in': None}}"
                         " for as many channels as the file says")
     return given.items()
-
-
-def _declared_parameters(given):
-    declared = []
-    for name, value in given.items():
-        parameter = value if isinstance(value, Parameter) else Parameter(value)
-        if isinstance(parameter, Weights):
-            raise HostError(f"parameter '{name}' is a table; take its file's name, as "
-                            f"{name}=spikeloop.Parameter(type=str), and read it with numpy.load")
-        declared.append(parameter.plain(name))
-    return declared
 
 
 def _text_of(array):

@@ -14,16 +14,22 @@
 
 Models, parameters, rules and units are those of the network file (docs/network-file.md). The function
 runs once whenever the file is read, in a Python of its own: what is random in it needs a seed.
+
+Its arguments are keys of the node: `def make(weight=spikeloop.Parameter(20, unit="pA"), cells=50)`.
 """
 
 import importlib.util
+import inspect
 import json
+import math
 import os
 import pathlib
 import sys
 import traceback
 
 import numpy as np
+
+from .declare import Parameter, script_parameter
 
 
 class Network:
@@ -250,10 +256,55 @@ def _note_files(path):
     return files
 
 
+def _arguments(function, name):
+    """{argument: its Parameter, its default}. An argument without a default, or with one that is no
+    parameter's, has a Parameter of text: it gets its value as it is written."""
+    found = {}
+    for argument in inspect.signature(function).parameters.values():
+        default = argument.default
+        if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
+            continue
+        if isinstance(default, (Parameter, bool, int, float, str)):
+            parameter = script_parameter(argument.name, default)
+        else:
+            parameter = Parameter(type=str) if default is argument.empty else Parameter("")
+        parameter.text = parameter.text or f"Argument of {name}()"
+        found[argument.name] = parameter, default
+    return found
+
+
+def _write_parameters(arguments, folder):
+    """As the C++ side reads it; a bound that there is not is null."""
+    declared = [[None if isinstance(part, float) and math.isinf(part) else part
+                 for part in parameter.plain(name)] for name, (parameter, _) in arguments.items()]
+    pathlib.Path(folder, "parameters").write_text(json.dumps(declared), encoding="utf-8")
+
+
+def _value(written, parameter, default):
+    """The value of an argument: of its Parameter's type; a whole number stays one where the default
+    is one. Without either, a number, a list or a truth value is one, and all else a text."""
+    if written is None:
+        return parameter.default if default is parameter else default
+    if isinstance(default, Parameter) or isinstance(default, (bool, float, str)):
+        return written
+    if isinstance(default, int):
+        return int(written) if written.is_integer() else written
+    try:
+        return json.loads(written)
+    except ValueError:
+        return written
+
+
 def _run(path, name, folder):
     files = _note_files(path)
     function = _function(path, name)
-    network = function()
+    arguments, values = _arguments(function, name), pathlib.Path(folder, "values")
+    if arguments and not values.exists():
+        _write_parameters(arguments, folder)
+        return
+    written = json.loads(values.read_text(encoding="utf-8")) if arguments else {}
+    network = function(**{key: _value(written.get(key), *argument)
+                          for key, argument in arguments.items()})
     if not isinstance(network, Network):
         line = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
         raise _Fault(line, f"the function '{name}' returned {type(network).__name__}, no "

@@ -3,23 +3,11 @@
 #include <string>
 
 namespace spikeloop::python {
-namespace {
-
-ParameterType type_of(const std::string& kind) {
-  return kind == "integer"   ? ParameterType::integer
-         : kind == "boolean" ? ParameterType::boolean
-         : kind == "text"    ? ParameterType::text
-         : kind == "choice"  ? ParameterType::choice
-         : kind == "weights" ? ParameterType::weights
-                             : ParameterType::number;
-}
-
-}  // namespace
 
 ParameterDescription parameter_of(const pybind11::tuple& plain) {
   ParameterDescription description;
   description.name = plain[0].cast<std::string>();
-  description.type = type_of(plain[1].cast<std::string>());
+  description.type = parameter_type(plain[1].cast<std::string>());
   description.unit = plain[2].cast<std::string>();
   if (!plain[3].is_none()) {
     description.default_value = plain[3].cast<std::string>();

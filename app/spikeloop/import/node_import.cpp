@@ -449,6 +449,13 @@ void NodeImporter::import_network(const MusicSection& section) {
   const std::string file = network_source(name);
   add("network", path(section, file, find(section, "network")->where, "network file",
                       name.substr(file.size())));
+  if (is_network_script(name)) {  // arguments of its function
+    for (const MusicKey& key : section.keys) {
+      if (is_unused(key)) {
+        add(key.name, yaml_text(find(section, key.name)->value));
+      }
+    }
+  }
 }
 
 void NodeImporter::import_playback(const MusicSection& section) {
@@ -462,10 +469,14 @@ void NodeImporter::import_playback(const MusicSection& section) {
   }
 }
 
+bool NodeImporter::is_unused(const MusicKey& key) const {
+  return std::ranges::find(used_, key.name) == used_.end() &&
+         kOfProcesses.find(" " + key.name + " ") == std::string_view::npos;
+}
+
 void NodeImporter::note_unused_keys(const MusicSection& section) {
   for (const MusicKey& key : section.keys) {
-    if (std::ranges::find(used_, key.name) == used_.end() &&
-        kOfProcesses.find(" " + key.name + " ") == std::string_view::npos) {
+    if (is_unused(key)) {
       note(key.where,
            fmt::format("key '{}' has no counterpart in an experiment and is left out", key.name));
     }

@@ -67,6 +67,8 @@ class NodeImporter {
   std::uint32_t width(const MusicSection& section, std::string_view port) const;
   bool strict(const MusicSection& section) const;
   Dialect dialect(const MusicSection& section) const;
+  /// Nothing of the experiment stands for it so far.
+  bool is_unused(const MusicKey& key) const;
   void note_unused_keys(const MusicSection& section);
   void note(const Location& where, std::string text) {
     result_.notes.push_back(warning_at(where, text));

@@ -168,7 +168,7 @@ NetworkFile parse_network(const std::string& text, const std::string& path,
                           const NetworkWeightLoader& load_weights);
 
 /// Reads and parses a network file and the weight files it names; a Python function
-/// (network_script.hpp) is run.
+/// (network_script.hpp) is run with the defaults of its arguments.
 /// @throws FileError when it cannot be read, ConfigurationError as parse_network.
 NetworkFile read_network_file(const std::string& path);
 

@@ -18,6 +18,9 @@ namespace spikeloop {
 
 enum class ParameterType { number, integer, boolean, text, choice, weights, list, map };
 
+/// Of "integer", "boolean", "text", "choice" and "weights", as Python declares them; else number.
+ParameterType parameter_type(std::string_view kind);
+
 /// One parameter of a node class or endpoint. Inside of a list or a map numbers carry their units.
 struct ParameterDescription {
   std::string name{};
