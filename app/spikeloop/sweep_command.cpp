@@ -15,6 +15,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop sweep explorer.yaml --set "encoder.rate_max=50 Hz..200 Hz by 50 Hz" --set seed=1..20 --out rates
   spikeloop sweep explorer.yaml --set "decoder.tau=[10 ms, 30 ms]" --columns wheels.sent --out taus
   spikeloop sweep explorer.yaml --set "encoder.rate_max=20 Hz..500 Hz" --samples 50 --out random
+  spikeloop sweep explorer.yaml --set seed=1..100 --out seeds --slurm && sbatch seeds/job.sh
 
 Values: [A, B] is a list; A..B are whole numbers; A..B by STEP are numbers with an optional unit; all
 else is one value. Every combination is a run; with --samples, values are drawn from lists and ranges
@@ -35,6 +36,7 @@ struct SweepArguments {
   std::vector<std::string> settings;
   int jobs = 0;
   int samples = 0;
+  bool slurm = false;
   bool quiet = false;
 };
 
@@ -51,6 +53,9 @@ std::vector<std::string> arguments_of(const SweepArguments& given) {
   }
   if (!given.columns.empty()) {
     words.push_back("--columns=" + given.columns);
+  }
+  if (given.slurm) {
+    words.emplace_back("--slurm");
   }
   if (given.quiet) {
     words.emplace_back("--quiet");
@@ -81,6 +86,8 @@ void add(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 1'000'000));
   command->add_option("--columns", given->columns, "Counters for the table, comma-separated")
       ->type_name("NAME,NAME");
+  command->add_flag("--slurm", given->slurm,
+                    "Write job.sh, a Slurm job array with a task per run, and run nothing");
   command->add_flag("-q,--quiet", given->quiet, "Print only the table's path, warnings and errors");
   command->footer(kFooter);
   command->callback([given, &action] {

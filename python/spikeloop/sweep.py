@@ -3,7 +3,7 @@
 
 A sweep's folder holds sweep.json (the experiment and its settings), the run folders 001, 002, ...,
 results.csv, a row for every run that has ended, and at the end sweep.png. The same command goes on
-where it was stopped.
+where it was stopped. With --slurm it holds job.sh, too, whose tasks do the runs.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import io
 import json
 import os
 import pathlib
+import shlex
 import subprocess
 import sys
 import time
@@ -29,7 +30,28 @@ EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
 TABLE = "results.csv"
 MEASURED = tuple(key for key, *_ in ROWS)  # a run has those that it measured
+EXIT_CODE = "exit_code"  # in the folder of a run that a task of a job has done
 END_S = 10
+# `set` gives a task the name of its folder, and the settings of its run. A run that was killed leaves no exit code.
+JOB = """\
+#!/bin/bash
+#SBATCH --job-name={name}
+#SBATCH --array={tasks}
+#SBATCH --output=/dev/null
+# Task N does run N of a sweep. When the job has ended, spikeloop sweep makes the table.
+cd {folder} || exit 4
+case $SLURM_ARRAY_TASK_ID in
+{cases}
+*) echo "job.sh has no run '$SLURM_ARRAY_TASK_ID'; start it by  sbatch job.sh" >&2; exit 2 ;;
+esac
+run=$1
+shift
+mkdir -p "$run" && rm -f "$run/{exit_code}" || exit 4
+{program} run -q --out "$run" --force "$@" -- {file} > /dev/null 2> "$run/stderr.txt"
+code=$?
+echo $code > "$run/{exit_code}"
+exit $code
+"""
 
 
 class SweepError(Exception):
@@ -57,6 +79,10 @@ class Sweep:
         """Of the run's folder: "007"; numbers count from 1."""
         return f"{number:0{self._digits}}"
 
+    def missing(self):
+        """Numbers of the runs that have no row."""
+        return [number for number in range(1, len(self.runs) + 1) if number not in self.rows]
+
     def open(self, files):
         """Makes the folder, or goes on in it. files: fingerprints of what the experiment reads. @raises SweepError"""
         self._state["files"] = files
@@ -83,6 +109,7 @@ class Sweep:
             if before.get(key) != self._state[key]:
                 raise SweepError(f"--out: '{self.folder}' holds a sweep {what}; write another folder, or remove it")
         self._read_table()
+        self._read_tasks()
 
     def _read_table(self):
         """The rows of runs that have ended; their results are read again."""
@@ -99,6 +126,32 @@ class Sweep:
         for number, exit_code, reason in rows:
             if 1 <= number <= len(self.runs):
                 self.take(number, exit_code, reason)
+
+    def _read_tasks(self):
+        """What tasks of job.sh have done since."""
+        for number in self.missing():
+            code = self.folder / self.name(number) / EXIT_CODE
+            if code.exists():
+                exit_code, errors = int(code.read_text(encoding="utf-8")), code.parent / "stderr.txt"
+                said = errors.read_text(encoding="utf-8")
+                if exit_code < 128:  # else it was stopped by a signal, and runs again
+                    self.take(number, exit_code, said)
+                if not said:
+                    errors.unlink()
+                code.unlink()  # from now on the table has it
+
+    def write_job(self):
+        """job.sh: a job array of Slurm's with a task for every run that is missing; returns its path."""
+        numbers = self.missing()
+        cases = [f"{number}) set -- {shlex.join([self.name(number), *setting_words(self.runs[number - 1])])} ;;"
+                 for number in numbers]
+        tasks = f"1-{len(numbers)}" if len(numbers) == len(self.runs) else ",".join(map(str, numbers))
+        path = self.folder / "job.sh"
+        write_whole(path, JOB.format(
+            name=shlex.quote(self.folder.name), tasks=tasks, cases="\n".join(cases), exit_code=EXIT_CODE,
+            folder=shlex.quote(str(self.folder.absolute())), program=shlex.quote(str(program())),
+            file=shlex.quote(self._state["experiment"])))
+        return path
 
     def write_table(self):
         """results.csv: run, settings, exit code and reason, what the summaries have."""
@@ -178,7 +231,7 @@ class Sweeping:
 
     def __init__(self, sweep, jobs, progress):
         self._sweep, self._jobs, self._progress = sweep, jobs, progress
-        self._open = [number for number in range(1, len(sweep.runs) + 1) if number not in sweep.rows]
+        self._open = sweep.missing()
         self._all = len(self._open)
         self._ended = 0
         self._began = self._told = time.monotonic()
@@ -233,6 +286,7 @@ def _arguments(arguments):
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--columns", type=lambda text: text.split(","), default=[])
     parser.add_argument("--out", required=True)
+    parser.add_argument("--slurm", action="store_true")
     parser.add_argument("--quiet", action="store_true")
     return parser.parse_args(arguments)
 
@@ -267,6 +321,10 @@ def _sweep(given):
     sweep = Sweep(given.file, given.set, given.samples, given.out, given.columns)
     checked = json.loads(call("check", "--json", *setting_words(sweep.runs[0]), "--", given.file))
     sweep.open(checked["files"])
+    if given.slurm:
+        sweep.write_table()
+        print(sweep.write_job())
+        return 0
     progress = Progress(open(os.devnull, "w", encoding="utf-8") if given.quiet else sys.stderr)
     progress.part = str(sweep.folder)
     work = Sweeping(sweep, _jobs(given, sweep, checked["sync"]), progress)

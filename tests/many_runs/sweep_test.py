@@ -71,6 +71,29 @@ class Sweep(explorer.Folder):
         for run, written in before.items():
             self.assertEqual((self.out / run / "summary.json").stat().st_mtime_ns, written, "it was not run again")
 
+    def test_a_job_of_slurm_does_the_runs(self):
+        words = (*FAST, "--set", "encoder.rate_max=[100 Hz, 5 mV, 200 Hz]", "--set", "seed=1..2")
+        self.assertEqual(self.sweep(*words, "--slurm")[0], f"{self.out / 'job.sh'}\n")
+        job = (self.out / "job.sh").read_text()
+        self.assertIn("#SBATCH --array=1-6\n", job)
+        self.assertEqual(rows_of(self.out), [])
+        for pair, codes in (((1, 2), [0, 0]), ((3, 5), [2, 0]), ((7,), [2])):  # two at once, from a copy, as Slurm does
+            tasks = [subprocess.Popen(["bash", "-c", job], env={**os.environ, "SLURM_ARRAY_TASK_ID": str(number)},
+                                      cwd="/", stderr=subprocess.DEVNULL) for number in pair]
+            self.assertEqual([task.wait(60) for task in tasks], codes)
+        self.sweep(*words, "--slurm")
+        self.assertIn("#SBATCH --array=4,6\n", (self.out / "job.sh").read_text())
+        before = (self.out / "005" / "summary.json").stat().st_mtime_ns
+        self.sweep(*words, code=1)
+        self.assertEqual((self.out / "005" / "summary.json").stat().st_mtime_ns, before, "it was not run again")
+        rows = rows_of(self.out)
+        self.out = self.folder / "here"
+        self.sweep(*words, code=1)
+        times = ("wall_s", "real_time_factor")
+        for row, here in zip(rows, rows_of(self.out), strict=True):
+            self.assertEqual({key: row[key] for key in row if key not in times},
+                             {key: here[key] for key in here if key not in times})
+
     def test_random_designs_are_the_same_every_time(self):
         words = (*FAST, "--set", "encoder.rate_max=50 Hz..200 Hz", "--samples", "4")
         self.sweep(*words)
