@@ -46,6 +46,27 @@ TEST(Doctor, FindsAllThatARunNeeds) {
   EXPECT_EQ(seen.line("plug-ins"), "ok | SPIKELOOP_PLUGIN_PATH is not set | ");
   EXPECT_THAT(seen.line("ROS 1"), MatchesRegex("ok \\| /.*/rosmaster \\| "));
   EXPECT_EQ(seen.status("numpy"), "ok");
+  EXPECT_EQ(seen.line("EGL"), "ok | libEGL.so.1, to draw cameras and films without a display | ");
+  EXPECT_EQ(seen.line("GLFW"), "ok | libglfw.so.3, to open a window with --view | ");
+  EXPECT_THAT(seen.line("ffmpeg"),
+              MatchesRegex("ok \\| /.*/ffmpeg, to make films with --render \\| "));
+}
+
+TEST(Doctor, SaysWhatDrawsAndWhichPackageHasIt) {
+  TemporaryDirectory broken;  // libraries that are found first, and are none
+  broken.write("libEGL.so.1", "no library");
+  broken.write("libglfw.so.3", "no library");
+  const Examination seen =
+      examine({{"PATH", "/nowhere"}, {"LD_LIBRARY_PATH", broken.path().string()}});
+  EXPECT_THAT(seen.line("EGL"), AllOf(StartsWith("missing | cannot draw cameras and films without "
+                                                 "a display: "),
+                                      EndsWith(" | apt-get install libegl1 libgl1 "
+                                               "libgl1-mesa-dri")));
+  EXPECT_THAT(seen.line("GLFW"), AllOf(StartsWith("missing | cannot open a window with --view: "),
+                                       EndsWith(" | apt-get install libglfw3")));
+  EXPECT_EQ(seen.line("ffmpeg"),
+            "missing | no ffmpeg in PATH='/nowhere', to make films with --render | apt-get install "
+            "ffmpeg");
 }
 
 TEST(Doctor, TableAndJsonHaveTheSameItems) {

@@ -1,4 +1,5 @@
-// MPI, cores, shared memory and ROS.
+// MPI, cores, shared memory, ROS and drawing.
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sched.h>
@@ -102,6 +103,27 @@ Finding ros2_discovery() {
   }
 }
 
+/// A library that is opened when a picture is drawn.
+Probe drawing_probe(const char* name, const char* file, const char* purpose, const char* remedy) {
+  return apart(name, false, missing("", remedy), [=] {
+    return ::dlopen(file, RTLD_NOW) == nullptr
+               ? missing(fmt::format("cannot {}: {}", purpose, ::dlerror()))
+               : ok(fmt::format("{}, to {}", file, purpose));
+  });
+}
+
+std::vector<Probe> drawing_probes() {
+  const std::string ffmpeg = in_path("ffmpeg");
+  return {drawing_probe("EGL", "libEGL.so.1", "draw cameras and films without a display",
+                        "apt-get install libegl1 libgl1 libgl1-mesa-dri"),
+          drawing_probe("GLFW", "libglfw.so.3", "open a window with --view",
+                        "apt-get install libglfw3"),
+          {"ffmpeg", false,
+           ffmpeg.empty() ? missing(not_in_path("ffmpeg") + ", to make films with --render",
+                                    "apt-get install ffmpeg")
+                          : ok(ffmpeg + ", to make films with --render")}};
+}
+
 }  // namespace
 
 Finding shared_memory(const std::string& directory) {
@@ -130,6 +152,8 @@ std::vector<Probe> machine_probes() {
       apart("ROS master", false, warning("", kStartMaster), look_at_master),
       apart("host name", false, warning("", kNameHost), look_at_host),
       {"ROS 2 discovery", false, ros2_discovery()}};
+  const std::vector<Probe> drawing = drawing_probes();
+  probes.insert(probes.end(), drawing.begin(), drawing.end());
   if (const std::string mpirun = in_path("mpirun"); !mpirun.empty()) {
     probes.push_back(mpirun_probe(mpirun));
   }

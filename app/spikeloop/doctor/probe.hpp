@@ -78,6 +78,6 @@ Finding shared_memory(const std::string& directory);
 // All probes but those of versions().
 std::vector<Probe> own_probes();      ///< Spikeloop's own programs and files
 std::vector<Probe> plugin_probes();   ///< every plug-in of SPIKELOOP_PLUGIN_PATH
-std::vector<Probe> machine_probes();  ///< MPI, cores, memory, ROS
+std::vector<Probe> machine_probes();  ///< MPI, cores, memory, ROS, drawing
 
 }  // namespace spikeloop::app::doctor
