@@ -38,23 +38,26 @@ of the decoder, exp(-t / tau) / tau. The weights minimise
 three quarters of the samples. The held-out error is that of the last quarter.
 
 The weights are a .json or .npy file, one row per output: weights=FILE in a linear_readout_decoder
-with the same tau.
+with the same tau. A .json file has tau, too, and a readout with another one refuses it.
 
 Exit codes: 0 success, 2 an option is invalid, 4 a file cannot be read or written)";
 
-void write_json(const std::string& path, const FitResult& result) {
-  std::string text;
+/// Weights of filtered spikes hold for one time constant, which is written with them.
+void write_json(const std::string& path, const FitTask& task, const FitResult& result) {
+  const bool filtered = !task.from_rates;
+  std::string text = filtered ? fmt::format("{{\"tau_s\": {},\n\"weights\":\n", task.tau_s) : "";
   for (std::uint32_t row = 0; row < result.outputs; ++row) {
     const auto weights = std::span(result.weights).subspan(std::size_t{row} * result.neurons);
     text += fmt::format("{}{}]", row == 0 ? "[[" : ",\n [",
                         fmt::join(weights.first(result.neurons), ", "));
   }
-  write_file(path, text + "]\n");
+  write_file(path, text + (filtered ? "]}\n" : "]\n"));
 }
 
-void write_weights(const std::string& path, const FitResult& result) {
+void write_weights(const FitTask& task, const FitResult& result) {
+  const std::string& path = task.out;
   path.ends_with(".npy") ? write_npy(path, result.outputs, result.neurons, result.weights)
-                         : write_json(path, result);
+                         : write_json(path, task, result);
 }
 
 void draw(const FitTask& task, const FitResult& result) {
@@ -139,7 +142,7 @@ int fit(const FitTask& task) {
     put_result(fmt::format("section          {}\n", result.section));
   }
   if (!task.out.empty()) {
-    write_weights(task.out, result);
+    write_weights(task, result);
     put_result(fmt::format("weights          {}\n", task.out));
   }
   if (!task.picture.empty()) {

@@ -161,7 +161,9 @@ std::optional<WeightTable> read_json(std::string_view text, const std::string& f
     return std::move(*sparse);
   }
   auto& rows = std::get<WeightRows>(read);
-  return dense_table(std::move(rows.values), rows.begin, file, options);
+  WeightTable table = dense_table(std::move(rows.values), rows.begin, file, options);
+  table.fitted_tau_s = rows.fitted_tau_s;
+  return table;
 }
 
 std::optional<double> short_form_weight(std::string_view text) {

@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostBytes = 200'000'000;  // ten times as much in memory while it is read
 constexpr std::string_view kDense = "[[0.1, 0.2], [0.3, 0.4]], one row an output";
 constexpr std::string_view kSparse = R"({"rows": 2, "columns": 3, "entries": [[0, 2, 0.5]]})";
+constexpr std::string_view kFitted = R"({"tau_s": 0.03, "weights": [[0.1, 0.2], [0.3, 0.4]]})";
 
 struct Entry {
   std::uint32_t row = 0;
@@ -53,8 +54,24 @@ class WeightJson {
     return result;
   }
 
+  /// As `spikeloop fit` writes them.
+  WeightRows fitted(const Json& object) const {
+    check_keys(object, {"tau_s", "weights"}, kFitted);
+    WeightRows result = rows(object["weights"]);
+    result.fitted_tau_s = number(object["tau_s"], [] { return "'tau_s'"; });
+    return result;
+  }
+
   WeightTable sparse(const Json& object) const {
-    const std::vector<std::string> keys = {"rows", "columns", "entries"};
+    check_keys(object, {"rows", "columns", "entries"}, kSparse);
+    const std::uint32_t rows = count(object, "rows");
+    const std::uint32_t columns = count(object, "columns");
+    return table_of(entries(object["entries"], rows, columns), rows, columns);
+  }
+
+ private:
+  void check_keys(const Json& object, const std::vector<std::string>& keys,
+                  std::string_view example) const {
     for (const auto& item : object.items()) {
       if (std::ranges::find(keys, item.key()) == keys.end()) {
         fail(fmt::format("unknown key '{}'{}", music_text::shown(item.key()),
@@ -67,15 +84,11 @@ class WeightJson {
         fail(fmt::format("the key '{}' is given twice; remove one", key));
       }
       if (!object.contains(key)) {
-        fail(fmt::format("the key '{}' is missing; write {}", key, kSparse));
+        fail(fmt::format("the key '{}' is missing; write {}", key, example));
       }
     }
-    const std::uint32_t rows = count(object, "rows");
-    const std::uint32_t columns = count(object, "columns");
-    return table_of(entries(object["entries"], rows, columns), rows, columns);
   }
 
- private:
   [[noreturn]] void fail(const std::string& message) const {
     throw ConfigurationError(Location{file_}, with_code(Code::weight_file, message));
   }
@@ -198,6 +211,9 @@ std::variant<WeightRows, WeightTable> read_weight_json(std::string_view text,
   }
   const WeightJson reader(text, file);
   if (json.is_object()) {
+    if (json.contains("weights") || json.contains("tau_s")) {
+      return reader.fitted(json);
+    }
     return reader.sparse(json);
   }
   return reader.rows(json);

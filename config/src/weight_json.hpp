@@ -15,6 +15,7 @@ namespace spikeloop {
 struct WeightRows {
   std::vector<double> values;
   std::vector<std::uint64_t> begin{0};
+  double fitted_tau_s = 0;  ///< as WeightTable's
 };
 
 /// @param whole  false: text after the table is left out with a warning, as the older programs do

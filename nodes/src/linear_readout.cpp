@@ -1,10 +1,14 @@
 // `linear_readout`: filtered and weighted spikes (Weidel et al. 2016, linear readout decoder).
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "kernel_sum.hpp"
 #include "port_weights.hpp"
 #include "spike_moments.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/node.hpp"
 
 namespace spikeloop {
@@ -94,6 +98,22 @@ class TransposedWeights {
   std::vector<std::uint32_t> row_;
 };
 
+/// Weights of spikes that were filtered with another time constant would decode something else.
+void check_tau(const Parameters& parameters) {
+  const double tau = parameters.number("tau");
+  const double fitted = parameters.weights("weights").fitted_tau_s;
+  if (fitted != 0 && std::abs(tau - fitted) > 1e-9 * fitted) {
+    const bool given = parameters.given("tau");
+    throw ConfigurationError(
+        parameters.where(given ? "tau" : "weights"),
+        with_code(Code::weight_file,
+                  "key 'tau': {:g} ms, but the weights were fitted with {:g} ms; write  tau: {:g} "
+                  "ms, fit them again with --tau {:g}, or write the list of weights alone into "
+                  "their file",
+                  tau * 1e3, fitted * 1e3, fitted * 1e3, tau));
+  }
+}
+
 class LinearReadout final : public Node {
  public:
   explicit LinearReadout(const NodeSetup& setup)
@@ -102,7 +122,9 @@ class LinearReadout final : public Node {
         first_(share_.begin(setup.widths[1])),
         weights_(port_weights(setup, setup.widths[1], setup.widths[0]), first_,
                  share_.end(setup.widths[1])),
-        sum_(weights_.sums(), tau_) {}
+        sum_(weights_.sums(), tau_) {
+    check_tau(setup.parameters);
+  }
 
   void step(const Step& step) override {
     take(step.spike_input(), step.interval());

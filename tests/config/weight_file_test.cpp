@@ -58,6 +58,14 @@ TEST(WeightFile, ReadsDenseTables) {
   EXPECT_EQ(parse_weights("\xEF\xBB\xBF[[1]]", "w").columns, 1u);
 }
 
+TEST(WeightFile, ReadsWeightsWithTheTimeConstantOfTheirFit) {
+  const WeightTable table = parse_weights(R"({"tau_s": 0.05, "weights": [[1, 2], [3, 4]]})", "w");
+  EXPECT_EQ(table.kind, Kind::dense);
+  EXPECT_THAT(table.values, ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(table.fitted_tau_s, 0.05);
+  EXPECT_EQ(parse_weights("[[1, 2]]", "w").fitted_tau_s, 0);
+}
+
 TEST(WeightFile, ReadsSparseTables) {
   const WeightTable table = parse_weights(test::data_text("sparse.json"), "w");
   EXPECT_EQ(table.kind, Kind::sparse);
@@ -183,6 +191,13 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "w: the key 'entries' is missing; write {\"rows\": 2, \"columns\": 3, \"entries\": [[0, 2, "
        "0.5]]} [SL0309]"},
       {"{\"row\": 2}", "w: unknown key 'row'; did you mean 'rows'? [SL0309]"},
+      {"{\"weights\": [[1]], \"tau_S\": 1}",
+       "w: unknown key 'tau_S'; did you mean 'tau_s'? [SL0309]"},
+      {"{\"tau_s\": 0.03}",
+       "w: the key 'weights' is missing; write {\"tau_s\": 0.03, \"weights\": [[0.1, 0.2], [0.3, "
+       "0.4]]} [SL0309]"},
+      {"{\"tau_s\": \"30 ms\", \"weights\": [[1]]}",
+       "w: 'tau_s' is \"30 ms\"; write a finite number [SL0309]"},
       {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
       {"{\"rows\": 0, \"columns\": 3, \"entries\": []}",
        "w: 'rows' is 0; write a whole number from 1 to 16777216 [SL0309]"},

@@ -68,6 +68,33 @@ TEST_F(Fit, WritesWeightsThatAReadoutTakesAndAPicture) {
   EXPECT_EQ(taken.exit_code, 0) << taken.text();
 }
 
+TEST_F(Fit, WeightsAreForOneTimeConstant) {
+  const auto checked = [&](const std::string& keys) {
+    directory_.write("e.yaml",
+                     "ros: 2\nnodes:\n  scan: {node: ros_sensor, topic: /x, message: "
+                     "std_msgs/Float64MultiArray}\n  encoder: {node: nef_encoder}\n"
+                     "  readout: {node: linear_readout, weights: " +
+                         keys +
+                         "}\nconnections:\n  - scan -> encoder [1]\n  - encoder -> readout [20]\n");
+    Command command;
+    command.arguments = {SPIKELOOP, "check", "e.yaml"};
+    command.directory = directory_.path().string();
+    return run(command);
+  };
+  ASSERT_EQ(
+      fit({"nef_encoder", "--neurons", "20", "--duration", "2", "--tau", "0.05", "--out", "w.json"})
+          .exit_code,
+      0);
+  EXPECT_EQ(checked("w.json, tau: 50 ms").exit_code, 0);
+  EXPECT_THAT(checked("w.json, tau: 5 ms").text(),
+              HasSubstr("e.yaml:5:57: key 'tau': 5 ms, but the weights were fitted "
+                        "with 50 ms; write  tau: 50 ms, fit them again with --tau 0.005, or write "
+                        "the list of weights alone into their file [SL0309]"));
+  EXPECT_EQ(checked("w.json").exit_code, 2);  // the default is 30 ms
+  ASSERT_EQ(fit({"nef_encoder", "--neurons", "20", "--rates", "--out", "w.json"}).exit_code, 0);
+  EXPECT_EQ(checked("w.json, tau: 5 ms").exit_code, 0);  // rates have no kernel
+}
+
 /// Two slow sinusoids.
 class Wave : public Source {
  public:

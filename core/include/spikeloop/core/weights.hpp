@@ -25,6 +25,7 @@ struct WeightTable {
   std::vector<double> values;
   std::vector<std::uint64_t> row_start;  ///< sparse: rows + 1 entries
   std::vector<std::uint32_t> column;     ///< sparse: ascending within a row
+  double fitted_tau_s = 0;  ///< time constant of the filtered spikes that it was fitted to; 0: none
 
   static WeightTable dense(std::uint32_t rows, std::uint32_t columns, std::vector<double> values);
   static WeightTable uniform();
