@@ -3,8 +3,10 @@
 import importlib.util
 import os
 import pathlib
+import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -246,16 +248,16 @@ class DeclarationTest(Says):
 class PageTest(unittest.TestCase):
     """docs/python-nodes.md: what it shows prints what it says."""
 
-    def run_block(self, page, code, begin):
-        text = (pathlib.Path(os.environ["SPIKELOOP_DOCS"]) / page).read_text(encoding="utf-8")
-        block = text[text.index(code):].split("```")[0]
-        ended = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True,
-                               check=True, env=os.environ)
-        self.assertIn(begin + "\n    " + ended.stdout, text)
-
-    def test_the_complete_example(self):
-        self.run_block("python-nodes.md", "import spikeloop\n",
-                       "$ PYTHONPATH=PREFIX/share/spikeloop/python /usr/bin/python3 gain.py")
+    def test_the_complete_example_and_its_experiment(self):
+        text = (pathlib.Path(os.environ["SPIKELOOP_DOCS"]) / "python-nodes.md").read_text(encoding="utf-8")
+        blocks = re.split("```.*\n", text)[1::2]
+        with tempfile.TemporaryDirectory() as folder:
+            for name, block in zip(("gain.py", "louder.yaml", "ratio.py"), blocks):
+                pathlib.Path(folder, name).write_text(block, encoding="utf-8")
+            for name in ("gain.py", "ratio.py"):
+                ended = subprocess.run([sys.executable, name], cwd=folder, capture_output=True, text=True, check=True)
+                self.assertIn("    $ PYTHONPATH=PREFIX/share/spikeloop/python /usr/bin/python3 "
+                              f"{name}\n    {ended.stdout}", text)
 
 
 class ImportTest(unittest.TestCase):
