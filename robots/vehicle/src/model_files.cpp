@@ -7,6 +7,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/files_read.hpp"
+#include "spikeloop/vehicle/simulation.hpp"
 
 namespace spikeloop::vehicle {
 namespace {
@@ -54,6 +55,11 @@ void note(const fs::path& file, const fs::path& model, std::vector<std::string>&
 }  // namespace
 
 void note_model_files(const std::string& path) {
+  std::error_code error;
+  const fs::path shipped = fs::path(find_world("arena")).parent_path();
+  if (fs::equivalent(fs::path(path).parent_path(), shipped, error)) {
+    return;
+  }
   std::vector<std::string> folders{""};
   std::set<fs::path> seen;
   note(fs::path(path), fs::path(path), folders, seen);
