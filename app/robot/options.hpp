@@ -37,7 +37,7 @@ struct RunOptions {
   /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
   std::string sensor_topic(const std::string& name) const;
   SensorOptions sensors(messages::Dialect dialect) const {
-    return {dialect, camera, model_rate_hz};
+    return {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz};
   }
   std::string command_topic_of(const CommandTopic& robot) const {
     return topic(command_topic.empty() ? robot.name() : command_topic);

@@ -37,7 +37,9 @@ std::string robot_text(const std::string& file) {
                        : topic.type == robot::kImuType ? "inertial unit"
                                                        : "position, velocity, effort of joints");
   }
-  text += topic_line(command.name(), command.type(), "commands for actuators");
+  if (!command.fields().empty()) {
+    text += topic_line(command.name(), command.type(), "commands for actuators");
+  }
   text += "\n" + names("Joints", robot.joint_states().names);
   text += names("Fields for commands", command.fields());
   text += names("Cameras", robot.names_of(vehicle::Named::camera));

@@ -15,7 +15,7 @@ inline robot::RobotOptions robot_options(const experiment::Robot& robot) {
   }
   if (const auto& camera = robot.camera) {
     options.sensors.camera = pictures::CameraOptions{
-        camera->name, {camera->width, camera->height}, camera->rate_hz, camera->field_of_view_deg};
+        {camera->width, camera->height}, camera->rate_hz, camera->field_of_view_deg, camera->name};
   }
   return options;
 }

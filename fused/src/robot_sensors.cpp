@@ -60,7 +60,9 @@ experiment::RobotView look_at_robot(const experiment::Robot& described, messages
     messages[{whole(topic.name), topic.type}] = {message.begin(), message.end()};
     view.topics.push_back({whole(topic.name), topic.type});
   }
-  view.topics.push_back({whole(command.name()), command.type(), command.fields()});
+  if (!command.fields().empty()) {
+    view.topics.push_back({whole(command.name()), command.type(), command.fields()});
+  }
   view.width = [messages, ros, joints = robot->joint_states().names](
                    const experiment::Node& sensor) -> std::optional<std::uint32_t> {
     const Parameters& keys = sensor.parameters;

@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"widths that a program cannot join",
               {{"d.out -> c.in [2]",
                 "d.out -> x.in [2]\n[x]\nnp=1\nbinary=threshold_adapter\nx.out -> c.in [3]"}},
-              "loop.music:30:1: 'x': port 'in' has 2 channels and port 'out' 3"},
+              "loop.music:30:1: port 'x.out' has 3 channels but must have 2, as many as 'x.in'"},
         Wrong{"width beyond all memory",
               {{"s.out -> e.in [3]", "s.out -> e.in [2000000000]"}},
               "loop.music:23:1: the connection of 's.out' has the width 2000000000; write at most "

@@ -76,6 +76,18 @@ TEST_F(Models, HaveTheNamesOfTheFile) {
   EXPECT_THAT(arm.names_of(Named::keyframe), ElementsAre("down"));
 }
 
+TEST_F(Models, ActuatorsOfOneJointHaveDifferentNames) {
+  const Simulation robot({written(R"(<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/>
+      </body></worldbody><actuator><motor joint="j"/><motor joint="j"/><position joint="j"/>
+      <general joint="j" dyntype="integrator" biastype="affine" biasprm="0 -1 0"/></actuator>
+      </mujoco>)")});
+  std::vector<std::string> names;
+  for (const Actuator& actuator : robot.actuators()) names.push_back(actuator.name);
+  EXPECT_THAT(names, ElementsAre("j", "actuator_1", "j", "actuator_3"));
+  EXPECT_EQ(robot.actuators()[2].quantity, Quantity::position);
+  EXPECT_EQ(robot.actuators()[3].quantity, Quantity::effort) << "its control is a speed";
+}
+
 // The loop that MuJoCo's documentation shows (Programming, Simulation loop), with the same
 // controls.
 TEST_F(Models, MoveAsInMujocosOwnLoopToTheBit) {

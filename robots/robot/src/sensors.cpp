@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
@@ -61,6 +63,13 @@ class Sensors::Impl {
   using Write = std::function<Bytes(const Simulation&)>;
 
   void add(const std::string& name, const char* type, TimeNs period, Write write) {
+    if (std::ranges::find(topics_, name, &SensorTopic::name) != topics_.end()) {
+      throw ConfigurationError(with_code(
+          Code::world,
+          "two sensors of the model have the topic {}; give them names that differ in letters and "
+          "digits",
+          name));
+    }
     topics_.push_back({name, type, period});
     writers_.push_back(std::move(write));
     next_.push_back(0);

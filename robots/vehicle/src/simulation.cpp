@@ -34,7 +34,8 @@ std::string name_or(const mjModel& model, mjtObj type, int id, const std::string
 Quantity quantity_of(const mjModel& model, int id) {
   const mjtNum* const gain = model.actuator_gainprm + mjNGAIN * id;
   const mjtNum* const bias = model.actuator_biasprm + mjNBIAS * id;
-  if (model.actuator_biastype[id] != mjBIAS_AFFINE || gain[0] == 0) {
+  if (model.actuator_biastype[id] != mjBIAS_AFFINE || gain[0] == 0 ||
+      model.actuator_dyntype[id] != mjDYN_NONE) {
     return Quantity::effort;
   }
   if (bias[1] == -gain[0]) {
@@ -52,6 +53,12 @@ std::vector<Actuator> find_actuators(const mjModel& model) {
       otherwise = name_or(model, mjOBJ_JOINT, model.actuator_trnid[2 * id], otherwise);
     }
     actuators.push_back({name_or(model, mjOBJ_ACTUATOR, id, otherwise), quantity_of(model, id)});
+    const auto same = [&](const Actuator& other) {
+      return other.name == actuators.back().name && other.quantity == actuators.back().quantity;
+    };
+    if (std::ranges::count_if(actuators, same) > 1) {  // two motors without names at one joint
+      actuators.back().name = fmt::format("actuator_{}", id);
+    }
   }
   return actuators;
 }

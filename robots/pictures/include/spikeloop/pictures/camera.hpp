@@ -10,10 +10,10 @@
 namespace spikeloop::pictures {
 
 struct CameraOptions {
-  std::string name = "camera";  ///< of the world's <camera>
   Size size{64, 48};
   double rate_hz = 20;
   double field_of_view_deg = 80;  ///< from the left to the right edge
+  std::string name = "camera";    ///< of the world's <camera>
 };
 
 /// A pinhole camera at a camera of the world, drawn off screen by OpenGL: with the world's

@@ -18,10 +18,10 @@ struct SensorOptions {
   messages::Dialect dialect = messages::Dialect::ros1;
   /// None: the camera is off.
   std::optional<pictures::CameraOptions> camera{};
-  /// Messages in a simulated second of a robot that is not the vehicle, pictures aside.
-  double rate_hz = 100;
   /// Pictures are black: only their size is asked for, and OpenGL is not needed.
   bool blind = false;
+  /// Messages in a simulated second of a robot that is not the vehicle, pictures aside.
+  double rate_hz = 100;
 };
 
 struct SensorTopic {
