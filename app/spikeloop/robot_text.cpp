@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "output.hpp"
 #include "spikeloop/robot/command_topic.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/robot/sensors.hpp"
@@ -33,7 +34,7 @@ std::string robot_text(const std::string& file) {
   for (const robot::SensorTopic& topic : sensors.topics()) {
     const bool numbers = topic.type == robot::kNumbersType;
     text += topic_line(topic.name, topic.type,
-                       numbers ? fmt::format("{} values", robot.sensors()[sensor++].width)
+                       numbers ? count_of(robot.sensors()[sensor++].width, "value")
                        : topic.type == robot::kImuType ? "inertial unit"
                                                        : "position, velocity, effort of joints");
   }

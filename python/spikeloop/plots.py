@@ -74,8 +74,9 @@ def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="pn
         return painter.result
     _refuse_other_folders(run)
     found = parts.find(run, labels)
-    painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
-                 wanted=not found.known or (run.path / "trajectory.csv").exists())
+    if not found.is_model:
+        painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
+                     wanted=not found.known or (run.path / "trajectory.csv").exists())
     painter.result.missing += found.missing
     painter.result.notes += found.notes
     _draw_recorded(painter, run, found, begin_s, end_s)

@@ -231,6 +231,16 @@ class ExperimentTest(Folder):
             self.assertEqual([pathlib.Path(line).name for line in out.splitlines()], names)
             self.assertNotIn("latency", err)
 
+    def test_a_robot_of_a_model_has_no_path(self):
+        self.signal("motors", "command")
+        for robot, words in (({"world": "arena.xml"}, 1), ({"model": "arm.xml"}, 0)):
+            self.make({"motors": "ros_command"}, [])
+            resolved = json.loads((self.folder / "resolved.json").read_text())
+            (self.folder / "resolved.json").write_text(json.dumps({**resolved, "robot": robot}))
+            _, out, err = run_main(self.folder)
+            self.assertTrue(out.endswith("spikes.png\n"), out)
+            self.assertEqual(err.count("trajectory.png is not drawn"), words)
+
     def test_sections_of_a_music_job_are_known_by_their_programs(self):
         (self.folder / "effective.music").write_text(
             "stoptime=1\n[b]\nbinary=/usr/bin/ros_command_adapter\n[a]\n"
