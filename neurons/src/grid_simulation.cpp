@@ -142,10 +142,9 @@ class GridSimulation final : public Simulation {
     if (groups_[population]) {
       groups_[population]->update(step, fired_);
     } else if (trains_[population]) {
-      PoissonTrains& trains = *trains_[population];
-      for (; trains.due(step * network_.resolution); trains.advance()) {
-        fired_.push_back(trains.next().member);
-      }
+      trains_[population]->advance(
+          step * network_.resolution,
+          [this](std::uint32_t member, TimeNs) { fired_.push_back(member); });
     } else {
       return;
     }

@@ -115,10 +115,9 @@ class OffgridSimulation final : public Simulation {
       send(member.population, member.index, spike.time_ns, interval.begin + 1);
     }
     for (Trains& trains : trains_) {
-      for (; trains.spikes.due(interval.end); trains.spikes.advance()) {
-        const PoissonTrains::Next next = trains.spikes.next();
-        fire(trains.population, next.member, next.time, output);
-      }
+      trains.spikes.advance(interval.end, [&](std::uint32_t member, TimeNs time) {
+        fire(trains.population, member, time, output);
+      });
     }
     while (!queue_.empty() && queue_.top().time <= interval.end) {
       const Arrival now = queue_.top();

@@ -91,7 +91,10 @@ class SignalCurrent final : public CurrentSource {
 }  // namespace
 
 PoissonTrains::PoissonTrains(const NetworkPopulation& population, const RandomStream& stream)
-    : stream_(stream), drawn_(population.size, 0), integral_(population.size, 0.0) {
+    : stream_(stream),
+      drawn_(population.size, 0),
+      integral_(population.size, 0.0),
+      next_(population.size) {
   double integral = 0.0;
   for (const TimedValue& entry : population.source.steps) {
     const double begin = to_seconds(entry.time);
@@ -105,29 +108,20 @@ PoissonTrains::PoissonTrains(const NetworkPopulation& population, const RandomSt
   }
 }
 
-void PoissonTrains::advance() {
-  const std::uint32_t member = queue_.top().member;
-  queue_.pop();
-  draw(member);
-}
-
 void PoissonTrains::draw(std::uint32_t member) {
   integral_[member] += stream_.exponential(member, drawn_[member]++);
-  if (const TimeNs time = time_of(integral_[member]); time >= 0) {
-    queue_.push({time, member});
-  }
+  next_[member] = time_of(integral_[member]);
 }
 
-// -1: never.
 TimeNs PoissonTrains::time_of(double integral) const {
   const auto next = std::ranges::upper_bound(pieces_, integral, {}, &Piece::integral);
   if (next == pieces_.begin() || (next - 1)->rate == 0.0) {
-    return -1;  // behind the last step
+    return kNever;  // behind the last step
   }
   const Piece& piece = *(next - 1);
   const double ns = (piece.begin_s + (integral - piece.integral) / piece.rate) * 1e9;
   constexpr double kLatest = 9e18;
-  return ns < kLatest ? std::max(TimeNs{1}, static_cast<TimeNs>(std::ceil(ns))) : -1;
+  return ns < kLatest ? std::max(TimeNs{1}, static_cast<TimeNs>(std::ceil(ns))) : kNever;
 }
 
 Currents::Currents(const NetworkFile& network, const Seeding& seeding)

@@ -4,9 +4,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <limits>
 #include <memory>
-#include <queue>
 #include <span>
 #include <string>
 #include <utility>
@@ -35,21 +34,22 @@ class PoissonTrains {
  public:
   PoissonTrains(const NetworkPopulation& population, const RandomStream& stream);
 
-  struct Next {
-    TimeNs time;  ///< rounded up
-    std::uint32_t member;
-    auto operator<=>(const Next&) const = default;
-  };
-  /// Whether a spike is left up to `time`.
-  bool due(TimeNs time) const { return !queue_.empty() && queue_.top().time <= time; }
-  /// The next spike, by (time, member).
-  Next next() const { return queue_.top(); }
-  void advance();
+  /// `fire(member, time)` for the spikes up to `end` that have not been taken, by member and time.
+  /// Times are rounded up.
+  template <typename Fire>
+  void advance(TimeNs end, Fire&& fire) {
+    for (std::uint32_t member = 0; member < next_.size(); ++member) {
+      for (; next_[member] <= end; draw(member)) {
+        fire(member, next_[member]);
+      }
+    }
+  }
 
  private:
   void draw(std::uint32_t member);
   TimeNs time_of(double integral) const;
 
+  static constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
   struct Piece {
     double begin_s;
     double integral;  // up to its begin
@@ -59,7 +59,7 @@ class PoissonTrains {
   std::vector<Piece> pieces_;
   std::vector<std::uint64_t> drawn_;
   std::vector<double> integral_;
-  std::priority_queue<Next, std::vector<Next>, std::greater<>> queue_;
+  std::vector<TimeNs> next_;  // of each member; kNever: no more
 };
 
 /// The currents of one population. Step n is the interval ((n - 1) h, n h].

@@ -18,7 +18,7 @@ import ros
 import runs
 
 EXPERIMENT = """experiment: events
-duration: 5 s
+duration: 6 s
 tick: 2 ms
 ros: {ros}
 nodes:
@@ -26,7 +26,7 @@ nodes:
     node: ros_event_sensor
     topic: /events
     message: {message}
-    latency: 500 ms
+    latency: 1500 ms
     polarity: split
   relay:
     simulator: builtin

@@ -261,6 +261,10 @@ TEST_F(State, ProgressIsThatOfTheProcessThatWaitsForTheClock) {
   EXPECT_EQ(state_.progress().overruns, 5u);
   EXPECT_EQ(state_.progress().real_time_factor(), 0.75);
   EXPECT_EQ(state_.progress().total_s, 10.0);
+  tell("c", "report", {{"simulated_s", 10.0}});
+  EXPECT_EQ(state_.progress().simulated_s, 3.0);
+  tell("a", "report", {{"simulated_s", 4.0}});
+  EXPECT_EQ(state_.progress().simulated_s, 4.0) << "the message before it was lost";
 }
 
 TEST_F(State, MergesTheSummaries) {

@@ -167,7 +167,8 @@ int main(int argc, char** argv) {
   if (behaviour == "slow_to_stop") {
     sleep(1);
   }
-  sender.report({{"ticks", ticks}}, {{name + "_ticks", ticks}});
+  sender.report({{"ticks", ticks}}, {{name + "_ticks", ticks}},
+                static_cast<spikeloop::TimeNs>(runtime.time() * 1e9));
   runtime.finalize();
   return 0;
 }
