@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <utility>
 
@@ -140,6 +141,10 @@ bool operator==(const MusicConnection& a, const MusicConnection& b) {
 
 bool operator==(const MusicFile& a, const MusicFile& b) {
   return a.globals == b.globals && a.sections == b.sections && a.connections == b.connections;
+}
+
+bool crashes_music(std::size_t connections) {
+  return connections + 3 <= std::bit_ceil(connections);
 }
 
 namespace {

@@ -121,8 +121,10 @@ bool PlannedInput::check_sender(std::size_t i, const ErrorHandler& report) const
   if (width == 0 && end_ - begin_ == 1 && channels.all()) {
     report(ConfigurationError(
         from.where,
-        with_code(Code::unknown_width, "the width of '{}' -> '{}' is unknown; write it as [10]",
-                  name, plan_.text(connection(i).to))));
+        with_code(
+            Code::unknown_width,
+            "the width of '{}' -> '{}' is unknown; write the number of channels, for example [10]",
+            name, plan_.text(connection(i).to))));
   } else if (width == 0) {
     report(ConfigurationError(
         where, with_code(Code::unknown_width,

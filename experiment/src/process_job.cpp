@@ -48,6 +48,7 @@ class ProcessWriter : JobWriter {
     }
     if (needs_music(experiment_)) {
       check_joined();
+      check_receivers();
     }
     return std::move(job_);
   }
@@ -128,9 +129,14 @@ class ProcessWriter : JobWriter {
                                 "nodes a name without '__'",
                                 known->second, end, name));
     }
+    const std::string from_port =
+        is_simulator_end(experiment_, edge.from) ? port_of(edge.from) : name;
+    if (edge.kind == PortKind::spikes) {
+      ++receivers_[{from, from_port}];
+    }
     job_.file.connections.push_back(
         {from,
-         is_simulator_end(experiment_, edge.from) ? port_of(edge.from) : name,
+         from_port,
          to,
          to_simulator ? port_of(edge.to) : name,
          to_simulator ? experiment_.width(node_of(edge.to), port_of(edge.to)) : edge.width,
@@ -204,6 +210,19 @@ class ProcessWriter : JobWriter {
     }
   }
 
+  void check_receivers() const {
+    for (const auto& [port, receivers] : receivers_) {
+      if (crashes_music(receivers)) {
+        throw ConfigurationError(
+            experiment_.layout.where,
+            with_code(Code::layout,
+                      "{} processes take the spikes '{}' of process '{}', and {}; put two of them "
+                      "into one process",
+                      receivers, port.second, port.first, kCrashesMusic));
+      }
+    }
+  }
+
   [[noreturn]] void refuse_alone(const std::string& process) const {
     if (experiment_.layout.kind != Layout::Kind::fused) {
       throw ConfigurationError(
@@ -223,6 +242,8 @@ class ProcessWriter : JobWriter {
 
   std::set<std::pair<std::string, std::string>> taken_;  ///< an end, and the process it goes to
   std::set<std::string> joined_;
+  /// How many processes take from a port of spikes.
+  std::map<std::pair<std::string, std::string>, std::size_t> receivers_;
   std::map<std::string, std::string> ports_;  ///< their ends by their names
 };
 

@@ -160,11 +160,13 @@ const Node& Experiment::node(std::string_view wanted) const {
 
 std::uint32_t Experiment::width(std::string_view node, std::string_view port) const {
   const std::string end = fmt::format("{}.{}", node, port);
+  for (const Output& output : outputs) {
+    if (output.node == node && output.port == port) {
+      return output.width;
+    }
+  }
   std::uint32_t of_senders = 0;
   for (const Connection& connection : connections) {
-    if (connection.from == end) {
-      return connection.width;
-    }
     if (connection.to == end) {
       const std::uint32_t count = connection.channels.count(connection.width);
       of_senders = connection.combination == Combination::added ? count : of_senders + count;

@@ -82,14 +82,20 @@ std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment&
   return lonely;
 }
 
-GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment,
-                          Faults& faults) {
+/// A sensor whose message says how many channels it has may be there to be recorded.
+bool may_stand_alone(const Node& node, const Trial& trial) {
+  return (node.kind == kRosSensor || node.kind == kRosEventSensor) &&
+         known_width(node, Direction::output, trial) != 0;
+}
+
+GraphDescription as_nodes(const ExperimentFile& file, const Trial& trial,
+                          const Experiment& experiment, Faults& faults) {
   GraphDescription description;
   description.tick = experiment.tick;
   description.seed = experiment.seed;
   const auto lonely = lonely_nodes(file, experiment);
   for (const Node& node : experiment.nodes) {
-    if (lonely.contains(node.name)) {
+    if (lonely.contains(node.name) && !may_stand_alone(node, trial)) {
       faults.add(node.where, with_code(Code::not_connected,
                                        "node '{0}' is not connected; write it into "
                                        "'connections', or leave it out",
@@ -227,7 +233,7 @@ void try_node(const Node& node, const PlannedElement& element, std::uint64_t see
 void resolve_connections(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
                          Faults& faults) {
   const std::size_t before = faults.count();
-  GraphDescription graph = as_nodes(file, experiment, faults);
+  GraphDescription graph = as_nodes(file, trial, experiment, faults);
   GraphPlan planned;
   faults.attempt(file.where_connections, [&] {
     std::vector<ConfigurationError> wrong;

@@ -129,13 +129,27 @@ void take_fused(Experiment& experiment) {
   experiment.layout.processes.push_back(std::move(process));
 }
 
-/// A process for each node.
+/// A process for each node. One without connections shares the first one: MUSIC would wait for ever
+/// for a process of its own.
 void take_separate(bool whole, Experiment& experiment, Faults& faults) {
+  std::vector<Process>& processes = experiment.layout.processes;
+  const bool known = !experiment.connections.empty();  // none where one of them is wrong
+  std::set<std::string> alone;
   for (const Node& node : experiment.nodes) {
-    if (!is_simulator(node)) {
-      faults.attempt(node.where, [&] { check_process(node.name, node.where, experiment); });
-      experiment.layout.processes.push_back({node.name, {node.name}});
+    if (is_simulator(node)) {
+      continue;
     }
+    if (known && std::ranges::none_of(experiment.connections, [&](const Connection& connection) {
+          return node_of(connection.from) == node.name || node_of(connection.to) == node.name;
+        })) {
+      alone.insert(node.name);
+      continue;
+    }
+    faults.attempt(node.where, [&] { check_process(node.name, node.where, experiment); });
+    processes.push_back({node.name, {node.name}});
+  }
+  if (!processes.empty()) {
+    processes.front().nodes.merge(alone);
   }
   if (whole) {
     faults.attempt(experiment.layout.where, [&] { check_robot(experiment); });

@@ -317,9 +317,9 @@ TEST_F(GraphErrors, UnknownWidth) {
   FunctionSink open(kSignal, 0, [](const Step&) {});
   graph_.sources[0].source = &wide;
   graph_.sinks[0].sink = &open;
-  EXPECT_EQ(
-      message(),
-      "x.yaml:3:5: the width of 'laser.out' -> 'encoder.in' is unknown; write it as [10] [SL0307]");
+  EXPECT_EQ(message(),
+            "x.yaml:3:5: the width of 'laser.out' -> 'encoder.in' is unknown; write the number of "
+            "channels, for example [10] [SL0307]");
 }
 
 TEST_F(GraphErrors, TwoOfOneName) {

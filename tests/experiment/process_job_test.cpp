@@ -34,19 +34,23 @@ class ProcessJob : public testing::Test {
     EXPECT_THAT(result.faults, testing::IsEmpty());
     return result.experiment;
   }
-  MusicFile job(const std::string& connections) {
-    return experiment::process_job(experiment::with_layout_delays(experiment(connections)), "out",
+  static MusicFile job_of(const experiment::Experiment& experiment) {
+    return experiment::process_job(experiment::with_layout_delays(experiment), "out",
                                    {{"about", "{}"}})
         .file;
   }
-  /// What is said of connections that cannot be.
-  std::string refusal(const std::string& connections) {
+  MusicFile job(const std::string& connections) { return job_of(experiment(connections)); }
+  /// What is said of an experiment, or of connections, that cannot be.
+  std::string refusal_of(const experiment::Experiment& experiment) {
     try {
-      job(connections);
+      job_of(experiment);
     } catch (const ConfigurationError& error) {
       return files_->plain(error.what());
     }
     return "nothing";
+  }
+  std::string refusal(const std::string& connections) {
+    return refusal_of(experiment(connections));
   }
 
   experiment::NodeTypes types_;
@@ -175,6 +179,32 @@ TEST_F(ProcessJob, RefusesWhatCannotBe) {
       "x.yaml:6:3: no connection joins the simulators with the other nodes, which one process "
       "has in the fused layout, and MUSIC would wait forever; connect them, or use --layout "
       "separate [SL0305]");
+}
+
+TEST_F(ProcessJob, HasNoOutputWithSoManyReceiversThatMusicCrashes) {
+  const auto fault = [&](int receivers) {
+    std::string nodes =
+        "nodes:\n  a: {simulator: builtin, network: {populations: {p: {model: poisson, size: 2, "
+        "parameters: {rate: 1 Hz}}}, output: [p]}}\n";
+    std::string connections = "connections:\n";
+    for (int i = 0; i < receivers; ++i) {
+      nodes += fmt::format("  b{}: {{node: linear_readout}}\n", i);
+      connections += fmt::format("  - a -> b{} [2]\n", i);
+    }
+    files_ = std::make_unique<Files>("experiment: x\nsync: unpaced\nlayout: separate\n" + nodes +
+                                     connections);
+    return refusal_of(read(*files_, types_).experiment);
+  };
+  for (const int receivers : {1, 4, 6, 8, 14, 16, 30}) {
+    EXPECT_EQ(fault(receivers), "nothing");
+  }
+  for (const int receivers : {5, 9, 13, 17, 29}) {
+    EXPECT_EQ(fault(receivers),
+              fmt::format("x.yaml:3:9: {} processes take the spikes 'a__out' of process 'a', and "
+                          "MUSIC crashes now and then with 5, 9 to 13 or 17 to 29; put two of them "
+                          "into one process [SL0601]",
+                          receivers));
+  }
 }
 
 TEST_F(ProcessJob, AnExportedJobHasAProgramANode) {

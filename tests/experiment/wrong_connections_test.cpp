@@ -111,7 +111,8 @@ INSTANTIATE_TEST_SUITE_P(
               "network: net.yaml}\n  decoder: {node: linear_readout, tau: 30 ms, weights: "
               "w.json}\n",
               "  mix: {node: connect, weights: uniform}\n"}},
-            {"x.yaml:10:13: the width of 'scan.out' -> 'mix.in' is unknown; write it as [10] "
+            {"x.yaml:10:13: the width of 'scan.out' -> 'mix.in' is unknown; write the number of "
+             "channels, for example [10] "
              "[SL0307]"}},
         WrongFile{"cycle without delay",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",

@@ -100,11 +100,14 @@ INSTANTIATE_TEST_SUITE_P(
                     "brain -> decoder"},
                    {"weights: w.json", "tau: 30 ms"},
                    {"tau: 30 ms, ", ""}},
-                  {"x.yaml:12:13: the width of 'scan.out' -> 'encoder.in' is unknown; write it as "
+                  {"x.yaml:12:13: the width of 'scan.out' -> 'encoder.in' is unknown; write the "
+                   "number of channels, for example "
                    "[10] [SL0307]",
-                   "x.yaml:12:24: the width of 'encoder.out' -> 'brain.in' is unknown; write it as "
+                   "x.yaml:12:24: the width of 'encoder.out' -> 'brain.in' is unknown; write the "
+                   "number of channels, for example "
                    "[10] [SL0307]",
-                   "x.yaml:12:33: the width of 'brain.out' -> 'decoder.in' is unknown; write it as "
+                   "x.yaml:12:33: the width of 'brain.out' -> 'decoder.in' is unknown; write the "
+                   "number of channels, for example "
                    "[10] [SL0307]"},
                   {{"brain.py", kScript}}},
         WrongFile{

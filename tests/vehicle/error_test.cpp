@@ -74,13 +74,13 @@ TEST(WorldErrors, ADirectoryIsNoWorld) {
 
 TEST(WorldErrors, BadXml) {
   EXPECT_THAT(complaint(World("<mujoco>\n  <worldbody>\n")),
-              StartsWith("not a world MuJoCo 2.2.2 can read: "));
+              StartsWith("MuJoCo 2.2.2 cannot read it: "));
 }
 
 TEST(WorldErrors, BadMjcfNamesTheLine) {
   const World world("<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody></mujoco>");
   EXPECT_THAT(message<ConfigurationError>(world.path()),
-              AllOf(StartsWith(world.path() + ":3: not a world MuJoCo 2.2.2 can read: "),
+              AllOf(StartsWith(world.path() + ":3: MuJoCo 2.2.2 cannot read it: "),
                     HasSubstr("tipe")));
 }
 

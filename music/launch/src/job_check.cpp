@@ -184,6 +184,7 @@ class TogetherCheck {
 
   void check_connections() {
     std::map<std::string, const MusicConnection*> senders;
+    std::map<std::string, std::size_t> receivers;
     for (const MusicConnection& connection : file_.connections) {
       check_kinds(connection);
       check_width(connection);
@@ -197,6 +198,18 @@ class TogetherCheck {
                                "the output '{}' has another width in line {}; write the same "
                                "[width] in both",
                                first->first, first->second->where.line)));
+      }
+      if (sender != nullptr && sender->output == PortKind::spikes) {
+        ++receivers[first->first];
+      }
+    }
+    for (const auto& [port, count] : receivers) {
+      if (crashes_music(count)) {
+        diagnostics_.push_back(
+            warning_at(senders.at(port)->where,
+                       with_code(Code::music_job, "the output '{}' has {} connections, and {}",
+                                 port, count, kCrashesMusic),
+                       strict_));
       }
     }
   }

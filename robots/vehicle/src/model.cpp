@@ -68,8 +68,8 @@ std::unique_ptr<mjVFS, VfsDelete> shipped_files(const std::filesystem::path& wor
   if (std::regex_search(reason, match, std::regex("line (\\d+)"))) {
     where.line = std::stoi(match[1]);
   }
-  throw ConfigurationError(where, with_code(Code::world, "not a world MuJoCo {} can read: {}",
-                                            mj_versionString(), reason));
+  throw ConfigurationError(
+      where, with_code(Code::world, "MuJoCo {} cannot read it: {}", mj_versionString(), reason));
 }
 
 double circle_of(const mjModel& model, int geom) {

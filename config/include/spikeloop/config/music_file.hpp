@@ -117,6 +117,12 @@ Diagnostics structure_diagnostics(const MusicFile& file);
 /// @throws ConfigurationError with the first of `structure_diagnostics`.
 void check_structure(const MusicFile& file);
 
+/// Whether MUSIC crashes now and then when a spike output has so many connections: 5, 9 to 13,
+/// 17 to 29, ... Its IntervalTree then has a node without values.
+bool crashes_music(std::size_t connections);
+inline constexpr const char* kCrashesMusic =
+    "MUSIC crashes now and then with 5, 9 to 13 or 17 to 29";
+
 /// What MUSIC's launcher puts into `_MUSIC_CONFIG_` for an application: label, place, applications,
 /// ports, keys. The file must have passed `check_structure`.
 std::string music_environment(const MusicFile& file, std::string_view label);

@@ -140,7 +140,7 @@ struct Experiment {
   Settings settings;            ///< that it was read with
 
   const Node& node(std::string_view name) const;
-  /// Of a port that a connection reaches; 0 for one that none does.
+  /// Of an output, or of an input that a connection reaches; 0: nothing says it.
   std::uint32_t width(std::string_view node, std::string_view port) const;
 };
 
