@@ -5,10 +5,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
-#include "spikeloop/robot/command_topic.hpp"
-#include "spikeloop/robot/sensors.hpp"
-#include "spikeloop/robot/spectators.hpp"
-#include "spikeloop/vehicle/vehicle.hpp"
+#include "spikeloop/robot/stepped_robot.hpp"
 
 namespace spikeloop::robot {
 
@@ -36,8 +33,13 @@ struct RunOptions {
   std::string topic(const std::string& name) const;
   /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
   std::string sensor_topic(const std::string& name) const;
-  SensorOptions sensors(messages::Dialect dialect) const {
-    return {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz};
+  RobotOptions robot() const {
+    const auto dialect = ros == 2 ? messages::Dialect::ros2 : messages::Dialect::ros1;
+    return {vehicle,
+            model,
+            {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz},
+            spectators,
+            out};
   }
   std::string command_topic_of(const CommandTopic& robot) const {
     return topic(command_topic.empty() ? robot.name() : command_topic);

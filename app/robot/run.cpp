@@ -12,35 +12,24 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/robot/files.hpp"
-#include "spikeloop/robot/sensors.hpp"
-#include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
 
 namespace spikeloop::robot {
 namespace {
 
 constexpr TimeNs kTick = 1'000'000;
-constexpr TimeNs kRowPeriod = 20'000'000;        // of the trajectory
 constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
 
 class Loop {
  public:
-  Loop(const RunOptions& options, const status::Sender& status, vehicle::Simulation& robot,
+  Loop(const RunOptions& options, const status::Sender& status, SteppedRobot& robot,
        topics::Session& session)
       : options_(options),
         status_(status),
         robot_(robot),
-        sensors_(robot, options.sensors(session.dialect())),
-        spectators_(robot, options.spectators),
-        command_topic_(robot, session.dialect()),
-        ros_(options, session, sensors_.topics(), command_topic_),
+        ros_(options, session, robot.topics(), robot.command_topic()),
         pacer_(make_realtime_pacer(options.real_time_factor, kTick)),
-        clock_period_(whole_ticks(1 / options.clock_rate_hz)) {
-    if (!options.out.empty() && robot.vehicle() != nullptr) {
-      write_world(options.out, *robot.vehicle(), options.vehicle.seed);
-      trajectory_.emplace(options.out);
-    }
-  }
+        clock_period_(whole_ticks(1 / options.clock_rate_hz)) {}
 
   void run(const std::atomic<bool>& stop) {
     const TimeNs end = options_.duration_s > 0 ? from_seconds(options_.duration_s)
@@ -51,10 +40,9 @@ class Loop {
       pacer_->wait_until(t);
       publish(t);
       if (const auto command = ros_.take_command()) {
-        robot_.command(*command);
+        robot_.act(*command);
       }
-      robot_.step(kTick);
-      spectators_.look(robot_);
+      robot_.advance(t + kTick);
       report_progress();
       if (!ros_.alive()) {
         finish();
@@ -75,14 +63,14 @@ class Loop {
   // Everything that is due at `t`, which no subscriber has to hear about at 0, but what never
   // changes: ROS takes a stamp of zero for none.
   void publish(TimeNs t) {
-    if (t % kRowPeriod == 0 && trajectory_) {
-      trajectory_->write(robot_.vehicle()->odometry(), robot_.vehicle()->statistics().collisions);
-    }
-    for (std::size_t i = 0; i < sensors_.topics().size(); ++i) {
-      if (!sensors_.due(i, t) || (t == 0 && !sensors_.topics()[i].latched())) continue;
-      if (i == 0) ++scans_;
-      if (ros_.wanted(i)) ros_.publish(i, sensors_.write(i, robot_));
-    }
+    robot_.publish(
+        t,
+        [&](std::size_t sensor) {
+          if (t == 0 && !robot_.topics()[sensor].latched()) return false;
+          if (sensor == 0) ++scans_;
+          return ros_.wanted(sensor);
+        },
+        [this](std::size_t sensor, auto message) { ros_.publish(sensor, message); });
     if (t == 0) return;
     if (t % clock_period_ == 0) ros_.publish_clock(t);  // after what is of that time
   }
@@ -93,33 +81,29 @@ class Loop {
     reported_ = now;
     const auto report = pacer_->report();
     auto shown = nlohmann::json::object();
-    if (const vehicle::Vehicle* const vehicle = robot_.vehicle()) {
+    if (const vehicle::Vehicle* const vehicle = robot_.robot().vehicle()) {
       shown["collisions"] = vehicle->statistics().collisions;
     }
     status_.progress(robot_.time(), report.wall_time, report.overruns, shown);
   }
 
   void finish() {
-    if (trajectory_) trajectory_->close();
-    spectators_.finish(robot_);
+    robot_.finish();
     const auto pace = pacer_->report();
-    auto counters = counters_of(robot_, ros_.commands(), scans_);
+    auto counters = counters_of(robot_.robot(), ros_.commands(), scans_);
     counters["overruns"] = pace.overruns;
-    status_.report(counters, summary_of(robot_));
+    status_.report(counters, summary_of(robot_.robot()));
     fmt::print("{} simulated in {:.1f} s: {}commands {}, overruns {}\n", format_time(robot_.time()),
-               to_seconds(pace.wall_time), drive_text(robot_), ros_.commands(), pace.overruns);
+               to_seconds(pace.wall_time), drive_text(robot_.robot()), ros_.commands(),
+               pace.overruns);
   }
 
   const RunOptions& options_;
   const status::Sender& status_;
-  vehicle::Simulation& robot_;
-  Sensors sensors_;
-  Spectators spectators_;
-  CommandTopic command_topic_;
+  SteppedRobot& robot_;
   RosLink ros_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs clock_period_;
-  std::optional<TrajectoryFile> trajectory_;
   std::uint64_t scans_ = 0;
   TimeNs reported_ = 0;
 };
@@ -128,10 +112,10 @@ class Loop {
 
 void run(const RunOptions& options, const topics::RosArguments& arguments,
          const status::Sender& status, const std::atomic<bool>& stop) {
-  const auto robot = make_robot(options.vehicle, options.model);
+  SteppedRobot robot(options.robot());
   auto session = open_session(options, arguments, stop);
   if (session == nullptr) return;
-  Loop loop(options, status, *robot, *session);
+  Loop loop(options, status, robot, *session);
   status.started();
   loop.run(stop);
 }

@@ -18,8 +18,7 @@ class SteppedRun {
  public:
   SteppedRun(const RunOptions& options, topics::Session& session, const std::atomic<bool>& stop)
       : node_name_(options.node_name),
-        options_{options.vehicle, options.model, options.sensors(session.dialect()),
-                 options.spectators, options.out},
+        options_(options.robot()),
         robot_(std::in_place, options_),
         link_(options, session, robot_->topics(), robot_->command_topic()),
         stop_(stop) {}

@@ -53,7 +53,7 @@ void SteppedRobot::advance(TimeNs time) {
     now = next;
   }
   if (command_) {
-    robot_->command(*command_);
+    act(*command_);
     command_.reset();
   }
 }

@@ -46,6 +46,8 @@ class SteppedRobot {
   /// The messages that have become due since the last call, each topic's at most once: as things
   /// are now, at `time`.
   void publish(TimeNs time, const Wanted& wanted, const Publish& publish);
+  /// A command, as command_topic() reads it, that holds from now on.
+  void act(std::span<const double> command) { robot_->command(command); }
   /// A message of command_topic(): the newest one holds when the next advance is over.
   void command(std::span<const std::byte> message) { command_ = command_topic_.read(message); }
   /// Advances to `time` on the command before; from there on the newest one holds.
