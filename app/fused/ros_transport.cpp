@@ -18,7 +18,7 @@ RosTransport::RosTransport(const experiment::Experiment& experiment,
       session_(session::open({{.node_name = "spikeloop_" + experiment.name,
                                .unique_name = true,
                                .arguments = topics::read_ros_arguments(ros_arguments)},
-                              experiment::dialect_of(experiment.ros)})),
+                              experiment.dialect})),
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);

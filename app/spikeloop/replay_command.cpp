@@ -27,7 +27,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop replay runs/explorer-1 --out again
 
 Runs the experiment of a run folder again, as fast as possible, for the same simulated time. The
-messages.bag of the folder replaces robot and ROS. Then all recorded spikes are compared. The
+messages.mcap of the folder replaces robot and ROS. Then all recorded spikes are compared. The
 experiment and its files are the copies in the folder; warnings list originals that have changed.
 'spikeloop run RUN' repeats the run itself, with its robot.
 

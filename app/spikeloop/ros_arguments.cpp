@@ -17,7 +17,7 @@ std::vector<messages::Dialect> versions_of(const experiment::Experiment& experim
   if (experiment.ros == experiment::Ros::none) {
     return {};
   }
-  return {experiment::dialect_of(experiment.ros)};
+  return {experiment.dialect};
 }
 
 std::vector<messages::Dialect> versions_of(const MusicFile& file,

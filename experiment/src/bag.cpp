@@ -29,25 +29,37 @@ std::string topics_in(const bag::Reader& reader) {
   return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
-void check_type(const Node& node, const bag::Connection& connection) {
+void check_type(const Node& node, const bag::Connection& connection, messages::Dialect dialect) {
   const std::string& message = node.parameters.text("message");
   const Location where = node.parameters.where("message");
-  const auto& catalog = *located_at(
-      where, [&] { return &messages::Catalog::for_type(messages::Dialect::ros1, message); });
+  if (connection.dialect != dialect) {
+    throw ConfigurationError(
+        where, with_code(Code::wrong_message,
+                         "key 'message': the recording's topic {} has messages encoded as '{}'; a "
+                         "sensor takes 'ros1' or 'cdr', and all sensors the same",
+                         connection.topic, connection.encoding));
+  }
+  const auto& catalog =
+      *located_at(where, [&] { return &messages::Catalog::for_type(dialect, message); });
   const std::string type = located_at(where, [&] { return catalog.full_name(message); });
   if (connection.type != type) {
     throw ConfigurationError(
         where,
         with_code(Code::wrong_message,
-                  "key 'message': the bag's topic {0} carries {1}, not {2}; write  message: {1}",
+                  "key 'message': the recording's topic {0} carries {1}, not {2}; write  message: "
+                  "{1}",
                   connection.topic, connection.type, type));
   }
-  if (const std::string md5 = catalog.md5(type); connection.md5 != md5) {
+  const bool ros1 = dialect == messages::Dialect::ros1;
+  const std::string version = ros1 ? catalog.md5(type) : catalog.type_hash(type);
+  if (connection.version != version) {
     throw ConfigurationError(
         where, with_code(Code::wrong_message,
-                         "key 'message': the bag's topic {} carries another version of {} (md5 "
-                         "sum {}, ours is {}); 'rosbag fix' makes it the version of ROS Noetic",
-                         connection.topic, type, connection.md5, md5));
+                         "key 'message': the recording's topic {} carries another version of {} "
+                         "({}, ours is {}); {}",
+                         connection.topic, type, connection.version, version,
+                         ros1 ? "'rosbag fix' makes it the version of ROS Noetic"
+                              : "give the .msg file of that version"));
   }
 }
 
@@ -57,7 +69,7 @@ void check_topic(const Node& node, const bag::Reader& reader) {
   bool found = false;
   for (const bag::Connection& connection : reader.connections()) {
     if (connection.topic == topic) {
-      check_type(node, connection);
+      check_type(node, connection, reader.dialect());
       found = true;
     }
     topics.push_back(connection.topic);
@@ -66,8 +78,8 @@ void check_topic(const Node& node, const bag::Reader& reader) {
     const std::string meant = nearest(topic, topics);
     throw ConfigurationError(
         node.parameters.where("topic"),
-        with_code(Code::no_such_topic, "key 'topic': the bag has no topic {}{}; it has {}", topic,
-                  meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
+        with_code(Code::no_such_topic, "key 'topic': the recording has no topic {}{}; it has {}",
+                  topic, meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
                   topics_in(reader)));
   }
 }
@@ -141,8 +153,8 @@ SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
       return 0;
     }
     return sensor.kind == kRosEventSensor
-               ? count_channels(sensor.parameters, first->bytes)
-               : count_values(sensor.parameters, messages::Dialect::ros1, first->bytes);
+               ? count_channels(sensor.parameters, reader->dialect(), first->bytes)
+               : count_values(sensor.parameters, reader->dialect(), first->bytes);
   };
 }
 

@@ -30,10 +30,11 @@ topics::EventSensorSettings event_sensor_settings(const Parameters& parameters) 
           .latency = from_seconds(parameters.number("latency"))};
 }
 
-std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message) {
+std::uint32_t count_channels(const Parameters& parameters, messages::Dialect ros,
+                             std::span<const std::byte> message) {
   try {
     const std::uint64_t channels =
-        messages::event_channels(event_settings(parameters), messages::Dialect::ros1, message);
+        messages::event_channels(event_settings(parameters), ros, message);
     return channels <= std::numeric_limits<std::uint32_t>::max()
                ? static_cast<std::uint32_t>(channels)
                : 0;

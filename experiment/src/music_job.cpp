@@ -213,7 +213,7 @@ class Writer : JobWriter {
   }
 
   void write_people(const Node& node) {
-    const command::EmergencyStop stop = emergency_stop(node, dialect_of(experiment_.ros));
+    const command::EmergencyStop stop = emergency_stop(node, experiment_.dialect);
     const auto truth = [](bool value) { return value ? "true" : "false"; };
     const char* from = "emergency_stop";
     add(node, from, stop.topic.empty() ? "none" : stop.topic);

@@ -185,6 +185,7 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
   const Parameters keys = read_keys(file, experiment, all);
   RobotView robot = read_robot(file, overrides, look_at_robot, experiment, all);
   const auto bag = open_bag(experiment, all);
+  experiment.dialect = bag ? bag->dialect() : dialect_of(experiment.ros);
   if (bag) {
     robot.width = bag_width(bag);
   }

@@ -175,7 +175,7 @@ void check_events(const Node& node, const Experiment& experiment) {
     if (node_of(connection.from) == node.name) {
       settings.width = connection.width;
       settings.where = connection.where;
-      messages::EventConversion(settings, dialect_of(experiment.ros));
+      messages::EventConversion(settings, experiment.dialect);
     }
   }
 }
@@ -189,8 +189,8 @@ void check_node(const Node& node, const Experiment& experiment, const SensorWidt
                                                              : "message";
     located_at(node.parameters.where(key), [&] {
       const std::string& type = node.parameters.text("message");
-      messages::SensorConversion(messages::Catalog::for_type(dialect_of(experiment.ros), type),
-                                 type, sensing::sensor_rule(node.parameters),
+      messages::SensorConversion(messages::Catalog::for_type(experiment.dialect, type), type,
+                                 sensing::sensor_rule(node.parameters),
                                  experiment.width(node.name, "out"), true);
       return 0;
     });

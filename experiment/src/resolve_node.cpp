@@ -207,7 +207,7 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
   bool good = faults.count() == before && entry.unread.empty();
   good = good && faults.attempt(entry.where, [&] {
     if (has_topic(node.kind)) {
-      read_endpoint(node, directory, dialect_of(experiment.ros));
+      read_endpoint(node, directory, experiment.dialect);
     }
     if (node.kind == kNetwork) {
       read_network(node, script, directory, experiment);

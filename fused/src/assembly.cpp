@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <filesystem>
 #include <set>
 
 #include "endpoints.hpp"
@@ -11,14 +11,13 @@
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
-#include "spikeloop/core/reason.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/run.hpp"
-#include "spikeloop/messages/translation.hpp"
 #include "spikeloop/record/recorder.hpp"
 #include "spikeloop/status/status.hpp"
 
@@ -63,21 +62,6 @@ std::string element_of(const std::string& end) {
 
 std::string sender_of(const std::string& command) {
   return command + std::string(kSender);
-}
-
-/// Bags are those of ROS 1, whatever the robot speaks. None, and a warning: ROS 1 does not know
-/// such messages.
-std::optional<messages::Translation> translation_to_ros1(const bag::Topic& topic) {
-  try {
-    return messages::Translation(topic.type,
-                                 messages::Catalog::for_type(messages::Dialect::ros2, topic.type),
-                                 messages::Catalog::for_type(messages::Dialect::ros1, topic.type));
-  } catch (const ConfigurationError& error) {
-    log::warning(
-        "topic '{}' is left out of {}, which is a bag of ROS 1: {}; spikeloop replay needs it",
-        topic.name, kMessagesFile, reason_of(error));
-    return std::nullopt;
-  }
 }
 
 }  // namespace
@@ -236,6 +220,11 @@ void Assembly::open_bag(const std::string& folder) {
     messages_ = std::make_unique<bag::Recorder>(
         folder + "/" + kMessagesFile,
         bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
+    if (const std::string resolved = folder + "/resolved.json"; std::filesystem::exists(resolved)) {
+      constexpr std::uint64_t kLimit = std::uint64_t{1} << 30;
+      messages_->attach("resolved.json", "application/json",
+                        read_file(resolved, "resolved.json", kLimit));
+    }
   }
 }
 
@@ -243,30 +232,12 @@ topics::Keep Assembly::keep_messages(const Node& node) {
   if (!messages_) {
     return {};
   }
-  const std::string& type = node.parameters.text("message");
-  const bag::Topic topic{node.parameters.text("topic"), type, node.name};
-  const auto keep = [recorder = messages_.get()](std::uint32_t connection) {
-    return [recorder, connection](TimeNs time, std::span<const std::byte> message) {
-      recorder->take(connection, time, message);
-    };
+  const std::uint32_t channel =
+      messages_->add({node.parameters.text("topic"), node.parameters.text("message"), node.name,
+                      experiment_.dialect});
+  return [recorder = messages_.get(), channel](TimeNs time, std::span<const std::byte> message) {
+    recorder->take(channel, time, message);
   };
-  if (experiment_.ros != experiment::Ros::ros2) {
-    return keep(messages_->add(topic));
-  }
-  const auto translation = translation_to_ros1(topic);
-  if (!translation) {
-    return {};
-  }
-  return
-      [keep = keep(messages_->add(topic)), translation = *translation,
-       bytes = std::vector<std::byte>()](TimeNs time, std::span<const std::byte> message) mutable {
-        try {
-          translation.translate(message, bytes);
-        } catch (const TransportError&) {
-          return;  // the node counts it as malformed
-        }
-        keep(time, bytes);
-      };
 }
 
 record::Recorder& Assembly::recorder_of(const Node& node, const std::string& folder) {

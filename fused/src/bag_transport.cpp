@@ -2,9 +2,10 @@
 
 namespace spikeloop::fused {
 
-BagTransport::Feed::Feed(bag::Reader& reader, const experiment::Node& sensor)
+BagTransport::Feed::Feed(const bag::Reader& reader, const experiment::Node& sensor)
     : stream(reader.stream(sensor.parameters.text("topic"), sensor.name)),
       next(stream.next()),
+      session(reader.dialect()),
       publisher(
           session.publisher(sensor.parameters.text("topic"), sensor.parameters.text("message"))) {}
 

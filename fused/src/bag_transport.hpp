@@ -17,7 +17,7 @@ namespace spikeloop::fused {
 class BagTransport : public Transport {
  public:
   /// @throws FileError as bag::Reader.
-  explicit BagTransport(const std::string& bag) : reader_(bag) {}
+  explicit BagTransport(const std::string& bag) : reader_(bag), commands_(reader_.dialect()) {}
 
   topics::Session& session(const experiment::Node& node) override;
   /// @throws FileError when the bag is damaged.
@@ -26,7 +26,7 @@ class BagTransport : public Transport {
  private:
   /// Of a node, as two of one topic need not have taken the same messages.
   struct Feed {
-    Feed(bag::Reader& reader, const experiment::Node& sensor);
+    Feed(const bag::Reader& reader, const experiment::Node& sensor);
 
     bag::Stream stream;
     std::optional<bag::Message> next;

@@ -72,7 +72,7 @@ command::CommandSettings command_settings(const Experiment& experiment, const No
   }
   settings.spike_timeout = experiment::spike_timeout(node);
   if (experiment.ros != experiment::Ros::none) {  // else there is nobody to stop it or drive it
-    experiment::add_operator_input(node, experiment::dialect_of(experiment.ros), settings);
+    experiment::add_operator_input(node, experiment.dialect, settings);
   }
   return settings;
 }

@@ -38,7 +38,7 @@ Numbers numbers_of(bag::Stream stream) {
 
 class Bag : public testing::Test {
  protected:
-  std::string file() const { return (directory_.path() / "messages.bag").string(); }
+  std::string file() const { return (directory_.path() / "messages.mcap").string(); }
 
   test::TemporaryDirectory directory_;
 };
@@ -47,7 +47,7 @@ TEST_F(Bag, GivesMessagesBackInOrderAndAtTheirTimes) {
   bag::Recorder recorder(file());
   const auto left = recorder.add({"/left", "std_msgs/Float64", "a"});
   const auto right = recorder.add({"/right", "std_msgs/Float64", "b"});
-  recorder.take(left, 0, number(1));  // ROS knows no time 0
+  recorder.take(left, 0, number(1));
   recorder.take(left, 0, number(2));
   recorder.take(right, 2, number(3));
   recorder.take(left, 5'000'000'000, number(4));
@@ -78,7 +78,8 @@ TEST_F(Bag, KnowsTypesAndVersions) {
   const bag::Connection& connection = reader.connections().front();
   EXPECT_EQ(connection.topic, "/cmd_vel");
   EXPECT_EQ(connection.type, "geometry_msgs/Twist");
-  EXPECT_EQ(connection.md5,
+  EXPECT_EQ(connection.dialect, messages::Dialect::ros1);
+  EXPECT_EQ(connection.version,
             messages::Catalog::builtin(messages::Dialect::ros1).md5("geometry_msgs/Twist"));
   EXPECT_EQ(connection.node, "wheels");
 }
@@ -119,7 +120,7 @@ TEST_F(Bag, OfARunWithoutMessagesIsEmpty) {
   EXPECT_THAT(numbers_of(reader.stream("/x", "a")), IsEmpty());
 }
 
-/// More than a chunk of rosbag's, from a loop that never waits to one that does.
+/// Several chunks, from a loop that never waits to one that does.
 TEST_F(Bag, PatientRecorderLosesNothing) {
   constexpr int kMessages = 20'000;
   bag::Recorder recorder(file(), {.capacity_bytes = 1, .patient = true});

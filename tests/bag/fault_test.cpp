@@ -1,12 +1,16 @@
-// Bags that cannot be written, and files that are none.
+// Files that cannot be written, damaged ones, and such as are no recordings.
 #include <gmock/gmock.h>
+#include <rosbag/bag.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <random>
+#include <set>
 
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/error.hpp"
+#include "tests/bag/ros1_text.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop {
@@ -16,8 +20,8 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::StartsWith;
-using testing::StrEq;
 
 template <typename Work>
 std::string file_error(Work&& work) {
@@ -31,25 +35,43 @@ std::string file_error(Work&& work) {
 
 class BagFaults : public testing::Test {
  protected:
-  std::string path(const char* name = "x.bag") const { return (directory_.path() / name).string(); }
-  std::string reading() const {
-    return file_error([&] {
-      bag::Stream stream = bag::Reader(path()).stream("/x", "a");
+  std::string path(const char* name = "x.mcap") const {
+    return (directory_.path() / name).string();
+  }
+  /// How many messages a file has, or what is wrong with it.
+  std::string reading(const char* name = "x.mcap") const {
+    std::size_t count = 0;
+    const std::string error = file_error([&] {
+      bag::Stream stream = bag::Reader(path(name)).stream("/x", "a");
       while (stream.next()) {
+        ++count;
       }
     });
+    return error == "no error" ? std::to_string(count) : error;
   }
-  /// 2000 of them are several chunks.
-  void write_good(TimeNs messages = 2000) const {
+  std::string reading_bag() const { return reading("x.bag"); }
+
+  /// 4000 of them are several chunks. Random letters, which nothing compresses.
+  void write_good(TimeNs messages = 4000) const {
+    std::mt19937 random(1);
     bag::Recorder recorder(path(), {.patient = true});
-    const auto connection = recorder.add({"/x", "std_msgs/String", "a"});
+    const auto channel = recorder.add({"/x", "std_msgs/String", "a"});
     std::vector<std::byte> text(1004);
     text[0] = std::byte{0xE8};
     text[1] = std::byte{0x03};  // 1000 bytes follow
     for (TimeNs i = 0; i < messages; ++i) {
-      recorder.take(connection, i, text);
+      std::ranges::generate(text.begin() + 4, text.end(), [&] { return std::byte(random()); });
+      recorder.take(channel, i, text);
     }
     EXPECT_EQ(recorder.close().error, "");
+  }
+  void write_good_bag(std::uint32_t messages = 2000) const {
+    rosbag::Bag bag(path("x.bag"), rosbag::bagmode::Write);
+    bag.setChunkThreshold(1 << 16);
+    const test::Ros1Text text{std::string(1000, 'x')};
+    for (std::uint32_t i = 0; i < messages; ++i) {
+      bag.write("/x", ros::Time(1, i), text);
+    }
   }
 
   test::TemporaryDirectory directory_;
@@ -80,41 +102,103 @@ TEST_F(BagFaults, Directory) {
 }
 
 TEST_F(BagFaults, OtherFiles) {
-  for (const char* text : {"", "#ROSBA", "SQLite format 3"}) {
-    directory_.write("x.bag", text);
+  for (const char* text : {"", "#ROSBA", "SQLite format 3", "\x89MCAP1\r\n"}) {
+    directory_.write("x.mcap", text);
     EXPECT_EQ(reading(), "'" + path() +
-                             "' is not a bag of ROS 1: it does not begin with #ROSBAG V; write the "
-                             "path of a .bag that 'rosbag info' reads (bags of ROS 2 are not in "
-                             "this version) [SL0109]");
+                             "' is neither an MCAP file nor a bag of ROS 1; write the path of a "
+                             ".mcap or .bag file [SL0109]");
   }
 }
 
-TEST_F(BagFaults, RecordingThatWasNotEnded) {
-  // A bag whose header still says that there is no index, as rosbag writes it at the beginning.
+/// As a process that was killed leaves it.
+TEST_F(BagFaults, WhatIsCutOffIsReadUpToThere) {
   write_good();
+  const std::string whole = directory_.read("x.mcap");
+  int before = 0;
+  std::set<int> counts;
+  for (std::size_t part = 0; part <= 40; ++part) {
+    directory_.write("x.mcap", whole.substr(0, 8 + (whole.size() - 8) * part / 40));
+    const int count = std::stoi(reading());
+    EXPECT_GE(count, before) << part;
+    counts.insert(before = count);
+  }
+  EXPECT_EQ(before, 4000);
+  EXPECT_GT(counts.size(), 3u);
+}
+
+TEST_F(BagFaults, ChecksumOfAChunk) {
+  write_good(3);
+  std::string file = directory_.read("x.mcap");
+  const auto chunk = file.find(std::string("zstd"));
+  file[chunk - 8] ^= 1;  // before the length of "zstd"
+  directory_.write("x.mcap", file);
+  EXPECT_EQ(reading(), "'" + path() + "' is damaged: the checksum of a chunk is wrong [SL0109]");
+}
+
+TEST_F(BagFaults, ChunkThatClaimsToBeLarge) {
+  write_good(3);
+  std::string file = directory_.read("x.mcap");
+  const auto size = file.find(std::string("zstd")) - 16;
+  for (const auto& [byte, reason] :
+       {std::pair{std::size_t{7}, "is damaged: a chunk says that it has "},
+        std::pair{std::size_t{2}, "is damaged: a chunk cannot be unpacked"}}) {
+    std::string wrong = file;
+    wrong[size + byte] = '\x10';
+    directory_.write("x.mcap", wrong);
+    EXPECT_THAT(reading(), HasSubstr(reason));
+  }
+}
+
+TEST_F(BagFaults, WrongBytesAnywhere) {
+  write_good(20);
+  const std::string whole = directory_.read("x.mcap");
+  std::mt19937 random(1);
+  int damaged = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    std::string file = whole;
+    // Half of them not in the messages.
+    const std::size_t at = 8 + random() % (whole.size() - 8);
+    file[trial % 2 == 0      ? at
+         : random() % 2 == 0 ? 8 + at % 100
+                             : whole.size() - 1 - at % 700] = static_cast<char>(random());
+    directory_.write("x.mcap", file);
+    const std::string result = reading();
+    damaged += result == "20" ? 0 : 1;
+    EXPECT_THAT(result, AnyOf(MatchesRegex("[0-9]+"), HasSubstr("' is damaged: "),
+                              HasSubstr("is neither an MCAP file")))
+        << trial;
+  }
+  EXPECT_GT(damaged, 300);
+}
+
+TEST_F(BagFaults, BagThatWasNotEnded) {
+  // Its header still says that there is no index, as rosbag writes it at the beginning.
+  write_good_bag();
   const std::string whole = directory_.read("x.bag");
   const auto index = whole.find("index_pos=") + 10;
   directory_.write("x.bag",
                    whole.substr(0, index) + std::string(8, '\0') + whole.substr(index + 8));
-  EXPECT_EQ(reading(), "'" + path() +
-                           "' has no index, because its recording was not ended; write  rosbag "
-                           "reindex " +
-                           path() + " [SL0109]");
+  EXPECT_EQ(reading_bag(), "'" + path("x.bag") +
+                               "' has no index, because its recording was not ended; write  rosbag "
+                               "reindex " +
+                               path("x.bag") + " [SL0109]");
 }
 
-TEST_F(BagFaults, CutOffAnywhere) {
-  write_good();
+TEST_F(BagFaults, BagThatIsCutOff) {
+  write_good_bag();
+  EXPECT_EQ(reading_bag(), "2000");
   const std::string whole = directory_.read("x.bag");
   for (std::size_t part = 1; part < 40; ++part) {
     directory_.write("x.bag", whole.substr(0, 13 + (whole.size() - 13) * part / 40));
-    EXPECT_THAT(reading(), AllOf(StartsWith("'" + path() + "' is damaged: "),
-                                 EndsWith("'rosbag check' and 'rosbag reindex' may help [SL0109]")))
+    EXPECT_THAT(reading_bag(),
+                AllOf(StartsWith("'" + path("x.bag") + "' is damaged: "),
+                      EndsWith("'rosbag check' and 'rosbag reindex' may help [SL0109]")))
         << part;
   }
 }
 
-TEST_F(BagFaults, IndexThatLeadsElsewhere) {
-  write_good(3);
+TEST_F(BagFaults, BagWhoseIndexLeadsElsewhere) {
+  write_good_bag(3);
   std::string bag = directory_.read("x.bag");
   const auto count = bag.find(std::string("\x0a\0\0\0count=", 10));
   // Behind it the fields op and ver may follow; then come the entries: time and offset.
@@ -126,13 +210,13 @@ TEST_F(BagFaults, IndexThatLeadsElsewhere) {
       bag[index + i] = offset;
     }
     directory_.write("x.bag", bag);
-    EXPECT_THAT(reading(), HasSubstr(std::string("is damaged: ") + reason));
+    EXPECT_THAT(reading_bag(), HasSubstr(std::string("is damaged: ") + reason));
   }
 }
 
 /// rosbag's own reader would end the process.
-TEST_F(BagFaults, WrongBytesAnywhere) {
-  write_good(20);
+TEST_F(BagFaults, WrongBytesAnywhereInABag) {
+  write_good_bag(20);
   const std::string whole = directory_.read("x.bag");
   std::mt19937 random(1);
   int damaged = 0;
@@ -142,9 +226,9 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
     // Text of the messages fills most of the bag, and any byte is good there.
     bag[trial % 2 == 0 ? at : whole.size() - 1 - at % 1500] = static_cast<char>(random());
     directory_.write("x.bag", bag);
-    const std::string error = reading();
-    damaged += error == "no error" ? 0 : 1;
-    EXPECT_THAT(error, AnyOf(StrEq("no error"), HasSubstr("x.bag"))) << trial;
+    const std::string result = reading_bag();
+    damaged += result == "20" ? 0 : 1;
+    EXPECT_THAT(result, AnyOf(MatchesRegex("[0-9]+"), HasSubstr("x.bag"))) << trial;
   }
   EXPECT_GT(damaged, 20);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The real rosbag module reads what a run keeps: topics, types, versions, counts, and numbers that
-are those of the recorded signals; and a bag that it wrote drives an experiment."""
+"""A reader that knows the format alone reads what a run keeps: topics, types, definitions, counts, and numbers
+that are those of the recorded signals. A bag that the real rosbag module wrote drives an experiment."""
 
 import pathlib
 import resource
@@ -17,6 +17,7 @@ from sensor_msgs.msg import LaserScan
 
 import bags
 import runs
+from mcap_file import McapFile
 
 KEPT = """experiment: kept
 duration: 20 s
@@ -49,23 +50,20 @@ def sensor_rows(file):
     return (times - TICK).tolist(), values
 
 
-def nanoseconds(stamp):
-    """1 ns stands for 0, which ROS does not know."""
-    return 0 if stamp.to_nsec() == 1 else stamp.to_nsec()
-
-
 def kept_messages(spikeloop, scratch):
     file = scratch / "kept.yaml"
     file.write_text(KEPT.format(sync="lockstep"))
     summary, _ = runs.run(spikeloop, file, scratch / "kept")
-    with rosbag.Bag(str(scratch / "kept/messages.bag")) as bag:
-        topics = bag.get_type_and_topic_info()
-        for topic, kind in (("/scan", LaserScan), ("/odom", Odometry), ("/cmd_vel", Twist)):
-            assert topics.topics[topic].msg_type == kind._type, topics
-            assert topics.msg_types[kind._type] == kind._md5sum, topics
-        messages = {topic: [(nanoseconds(stamp), message)
-                            for _, message, stamp in bag.read_messages(topic)]
-                    for topic in ("/scan", "/odom", "/cmd_vel")}
+    file = McapFile(scratch / "kept/messages.mcap")
+    assert file.ended
+    resolved = (scratch / "kept/resolved.json").read_bytes()
+    assert file.attachments == {"resolved.json": ("application/json", resolved)}
+    messages = {}
+    for topic, kind in (("/scan", LaserScan), ("/odom", Odometry), ("/cmd_vel", Twist)):
+        name, *encodings, text = file.type_of(topic)
+        assert (name, *encodings) == (kind._type, "ros1", "ros1msg"), name
+        assert definition(text) == definition(kind._full_text), text
+        messages[topic] = file.of(topic)
     counters = summary["counters"]
     assert len(messages["/scan"]) == counters["scan.messages"] == 400, counters
     assert len(messages["/odom"]) == counters["odom.messages"] == 1000, counters
@@ -73,6 +71,12 @@ def kept_messages(spikeloop, scratch):
     assert sum(map(len, messages.values())) == summary["messages_recorded"]
     assert summary["messages_dropped"] == 0
     compare(messages, scratch / "kept")
+
+
+def definition(text):
+    """Without comments and blank lines, and with whole names."""
+    lines = (" ".join(line.split("#")[0].split()) for line in text.splitlines())
+    return ["std_msgs/Header header" if line == "Header header" else line for line in lines if line]
 
 
 def compare(messages, folder):
@@ -121,42 +125,40 @@ def foreign_bag(spikeloop, scratch, **options):
 
 
 def full_disk(spikeloop, scratch):
-    """Files may not grow beyond 1 MB; the recordings of these nodes do not."""
+    """Files may not grow beyond 150 kB; all others of this run are smaller."""
     file = scratch / "full.yaml"
-    file.write_text(KEPT.format(sync="lockstep").replace("scan -> encoder [100]",
-                                                         "scan -> few [100] -> encoder [2]")
-                    .replace("nodes:\n", "nodes:\n  few: {node: connect, weights: blocks}\n")
-                    .replace("20 s", "25 s"))
+    file.write_text(KEPT.format(sync="lockstep").replace("{node:", "{record: false, node:"))
     def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
     done = bags.subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "full")],
                                capture_output=True, text=True, check=False, preexec_fn=limit,
                                restore_signals=False)  # so that SIGXFSZ stays ignored
     assert done.returncode == 4, done
-    assert f"cannot write '{scratch}/full/messages.bag': File too large" in done.stderr, done.stderr
+    assert f"cannot write '{scratch}/full/messages.mcap': File too large" in done.stderr, done.stderr
     assert "messages are lost" in done.stderr, done.stderr
 
 
 def killed(spikeloop, scratch):
-    """What the run had kept is there, after the bag has got its index."""
+    """What the run had kept is there, but for its last half second."""
     file = scratch / "killed.yaml"
     file.write_text(KEPT.format(sync="realtime"))
     folder = scratch / "killed"
     process = bags.subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
                                     stderr=bags.subprocess.DEVNULL)
-    while not (folder / "messages.bag").exists() or (folder / "messages.bag").stat().st_size < 1e5:
-        time.sleep(0.05)
+    messages = folder / "messages.mcap"
+    while not messages.exists() or len(McapFile(messages).raw("/scan")) < 40:
+        time.sleep(0.1)
+    time.sleep(1)
     process.kill()
     process.wait(timeout=20)
-    again = bags.experiment(scratch / "again.yaml", folder / "messages.bag", width=100)
-    printed = bags.spikeloop(spikeloop, "check", again, code=4)
-    assert (f"'{folder}/messages.bag' has no index, because its recording was not ended; write  "
-            f"rosbag reindex {folder}/messages.bag") in printed, printed
-    bags.subprocess.run(["rosbag", "reindex", str(folder / "messages.bag")], check=True,
-                        capture_output=True)
-    with rosbag.Bag(str(folder / "messages.bag")) as bag:
-        assert bag.get_message_count("/scan") > 10
+    file = McapFile(messages)
+    assert not file.ended and len(file.raw("/scan")) >= 45, len(file.raw("/scan"))
+    again = bags.experiment(scratch / "again.yaml", messages, width=100)
+    printed = bags.spikeloop(spikeloop, "check", again)
+    assert f"warning: '{messages}' was not ended: what is readable are its first " in printed, printed
     bags.spikeloop(spikeloop, "run", again, "--out", scratch / "after")
+    times, _ = sensor_rows(scratch / "after/scan.h5")
+    assert len(times) == len(file.raw("/scan")), times
 
 
 def nothing_is_kept(spikeloop, scratch):
@@ -164,7 +166,7 @@ def nothing_is_kept(spikeloop, scratch):
     file.write_text(KEPT.format(sync="lockstep"))
     summary, _ = runs.run(spikeloop, file, scratch / "kept", "--no-record", "--duration", "1")
     assert "messages_recorded" not in summary, summary
-    assert not (scratch / "kept/messages.bag").exists()  # nor that of the run before
+    assert not (scratch / "kept/messages.mcap").exists()  # nor that of the run before
 
 
 def main():

@@ -15,6 +15,7 @@ import yaml
 from sensor_msgs.msg import Image, JointState, PointCloud2, PointField
 
 import bags
+from mcap_file import McapFile
 
 MS = 10**6
 WIDTH, HEIGHT = 24, 18
@@ -117,8 +118,7 @@ def check_run(run, pictures):
     ticks = (stamps - 1) // MS * MS
     assert sorted(zip(ticks, channels)) == sorted(expected), (list(zip(ticks, channels)), expected)
     assert len(expected) > 10
-    with rosbag.Bag(str(run / "messages.bag")) as bag:
-        sent = [message for topic, message, _ in bag.read_messages(topics=["/motors"])]
+    sent = [message for _, message in McapFile(run / "messages.mcap").of("/motors")]
     assert any(m.name == ["left"] and np.allclose(m.effort, [0.5]) and
                np.allclose(m.velocity, [6, -6]) for m in sent), sent
 

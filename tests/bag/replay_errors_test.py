@@ -73,7 +73,7 @@ def incomplete_runs(replays):
     bags.spikeloop(replays.spikeloop, "run", scratch / "x.yaml", "--no-record", "--out",
                    scratch / "unrecorded")
     replays.cannot("unrecorded", "it was run with --no-record; run it without")
-    for name, why in (("messages.bag", "the messages that its nodes took"),
+    for name, why in (("messages.mcap", "the messages that its nodes took"),
                       ("experiment.yaml", "the copy of the experiment that was run")):
         folder = replays.copy("without-" + name)
         (folder / name).unlink()
@@ -97,7 +97,7 @@ def incomplete_runs(replays):
     replays.cannot("old", "an earlier version ran it, which kept no messages; run it again")
     replays.refused("run", f"--out: '{scratch}/run' is the run itself, which a new run would empty; "
                            "write another folder, or leave it out", "--out", scratch / "run")
-    assert (scratch / "run/messages.bag").exists()
+    assert (scratch / "run/messages.mcap").exists()
 
 
 def doubts(replays):

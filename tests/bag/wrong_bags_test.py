@@ -57,21 +57,20 @@ def cases(scratch):
 
     yield of("none.bag"), (f"{file}:3:14: key 'bag': there is no bag '{scratch}/none.bag'; write "
                            "its path, from where this file lies")
-    yield of("text.bag"), (f"{file}:3:14: '{scratch}/text.bag' is not a bag of ROS 1: it does not "
-                           "begin with #ROSBAG V; write the path of a .bag that 'rosbag info' "
-                           "reads (bags of ROS 2 are not in this version)")
+    yield of("text.bag"), (f"{file}:3:14: '{scratch}/text.bag' is neither an MCAP file nor a "
+                           "bag of ROS 1; write the path of a .mcap or .bag file")
     yield of("cut.bag"), f"{file}:3:14: '{scratch}/cut.bag' is damaged: "
-    yield text("/scan,", "/scna,"), (f"{file}:5:35: key 'topic': the bag has no topic /scna; did "
+    yield text("/scan,", "/scna,"), (f"{file}:5:35: key 'topic': the recording has no topic /scna; did "
                                      "you mean '/scan'?; it has /scan (sensor_msgs/LaserScan), "
                                      "/speed (std_msgs/Float64)")
     yield text("/scan,", "/nothing_like_it,"), (
-        f"{file}:5:35: key 'topic': the bag has no topic /nothing_like_it; it has /scan "
+        f"{file}:5:35: key 'topic': the recording has no topic /nothing_like_it; it has /scan "
         "(sensor_msgs/LaserScan), /speed (std_msgs/Float64)")
-    yield of(twist.name), (f"{file}:5:51: key 'message': the bag's topic /scan carries "
+    yield of(twist.name), (f"{file}:5:51: key 'message': the recording's topic /scan carries "
                            "geometry_msgs/Twist, not sensor_msgs/LaserScan; write  message: "
                            "geometry_msgs/Twist")
-    yield of("other.bag"), (f"{file}:5:51: key 'message': the bag's topic /scan carries another "
-                            "version of sensor_msgs/LaserScan (md5 sum "
+    yield of("other.bag"), (f"{file}:5:51: key 'message': the recording's topic /scan carries another "
+                            "version of sensor_msgs/LaserScan ("
                             "0123456789abcdef0123456789abcdef, ours is "
                             "90c7ef2dc6895d81024acba2ac42f369); 'rosbag fix' makes it the version "
                             "of ROS Noetic")
@@ -109,12 +108,12 @@ def main():
 def own_folder(spikeloop, scratch):
     """A run empties its folder first."""
     bags.spikeloop(spikeloop, "run", scratch / "x.yaml", "--out", scratch / "run")
-    bags.experiment(scratch / "again.yaml", "run/messages.bag")
+    bags.experiment(scratch / "again.yaml", "run/messages.mcap")
     printed = bags.spikeloop(spikeloop, "run", scratch / "again.yaml", "--out", scratch / "run",
                              code=2)
-    assert (f"again.yaml:3:14: key 'bag': the recording {scratch}/run/messages.bag lies in the run "
+    assert (f"again.yaml:3:14: key 'bag': the recording {scratch}/run/messages.mcap lies in the run "
             "folder, which a run empties; give another folder with --out") in printed, printed
-    assert (scratch / "run/messages.bag").exists()
+    assert (scratch / "run/messages.mcap").exists()
 
 
 if __name__ == "__main__":

@@ -13,6 +13,10 @@ import shutil
 import sys
 import tempfile
 
+import genpy
+import rosbag
+from sensor_msgs.msg import LaserScan
+
 from hostile import EXPERIMENT, LONGEST_S, NETWORK, ROBOT, Answer, arena, programs
 
 SPIKELOOP = programs() / "spikeloop"
@@ -50,6 +54,13 @@ string name
 """
 
 
+def ros1_bag(path):
+    with rosbag.Bag(str(path), "w") as bag:
+        for i in range(20):
+            bag.write("/scan", LaserScan(range_max=10, ranges=[1 + i] * 100), genpy.Time(1, i))
+    return path.read_bytes()
+
+
 def originals(folder):
     """Kind: (a good file's bytes, its name, what reads it)."""
     def check(text, name):
@@ -79,7 +90,8 @@ def originals(folder):
         "message": (MESSAGE.encode(), "robot/msg/Arm.msg",
                     lambda place, file: Answer(SPIKELOOP, "describe", file)),
         "recording": ((folder / "run/eye.h5").read_bytes(), *check(EXPERIMENT, "it.h5")),
-        "bag": ((folder / "run/messages.bag").read_bytes(), *check(bag, "it.bag")),
+        "messages": ((folder / "run/messages.mcap").read_bytes(), *check(bag, "it.mcap")),
+        "bag": (ros1_bag(folder / "good.bag"), *check(bag, "it.bag")),
         "resolved": ((folder / "run/resolved.json").read_bytes(), "resolved.json", in_run),
         "summary": ((folder / "run/summary.json").read_bytes(), "summary.json", in_run),
     }

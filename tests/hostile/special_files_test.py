@@ -240,7 +240,7 @@ def main():
         for name, use in users().items():
             answers += [pool.submit(in_place_of, name, use, kind)
                         for kind in ("pipe", "device", "folder")]
-        for name in ("resolved.json", "summary.json", "messages.bag", "scan.h5", "trajectory.csv",
+        for name in ("resolved.json", "summary.json", "messages.mcap", "scan.h5", "trajectory.csv",
                      "world.json", "log.txt"):
             answers += [pool.submit(in_run_folder, name, kind, verb, run)
                         for kind in ("pipe", "device") for verb in ("plot", "replay", "run")]

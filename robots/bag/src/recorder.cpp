@@ -1,15 +1,14 @@
 #include "spikeloop/bag/recorder.hpp"
 
 #include <fmt/format.h>
-#include <rosbag/bag.h>
-
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 #include <vector>
 
-#include "raw_message.hpp"
+#include "mcap_writer.hpp"
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -18,14 +17,13 @@
 namespace spikeloop::bag {
 namespace {
 
-/// What a killed process loses at most, beside what waits: `rosbag reindex` leaves a chunk out that
-/// was not ended.
-constexpr std::uint32_t kChunkBytes = 1 << 16;
+/// What a killed process loses at most, beside what waits.
+constexpr std::chrono::milliseconds kLongestChunk{500};
 
-struct Route {
-  Topic topic;
-  MessageType type;
-  boost::shared_ptr<ros::M_string> header;
+struct Attachment {
+  std::string name;
+  std::string media_type;
+  std::string contents;
 };
 
 struct Item {
@@ -34,43 +32,44 @@ struct Item {
   std::vector<std::byte> bytes;
 };
 
-Route route_of(const Topic& topic) {
-  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, topic.type);
+mcap::Channel channel_of(const Topic& topic) {
+  const auto& catalog = messages::Catalog::for_type(topic.dialect, topic.type);
   const std::string name = catalog.full_name(topic.type);
-  Route connection{topic, {name, catalog.md5(name), catalog.full_text(name)}, {}};
-  const auto& type = connection.type;
-  connection.header =
-      boost::make_shared<ros::M_string>(ros::M_string{{"type", type.name},
-                                                      {"md5sum", type.md5},
-                                                      {"message_definition", type.definition},
-                                                      {"callerid", "/spikeloop/" + topic.node},
-                                                      {kNodeField, topic.node}});
-  return connection;
+  const std::string text = catalog.full_text(name);
+  const std::map<std::string, std::string> metadata{{kNodeField, topic.node}};
+  if (topic.dialect == messages::Dialect::ros1) {
+    return {topic.name, std::string(mcap::kRos1), name, std::string(mcap::kRos1Definition), text,
+            metadata};
+  }
+  std::string in_ros2 = name;
+  in_ros2.insert(name.find('/'), "/msg");
+  return {topic.name, std::string(mcap::kRos2), in_ros2, std::string(mcap::kRos2Definition), text,
+          metadata};
 }
 
 }  // namespace
 
 struct Recorder::Impl {
   Impl(const std::string& path_, const RecorderOptions& options_)
-      : path(path_), options(options_) {}
+      : path(path_), options(options_), file(path_, "") {}
 
   void run();
+  void write_fresh();
   void write(const std::vector<Item>& batch);
-  void finish();
-  void forsake_bag();
   template <typename Work>
   void attempt(Work&& work);
-  void fail(const std::string& text);
   std::string loss() const;
 
-  std::string path;
-  RecorderOptions options;
-  std::unique_ptr<rosbag::Bag> bag;
+  const std::string path;
+  const RecorderOptions options;
+  mcap::Writer file;  // by the writer alone
 
   std::mutex mutex;  // held for a swap or an append
   std::condition_variable filled;
   std::condition_variable emptied;
-  std::vector<std::shared_ptr<const Route>> connections;
+  std::vector<mcap::Channel> fresh;     // that the writer does not know yet
+  std::vector<Attachment> attachments;  // the same
+  std::uint32_t channels = 0;
   std::vector<Item> waiting;
   std::size_t waiting_bytes = 0;
   std::uint64_t dropped = 0;
@@ -82,15 +81,6 @@ struct Recorder::Impl {
 
 Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     : impl_(std::make_unique<Impl>(path, options)) {
-  make_empty_file(path);
-  impl_->bag = std::make_unique<rosbag::Bag>();
-  try {
-    impl_->bag->open(path, rosbag::bagmode::Write);
-    impl_->bag->setChunkThreshold(kChunkBytes);
-  } catch (const rosbag::BagException& error) {
-    impl_->forsake_bag();
-    throw FileError(with_code(Code::no_access, "cannot write '{}': {}", path, error.what()));
-  }
   impl_->writer = background_thread([impl = impl_.get()] { impl->run(); });
 }
 
@@ -99,10 +89,16 @@ Recorder::~Recorder() {
 }
 
 std::uint32_t Recorder::add(const Topic& topic) {
-  const auto connection = std::make_shared<const Route>(route_of(topic));
+  mcap::Channel channel = channel_of(topic);
   const std::lock_guard lock(impl_->mutex);
-  impl_->connections.push_back(connection);
-  return static_cast<std::uint32_t>(impl_->connections.size() - 1);
+  impl_->fresh.push_back(std::move(channel));
+  return impl_->channels++;
+}
+
+void Recorder::attach(const std::string& name, const std::string& media_type,
+                      std::string contents) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->attachments.push_back({name, media_type, std::move(contents)});
 }
 
 void Recorder::take(std::uint32_t connection, TimeNs simulated,
@@ -130,8 +126,14 @@ void Recorder::take(std::uint32_t connection, TimeNs simulated,
 void Recorder::Impl::run() {
   std::vector<Item> batch;
   std::unique_lock lock(mutex);
+  const auto has_work = [&] { return stop || !waiting.empty(); };
   while (!stop || !waiting.empty()) {
-    filled.wait(lock, [&] { return stop || !waiting.empty(); });
+    if (!filled.wait_for(lock, kLongestChunk, has_work)) {
+      lock.unlock();
+      attempt([&] { file.flush(); });
+      lock.lock();
+      continue;
+    }
     batch.swap(waiting);
     waiting_bytes = 0;
     emptied.notify_all();
@@ -141,69 +143,59 @@ void Recorder::Impl::run() {
     lock.lock();
   }
   lock.unlock();
-  finish();
+  attempt([&] {
+    write_fresh();
+    file.close();
+  });
 }
 
-/// The first thing that goes wrong is kept in `failure`; the bag is not touched any more.
+/// The first thing that goes wrong is kept in `failure`; the file is not touched any more.
 template <typename Work>
 void Recorder::Impl::attempt(Work&& work) {
-  errno = 0;
+  {
+    const std::lock_guard lock(mutex);
+    if (!failure.empty()) {
+      return;
+    }
+  }
   try {
     work();
-  } catch (const rosbag::BagIOException& error) {
-    fail(errno == 0 ? with_code(Code::no_access, "cannot write '{}': {}", path, error.what())
-                    : std::string(FileError("write", path, errno).what()));
-  } catch (const std::exception& error) {
-    fail(with_code(Code::no_access, "cannot write '{}': {}", path, error.what()));
+  } catch (const Error& error) {
+    const std::lock_guard lock(mutex);
+    failure = error.what();
+    emptied.notify_all();
   }
 }
 
-void Recorder::Impl::fail(const std::string& text) {
-  const std::lock_guard lock(mutex);
-  failure = failure.empty() ? text : failure;
-  emptied.notify_all();
+void Recorder::Impl::write_fresh() {
+  std::vector<mcap::Channel> its_channels;
+  std::vector<Attachment> its_attachments;
+  {
+    const std::lock_guard lock(mutex);
+    its_channels.swap(fresh);
+    its_attachments.swap(attachments);
+  }
+  for (mcap::Channel& channel : its_channels) {
+    file.add(std::move(channel));
+  }
+  for (const Attachment& attachment : its_attachments) {
+    file.attach(attachment.name, attachment.media_type, attachment.contents);
+  }
 }
 
 void Recorder::Impl::write(const std::vector<Item>& batch) {
   std::uint64_t good = 0;
-  std::vector<std::shared_ptr<const Route>> known;
-  bool broken = false;
-  {
-    const std::lock_guard lock(mutex);
-    known = connections;
-    broken = !failure.empty();
-  }
-  if (!broken) {
-    attempt([&] {
-      for (const Item& item : batch) {
-        const Route& connection = *known.at(item.connection);
-        ros::Time stamp;
-        stamp.fromNSec(static_cast<std::uint64_t>(stamp_of(item.time)));
-        bag->write(connection.topic.name, stamp, RawMessage{connection.type, item.bytes},
-                   connection.header);
-        ++good;
-      }
-    });
-  }
+  attempt([&] {
+    write_fresh();
+    for (const Item& item : batch) {
+      file.take(static_cast<std::uint16_t>(item.connection), item.time, item.bytes);
+      ++good;
+    }
+    file.flush_when_older(kLongestChunk);
+  });
   const std::lock_guard lock(mutex);
   written += good;
   dropped += batch.size() - good;
-}
-
-void Recorder::Impl::finish() {
-  attempt([&] { bag->close(); });
-  if (!failure.empty()) {
-    forsake_bag();
-  }
-}
-
-/// A bag that could not be written tries it once more in its destructor, and ends the process by
-/// what it throws there: it is never destroyed.
-void Recorder::Impl::forsake_bag() {
-  static std::mutex guard;
-  static auto& forsaken = *new std::vector<std::unique_ptr<rosbag::Bag>>;
-  const std::lock_guard lock(guard);
-  forsaken.push_back(std::move(bag));
 }
 
 std::string Recorder::Impl::loss() const {

@@ -1,18 +1,15 @@
 #include "structure.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
+
+#include "cursor.hpp"
 
 namespace spikeloop::bag {
 namespace {
@@ -27,58 +24,6 @@ constexpr char kChunk = 5;
 constexpr char kChunkInfo = 6;
 constexpr char kConnection = 7;
 constexpr std::size_t kIndexEntry = 12;  // a time, and an offset in the chunk
-
-/// A file's bytes while it lives.
-class Mapping {
- public:
-  explicit Mapping(const std::string& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status {};
-    if (file >= 0 && ::fstat(file, &status) == 0 && status.st_size > 0) {
-      size_ = static_cast<std::size_t>(status.st_size);
-      bytes_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-    }
-    ::close(file);
-    if (bytes_ == MAP_FAILED) {
-      throw std::runtime_error("it cannot be read");
-    }
-  }
-  ~Mapping() { ::munmap(bytes_, size_); }
-  Mapping(const Mapping&) = delete;
-  Mapping& operator=(const Mapping&) = delete;
-
-  std::string_view bytes() const { return {static_cast<const char*>(bytes_), size_}; }
-
- private:
-  void* bytes_ = MAP_FAILED;
-  std::size_t size_ = 0;
-};
-
-/// Moves along bytes, never beyond their end.
-class Cursor {
- public:
-  explicit Cursor(std::string_view bytes) : rest_(bytes) {}
-
-  bool at_end() const { return rest_.empty(); }
-  std::string_view take(std::size_t count) {
-    if (count > rest_.size()) {
-      throw std::runtime_error("a record leads beyond its end");
-    }
-    const std::string_view taken = rest_.substr(0, count);
-    rest_.remove_prefix(count);
-    return taken;
-  }
-  template <typename Number = std::uint32_t>
-  Number number() {
-    Number value = 0;
-    std::memcpy(&value, take(sizeof value).data(), sizeof value);
-    return value;
-  }
-  std::size_t left() const { return rest_.size(); }
-
- private:
-  std::string_view rest_;
-};
 
 using Fields = std::map<std::string_view, std::string_view>;
 
@@ -103,7 +48,7 @@ Fields fields_of(std::string_view text) {
   Fields fields;
   Cursor header(text);
   while (!header.at_end()) {
-    const std::string_view field = header.take(header.number());
+    const std::string_view field = header.text();
     const auto equals = field.find('=');
     if (equals == std::string_view::npos) {
       throw std::runtime_error("a record's header cannot be read");
@@ -115,8 +60,8 @@ Fields fields_of(std::string_view text) {
 
 Record next_record(Cursor& cursor) {
   Record record;
-  record.fields = fields_of(cursor.take(cursor.number()));
-  record.data = cursor.take(cursor.number());
+  record.fields = fields_of(cursor.text());
+  record.data = cursor.text();
   return record;
 }
 

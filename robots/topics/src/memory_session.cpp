@@ -8,8 +8,8 @@
 namespace spikeloop::topics {
 namespace {
 
-std::string full_name(const std::string& type) {
-  return messages::Catalog::for_type(messages::Dialect::ros1, type).full_name(type);
+std::string full_name(messages::Dialect dialect, const std::string& type) {
+  return messages::Catalog::for_type(dialect, type).full_name(type);
 }
 
 }  // namespace
@@ -69,11 +69,11 @@ std::shared_ptr<MemorySession::Topic> MemorySession::topic(const std::string& na
 std::unique_ptr<RawPublisher> MemorySession::publisher(const std::string& topic,
                                                        const std::string& message_type,
                                                        std::uint32_t /*queue*/, bool /*latched*/) {
-  return std::make_unique<Publisher>(this->topic(topic), full_name(message_type));
+  return std::make_unique<Publisher>(this->topic(topic), full_name(dialect_, message_type));
 }
 
 std::unique_ptr<RawSubscriber> MemorySession::subscriber(Subscription subscription) {
-  subscription.message_type = full_name(subscription.message_type);
+  subscription.message_type = full_name(dialect_, subscription.message_type);
   auto topic = this->topic(subscription.topic);
   return std::make_unique<Subscriber>(std::move(topic), std::move(subscription));
 }

@@ -27,7 +27,8 @@ messages::EventSettings event_settings(const Parameters& parameters);
 /// A ros_event_sensor; port and place are left to the caller. @throws as event_settings.
 topics::EventSensorSettings event_sensor_settings(const Parameters& parameters);
 /// Channels that the camera of a message takes of a ros_event_sensor; 0: it cannot be read.
-std::uint32_t count_channels(const Parameters& parameters, std::span<const std::byte> message);
+std::uint32_t count_channels(const Parameters& parameters, messages::Dialect ros,
+                             std::span<const std::byte> message);
 /// Number of values that a message of this ROS gives a ros_sensor; 0: as many as are asked for, or
 /// it cannot be read.
 std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,

@@ -130,6 +130,7 @@ struct Experiment {
   Location sync_where{};
   double real_time_factor = 1;
   Ros ros = Ros::none;
+  messages::Dialect dialect = messages::Dialect::ros1;  ///< of all messages
   Layout layout{};
   std::optional<Robot> robot;
   std::vector<Node> nodes;              ///< in the file's order

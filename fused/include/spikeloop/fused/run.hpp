@@ -33,13 +33,13 @@ struct Progress {
 };
 
 // Files of a run folder.
-inline constexpr const char* kMessagesFile = "messages.bag";
+inline constexpr const char* kMessagesFile = "messages.mcap";
 inline constexpr const char* kExperimentFile = "experiment.yaml";  ///< the file that was run
 inline constexpr const char* kFilesFolder =
     "experiment-files";  ///< copies of what the experiment was made of
 
 struct RunOptions {
-  /// Run folder, which must be there: what nodes put out, messages.bag, trajectory.csv, world.json,
+  /// Run folder, which must be there: what nodes put out, messages.mcap, trajectory.csv, world.json,
   /// experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;

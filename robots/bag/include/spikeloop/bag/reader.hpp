@@ -1,4 +1,5 @@
-// Reads the messages of a ROS 1 bag: one that recorder.hpp wrote, or anyone's.
+// Reads the messages of an MCAP file, one that recorder.hpp wrote or anyone's, or of a bag of
+// ROS 1.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +11,17 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/messages/definition.hpp"
 
 namespace spikeloop::bag {
 
 struct Connection {
   std::string topic;
-  std::string type;
-  std::string md5;
-  std::string node;  ///< of a run; empty in any other bag
+  std::string type;                            ///< PACKAGE/TYPE
+  std::string encoding;                        ///< "ros1", "cdr", or another one
+  std::optional<messages::Dialect> dialect{};  ///< of the encoding; none: sensors cannot take it
+  std::string version{};  ///< the md5 sum of ROS 1, the type hash of ROS 2; empty: not known
+  std::string node{};     ///< of a run; empty in any other recording
 };
 
 struct Message {
@@ -25,26 +29,29 @@ struct Message {
   std::span<const std::byte> bytes;  ///< until the next one is asked for
 };
 
-/// The messages that one node takes from a bag, one after the other.
+/// The messages that one node takes from a recording, one after the other.
 class Stream {
  public:
+  struct Impl;
   ~Stream();
   Stream(Stream&&) noexcept;
   Stream& operator=(Stream&&) noexcept;
 
-  /// None: there are no more. @throws FileError when the bag is damaged.
+  /// None: there are no more. @throws FileError when the file is damaged.
   std::optional<Message> next();
 
  private:
   friend class Reader;
-  struct Impl;
   explicit Stream(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
+class Source;
+
 class Reader {
  public:
-  /// Reads the index. @throws FileError: no such file, no ROS 1 bag, without index, damaged.
+  /// Reads the index. Of an MCAP file that was not ended, what is readable, with a warning.
+  /// @throws FileError: no such file, of neither format, damaged, a bag without index.
   explicit Reader(const std::string& path);
   ~Reader();
   Reader(const Reader&) = delete;
@@ -53,18 +60,19 @@ class Reader {
   /// Whether a run left it, so that its times are simulated ones.
   bool is_of_a_run() const;
   const std::vector<Connection>& connections() const;
+  /// ROS 2 when a connection is.
+  messages::Dialect dialect() const;
   /// Of the last message of all.
   TimeNs end() const;
   /// Of the last message of a topic; none: it has no message.
   std::optional<TimeNs> end_of(const std::string& topic) const;
 
   /// Of a run: what `node` took, or, when it was another experiment's, one node's messages of the
-  /// topic; of any other bag: all messages of the topic. May outlive the reader.
+  /// topic; of any other recording: all messages of the topic. May outlive the reader.
   Stream stream(const std::string& topic, const std::string& node) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Source> source_;
 };
 
 }  // namespace spikeloop::bag

@@ -1,8 +1,8 @@
-// Writes the messages of a run to a ROS 1 bag (format 2.0), off the loop's thread.
+// Writes the messages of a run to an MCAP file (https://mcap.dev), off the loop's thread.
 //
-// A message has the simulated time of the tick at which a node took or sent it. ROS knows no time
-// 0, so that 0 is written as 1 ns. Every node has a connection of its own, whose header has the
-// field spikeloop_node: by it a reader knows that times are simulated, and whose message it was.
+// A message has the simulated time of the tick at which a node took or sent it. Every node has a
+// channel of its own, whose metadata have its name in spikeloop_node: by it a reader knows that
+// times are simulated, and whose message it was.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,18 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/messages/dialect.hpp"
 
 namespace spikeloop::bag {
 
-/// The connection header's field with the node's name.
+/// The entry of a channel's metadata with the node's name.
 inline constexpr const char* kNodeField = "spikeloop_node";
-
-/// A bag's time of a simulated one, and back.
-constexpr TimeNs stamp_of(TimeNs simulated) {
-  return simulated < 1 ? 1 : simulated;
-}
-constexpr TimeNs simulated_of(TimeNs stamp) {
-  return stamp <= 1 ? 0 : stamp;
-}
 
 struct Topic {
   std::string name;  ///< "/scan"
-  std::string type;  ///< "sensor_msgs/LaserScan", of the built-in definitions
+  std::string type;  ///< "sensor_msgs/LaserScan", or a .msg file
   std::string node;  ///< that takes or sends its messages
+  messages::Dialect dialect = messages::Dialect::ros1;
 };
 
 struct RecorderOptions {
@@ -43,12 +37,12 @@ struct RecorderOptions {
 struct Report {
   std::uint64_t written = 0;
   std::uint64_t dropped = 0;
-  std::string error;  ///< one sentence; empty when the bag could be written
+  std::string error;  ///< one sentence; empty when the file could be written
 };
 
-/// One bag and its writer thread. A full buffer or a full disk never holds up the loop, unless it
-/// is patient; what is lost is counted. A process that is killed leaves a bag that `rosbag reindex`
-/// makes readable, but for its last 64 KiB.
+/// One file and its writer thread. A full buffer or a full disk never holds up the loop, unless it
+/// is patient; what is lost is counted. A process that is killed leaves a file that is readable,
+/// but for its last half second.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name. @throws FileError when it cannot be made.
@@ -62,9 +56,11 @@ class Recorder {
 
   /// A connection, for take(). @throws ConfigurationError for an unknown type.
   std::uint32_t add(const Topic& topic);
+  /// A file within the file.
+  void attach(const std::string& name, const std::string& media_type, std::string contents);
   /// Copies one message. Those of a time stay in the order in which they came.
   void take(std::uint32_t connection, TimeNs simulated, std::span<const std::byte> message);
-  /// Writes what waits and closes the bag. Whatever is taken later is counted as dropped. A second
+  /// Writes what waits and closes the file. Whatever is taken later is counted as dropped. A second
   /// call gives the same report. Never throws.
   Report close();
 

@@ -10,10 +10,12 @@
 namespace spikeloop::topics {
 
 /// A message goes to its subscribers in the thread that publishes it, in the order of their
-/// subscriptions, with the bytes of ROS 1. For one thread. Nothing is kept for later subscribers.
+/// subscriptions, with its bytes. For one thread. Nothing is kept for later subscribers.
 class MemorySession : public Session {
  public:
-  messages::Dialect dialect() const override { return messages::Dialect::ros1; }
+  explicit MemorySession(messages::Dialect dialect = messages::Dialect::ros1) : dialect_(dialect) {}
+
+  messages::Dialect dialect() const override { return dialect_; }
   std::string node_name() const override { return "/spikeloop"; }
   bool alive() const override { return true; }
   void require_alive() const override {}
@@ -36,6 +38,7 @@ class MemorySession : public Session {
 
   std::shared_ptr<Topic> topic(const std::string& name);
 
+  messages::Dialect dialect_;
   std::map<std::string, std::shared_ptr<Topic>> topics_;  ///< by their whole names
 };
 

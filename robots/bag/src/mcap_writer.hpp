@@ -1,0 +1,86 @@
+// Writes an MCAP file, in chunks that are compressed and have indexes.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mcap_format.hpp"
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::bag::mcap {
+
+struct Channel {
+  std::string topic;
+  std::string encoding;             ///< of messages, as kRos1
+  std::string type;                 ///< the name of their definition
+  std::string definition_encoding;  ///< as kRos1Definition
+  std::string definition;
+  std::map<std::string, std::string> metadata;
+};
+
+/// A process that is killed leaves a file that is readable up to the last chunk that was ended.
+class Writer {
+ public:
+  /// Makes the file. @throws FileError; so do all others.
+  Writer(const std::string& path, std::string_view profile);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// Of take(): 0, 1, ...
+  std::uint16_t add(Channel channel);
+  void take(std::uint16_t channel, TimeNs time, std::span<const std::byte> message);
+  /// A file within the file.
+  void attach(std::string_view name, std::string_view media_type, std::string_view contents);
+  /// Ends the chunk.
+  void flush();
+  /// Ends the chunk if it was begun so long ago, in wall time.
+  void flush_when_older(std::chrono::milliseconds age);
+  /// Writes indexes and summary.
+  void close();
+
+ private:
+  struct Known {
+    Channel channel;
+    std::uint16_t schema = 0;  // 0: nothing has been written of it
+    std::uint32_t messages = 0;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;  // time and offset
+  };
+  struct Chunk {
+    std::uint64_t first, last;  // times
+    std::uint64_t offset, length;
+    std::map<std::uint16_t, std::uint64_t> indexes;
+    std::uint64_t index_length, compressed, size;
+  };
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  void write(std::string_view bytes);
+  void begin(std::uint16_t channel);
+  std::string channel_record(std::uint16_t channel) const;
+  std::string statistics() const;
+  std::vector<std::string> summary(Op op) const;
+  std::string end() const;
+
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t offset_ = 0;
+  std::vector<Known> channels_;
+  std::vector<std::string> schemas_;  // without their numbers, which count from 1
+  std::string chunk_;
+  std::chrono::steady_clock::time_point chunk_begun_;
+  std::uint64_t first_ = 0;
+  std::uint64_t last_ = 0;
+  std::vector<Chunk> chunks_;
+  std::vector<std::string> attachment_indexes_;
+};
+
+}  // namespace spikeloop::bag::mcap
