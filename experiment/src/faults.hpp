@@ -91,9 +91,6 @@ void resolve_connections(const ExperimentFile& file, const Trial& trial, Experim
 /// The key `layout`. @param whole all nodes could be read
 void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, Faults& faults);
 
-/// What a node's own table or message says of the width of its only port; 0: nothing.
-std::uint32_t known_width(const Node& node, Direction direction, const Trial& trial);
-
 /// Gives the ports whose width is open in `plan` the one that the node itself knows: by the rows
 /// and columns of its table, by the robot's message. Returns whether there was one; then `graph`
 /// has to be planned again.

@@ -48,8 +48,6 @@ std::uint32_t event_width(const Node& node, const Trial& trial) {
   return trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
 }
 
-}  // namespace
-
 std::uint32_t known_width(const Node& node, Direction direction, const Trial& trial) {
   if (node.kind == kRosSensor) {
     return trial.whole.contains(node.name) ? sensor_width(node, trial) : 0;
@@ -59,6 +57,8 @@ std::uint32_t known_width(const Node& node, Direction direction, const Trial& tr
   }
   return table_width(node, direction);
 }
+
+}  // namespace
 
 bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
                      Experiment& experiment) {

@@ -82,20 +82,19 @@ std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment&
   return lonely;
 }
 
-/// A sensor whose message says how many channels it has may be there to be recorded.
-bool may_stand_alone(const Node& node, const Trial& trial) {
-  return (node.kind == kRosSensor || node.kind == kRosEventSensor) &&
-         known_width(node, Direction::output, trial) != 0;
+/// A sensor may be there to be recorded, where the robot says how many channels it has.
+bool may_stand_alone(const Node& node, const Experiment& experiment) {
+  return (node.kind == kRosSensor || node.kind == kRosEventSensor) && experiment.robot;
 }
 
-GraphDescription as_nodes(const ExperimentFile& file, const Trial& trial,
-                          const Experiment& experiment, Faults& faults) {
+GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment,
+                          Faults& faults) {
   GraphDescription description;
   description.tick = experiment.tick;
   description.seed = experiment.seed;
   const auto lonely = lonely_nodes(file, experiment);
   for (const Node& node : experiment.nodes) {
-    if (lonely.contains(node.name) && !may_stand_alone(node, trial)) {
+    if (lonely.contains(node.name) && !may_stand_alone(node, experiment)) {
       faults.add(node.where, with_code(Code::not_connected,
                                        "node '{0}' is not connected; write it into "
                                        "'connections', or leave it out",
@@ -180,9 +179,30 @@ void check_events(const Node& node, const Experiment& experiment) {
   }
 }
 
+/// A sensor that nothing takes, whose message does not say how many channels it has either.
+[[noreturn]] void refuse_width(const Node& node, const Experiment& experiment) {
+  if (node.kind == kRosSensor) {
+    constexpr std::uint32_t kAnyWidth = 1;
+    const std::string& type = node.parameters.text("message");
+    messages::SensorConversion(messages::Catalog::for_type(experiment.dialect, type), type,
+                               sensing::sensor_rule(node.parameters), kAnyWidth, false);
+  }
+  throw ConfigurationError(
+      node.where,
+      with_code(Code::unknown_width,
+                "node '{}': nothing says how many channels it has; connect it, with the "
+                "number of channels",
+                node.name));
+}
+
 /// What only widths decide.
 void check_node(const Node& node, const Experiment& experiment, const SensorWidth& sensor_width) {
-  if (node.kind == kRosSensor) {
+  const bool is_sensor = node.kind == kRosSensor || node.kind == kRosEventSensor;
+  if (is_sensor && experiment.width(node.name, "out") == 0) {
+    if (sensor_width) {  // else the robot is faulty, which has been told
+      refuse_width(node, experiment);
+    }
+  } else if (node.kind == kRosSensor) {
     check_against_robot(node, experiment, sensor_width);
     const char* const key = node.parameters.given("fields")  ? "fields"
                             : node.parameters.given("image") ? "image"
@@ -233,7 +253,7 @@ void try_node(const Node& node, const PlannedElement& element, std::uint64_t see
 void resolve_connections(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
                          Faults& faults) {
   const std::size_t before = faults.count();
-  GraphDescription graph = as_nodes(file, trial, experiment, faults);
+  GraphDescription graph = as_nodes(file, experiment, faults);
   GraphPlan planned;
   faults.attempt(file.where_connections, [&] {
     std::vector<ConfigurationError> wrong;

@@ -141,6 +141,16 @@ void take_common_keys(const ExperimentNode& entry, Node& node, Faults& faults) {
   node.record = keys.boolean("record");
 }
 
+/// Also those that every node has.
+std::set<std::string> keys_of(const NodeClass& node_class) {
+  std::set<std::string> keys{"node", "simulator"};
+  for (const auto& names :
+       {names_of(node_parameters()), names_of(node_class.description.parameters)}) {
+    keys.insert(names.begin(), names.end());
+  }
+  return keys;
+}
+
 }  // namespace
 
 std::string in_directory(const std::string& directory, const std::string& path) {
@@ -193,7 +203,16 @@ Checked resolve_node(const ExperimentNode& entry, const NodeTypes& types,
       return key.first != "network";
     });  // the function's: not checked
   } else if (script) {
+    const std::set<std::string> own_keys = keys_of(*node.node_class);
     for (const ParameterDescription& parameter : script->parameters()) {
+      if (own_keys.contains(parameter.name)) {
+        faults.add(entry.keys.at("network").where,
+                   with_code(Code::invalid_name,
+                             "key 'network': the function's argument '{}' has the name of a key of "
+                             "the node; give it another name",
+                             parameter.name));
+        continue;
+      }
       declared.push_back(parameter);
       if (keys.contains(parameter.name)) {
         check_parameter_name(entry, parameter.name, faults);

@@ -38,9 +38,7 @@ def program():
 
 
 def value_text(value):
-    """A Python value as it stands in an experiment file."""
-    if isinstance(value, str):
-        return value
+    """A Python value as it stands in an experiment file; a text is no list and no map there."""
     if hasattr(value, "tolist"):  # of NumPy
         value = value.tolist()
     return json.dumps(value, ensure_ascii=False, default=str)
@@ -49,9 +47,9 @@ def value_text(value):
 LONGEST = 100_000  # characters that the system takes as one argument
 
 
-def setting_words(settings):
+def setting_words(settings, text=value_text):
     """Arguments `--set` for a dictionary of keys and values. @raises SpikeloopError: a value is too long"""
-    words = [f"{key}={value_text(value)}" for key, value in settings.items()]
+    words = [f"{key}={text(value)}" for key, value in settings.items()]
     for word in words:
         if len(word) > LONGEST:
             key = word.partition("=")[0]
@@ -63,7 +61,9 @@ def setting_words(settings):
 def call(*words):
     """Standard output of `spikeloop WORDS`. @raises SpikeloopError; KeyboardInterrupt after its end"""
     try:
-        process = subprocess.Popen([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        # Ended with this process, however that ends.
+        process = subprocess.Popen(["setpriv", "--pdeathsig", "INT", program(), *map(str, words)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    stdin=subprocess.DEVNULL, text=True, start_new_session=True)
     except (OSError, ValueError) as error:  # too many settings, a zero byte
         raise SpikeloopError(f"spikeloop {words[0]} cannot be started: {error}", 3) from None
@@ -249,8 +249,12 @@ class Loop:
     def send(self, end, times_s, channels):
         """Spikes of a simulator in the last tick; they arrive in the next one. Times to the nanosecond.
         @raises SpikeloopError: no such end, a time outside of the tick, a channel that it has not"""
-        self._call(self._loop.send, end, np.rint(np.asarray(times_s, dtype=float) * 1e9).astype(np.int64),
-                   np.asarray(channels, dtype=np.int64))
+        times_s, given = np.asarray(times_s, dtype=float), np.asarray(channels)
+        channels = given.astype(np.int64)
+        if not (np.isfinite(times_s).all() and (channels == given).all()):
+            raise SpikeloopError(f"{end}: a spike at {times_s} s of channel {given}; write finite times and whole numbers "
+                                 "of channels", 2)
+        self._call(self._loop.send, end, np.rint(times_s * 1e9).astype(np.int64), channels)
 
     def write(self, end, values):
         """The signal of a simulator, from the next tick on. @raises SpikeloopError: no such end, other width"""

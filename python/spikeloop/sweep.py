@@ -143,7 +143,7 @@ class Sweep:
     def write_job(self):
         """job.sh: a job array of Slurm's with a task for every run that is missing; returns its path."""
         numbers = self.missing()
-        cases = [f"{number}) set -- {shlex.join([self.name(number), *setting_words(self.runs[number - 1])])} ;;"
+        cases = [f"{number}) set -- {shlex.join([self.name(number), *setting_words(self.runs[number - 1], str)])} ;;"
                  for number in numbers]
         tasks = f"1-{len(numbers)}" if len(numbers) == len(self.runs) else ",".join(map(str, numbers))
         path = self.folder / "job.sh"
@@ -201,7 +201,7 @@ class Worker:
         self._said = open(folder / "stderr.txt", "w+", encoding="utf-8")
         self.process = subprocess.Popen(
             [program(), "run", "-q", "--out", str(folder), "--force",
-             *setting_words(sweep.runs[number - 1]), "--", str(sweep.file)],
+             *setting_words(sweep.runs[number - 1], str), "--", str(sweep.file)],
             stdout=subprocess.DEVNULL, stderr=self._said, stdin=subprocess.DEVNULL, start_new_session=True)
 
     def stop(self):

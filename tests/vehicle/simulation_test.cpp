@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/files_read.hpp"
@@ -114,6 +115,48 @@ TEST_F(Models, MoveAsInMujocosOwnLoopToTheBit) {
 }
 
 // The tip of a rigid pendulum hangs where its angle says, at the time of the reading.
+/// A mass that slides without friction: 2 kg, steps of 5 ms.
+constexpr const char* kMass = R"(<mujoco><option timestep="0.005" gravity="0 0 0"/>
+  <worldbody><body><joint name="x" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body>
+  </worldbody><actuator><motor joint="x"/></actuator></mujoco>)";
+
+TEST_F(Models, ACommandActsFromTheNextPhysicsStepOn) {
+  Simulation robot({written(kMass)});
+  const auto speed_at = [&](TimeNs time) {
+    while (robot.time() < time) {
+      robot.step(kMillisecond);
+    }
+    return robot.joint_states().velocities[0];
+  };
+  EXPECT_EQ(speed_at(2 * kMillisecond), 0);
+  robot.command(std::vector<double>{1.0});  // N
+  EXPECT_EQ(speed_at(5 * kMillisecond), 0) << "this step began before the command";
+  EXPECT_DOUBLE_EQ(robot.joint_states().efforts[0], 1);
+  EXPECT_DOUBLE_EQ(speed_at(10 * kMillisecond), 0.005 / 2);
+  robot.command(std::vector<double>{0.0});
+  EXPECT_DOUBLE_EQ(speed_at(20 * kMillisecond), 0.005 / 2);
+}
+
+TEST_F(Models, ACommandThatMujocoWouldTakeForAFaultChangesNothing) {
+  Simulation robot({written(kMass)});
+  for (const double number : {1.0, 2e10, -1e300, std::numeric_limits<double>::infinity()}) {
+    robot.command(std::vector<double>{number});
+    robot.step(10 * kMillisecond);
+    EXPECT_DOUBLE_EQ(robot.joint_states().efforts[0], 1) << number;
+  }
+}
+
+TEST_F(Models, NamesOfTheFileComeFirst) {
+  const Simulation robot({written(R"(<mujoco><worldbody>
+      <body><joint type="slide"/><geom size="0.1"/><body><joint name="joint_0"/><geom size="0.1"/>
+      </body></body></worldbody>
+      <actuator><motor joint="joint_0"/><motor name="joint_0" joint="joint_0"/></actuator>
+      </mujoco>)")});
+  EXPECT_THAT(robot.joint_states().names, ElementsAre("joint_0_", "joint_0"));
+  EXPECT_EQ(robot.actuators()[0].name, "actuator_0");
+  EXPECT_EQ(robot.actuators()[1].name, "joint_0");
+}
+
 TEST_F(Models, SensorsMeasureTheStateOfNow) {
   Simulation arm({written(kArm)});
   for (int i = 0; i < 50; ++i) {

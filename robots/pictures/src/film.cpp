@@ -112,7 +112,7 @@ class Film::Impl {
   Impl(const vehicle::Simulation& robot, const FilmOptions& options)
       : options_(options), kind_(kind_of(options.path)), state_(robot) {
     if (std::ranges::count(options.views, View::camera) > 0) {
-      camera_ = camera_id(robot, CameraOptions{}.name);
+      camera_ = camera_id(robot, options.camera);
     }
     scene_.emplace(robot, SceneOptions{.buffer = options.size});
     image_.size = options.size;

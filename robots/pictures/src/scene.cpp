@@ -26,6 +26,12 @@ constexpr double kDegree = std::numbers::pi / 180;
 int camera_id(const vehicle::Simulation& robot, const std::string& name) {
   const int camera = mj_name2id(&robot.model(), mjOBJ_CAMERA, name.c_str());
   if (camera < 0) {
+    const auto known = robot.names_of(vehicle::Named::camera);
+    if (const std::string meant = nearest(name, known); !meant.empty()) {
+      throw ConfigurationError(
+          Location{robot.world()},
+          with_code(Code::world, "has no camera '{}'; did you mean '{}'?", name, meant));
+    }
     throw ConfigurationError(
         Location{robot.world()},
         with_code(Code::world,

@@ -11,6 +11,15 @@ TimeNs next_row(TimeNs time) {
   return (time / kRowPeriod + 1) * kRowPeriod;
 }
 
+/// Films see by the camera that is a sensor.
+SpectatorOptions spectators_of(const RobotOptions& options) {
+  SpectatorOptions spectators = options.spectators;
+  if (spectators.film && options.sensors.camera) {
+    spectators.film->camera = options.sensors.camera->name;
+  }
+  return spectators;
+}
+
 }  // namespace
 
 std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
@@ -22,7 +31,7 @@ std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
 SteppedRobot::SteppedRobot(const RobotOptions& options)
     : robot_(make_robot(options.vehicle, options.model)),
       sensors_(*robot_, options.sensors),
-      spectators_(*robot_, options.spectators),
+      spectators_(*robot_, spectators_of(options)),
       command_topic_(*robot_, options.sensors.dialect) {
   if (!options.folder.empty() && robot_->vehicle() != nullptr) {
     write_world(options.folder, *robot_->vehicle(), options.vehicle.seed);

@@ -44,30 +44,55 @@ Quantity quantity_of(const mjModel& model, int id) {
   return bias[1] == 0 && bias[2] == -gain[0] ? Quantity::velocity : Quantity::effort;
 }
 
+/// Names of the file, and others for the elements without one: NAME_0, NAME_1, ... by their place.
+std::vector<std::string> names_for_all(const mjModel& model, mjtObj type, int count,
+                                       const char* name) {
+  std::vector<std::string> names;
+  for (int id = 0; id < count; ++id) {
+    names.push_back(name_or(model, type, id, ""));
+  }
+  for (int id = 0; id < count; ++id) {
+    std::string& own = names[static_cast<std::size_t>(id)];
+    if (own.empty()) {
+      std::string numbered = fmt::format("{}_{}", name, id);
+      while (std::ranges::find(names, numbered) != names.end()) {
+        numbered += '_';
+      }
+      own = std::move(numbered);
+    }
+  }
+  return names;
+}
+
+/// An actuator without a name has that of its joint, unless another one of its kind has it.
 std::vector<Actuator> find_actuators(const mjModel& model) {
+  const auto names = names_for_all(model, mjOBJ_ACTUATOR, model.nu, "actuator");
   std::vector<Actuator> actuators;
   for (int id = 0; id < model.nu; ++id) {
+    actuators.push_back({names[static_cast<std::size_t>(id)], quantity_of(model, id)});
+  }
+  for (int id = 0; id < model.nu; ++id) {
+    Actuator& own = actuators[static_cast<std::size_t>(id)];
     const int type = model.actuator_trntype[id];
-    std::string otherwise = fmt::format("actuator_{}", id);
-    if (type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT) {
-      otherwise = name_or(model, mjOBJ_JOINT, model.actuator_trnid[2 * id], otherwise);
-    }
-    actuators.push_back({name_or(model, mjOBJ_ACTUATOR, id, otherwise), quantity_of(model, id)});
-    const auto same = [&](const Actuator& other) {
-      return other.name == actuators.back().name && other.quantity == actuators.back().quantity;
-    };
-    if (std::ranges::count_if(actuators, same) > 1) {  // two motors without names at one joint
-      actuators.back().name = fmt::format("actuator_{}", id);
+    if (name_or(model, mjOBJ_ACTUATOR, id, "").empty() &&
+        (type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT)) {
+      const std::string joint = name_or(model, mjOBJ_JOINT, model.actuator_trnid[2 * id], "");
+      const bool is_taken = std::ranges::any_of(actuators, [&](const Actuator& other) {
+        return other.name == joint && other.quantity == own.quantity;
+      });
+      if (!joint.empty() && !is_taken) {
+        own.name = joint;
+      }
     }
   }
   return actuators;
 }
 
 std::vector<ModelSensor> find_sensors(const mjModel& model) {
+  const auto names = names_for_all(model, mjOBJ_SENSOR, model.nsensor, "sensor");
   std::vector<ModelSensor> sensors;
-  for (int id = 0; id < model.nsensor; ++id) {
-    sensors.push_back({name_or(model, mjOBJ_SENSOR, id, fmt::format("sensor_{}", id)),
-                       static_cast<std::size_t>(model.sensor_dim[id])});
+  for (std::size_t id = 0; id < names.size(); ++id) {
+    sensors.push_back({names[id], static_cast<std::size_t>(model.sensor_dim[id])});
   }
   return sensors;
 }
@@ -128,7 +153,8 @@ class Simulation::Impl {
         now_(mj_makeData(model_.get())),
         actuators_(find_actuators(*model_)),
         sensors_(find_sensors(*model_)),
-        units_(find_inertial_units(*model_)) {
+        units_(find_inertial_units(*model_)),
+        joints_(names_for_all(*model_, mjOBJ_JOINT, model_->njnt, "joint")) {
     start_from(options.keyframe, *model_, path_, *data_);
   }
 
@@ -143,16 +169,17 @@ class Simulation::Impl {
     }
   }
 
-  JointStates joint_states() const {
+  JointStates joint_states() {
+    measure();
     JointStates states;
     states.stamp = time_;
     for (int joint = 0; joint < model_->njnt; ++joint) {
       if (!has_one_position(model_->jnt_type[joint])) continue;
       const int dof = model_->jnt_dofadr[joint];
-      states.names.push_back(name_or(*model_, mjOBJ_JOINT, joint, fmt::format("joint_{}", joint)));
+      states.names.push_back(joints_[static_cast<std::size_t>(joint)]);
       states.positions.push_back(data_->qpos[model_->jnt_qposadr[joint]]);
       states.velocities.push_back(data_->qvel[dof]);
-      states.efforts.push_back(data_->qfrc_actuator[dof]);
+      states.efforts.push_back(now_->qfrc_actuator[dof]);
     }
     return states;
   }
@@ -184,10 +211,20 @@ class Simulation::Impl {
     }
   }
 
+  /// In the middle of a physics step, which is taken when it ends, a command waits for that end.
   void command(std::span<const double> numbers) {
-    for (std::size_t i = 0; i < numbers.size() && i < actuators_.size(); ++i) {
-      if (std::isfinite(numbers[i])) data_->ctrl[i] = numbers[i];
+    waiting_.assign(numbers.begin(), numbers.end());
+    if (physics_time_ == time_) {
+      act();
     }
+  }
+
+  /// MuJoCo sets all controls to 0 when one of them is larger than mjMAXVAL.
+  void act() {
+    for (std::size_t i = 0; i < waiting_.size() && i < actuators_.size(); ++i) {
+      if (std::abs(waiting_[i]) <= mjMAXVAL) data_->ctrl[i] = waiting_[i];
+    }
+    waiting_.clear();
     measured_ = -1;
   }
 
@@ -200,6 +237,8 @@ class Simulation::Impl {
   std::vector<Actuator> actuators_;
   std::vector<ModelSensor> sensors_;
   std::vector<InertialUnit> units_;
+  std::vector<std::string> joints_;
+  std::vector<double> waiting_;  // a command
   TimeNs time_ = 0;
   TimeNs physics_time_ = 0;
 };
@@ -218,6 +257,7 @@ void Simulation::step(TimeNs dt) {
     before_physics();
     mj_step(impl_->model_.get(), impl_->data_.get());
     impl_->physics_time_ += impl_->timestep_;
+    impl_->act();
     impl_->require_stable();
     after_physics(impl_->physics_time_);
   }

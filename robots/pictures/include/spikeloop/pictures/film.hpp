@@ -21,6 +21,7 @@ struct FilmOptions {
   std::vector<View> views{View::above};  ///< side by side
   Size size{960, 720};                   ///< of a picture, for all views
   double rate_hz = 25;                   ///< pictures in a simulated second
+  std::string camera = "camera";         ///< of View::camera
 };
 
 /// "above", "chase", "camera", or several joined by '+'. @throws ConfigurationError.

@@ -81,9 +81,9 @@ class Simulation {
   Imu read_inertial_unit(std::size_t index) const;
 
   const std::vector<Actuator>& actuators() const;
-  /// Numbers for the actuators, which hold from now on, within their control ranges. An actuator
-  /// whose number is not finite keeps the one before; at the start it has that of the keyframe, or
-  /// 0.
+  /// Numbers for the actuators, which hold from now on, or from the next physics step on, within
+  /// their control ranges. An actuator whose number is not finite, or above 1e10, keeps the one
+  /// before; at the start it has that of the keyframe, or 0.
   virtual void command(std::span<const double> numbers);
 
   /// Names of all cameras or keyframes that have one.
