@@ -90,8 +90,8 @@ def in_real_time(spikeloop, scratch):
         with ros.domain():
             summary, _ = runs.run(spikeloop, path, scratch / layout, "--layout", layout)
         assert summary["processes"]["robot"]["counters"]["commands"] > 20, summary
-        assert abs(runs.last_values(scratch / layout / "left.h5")[1] - 0.5) < 0.05
         assert len(runs.last_values(scratch / layout / "spin.h5")) == 3
+    assert abs(runs.last_values(scratch / "fused" / "left.h5")[1] - 0.5) < 0.05
 
 
 def repeated_without_its_files(spikeloop, scratch):
