@@ -197,8 +197,8 @@ class StrangeGuardTest : public GuardedJob {
       ASSERT_TRUE(guard::wait_readable(listener.get(), 60 * spikeloop::kNsPerSecond));
       adapter_ = spikeloop::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
       ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
-      guard::send_packet(adapter_.get(), guard::make_packet("ready"));
       ready_at_ = ros_peer::monotonic_now();
+      guard::send_packet(adapter_.get(), guard::make_packet("ready"));
     });
   }
   ~StrangeGuardTest() override { guard_thread_.join(); }

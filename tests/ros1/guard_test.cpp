@@ -19,7 +19,9 @@ using ros_peer::Twist;
 using testing::HasSubstr;
 using testing::Not;
 
+/// Cases with a deadline (REAL_TIME_CASES in CMakeLists.txt), and those without.
 using GuardTest = GuardedJob;
+using PatientGuardTest = GuardedJob;
 
 TEST_F(GuardTest, adapter_killed) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
@@ -64,7 +66,7 @@ TEST_F(GuardTest, adapter_stopped) {
   EXPECT_EQ(child_->wait().left_behind, 0);
 }
 
-TEST_F(GuardTest, stopped_adapter_killed) {
+TEST_F(PatientGuardTest, stopped_adapter_killed) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   const pid_t adapter = named("ros_command_ada");
   kill(adapter, SIGSTOP);
@@ -176,7 +178,7 @@ TEST_F(GuardTest, good_end) {
   expect_no_zero_of_the_guard(outcome);
 }
 
-TEST_F(GuardTest, ctrl_c) {
+TEST_F(PatientGuardTest, ctrl_c) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   child_->signal(SIGINT);
   const auto outcome = child_->wait();
@@ -185,7 +187,7 @@ TEST_F(GuardTest, ctrl_c) {
   expect_no_zero_of_the_guard(outcome);
 }
 
-TEST_F(GuardTest, guard_killed) {
+TEST_F(PatientGuardTest, guard_killed) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   kill(named("spikeloop-guard"), SIGKILL);
   EXPECT_TRUE(
