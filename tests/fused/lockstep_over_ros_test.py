@@ -9,7 +9,7 @@ import tempfile
 import ros
 import runs
 
-RUNS = (("short", ["--duration", "5"]), ("long", ["--duration", "30", "--seed", "4"]))
+RUNS = (("short", ["--duration", "5"]), ("long", ["--duration", "15", "--seed", "4"]))
 
 
 def main():
