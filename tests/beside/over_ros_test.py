@@ -33,27 +33,36 @@ def real_time(scratch, version):
     assert done.returncode == 0 and "the same in both runs" in done.stdout, done
 
 
-def lockstep(scratch, version):
+def inside(scratch):
+    """The same as lockstep, without ROS. @return the run's folder"""
+    file = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="5 s")
+    experiments.run(file, scratch / "inside")
+    return scratch / "inside"
+
+
+def lockstep(scratch, version, expected):
     over_ros(scratch, "stepped", version, sync="lockstep", duration="5 s")
-    inside = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="5 s")
-    experiments.run(inside, scratch / "inside")
     for node in ("encoder", "brain"):
-        experiments.assert_same(experiments.spikes(scratch / "inside", node),
-                                experiments.spikes(scratch / "stepped", node), node)
-    paths = [(scratch / name / "trajectory.csv").read_bytes() for name in ("inside", "stepped")]
+        experiments.assert_same(experiments.spikes(expected, node), experiments.spikes(scratch / "stepped", node), node)
+    paths = [(folder / "trajectory.csv").read_bytes() for folder in (expected, scratch / "stepped")]
     assert paths[0] == paths[1]
 
 
+def every_sync(scratch, version, expected):
+    real_time(scratch, version)
+    lockstep(scratch, version, expected)
+    over_ros(scratch, "clock", version, sync="sim_time", duration="2 s")
+    over_ros(scratch, "unpaced", version, sync="unpaced", duration="20 s")
+    print(f"a script steers over ROS {version} with every sync")
+
+
 def main():
-    for version in "12":
-        with tempfile.TemporaryDirectory() as scratch, (
-                ros.domain() if version == "2" else contextlib.nullcontext()):
-            scratch = pathlib.Path(scratch)
-            real_time(scratch, version)
-            lockstep(scratch, version)
-            over_ros(scratch, "clock", version, sync="sim_time", duration="2 s")
-            over_ros(scratch, "unpaced", version, sync="unpaced", duration="20 s")
-        print(f"a script steers over ROS {version} with every sync")
+    with tempfile.TemporaryDirectory() as scratch:
+        expected = inside(pathlib.Path(scratch))
+        for version in "12":
+            with tempfile.TemporaryDirectory() as folder, (
+                    ros.domain() if version == "2" else contextlib.nullcontext()):
+                every_sync(pathlib.Path(folder), version, expected)
 
 
 if __name__ == "__main__":
