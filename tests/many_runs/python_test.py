@@ -3,6 +3,7 @@
 
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -97,6 +98,27 @@ class Interface(explorer.Folder):
         out, _ = explorer.spikeloop("summary", out, out)
         self.assertIn("exit code", out)
         self.assertIn("130", out)
+
+    def test_a_run_ends_with_the_process_that_started_it(self):
+        script = f"import sys, spikeloop\nspikeloop.load({str(self.file)!r}).run(duration='1000 s', out=sys.argv[1])\n"
+        out = self.folder / "long"
+        child = subprocess.Popen([sys.executable, "-c", script, out], start_new_session=True)
+        while not (out / "encoder.h5").exists():
+            time.sleep(0.02)
+        child.kill()
+        child.wait()
+        until = time.monotonic() + 60
+        while not (out / "summary.json").exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        self.assertIn("130", explorer.spikeloop("summary", out, out)[0])
+
+    def test_a_text_stays_a_text(self):
+        self.experiment["experiment"] = "3"
+        self.assertEqual(self.experiment["experiment"], "3")
+        for text in ("pilot #3: a", "[1, 2]", "~"):
+            self.experiment["experiment"] = text
+            with self.assertRaisesRegex(spikeloop.SpikeloopError, f"'{re.escape(text)}' is not a valid"):
+                self.experiment["seed"]
 
     def test_a_block_of_neo(self):
         try:

@@ -73,6 +73,8 @@ class Stepped(explorer.Folder):
             for wrong, text in ((lambda: loop.send("brain.out", [0.5], [0]), "is not in the last tick, "),
                                 (lambda: loop.send("brain.out", [0.003], [10]), "no channel 10; write one from 0 to 9"),
                                 (lambda: loop.send("brain.out", [0.003], [0, 1]), "1 times and 2 channels"),
+                                (lambda: loop.send("brain.out", [0.003], [1.5]), "write finite times and whole numbers"),
+                                (lambda: loop.send("brain.out", [np.nan], [1]), "write finite times and whole numbers"),
                                 (lambda: loop.send("brian.out", [], []), "did you mean 'brain.out'"),
                                 (lambda: loop.write("brain.out", [1]), "carries spikes; write loop.send"),
                                 (lambda: loop.signal("encoder.out"), "carries spikes; write loop.spikes"),

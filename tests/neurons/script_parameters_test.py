@@ -149,6 +149,11 @@ class Mistakes(Case):
         (self.folder / "brain.py").write_text(SCRIPT.replace("extra=None", "seed=1"))
         self.assertIn("'seed' is the name of a key of every program", self.refused(", seed: 3"))
 
+    def test_a_name_that_the_node_has(self):
+        for name in ("record", "network", "simulator"):
+            (self.folder / "brain.py").write_text(SCRIPT.replace("extra=None", f"{name}=True"))
+            self.assertIn(f"the function's argument '{name}' has the name of a key of the node", self.refused(""))
+
     def test_an_error_of_the_file_is_the_only_one(self):
         (self.folder / "brain.py").write_text(SCRIPT + "1 / 0\n")
         text = self.refused(", curent: 400 pA")
