@@ -32,14 +32,19 @@ void check_joints(const experiment::Node& sensor, messages::Dialect ros, const B
   for (const Parameters::Entry& field : sensor.parameters.entries("fields")) {
     const std::string& path = field.values.text("path");
     std::vector<double> values;
-    if (path.find('=') != std::string::npos &&
-        messages::FieldReader(catalog, robot::kJointStateType, path).read(message, values) == 0) {
-      const std::string joint =
-          path.substr(path.find('=') + 1, path.find(']') - path.find('=') - 1);
-      throw ConfigurationError(
-          field.where, with_code(Code::field_path, "field path '{}': the robot has no joint '{}'{}",
-                                 path, joint, did_you_mean(joint, joints)));
+    if (messages::FieldReader(catalog, robot::kJointStateType, path).read(message, values) != 0) {
+      continue;
     }
+    if (path.find('=') == std::string::npos) {
+      throw ConfigurationError(
+          field.where,
+          with_code(Code::field_path, "field path '{}': the robot has {} joints, counted from 0",
+                    path, joints.size()));
+    }
+    const std::string joint = path.substr(path.find('=') + 1, path.find(']') - path.find('=') - 1);
+    throw ConfigurationError(
+        field.where, with_code(Code::field_path, "field path '{}': the robot has no joint '{}'{}",
+                               path, joint, did_you_mean(joint, joints)));
   }
 }
 

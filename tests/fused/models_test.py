@@ -112,6 +112,8 @@ def names_are_checked(spikeloop, scratch):
     for wrong, by, error in (
             ("left_hinge", "left_hing", "6:14: field path 'position[name=left_hing]': the robot has no joint "
              "'left_hing'; did you mean 'left_hinge'?"),
+            ("position[name=left_hinge]", "position[2]", "6:14: field path 'position[2]': the robot has 2 joints, "
+             "counted from 0"),
             ("/sensors/spin", "/sensors/spim", "the robot has no topic /sensors/spim there; did you mean "
              "'/sensors/spin'?"),
             ("effort[name=left", "position[name=left", "the robot does not use the field "
