@@ -167,7 +167,8 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
       [&console](log::Level level, std::string_view message) { console.log(level, message); });
   take_signals();
   launch::Progress last;
-  const fused::RunEvents events{.progress =
+  const fused::RunEvents events{.ticked = [&log](TimeNs time) { log.at(to_seconds(time)); },
+                                .progress =
                                     [&](const fused::Progress& progress) {
                                       last = for_console(progress, experiment);
                                       console.progress(last);

@@ -30,9 +30,13 @@ DEAF = """  deaf: {node: ros_sensor, topic: /nobody, message: std_msgs/Float64Mu
   low: {node: low_pass, tau: 20 ms}
 """
 FAILING = """import spikeloop
+ticks = 0
 @spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
 def failing(step):
-    raise ValueError("that was enough")
+    global ticks
+    ticks += 1
+    if ticks > 500:
+        raise ValueError("that was enough")
 """
 
 
@@ -82,7 +86,8 @@ def a_node_that_fails(spikeloop, folder):
     file.write_text(text.replace("-> window [2]", "-> window [2] -> bad [2]")
                     .replace("connections:", "  bad: {node: failing}\nconnections:"))
     run(spikeloop, file, "--out", folder / "failing", code=5)
-    last = log_of(folder / "failing")[-1][1]
+    at, last = log_of(folder / "failing")[-1]
+    assert at == 0.5, at
     assert "that was enough" in last and last.endswith("exit code 5"), last
     versions = json.loads((folder / "failing" / "resolved.json").read_text())["versions"]
     python = subprocess.run(["/usr/bin/python3", "-c", "import platform, numpy; "
