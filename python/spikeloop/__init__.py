@@ -12,9 +12,8 @@ disk.
 `node`, `Signal`, `Spikes`, `Parameter` and `Weights` declare a node; `spikeloop.steps.Step` is what
 it sees; `spikeloop.testing` runs one without the C++ programs.
 
-`load` reads an experiment, which can be changed and run (`spikeloop.experiment`);
-`spikeloop.run_folder` reads a run, `spikeloop.plots` draws it; these two are imported by name, because
-h5py and matplotlib are slow.
+`load` reads an experiment, which can be changed and run (`spikeloop.experiment`); `open_run` reads a run
+(`spikeloop.run_folder`). `spikeloop.plots`, which draws it, is imported by name, because matplotlib is slow.
 
 `music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,
 `spikeloop.brian` and `spikeloop.nest` do so with NEURON, Brian2 and NEST in it.
@@ -23,7 +22,7 @@ h5py and matplotlib are slow.
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node
 
 __all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "load",
-           "music", "node"]
+           "music", "node", "open_run"]
 
 
 def __getattr__(name):
@@ -31,7 +30,7 @@ def __getattr__(name):
     if name == "music":
         from .music_host import music
         return music
-    if name in ("load", "SpikeloopError"):
+    if name in ("load", "open_run", "SpikeloopError"):
         from . import experiment
         return getattr(experiment, name)
     raise AttributeError(f"module 'spikeloop' has no attribute '{name}'")

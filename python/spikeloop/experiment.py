@@ -286,3 +286,8 @@ def load(file, settings=None):
     experiment = Experiment(file, settings)
     experiment.resolved()
     return experiment
+
+
+def open_run(path):
+    """The run whose folder is there. @raises SpikeloopError: it is no run folder"""
+    return Run(path)

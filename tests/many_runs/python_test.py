@@ -70,8 +70,10 @@ class Interface(explorer.Folder):
             self.experiment.run(out=self.folder / "a", seed=2)
         self.assertEqual((caught.exception.code, caught.exception.exit_code), ("SL0109", 2))
         self.assertTrue(explorer.same(before, explorer.recorded(self.folder / "a")))
-        run = self.experiment.run(out=self.folder / "a", seed=2, force=True)
-        self.assertEqual(run.summary()["seed"], 2)
+        self.experiment.run(out=self.folder / "a", seed=2, force=True)
+        self.assertEqual(spikeloop.open_run(self.folder / "a").summary()["seed"], 2)
+        with self.assertRaisesRegex(spikeloop.SpikeloopError, "no run folder|not a run folder|is no"):
+            spikeloop.open_run(self.folder / "nowhere")
 
     def test_errors_have_the_codes_of_diagnostics(self):
         for set_, code, text in (({"encoder.rate_max": "200 mV"}, "SL0202", "'mV' is not a unit"),
