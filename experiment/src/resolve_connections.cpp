@@ -84,7 +84,7 @@ std::set<std::string> lonely_nodes(const ExperimentFile& file, const Experiment&
 
 /// A sensor may be there to be recorded, where the robot says how many channels it has.
 bool may_stand_alone(const Node& node, const Experiment& experiment) {
-  return (node.kind == kRosSensor || node.kind == kRosEventSensor) && experiment.robot;
+  return takes_messages(node.kind) && experiment.robot;
 }
 
 GraphDescription as_nodes(const ExperimentFile& file, const Experiment& experiment,
@@ -197,8 +197,7 @@ void check_events(const Node& node, const Experiment& experiment) {
 
 /// What only widths decide.
 void check_node(const Node& node, const Experiment& experiment, const SensorWidth& sensor_width) {
-  const bool is_sensor = node.kind == kRosSensor || node.kind == kRosEventSensor;
-  if (is_sensor && experiment.width(node.name, "out") == 0) {
+  if (takes_messages(node.kind) && experiment.width(node.name, "out") == 0) {
     if (sensor_width) {  // else the robot is faulty, which has been told
       refuse_width(node, experiment);
     }

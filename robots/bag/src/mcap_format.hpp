@@ -2,6 +2,8 @@
 // the content.
 #pragma once
 
+#include <zlib.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -65,6 +67,12 @@ inline void append(std::string& to, Op op, std::string_view content) {
   to += static_cast<char>(op);
   to.append(reinterpret_cast<const char*>(&length), sizeof length);
   to += content;
+}
+
+/// As every checksum in a file. 0: none.
+inline std::uint32_t checksum(std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 inline std::string_view as_text(std::span<const std::byte> bytes) {

@@ -2,13 +2,11 @@
 // well.
 #include <fmt/format.h>
 #include <lz4frame.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <tuple>
 
 #include "cursor.hpp"
 #include "mcap_format.hpp"
@@ -222,7 +220,7 @@ class McapFile : public Source {
     cursor.take(2 * sizeof(std::uint64_t));  // times, which the messages have as well
     Chunk chunk{};
     chunk.size = cursor.number<std::uint64_t>();
-    const auto checksum = cursor.number();
+    const auto sum = cursor.number();
     chunk.compression = cursor.text();
     chunk.stored = cursor.text<std::uint64_t>();
     if (chunk.size > kLargestChunk ||
@@ -230,8 +228,7 @@ class McapFile : public Source {
       throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", chunk.size));
     }
     const std::string bytes = chunk.compression.empty() ? std::string(chunk.stored) : unpack(chunk);
-    if (checksum != 0 &&
-        checksum != ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size())) {
+    if (sum != 0 && sum != checksum(bytes)) {
       throw std::runtime_error("the checksum of a chunk is wrong");
     }
     file_->chunks.push_back(chunk);

@@ -1,6 +1,5 @@
 #include "mcap_writer.hpp"
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -15,11 +14,6 @@ namespace {
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr const char* kCompression = "zstd";
 constexpr int kLevel = 1;  // the fastest: the loop may wait
-
-std::uint32_t checksum(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 std::string compressed(const std::string& bytes) {
   std::string result(ZSTD_compressBound(bytes.size()), '\0');

@@ -1,7 +1,7 @@
 #include "spikeloop/bag/recorder.hpp"
 
 #include <fmt/format.h>
-#include <algorithm>
+
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -10,7 +10,6 @@
 
 #include "mcap_writer.hpp"
 #include "spikeloop/core/background.hpp"
-#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
