@@ -10,6 +10,7 @@
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/live/feed.hpp"
 #include "spikeloop/process/music_main.hpp"
 #include "spikeloop/status/signals.hpp"
 
@@ -64,7 +65,8 @@ fused::RunOptions options_of(const Parameters& keys, const music::Process& proce
   return {.folder = folder == nullptr ? "" : folder,
           .record = process.common().record,
           .process = process.label(),
-          .about = nlohmann::json::parse(keys.text("about"), nullptr, false)};
+          .about = nlohmann::json::parse(keys.text("about"), nullptr, false),
+          .live_folder = live::folder_from_environment()};
 }
 
 /// The one that writes down the robot's path.

@@ -25,6 +25,7 @@
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "versions.hpp"
@@ -129,6 +130,13 @@ void refuse_spectators(const ExperimentArguments& arguments, const Experiment& e
         name));
   }
   arguments.spectators.options();  // what is wrong with them is said before there is a folder
+}
+
+std::optional<LiveServer> live_server(const LiveOptions& options, const Experiment& experiment,
+                                      const launch::RunFolder& folder) {
+  return options.on
+             ? std::optional<LiveServer>(std::in_place, options, folder.path(), experiment.name)
+             : std::nullopt;
 }
 
 launch::RunFolder folder_for(const ExperimentArguments& arguments, const Experiment& experiment) {
@@ -285,7 +293,8 @@ int run_in_process(const Experiment& experiment, const launch::RunFolder& folder
   const fused::RunOptions options{.folder = folder.path(),
                                   .record = record,
                                   .spectators = spectators,
-                                  .about = about_run(partners_of(experiment))};
+                                  .about = about_run(partners_of(experiment)),
+                                  .live_folder = live::folder_from_environment()};
   const int exit_code = logged(log, [&] { return run_here(experiment, options, volume, log); });
   log_file.store(-1);
   put_result(folder.shown() + "\n");
@@ -323,6 +332,7 @@ int run_experiment(const ExperimentArguments& arguments) {
   }
   if (experiment::needs_music(experiment) || experiment.ros != experiment::Ros::none) {
     const launch::RunFolder folder = folder_for(arguments, experiment);
+    const auto live = live_server(arguments.live, experiment, folder);
     return run_processes(arguments, experiment, folder);
   }
   if (!arguments.timeout_given.empty()) {
@@ -331,8 +341,10 @@ int run_experiment(const ExperimentArguments& arguments) {
         "has a single process; leave it out",
         arguments.timeout_given));
   }
-  return run_in_process(experiment, folder_for(arguments, experiment), arguments.record,
-                        arguments.volume, arguments.spectators.options());
+  const launch::RunFolder folder = folder_for(arguments, experiment);
+  const auto live = live_server(arguments.live, experiment, folder);
+  return run_in_process(experiment, folder, arguments.record, arguments.volume,
+                        arguments.spectators.options());
 }
 
 int run_processes(const ExperimentArguments& arguments, const Experiment& written,

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "console.hpp"
+#include "live_server.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/launch/run_folder.hpp"
@@ -32,6 +33,7 @@ struct ExperimentArguments {
   Console::Volume volume = Console::Volume::normal;
   robot::SpectatorWords spectators{};  ///< of the robot
   topics::CommandLine line{};          ///< what it has for ROS
+  LiveOptions live{};
 };
 
 /// Returns the exit code. @throws Error when it cannot begin.

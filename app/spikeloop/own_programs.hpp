@@ -9,9 +9,9 @@
 namespace spikeloop::app {
 
 /// Those that are files; the others are links to them.
-inline constexpr std::array<std::string_view, 7> kProgramFiles{
+inline constexpr std::array<std::string_view, 8> kProgramFiles{
     "spikeloop",     "spikeloop-node",  "spikeloop-network", "spikeloop-ros",
-    "spikeloop-zmq", "spikeloop-robot", "spikeloop-guard"};
+    "spikeloop-zmq", "spikeloop-robot", "spikeloop-guard",   "spikeloop-live"};
 
 /// All names, sorted.
 std::vector<std::string> all_programs();

@@ -39,6 +39,7 @@ struct RunArguments {
   std::string layout;
   std::vector<std::string> settings;
   robot::SpectatorWords spectators;
+  LiveOptions live;
   bool force = false;
   bool no_record = false;
   bool no_pace = false;
@@ -56,6 +57,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run runs/braitenberg-1        repeats a run: its files, with its settings
   spikeloop run braitenberg.yaml --set encoder.rate_max="100 Hz" --set robot.seed=3
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
+  spikeloop run braitenberg.yaml --live   shows the run in the browser at http://127.0.0.1:8765/
   spikeloop run explorer.yaml /scan:=/front/scan               remaps a topic, as in ROS 1
   spikeloop run explorer.yaml --ros-args -r /scan:=/front/scan -r __ns:=/arena       as in ROS 2
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1
@@ -166,6 +168,19 @@ void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
   command.add_flag("--view", spectators.window, "Show the robot in a window; needs a display");
 }
 
+void add_live_options(CLI::App& command, LiveOptions& live) {
+  auto* on = command.add_flag("--live", live.on, "Show the run in the browser, and in Foxglove");
+  command.add_option("--live-port", live.port, "Port of the live view; 0: any")
+      ->needs(on)
+      ->capture_default_str();
+  command
+      .add_option("--live-host", live.host,
+                  "Address of this machine for viewers on others, such as 0.0.0.0; only those with "
+                  "the printed URL can control the run, all can stop the robot")
+      ->needs(on)
+      ->capture_default_str();
+}
+
 /// Those that only one kind of file has stand under a heading of their own.
 void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--sync", arguments.sync, "Clock of the experiment; replaces the key sync")
@@ -178,6 +193,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   add_settings(command, arguments.settings);
   command.add_flag("--no-record", arguments.no_record, "Do not record the outputs of nodes");
   add_picture_options(command, arguments.spectators);
+  add_live_options(command, arguments.live);
   const auto group = [&command](std::vector<CLI::Option*>& list, const char* heading,
                                 std::initializer_list<const char*> names) {
     for (const char* name : names) {
@@ -186,7 +202,7 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   };
   group(arguments.for_experiment, "Experiment files",
         {"--set", "--layout", "--sync", "--no-record", "--render", "--render-view", "--render-size",
-         "--render-rate", "--view"});
+         "--render-rate", "--view", "--live", "--live-port", "--live-host"});
   group(
       arguments.for_music, ".music files",
       {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run"});
@@ -251,6 +267,7 @@ int run_file(const RunArguments& arguments) {
                                        settings.end());
   experiment.volume = volume_of(arguments);
   experiment.spectators = arguments.spectators;
+  experiment.live = arguments.live;
   experiment.start_timeout = milliseconds(arguments.start_timeout_s);
   experiment.stall_timeout = milliseconds(arguments.stall_timeout_s);
   for (const CLI::Option* option : arguments.timeouts) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "endpoints.hpp"
+#include "live_view.hpp"
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
@@ -87,12 +88,13 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
     : experiment_(experiment),
       transport_(surroundings.transport),
       others_(surroundings.others),
-      process_(surroundings.process) {
+      process_(surroundings.process),
+      view_(surroundings.view),
+      folder_(options.record ? options.folder : "") {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
-  const std::string folder = options.record ? options.folder : "";
-  if (!folder.empty()) {
-    open_bag(folder);
+  if (!folder_.empty()) {
+    open_bag();
   }
   for (const Node& node : experiment.nodes) {
     if (is_here(node.name)) {
@@ -102,11 +104,14 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
   for (const Connection& edge : edges(experiment)) {
     add_edge(edge);
   }
-  if (!folder.empty()) {
-    record(folder);
+  if (!folder_.empty()) {
+    record();
   }
   if (options.observe) {
-    observe(options);
+    observe("observed", options.observe);
+  }
+  if (view_ != nullptr) {
+    show();
   }
   graph_.emplace(description_);
 }
@@ -139,6 +144,7 @@ void Assembly::add_command(const Node& node) {
   command::ComponentMap map = command::component_map(node.mapping, width);
   const auto fields = static_cast<std::uint32_t>(map.size());
   commands_.push_back(make_command(experiment_, node, map, transport_, keep_messages(node)));
+  take_latency(node, *commands_.back());
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({node.name, classes_.back().get(), {}, node.where});
   description_.sinks.push_back({sender_of(node.name), commands_.back().get()});
@@ -213,14 +219,15 @@ void Assembly::send(const Connection& edge) {
 }
 
 /// In the run folder of an experiment whose topics are all here.
-void Assembly::open_bag(const std::string& folder) {
+void Assembly::open_bag() {
   const auto has_topic = [](const Node& node) { return experiment::has_topic(node.kind); };
   if (std::ranges::any_of(experiment_.nodes, has_topic) && one_meets_robot(experiment_) &&
       meets_robot(experiment_, process_)) {
     messages_ = std::make_unique<bag::Recorder>(
-        folder + "/" + kMessagesFile,
+        folder_ + "/" + kMessagesFile,
         bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
-    if (const std::string resolved = folder + "/resolved.json"; std::filesystem::exists(resolved)) {
+    if (const std::string resolved = folder_ + "/resolved.json";
+        std::filesystem::exists(resolved)) {
       constexpr std::uint64_t kLimit = std::uint64_t{1} << 30;
       messages_->attach("resolved.json", "application/json",
                         read_file(resolved, "resolved.json", kLimit));
@@ -229,22 +236,27 @@ void Assembly::open_bag(const std::string& folder) {
 }
 
 topics::Keep Assembly::keep_messages(const Node& node) {
+  topics::Keep show = view_ != nullptr ? view_->messages(node) : topics::Keep{};
   if (!messages_) {
-    return {};
+    return show;
   }
   const std::uint32_t channel =
       messages_->add({node.parameters.text("topic"), node.parameters.text("message"), node.name,
                       experiment_.dialect});
-  return [recorder = messages_.get(), channel](TimeNs time, std::span<const std::byte> message) {
+  return [recorder = messages_.get(), channel, show = std::move(show)](
+             TimeNs time, std::span<const std::byte> message) {
     recorder->take(channel, time, message);
+    if (show) {
+      show(time, message);
+    }
   };
 }
 
-record::Recorder& Assembly::recorder_of(const Node& node, const std::string& folder) {
+record::Recorder& Assembly::recorder_of(const Node& node) {
   auto& recorder = recorders_[node.name];
   if (!recorder) {
     recorder = std::make_unique<record::Recorder>(
-        fmt::format("{}/{}.h5", folder, node.name), node.name,
+        fmt::format("{}/{}.h5", folder_, node.name), node.name,
         record::RunAttributes{experiment_.seed, experiment_.tick},
         record::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
   }
@@ -259,7 +271,7 @@ void Assembly::add_recording(const std::string& from, const std::string& name,
 }
 
 /// Every output of a node, and the fields of every command, unless the node has  record: false.
-void Assembly::record(const std::string& folder) {
+void Assembly::record() {
   const auto name_of = [](const std::string& node, const std::string& stream) {
     return fmt::format("{}{} {}", kRecord, node, stream);
   };
@@ -270,35 +282,29 @@ void Assembly::record(const std::string& folder) {
     }
     const std::string end = fmt::format("{}.{}", output.node, output.port);
     add_recording(end, name_of(output.node, output.port),
-                  recorder_of(experiment_.node(output.node), folder)
+                  recorder_of(experiment_.node(output.node))
                       .output_sink(description_, end, {output.port, output.kind, output.width}));
   }
-  auto command = commands_.begin();
   for (const Node& node : experiment_.nodes) {
-    if (node.role != Role::sink || !is_here(node.name)) {
+    if (node.role != Role::sink || !is_here(node.name) || !node.record) {
       continue;
     }
-    ros_command::CommandEndpoint& endpoint = **command++;
-    if (!node.record) {
-      continue;
-    }
-    record_latency(node, endpoint, folder);
     const bool all = node.mapping.all_channels;
     const auto paths = command::field_paths(node.mapping);
     const auto width =
         all ? experiment_.width(node.name, "in") : static_cast<std::uint32_t>(paths.size());
-    add_recording(
-        node.name + ".out", name_of(node.name, "command"),
-        recorder_of(node, folder)
-            .signal_sink("command", width, "1", all ? std::vector<std::string>{} : paths));
+    add_recording(node.name + ".out", name_of(node.name, "command"),
+                  recorder_of(node).signal_sink("command", width, "1",
+                                                all ? std::vector<std::string>{} : paths));
   }
 }
 
-void Assembly::observe(const RunOptions& options) {
+void Assembly::observe(std::string_view observer, const Observe& observe) {
   const auto add = [&](const std::string& from, const std::string& name, PortKind kind,
                        std::uint32_t width) {
-    if (auto sink = options.observe(name, kind, width)) {
-      add_recording(from, fmt::format("{}observed {}", kRecord, element_of(name)), std::move(sink));
+    if (auto sink = observe(name, kind, width)) {
+      add_recording(from, fmt::format("{}{} {}", kRecord, observer, element_of(name)),
+                    std::move(sink));
     }
   };
   for (const experiment::Output& output : experiment_.outputs) {
@@ -318,15 +324,49 @@ void Assembly::observe(const RunOptions& options) {
   }
 }
 
+/// What nodes here put out, and what simulators send here.
+void Assembly::show() {
+  const auto sink = [this](const std::string& end, PortKind kind, std::uint32_t width) {
+    return view_->sink(end, kind, width);
+  };
+  observe("shown", sink);
+  std::set<std::string> shown;
+  for (const Connection& edge : edges(experiment_)) {
+    if (is_simulator_end(experiment_, edge.from) && is_here(edge.to) &&
+        shown.insert(edge.from).second) {
+      add_recording(source_of(edge), fmt::format("{}shown {}", kRecord, element_of(edge.from)),
+                    sink(edge.from, edge.kind, edge.width));
+    }
+  }
+}
+
 /// How old the data behind the first command of each message are.
-void Assembly::record_latency(const Node& node, ros_command::CommandEndpoint& command,
-                              const std::string& folder) {
-  if (experiment::nearest_sensor(experiment_, node.name)) {
-    command.on_latency([write = recorder_of(node, folder).value_writer("latency", "ms")](
-                           TimeNs simulated, TimeNs latency) {
-      write(simulated, static_cast<double>(latency) / 1e6);
+void Assembly::take_latency(const Node& node, ros_command::CommandEndpoint& command) {
+  if (!experiment::nearest_sensor(experiment_, node.name)) {
+    return;
+  }
+  std::vector<std::function<void(TimeNs, double)>> takers;
+  if (!folder_.empty() && node.record) {
+    takers.push_back(recorder_of(node).value_writer("latency", "ms"));
+  }
+  if (view_ != nullptr) {
+    takers.push_back(view_->value(fmt::format("/{}/latency", node.name)));
+  }
+  if (!takers.empty()) {
+    command.on_latency([takers = std::move(takers)](TimeNs simulated, TimeNs latency) {
+      for (const auto& take : takers) {
+        take(simulated, static_cast<double>(latency) / 1e6);
+      }
     });
   }
+}
+
+std::vector<ros_command::CommandEndpoint*> Assembly::commands() const {
+  std::vector<ros_command::CommandEndpoint*> commands;
+  for (const auto& command : commands_) {
+    commands.push_back(command.get());
+  }
+  return commands;
 }
 
 void Assembly::stop_robot(command::StopReason reason) {

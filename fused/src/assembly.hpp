@@ -24,12 +24,15 @@ class Recorder;
 
 namespace spikeloop::fused {
 
+class LiveView;
+
 /// What the graph meets at its boundary.
 struct Surroundings {
   Transport& transport;
   OtherProcesses* others = nullptr;  ///< none: there are no other processes
   /// Whose nodes are in the graph.
   std::string process{};
+  LiveView* view = nullptr;  ///< none: nobody watches
 };
 
 class Assembly {
@@ -40,6 +43,7 @@ class Assembly {
   ~Assembly();
 
   Graph& graph() { return *graph_; }
+  std::vector<ros_command::CommandEndpoint*> commands() const;
   void stop_robot(command::StopReason reason);
   /// Closes the recordings; what they lost is warned of and counted, and the last such sentence is
   /// in `error`.
@@ -58,19 +62,23 @@ class Assembly {
   std::string end_here(const std::string& end) const;
   std::string source_of(const experiment::Connection& edge);
   void send(const experiment::Connection& edge);
-  void open_bag(const std::string& folder);
+  void open_bag();
   topics::Keep keep_messages(const experiment::Node& node);
-  void record(const std::string& folder);
-  void observe(const RunOptions& options);
-  void record_latency(const experiment::Node& node, ros_command::CommandEndpoint& command,
-                      const std::string& folder);
-  record::Recorder& recorder_of(const experiment::Node& node, const std::string& folder);
+  void record();
+  using Observe = std::function<std::unique_ptr<Sink>(const std::string& end, PortKind kind,
+                                                      std::uint32_t width)>;
+  void observe(std::string_view observer, const Observe& observe);
+  void show();
+  void take_latency(const experiment::Node& node, ros_command::CommandEndpoint& command);
+  record::Recorder& recorder_of(const experiment::Node& node);
   void add_recording(const std::string& from, const std::string& name, std::unique_ptr<Sink> sink);
 
   const experiment::Experiment& experiment_;
   Transport& transport_;
   OtherProcesses* others_;
   std::string process_;
+  LiveView* view_;
+  std::string folder_;  ///< of the recordings; empty: none
   GraphDescription description_;
   std::unique_ptr<bag::Recorder> messages_;  ///< before those who keep messages in it
   std::vector<std::unique_ptr<Source>> sources_;

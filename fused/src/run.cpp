@@ -10,6 +10,7 @@
 
 #include "assembly.hpp"
 #include "bag_transport.hpp"
+#include "live_view.hpp"
 #include "memory_transport.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/files_read.hpp"
@@ -89,6 +90,7 @@ class Loop {
         transport_(surroundings.transport),
         assembly_(assembly),
         others_(surroundings.others),
+        view_(surroundings.view),
         events_(events),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
@@ -100,6 +102,9 @@ class Loop {
     }
     if (graph.time() >= experiment_.duration.value_or(std::numeric_limits<TimeNs>::max())) {
       return false;
+    }
+    if (view_ != nullptr) {
+      view_->before_tick(graph.time(), events_.stop);
     }
     pacer_->wait_until(graph.time());
     const TimeNs began = wall_now();
@@ -118,6 +123,9 @@ class Loop {
     const TimeNs now = wall_now();
     computing_ += now - began;
     tell_progress(now);
+    if (view_ != nullptr) {
+      view_->after_tick(progress(), now);
+    }
     return true;
   }
 
@@ -149,6 +157,7 @@ class Loop {
   Transport& transport_;
   Assembly& assembly_;
   OtherProcesses* others_;
+  LiveView* view_;
   const RunEvents& events_;
   std::unique_ptr<Pacer> pacer_;
   bool begun_ = false;
@@ -330,7 +339,15 @@ struct Run::Impl {
     if (writes_files) {
       write_begin();
     }
+    if (!options.live_folder.empty()) {
+      view.emplace(options.live_folder, experiment, surroundings.process);
+      surroundings.view = &*view;
+    }
     assembly.emplace(experiment, surroundings, options);
+    if (view) {
+      view->take_commands(assembly->commands());
+      stop_button.emplace(view->feed(), assembly->commands());
+    }
     loop.emplace(experiment, surroundings, *assembly, events);
   }
 
@@ -349,6 +366,9 @@ struct Run::Impl {
     const Progress progress = loop->progress();
     if (events.progress) {
       events.progress(progress);
+    }
+    if (view) {
+      view->finish(progress);
     }
     attempt(result, [&] { surroundings.transport.finish(); });
     attempt(result,
@@ -377,7 +397,9 @@ struct Run::Impl {
   const RunEvents& events;
   Surroundings surroundings;
   bool writes_files;
+  std::optional<LiveView> view;
   std::optional<Assembly> assembly;
+  std::optional<StopButton> stop_button;
   std::optional<Loop> loop;
   RunResult result{0, {}, json::object()};
 };

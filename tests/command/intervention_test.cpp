@@ -278,5 +278,22 @@ TEST_F(InterventionTest, what_is_said_counts_when_it_is_applied) {
   EXPECT_EQ(channel_.stopped_by(), StopReason::emergency_unknown);
 }
 
+TEST_F(InterventionTest, no_message_releases_the_stop_button) {
+  OperatorInput people({.topic = "/stop"}, channel_);
+  command(0.5, 0);
+  people.press_stop(true);
+  people.emergency(false, 0);
+  people.apply(0, kMs);
+  EXPECT_EQ(channel_.stopped_by(), StopReason::stop_button);
+  people.emergency(true, 0);
+  people.press_stop(false);
+  people.apply(0, 2 * kMs);
+  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  people.emergency(false, 0);
+  people.apply(0, 3 * kMs);
+  command(0.5, 4 * kMs);
+  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+}
+
 }  // namespace
 }  // namespace spikeloop::command::intervention_test

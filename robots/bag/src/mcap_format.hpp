@@ -32,11 +32,6 @@ enum class Op : std::uint8_t {
 };
 
 inline constexpr std::size_t kRecordHead = 9;  // bytes: opcode and length
-/// Sensors take messages of these encodings alone, with definitions of these.
-inline constexpr std::string_view kRos1 = "ros1";
-inline constexpr std::string_view kRos1Definition = "ros1msg";
-inline constexpr std::string_view kRos2 = "cdr";
-inline constexpr std::string_view kRos2Definition = "ros2msg";
 
 /// The content of a record, field by field.
 class Content {

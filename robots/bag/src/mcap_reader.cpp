@@ -16,6 +16,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag::mcap {
 namespace {
@@ -295,9 +296,9 @@ class McapFile : public Source {
     if (schema != schemas_.end()) {
       const auto& [name, encoding, text] = schema->second;
       result.type = type_of(name);
-      if (result.encoding == kRos1 && encoding == kRos1Definition) {
+      if (result.encoding == messages::kRos1 && encoding == messages::kRos1Definition) {
         result.dialect = messages::Dialect::ros1;
-      } else if (result.encoding == kRos2 && encoding == kRos2Definition) {
+      } else if (result.encoding == messages::kRos2 && encoding == messages::kRos2Definition) {
         result.dialect = messages::Dialect::ros2;
       }
       if (result.dialect) {

@@ -11,7 +11,7 @@
 #include "mcap_writer.hpp"
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag {
 namespace {
@@ -32,18 +32,13 @@ struct Item {
 };
 
 mcap::Channel channel_of(const Topic& topic) {
-  const auto& catalog = messages::Catalog::for_type(topic.dialect, topic.type);
-  const std::string name = catalog.full_name(topic.type);
-  const std::string text = catalog.full_text(name);
-  const std::map<std::string, std::string> metadata{{kNodeField, topic.node}};
-  if (topic.dialect == messages::Dialect::ros1) {
-    return {topic.name, std::string(mcap::kRos1), name, std::string(mcap::kRos1Definition), text,
-            metadata};
-  }
-  std::string in_ros2 = name;
-  in_ros2.insert(name.find('/'), "/msg");
-  return {topic.name, std::string(mcap::kRos2), in_ros2, std::string(mcap::kRos2Definition), text,
-          metadata};
+  messages::Schema schema = messages::schema_of(topic.dialect, topic.type);
+  return {topic.name,
+          std::move(schema.encoding),
+          std::move(schema.type),
+          std::move(schema.definition_encoding),
+          std::move(schema.definition),
+          {{kNodeField, topic.node}}};
 }
 
 }  // namespace

@@ -83,6 +83,11 @@ void CommandSink::emergency(bool stop) {
   intervene(wall);
 }
 
+void CommandSink::press_stop(bool pressed) {
+  operator_.press_stop(pressed);
+  intervene(wall_now());
+}
+
 void CommandSink::override_with(std::span<const double> values) {
   operator_.override_with(values);
   intervene(wall_now());

@@ -37,6 +37,8 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
                  : fmt::format(
                        "the emergency stop's topic '{}' has no publisher, or no message for {}",
                        emergency.topic, format_time(emergency.timeout));
+    case StopReason::stop_button:
+      return "STOP is pressed in the live view";
     case StopReason::terminated:
     case StopReason::ended:
       break;

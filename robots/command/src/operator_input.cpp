@@ -14,6 +14,11 @@ void OperatorInput::emergency(bool stop, TimeNs wall) {
   rule_.take(stop, wall);
 }
 
+void OperatorInput::press_stop(bool pressed) {
+  const std::lock_guard lock(mutex_);
+  stop_pressed_ = pressed;
+}
+
 void OperatorInput::override_with(std::span<const double> values) {
   const std::lock_guard lock(mutex_);
   manual_.emplace(values.begin(), values.end());
@@ -26,7 +31,7 @@ void OperatorInput::apply(TimeNs wall, TimeNs now) {
     published = has_publishers_ && has_publishers_();
   }
   const std::lock_guard lock(mutex_);
-  channel_.hold(rule_.verdict(published, wall), now);
+  channel_.hold(stop_pressed_ ? StopReason::stop_button : rule_.verdict(published, wall), now);
   if (manual_) {
     channel_.override_with(*manual_, now);
     manual_.reset();

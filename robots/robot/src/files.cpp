@@ -10,9 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::robot {
 namespace {
+
+/// Of wall time: the live view draws the path from the file.
+constexpr TimeNs kFlushPeriod = kNsPerSecond / 20;
 
 std::string in_directory(const std::string& directory, const char* name) {
   std::error_code error;
@@ -85,9 +89,9 @@ void TrajectoryFile::write(const vehicle::Odometry& odometry,
                        odometry.pose.x_m, odometry.pose.y_m, odometry.pose.theta_rad,
                        odometry.linear_x_m_s, odometry.angular_z_rad_s,
                        collisions ? fmt::to_string(*collisions) : "nan");
-  if (odometry.stamp - flushed_ >= kNsPerSecond) {
+  if (const TimeNs now = wall_now(); now - flushed_ >= kFlushPeriod) {
     file_.flush();
-    flushed_ = odometry.stamp;
+    flushed_ = now;
   }
   check();
 }

@@ -39,8 +39,8 @@ inline constexpr const char* kFilesFolder =
     "experiment-files";  ///< copies of what the experiment was made of
 
 struct RunOptions {
-  /// Run folder, which must be there: what nodes put out, messages.mcap, trajectory.csv, world.json,
-  /// experiment.yaml, resolved.json, summary.json. Empty: none.
+  /// Run folder, which must be there: what nodes put out, messages.mcap, trajectory.csv,
+  /// world.json, experiment.yaml, resolved.json, summary.json. Empty: none.
   std::string folder{};
   bool record = true;
   /// Whose nodes run here; empty: those of the layout's first process, which writes resolved.json,
@@ -54,6 +54,8 @@ struct RunOptions {
   /// sink that takes what it puts out.
   std::function<std::unique_ptr<Sink>(const std::string& end, PortKind kind, std::uint32_t width)>
       observe{};
+  /// As live::Feed; empty: there is no live view.
+  std::string live_folder{};
 };
 
 struct RunResult {

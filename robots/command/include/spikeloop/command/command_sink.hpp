@@ -96,6 +96,8 @@ class CommandSink : public Sink {
   }
   /// The emergency stop is pressed, or released. Safe to call from any thread.
   void emergency(bool stop);
+  /// STOP of the live view is pressed, or released. Safe to call from any thread.
+  void press_stop(bool pressed);
   /// A command by hand. Safe to call from any thread.
   void override_with(std::span<const double> values);
   /// Zero, the last thing that leaves. Safe to call from any thread.

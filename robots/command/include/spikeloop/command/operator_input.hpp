@@ -32,6 +32,8 @@ class OperatorInput {
   void watch_publishers(std::function<bool()> has_publishers);
   /// A message has come; it counts when apply() is called.
   void emergency(bool stop, TimeNs wall);
+  /// STOP of the live view, which no message releases; the same.
+  void press_stop(bool pressed);
   void override_with(std::span<const double> values);
   /// @param wall by which the emergency stop's timeout is judged
   /// @param now the channel's time
@@ -42,6 +44,7 @@ class OperatorInput {
   std::function<bool()> has_publishers_;
   std::mutex mutex_;
   EmergencyRule rule_;
+  bool stop_pressed_ = false;
   CommandChannel& channel_;
   std::optional<std::vector<double>> manual_;  ///< the newest that has not counted yet
 };

@@ -17,10 +17,11 @@ enum class StopReason : std::uint8_t {
   continued,          ///< SIGCONT: mpirun has seen a program die, or somebody had stopped us
   emergency,          ///< the emergency stop says so
   emergency_unknown,  ///< nobody says whether the emergency stop is pressed
+  stop_button,        ///< STOP is pressed in the live view
   terminated,         ///< SIGTERM, SIGINT, or an error
   ended               ///< the run is over
 };
-inline constexpr std::size_t kStopReasons = 11;
+inline constexpr std::size_t kStopReasons = 12;
 
 /// "data_too_old", ...: the name in counters.
 std::string_view stop_reason_name(StopReason reason);

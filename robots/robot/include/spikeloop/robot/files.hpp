@@ -16,7 +16,7 @@ class TrajectoryFile {
  public:
   /// Makes the directory when there is none. @throws FileError.
   explicit TrajectoryFile(const std::string& directory);
-  /// Is on disk within a second of simulated time. @throws FileError.
+  /// Can be read from the file within 50 ms, when rows go on to come. @throws FileError.
   void write(const vehicle::Odometry& odometry, std::optional<std::uint64_t> collisions);
   /// @throws FileError.
   void close();
@@ -26,7 +26,7 @@ class TrajectoryFile {
 
   std::string path_;
   std::ofstream file_;
-  TimeNs flushed_ = 0;
+  TimeNs flushed_ = 0;  ///< wall time
 };
 
 /// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres; where

@@ -54,6 +54,11 @@ class CommandEndpoint : public Sink {
   /// when it did for want of data.
   nlohmann::json summary() const;
   void alive() { sink_.alive(); }
+  /// As CommandSink.
+  void press_stop(bool pressed) { sink_.press_stop(pressed); }
+  /// What the robot is doing. Safe to call from any thread.
+  command::Condition condition() const;
+  const std::string& node() const { return address_.process; }
 
   /// Whether somebody hears us, and the guard. To be called from the loop's thread.
   bool has_subscribers() { return publisher_.has_subscribers() && may_begin(); }
@@ -71,7 +76,6 @@ class CommandEndpoint : public Sink {
   bool drives_unguarded(std::span<const double> values) const;
   void mind_subscribers();
   TimeNs report(TimeNs now);
-  command::Condition condition() const;
 
   topics::Session& session_;
   const Address address_;

@@ -1,0 +1,90 @@
+#include "files.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace spikeloop::view {
+namespace {
+
+constexpr std::uintmax_t kLargest = std::uintmax_t{64} << 20;
+
+// All that the page needs of the run folder.
+constexpr std::string_view kRunFiles[] = {"resolved.json", "world.json", "trajectory.csv",
+                                          "summary.json"};
+constexpr std::string_view kRun = "/run/";
+
+/// Of a folder without subfolders: no path leads out of it.
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && name.front() != '.' && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-';
+  });
+}
+
+std::string type_of(std::string_view name) {
+  static constexpr std::pair<std::string_view, const char*> kTypes[] = {
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".json", "application/json"},
+      {".svg", "image/svg+xml"},
+      {".csv", "text/csv; charset=utf-8"}};
+  for (const auto& [extension, type] : kTypes) {
+    if (name.ends_with(extension)) {
+      return type;
+    }
+  }
+  return "application/octet-stream";
+}
+
+/// Where to begin; nothing: not as "bytes=N-".
+std::optional<std::uintmax_t> begin_of(std::string_view range) {
+  constexpr std::string_view kBytes = "bytes=";
+  std::uintmax_t begin = 0;
+  if (!range.starts_with(kBytes)) {
+    return std::nullopt;
+  }
+  const auto [end, error] =
+      std::from_chars(range.data() + kBytes.size(), range.data() + range.size(), begin);
+  return error == std::errc() && std::string_view(end, range.data() + range.size()) == "-"
+             ? std::optional(begin)
+             : std::nullopt;
+}
+
+Answer read(const std::string& path, std::string_view range) {
+  std::error_code error;
+  const std::filesystem::path file(path);
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return {};
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  const std::uintmax_t begin = begin_of(range).value_or(0);
+  if (begin != 0 && begin >= size) {
+    return {416, type_of(path), {}};
+  }
+  std::ifstream stream(path, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(begin));
+  std::string body(std::min(size - begin, kLargest), '\0');
+  stream.read(body.data(), static_cast<std::streamsize>(body.size()));
+  body.resize(static_cast<std::size_t>(stream.gcount()));
+  return {begin == 0 ? 200U : 206U, type_of(path), std::move(body)};
+}
+
+}  // namespace
+
+Answer answer(std::string_view path, std::string_view range, const std::string& page,
+              const std::string& run) {
+  if (path.starts_with(kRun)) {
+    const std::string_view name = path.substr(kRun.size());
+    const bool known = std::ranges::find(kRunFiles, name) != std::end(kRunFiles);
+    return known && !run.empty() ? read(run + "/" + std::string(name), range) : Answer{};
+  }
+  const std::string_view name = path == "/" ? "index.html" : path.substr(1);
+  return is_plain_name(name) ? read(page + "/" + std::string(name), "") : Answer{};
+}
+
+}  // namespace spikeloop::view

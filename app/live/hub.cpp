@@ -1,0 +1,125 @@
+#include "hub.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::view {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kStop = "run.stop";
+constexpr const char* kPause = "run.pause";
+constexpr const char* kStep = "run.step";
+constexpr const char* kSpeed = "run.speed";
+constexpr const char* kExtension = ".feed";
+
+/// So much of one process is read before the next one's turn.
+constexpr std::size_t kMostAtOnce = 4096;
+
+}  // namespace
+
+Hub::Hub(std::string folder) : folder_(std::move(folder)) {
+  channels_.push_back({"/spikeloop/view", "json", "spikeloop.View", "jsonschema",
+                       R"({"type": "object", "properties": {"lost": {"type": "integer"},
+                           "dropped": {"type": "integer"}}})"});
+}
+
+std::size_t Hub::look() {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+    const std::string path = entry.path().string();
+    if (entry.path().extension() == kExtension && known_.insert(path).second) {
+      processes_.push_back({live::FeedReader(path), {}});
+    }
+  }
+  for (Process& process : processes_) {
+    for (live::Channel& channel : process.feed.new_channels()) {
+      process.numbers.push_back(static_cast<std::uint32_t>(channels_.size()));
+      channels_.push_back(std::move(channel));
+    }
+  }
+  return channels_.size();
+}
+
+void Hub::read(const Take& take) {
+  for (Process& process : processes_) {
+    for (std::size_t i = 0; i < kMostAtOnce; ++i) {
+      const auto record = process.feed.next();
+      if (!record) {
+        break;
+      }
+      time_ = std::max(time_, record->time);
+      if (record->channel < process.numbers.size()) {
+        take(process.numbers[record->channel], record->time, record->message);
+      }
+    }
+  }
+}
+
+std::uint64_t Hub::lost() const {
+  std::uint64_t lost = 0;
+  for (const Process& process : processes_) {
+    lost += process.feed.lost();
+  }
+  return lost;
+}
+
+bool Hub::has(bool live::About::*property) const {
+  return std::ranges::any_of(
+      processes_, [&](const Process& process) { return process.feed.about().*property; });
+}
+
+json Hub::parameters() const {
+  json result = json::array();
+  const auto add = [&](const char* name, const json& value) {
+    result.push_back({{"name", name}, {"value", value}});
+  };
+  if (has(&live::About::commands)) {
+    add(kStop, std::ranges::any_of(
+                   processes_, [](const Process& process) { return process.feed.stop_pressed(); }));
+  }
+  if (has(&live::About::pausable)) {
+    const live::FeedReader& feed = processes_.front().feed;  // the only one
+    add(kPause, feed.paused());
+    add(kStep, feed.steps());
+    add(kSpeed, feed.speed());
+  }
+  return result;
+}
+
+std::string Hub::set(const std::string& name, const json& value) {
+  const json all = parameters();
+  const auto known =
+      std::ranges::any_of(all, [&](const json& parameter) { return parameter.at("name") == name; });
+  if (!known) {
+    return fmt::format("this run has no parameter '{}'", name);
+  }
+  const bool flag = name == kStop || name == kPause;
+  if (flag ? !value.is_boolean() : !value.is_number()) {
+    return fmt::format("parameter '{}' is {}, not {}", name, flag ? "true or false" : "a number",
+                       value.dump());
+  }
+  if (name == kSpeed && !(value.get<double>() >= 0 && std::isfinite(value.get<double>()))) {
+    return fmt::format("parameter '{}' is 0 or more, not {}", name, value.dump());
+  }
+  for (Process& process : processes_) {
+    if (name == kStop) {
+      process.feed.press_stop(value.get<bool>());
+    } else if (name == kPause) {
+      process.feed.pause(value.get<bool>());
+    } else if (name == kStep) {
+      process.feed.step();
+    } else {
+      process.feed.set_speed(value.get<double>());
+    }
+  }
+  return {};
+}
+
+}  // namespace spikeloop::view

@@ -1,0 +1,62 @@
+// spikeloop-live: shows a run in the browser while it goes on. `spikeloop run --live` starts it.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "server.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/processes/python.hpp"
+
+namespace {
+
+using namespace spikeloop;
+
+/// The run has the processor first.
+constexpr int kNice = 10;
+
+view::Server* running = nullptr;
+
+void take_signal(int /*number*/) {
+  running->stop();
+}
+
+std::string url(const view::ServerOptions& options, std::uint16_t port) {
+  return fmt::format("http://{}:{}/{}", options.host, port,
+                     options.token.empty() ? "" : "?token=" + options.token);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Shows a run in the browser while it goes on", "spikeloop-live");
+  view::ServerOptions options;
+  options.page = own_directory() + "/../share/spikeloop/live";
+  app.add_option("--feeds", options.feeds,
+                 "Folder in which the processes of the run put their data")
+      ->required();
+  app.add_option("--run", options.run, "Run folder");
+  app.add_option("--name", options.name, "Name of the experiment");
+  app.add_option("--host", options.host, "Address to listen at")->default_val("127.0.0.1");
+  app.add_option("--port", options.port, "Port; 0: any")->default_val(8765);
+  app.add_option("--token", options.token, "What control needs; empty: nothing");
+  app.set_version_flag("--version", SPIKELOOP_VERSION);
+  app.footer("spikeloop run --live starts it.");
+  CLI11_PARSE(app, argc, argv);
+  [[maybe_unused]] const int ignored = nice(kNice);
+  try {
+    view::Server server(options);
+    running = &server;
+    signal(SIGTERM, take_signal);
+    signal(SIGINT, take_signal);
+    fmt::print("live: {}\n", url(options, server.port()));
+    std::fflush(stdout);
+    server.run();
+    return 0;
+  } catch (const Error& error) {
+    fmt::print(stderr, "spikeloop-live: {}\n", error.what());
+    return error.exit_code();
+  }
+}

@@ -1,0 +1,108 @@
+#include "live_server.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <vector>
+
+#include "output.hpp"
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
+#include "spikeloop/live/feed.hpp"
+#include "spikeloop/processes/python.hpp"
+
+namespace spikeloop::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
+
+/// In memory, where the system has a place for that.
+std::string make_folder() {
+  std::error_code error;
+  const fs::path memory("/dev/shm");
+  std::string name = ((fs::is_directory(memory, error) ? memory : fs::temp_directory_path()) /
+                      "spikeloop-live-XXXXXX")
+                         .string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw FileError("make folder", name, errno);
+  }
+  return name;
+}
+
+std::string make_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw TransportError("there are no random numbers for the token of the live view");
+  }
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += fmt::format("{:02x}", byte);
+  }
+  return token;
+}
+
+/// The first line, or what it complains of.
+std::string first_line(const ProcessTree& server) {
+  std::string text;
+  std::string complaint;
+  const TimeNs end = wall_now() + kLongestStart;
+  std::array<pollfd, 2> ends{pollfd{server.out(), POLLIN, 0}, pollfd{server.err(), POLLIN, 0}};
+  while (wall_now() < end && text.find('\n') == std::string::npos &&
+         (ends[0].fd >= 0 || ends[1].fd >= 0)) {
+    ::poll(ends.data(), ends.size(), 100);
+    for (pollfd& from : ends) {
+      std::array<char, 4096> bytes{};
+      const ssize_t size = from.fd < 0 ? 0 : ::read(from.fd, bytes.data(), bytes.size());
+      if (size > 0) {
+        (&from == &ends[0] ? text : complaint).append(bytes.data(), static_cast<std::size_t>(size));
+      } else if (size == 0) {
+        from.fd = -1;
+      }
+    }
+  }
+  if (text.find('\n') == std::string::npos) {
+    throw TransportError(complaint.empty() ? "the live view does not start within 5 s"
+                                           : complaint.substr(0, complaint.find('\n')));
+  }
+  return text.substr(0, text.find('\n') + 1);
+}
+
+bool is_this_machine(const std::string& host) {
+  return host == "127.0.0.1" || host == "localhost";
+}
+
+}  // namespace
+
+LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder,
+                       const std::string& name)
+    : folder_(make_folder()) {
+  std::vector<std::string> words{own_directory() + "/spikeloop-live",
+                                 "--feeds=" + folder_,
+                                 "--run=" + run_folder,
+                                 "--name=" + name,
+                                 "--host=" + options.host,
+                                 fmt::format("--port={}", options.port)};
+  if (!is_this_machine(options.host)) {
+    words.push_back("--token=" + make_token());
+  }
+  server_.emplace(
+      ProgramStart{.arguments = words, .environment = {}, .directory = {}, .scratch = folder_});
+  put(stderr, first_line(*server_));
+  ::setenv(live::kFolderVariable, folder_.c_str(), 1);
+}
+
+LiveServer::~LiveServer() {
+  server_->end();
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+}  // namespace spikeloop::app

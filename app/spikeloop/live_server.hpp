@@ -1,0 +1,33 @@
+// spikeloop-live beside a run.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "spikeloop/processes/process_tree.hpp"
+
+namespace spikeloop::app {
+
+struct LiveOptions {
+  bool on = false;
+  std::string host = "127.0.0.1";  ///< other addresses need the token in the URL for control
+  std::uint16_t port = 8765;       ///< or one of the nine behind it; 0: any
+};
+
+class LiveServer {
+ public:
+  /// Starts it, tells its address on standard error, and gives the processes that are started from
+  /// now on the folder for their data. @throws TransportError when it cannot start.
+  LiveServer(const LiveOptions& options, const std::string& run_folder, const std::string& name);
+  /// Ends it.
+  ~LiveServer();
+  LiveServer(const LiveServer&) = delete;
+  LiveServer& operator=(const LiveServer&) = delete;
+
+ private:
+  std::string folder_;
+  std::optional<ProcessTree> server_;
+};
+
+}  // namespace spikeloop::app

@@ -1,0 +1,124 @@
+// What a process of a run shows to the live view, and what the view asks of it: a file of shared
+// memory, written by the process and read by spikeloop-live.
+//
+//   header    positions of the ring, what the view asks
+//   channels  one JSON object a line; lines are only added
+//   ring      records: channel, time, message
+//
+// The newest record overwrites the oldest, so a view that is slow or gone never delays the run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::live {
+
+/// The environment variable with the folder of the files; unset: there is no live view.
+inline constexpr const char* kFolderVariable = "SPIKELOOP_LIVE";
+
+std::string folder_from_environment();  ///< empty: unset
+
+inline constexpr std::size_t kRingBytes = std::size_t{16} << 20;
+
+/// What people can follow: of a run that follows no clock, until the view asks for another one.
+inline constexpr double kFirstSpeed = 1;
+
+/// Messages of one kind; the fields are those of the Foxglove WebSocket protocol.
+struct Channel {
+  std::string topic;
+  std::string encoding;
+  std::string schema_name;
+  std::string schema_encoding;
+  std::string schema;
+};
+
+/// What a process tells once, before its channels.
+struct About {
+  std::string process;
+  bool commands = false;  ///< it has a robot to stop
+  bool pausable = false;
+};
+
+/// The file as both sides have it in memory.
+class SharedFile;
+
+/// The side of the process. To be used by one thread, except the const functions.
+class Feed {
+ public:
+  /// Makes the file PROCESS.feed. @throws FileError when there is no room for it.
+  Feed(const std::string& folder, const About& about, std::size_t ring_bytes = kRingBytes);
+  ~Feed();
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  /// Of publish(). Channels beyond the room for them get no view.
+  std::uint32_t add(const Channel& channel);
+  /// Copies the message. Never waits. One of more than half the ring is left out.
+  void publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message);
+
+  // What the view asks for now.
+
+  bool stop_pressed() const;
+  bool paused() const;
+  /// Ticks that a paused run was asked to make so far.
+  std::uint64_t steps() const;
+  /// Ratio of simulated to wall time; 0: as fast as possible.
+  double speed() const;
+
+ private:
+  std::unique_ptr<SharedFile> file_;
+  std::uint32_t channels_ = 0;
+};
+
+/// The side of the view.
+class FeedReader {
+ public:
+  /// @throws FileError: no such file, or not one of ours.
+  explicit FeedReader(const std::string& path);
+  ~FeedReader();
+  FeedReader(FeedReader&&) noexcept;
+  FeedReader& operator=(FeedReader&&) noexcept;
+
+  const About& about() const { return about_; }
+  /// Channels that are new since the last call, in the order of their numbers.
+  std::vector<Channel> new_channels();
+
+  struct Record {
+    std::uint32_t channel = 0;
+    TimeNs time = 0;
+    std::span<const std::byte> message;  ///< valid until the next call
+  };
+  /// The next record; nothing: there is none yet.
+  std::optional<Record> next();
+  /// Bytes that were overwritten before they were read.
+  std::uint64_t lost() const { return lost_; }
+
+  void press_stop(bool pressed);
+  void pause(bool paused);
+  void step();
+  void set_speed(double speed);
+  bool stop_pressed() const;
+  bool paused() const;
+  std::uint64_t steps() const;
+  double speed() const;
+
+ private:
+  std::vector<nlohmann::json> new_lines();
+
+  std::unique_ptr<SharedFile> file_;
+  About about_;
+  std::size_t lines_read_ = 0;  // bytes
+  std::uint64_t position_ = 0;
+  std::uint64_t lost_ = 0;
+  std::vector<std::uint64_t> copy_;
+};
+
+}  // namespace spikeloop::live

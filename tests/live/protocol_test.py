@@ -1,0 +1,86 @@
+"""What a viewer gets is what the run records, and the run is the same with viewers and without."""
+
+import json
+import pathlib
+import tempfile
+import unittest
+import urllib.request
+
+import h5py
+import viewing
+from runs import fingerprint, programs, run
+
+
+def get(url, path, **headers):
+    with urllib.request.urlopen(urllib.request.Request(url + path, headers=headers), timeout=30) as answer:
+        return answer.status, answer.headers, answer.read()
+
+
+class Protocol(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_spikes_and_signals_are_those_of_the_recording(self):
+        recorded = self.folder / "live"
+        with viewing.Run(recorded, "--duration", "30") as job:
+            viewer = viewing.Viewer(job.socket_url())
+            viewer.until(lambda: "/spikeloop/view" in viewer.messages)
+            viewer.set("run.speed", 20)
+            viewer.until_closed()
+            code, printed = job.end()
+        self.assertEqual(code, 0, printed)
+        topics = {channel["topic"]: channel for channel in viewer.channels.values()}
+        self.assertEqual(topics["/encoder/out"]["schemaName"], "spikeloop/msg/Spikes")
+        self.assertEqual(topics["/scan"]["schemaName"], "sensor_msgs/LaserScan")
+        self.assertIn("float32[] ranges", topics["/scan"]["schema"])
+        self.assertEqual(viewer.info["metadata"], {"experiment": "braitenberg"})
+        self.assertEqual(json.loads(viewer.messages["/spikeloop/view"][-1][1])["lost"], 0)
+        for node in ("encoder", "brain"):
+            times, channels = viewing.spikes_of(viewer.messages[f"/{node}/out"])
+            with h5py.File(recorded / f"{node}.h5") as file:
+                all_times = list(file["spikes/out/timestamps_ns"][()])
+                all_channels = list(file["spikes/out/node_ids"][()])
+            self.assertGreater(len(times), 1000)
+            # The run may have begun before the viewer came.
+            self.assertEqual(times, all_times[-len(times):], node)
+            self.assertEqual(channels, all_channels[-len(times):], node)
+        with h5py.File(recorded / "decoder.h5") as file:
+            rows = {tuple(row) for row in file["signals/out/values"][()]}
+        shown = [tuple(viewing.signal_of(message)) for _, message in viewer.messages["/decoder/out"]]
+        self.assertGreater(len(shown), 20)
+        self.assertLessEqual(set(shown), rows)
+        self.assertTrue(viewer.status()["ended"])
+        counters = json.loads((recorded / "summary.json").read_text())["counters"]
+        self.assertEqual(viewer.status()["spikes"]["encoder.out"], counters["encoder.out->brain.in.spikes"])
+        # The same run without a view.
+        alone = self.folder / "alone"
+        run(programs() / "spikeloop", viewing.EXAMPLE, alone, "--duration", "30")
+        self.assertEqual(fingerprint(recorded), fingerprint(alone))
+
+    def test_page_and_files_of_the_run(self):
+        with viewing.Run(self.folder / "run", "--sync", "realtime", "--duration", "60") as job:
+            viewer = viewing.Viewer(job.socket_url(), "/spikeloop/status")
+            viewer.until(lambda: "/spikeloop/status" in viewer.messages and viewer.status()["simulated_s"] > 0.5)
+            status, headers, page = get(job.url, "")
+            self.assertEqual(status, 200)
+            self.assertIn(b"<html", page)
+            self.assertIn("default-src 'self'", headers["content-security-policy"])
+            self.assertEqual(json.loads(get(job.url, "run/resolved.json")[2])["experiment"], "braitenberg")
+            _, _, path = get(job.url, "run/trajectory.csv")
+            self.assertTrue(path.startswith(b"t_s,x_m,"))
+            status, _, rest = get(job.url, "run/trajectory.csv", Range=f"bytes={len(path) - 10}-")
+            self.assertEqual(status, 206)
+            self.assertTrue(rest.startswith(path[-10:]))
+            for missing in ("run/log.txt", "run/../../secret", "..%2f..%2fetc/passwd", "nothing.js"):
+                with self.assertRaises(urllib.error.HTTPError, msg=missing) as failure:
+                    get(job.url, missing)
+                self.assertEqual(failure.exception.code, 404, missing)
+            code, printed = job.interrupt()
+        self.assertEqual(code, 130, printed)
+        self.assertEqual(job.servers(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,62 @@
+"""STOP reaches the robot in time, in every layout."""
+
+import json
+import pathlib
+import tempfile
+import time
+import unittest
+
+import ros
+import viewing
+
+STATUS = "/spikeloop/status"
+# 0.2 s to the robot, and a status every 0.1 s, which tells the viewer.
+SECONDS = 0.5
+
+
+class Stop(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.enterContext(ros.domain())
+
+    def stops(self, *arguments):
+        """The wall time from STOP until a viewer has seen the robot stopped."""
+        with viewing.Run(self.folder / "run", *arguments) as job:
+            viewer = viewing.Viewer(job.socket_url(), STATUS, "/cmd_vel")
+            driven = [{"node": "wheels", "level": "ok", "text": "the robot is driven by the network"}]
+            viewer.until(lambda: STATUS in viewer.messages and viewer.status()["commands"] == driven)
+            self.assertEqual(viewer.parameters, {})
+            viewer.send(op="subscribeParameterUpdates", parameterNames=["run.stop"])
+            viewer.set("run.stop", True)
+            began = time.monotonic()
+            stopped = [{"node": "wheels", "level": "error",
+                        "text": "the robot is stopped: STOP is pressed in the live view"}]
+            viewer.until(lambda: viewer.status()["commands"] == stopped)
+            took = time.monotonic() - began
+            self.assertTrue(viewer.parameters["run.stop"])
+            # A zero is the last command; 16 zeros of linear and angular.
+            viewer.until(lambda: not any(viewer.messages["/cmd_vel"][-1][1][-48:]))
+            viewer.set("run.stop", False)
+            viewer.until(lambda: viewer.status()["commands"] == driven)
+            code, printed = job.interrupt()
+        self.assertEqual(code, 130, printed)
+        self.assertIn("STOP is pressed in the live view", printed)
+        return took
+
+    def test_stop_in_one_process(self):
+        self.assertLess(self.stops("--sync", "realtime", "--duration", "600"), SECONDS)
+        summary = json.loads((self.folder / "run/summary.json").read_text())
+        self.assertEqual(summary["counters"]["wheels.stops_stop_button"], 1)
+
+    def test_stop_over_ros_2(self):
+        self.assertLess(self.stops("--sync", "realtime", "--ros", "2", "--duration", "600"), SECONDS)
+
+    def test_stop_of_a_layout_of_several_processes(self):
+        self.assertLess(self.stops("--sync", "realtime", "--ros", "2", "--layout", "separate",
+                                   "--duration", "600"), SECONDS)
+
+
+if __name__ == "__main__":
+    unittest.main()
