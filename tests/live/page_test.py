@@ -14,7 +14,7 @@ import viewing
 # 20 neurons at 1 Hz: spikes that can be told apart in the raster.
 FEW_SPIKES = """
 experiment: few
-duration: 3 s
+duration: 10 h
 sync: lockstep
 robot: {simulator: mujoco, world: arena.xml}
 nodes:
@@ -56,12 +56,16 @@ class Pages(unittest.TestCase):
         experiment = self.folder / "few.yaml"
         experiment.write_text(FEW_SPIKES)
         with viewing.Run(self.folder / "run", experiment=experiment) as job, browser.page(job.url) as page:
-            hook = page.until(lambda hook: hook.get("ended"))
-            begin, end = (1e9 * time for time in hook["range_s"])
+            first = page.until(lambda hook: hook.get("simulated_s", 0) > 0)["simulated_s"]
+            page.until(lambda hook: hook["simulated_s"] > first + 2.5)  # all of the axis
+            page.click("pause")
+            statuses = page.until(lambda hook: hook["paused"])["messages"]["/spikeloop/status"]
+            paused = page.until(lambda hook: hook["messages"]["/spikeloop/status"] > statuses + 3)  # all is drawn
+            begin, end = (1e9 * time for time in paused["range_s"])
             blobs = page.driver.execute_script(BLOBS, "eye.out")
             self.assertEqual(page.complaints(), [])
-            code, printed = job.end()
-        self.assertEqual(code, 0, printed)
+            code, printed = job.interrupt()
+        self.assertEqual(code, 130, printed)
         with h5py.File(self.folder / "run/eye.h5") as file:
             times = file["spikes/out/timestamps_ns"][()]
         shown = int(((times > begin) & (times <= end)).sum())
