@@ -124,8 +124,10 @@ void reserve(const Handle& file, hsize_t bytes, const std::string& path) {
   }
 }
 
+constexpr unsigned kCompression = 1;
+
 GrowingDataset::GrowingDataset(hid_t group, const char* name, hid_t type, hsize_t width,
-                               std::string path)
+                               bool compressed, std::string path)
     : path_(std::move(path)), width_(width) {
   chunk_rows_ = std::max<hsize_t>(1, kChunkValues / std::max<hsize_t>(1, width));
   const int rank = width == 0 ? 1 : 2;
@@ -135,6 +137,10 @@ GrowingDataset::GrowingDataset(hid_t group, const char* name, hid_t type, hsize_
   const Handle space(H5Screate_simple(rank, size.data(), most.data()));
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE));
   check(H5Pset_chunk(properties.get(), rank, chunk.data()), "write", path_);
+  if (compressed) {  // neighbouring times, channels and values differ in few of their bytes
+    check(H5Pset_shuffle(properties.get()), "write", path_);
+    check(H5Pset_deflate(properties.get(), kCompression), "write", path_);
+  }
   // A row that never reached the disk reads as "no value", not as zero.
   if (H5Tget_class(type) == H5T_FLOAT) {
     const double none = std::numeric_limits<double>::quiet_NaN();

@@ -65,7 +65,8 @@ void reserve(const Handle& file, hsize_t bytes, const std::string& path);
 class GrowingDataset {
  public:
   GrowingDataset() = default;
-  GrowingDataset(hid_t group, const char* name, hid_t type, hsize_t width, std::string path);
+  GrowingDataset(hid_t group, const char* name, hid_t type, hsize_t width, bool compressed,
+                 std::string path);
   void append(const void* rows, hsize_t count, hid_t memory_type);
   /// Bytes by which the file may grow when so many rows are appended, its index included.
   hsize_t growth(hsize_t count) const;

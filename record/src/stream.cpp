@@ -6,6 +6,13 @@
 #include <thread>
 
 namespace spikeloop::record {
+namespace {
+
+/// Channels of a stream. Compression takes a third of a core for a million spikes a second, which
+/// more neurons may well have.
+constexpr std::uint32_t kMostCompressed = 10'000;
+
+}  // namespace
 
 void Stream::make_group(hid_t parent, const std::string& path) {
   path_ = path;
@@ -92,9 +99,11 @@ SpikeStream::SpikeStream(std::string name, std::uint32_t width,
                          const std::string& path, std::size_t capacity)
     : Stream(std::move(name), width), ring_(capacity) {
   make_group(parent, path);
-  timestamps_ = hdf5::GrowingDataset(group(), "timestamps", H5T_IEEE_F64LE, 0, path);
-  node_ids_ = hdf5::GrowingDataset(group(), "node_ids", H5T_STD_U64LE, 0, path);
-  timestamps_ns_ = hdf5::GrowingDataset(group(), "timestamps_ns", H5T_STD_I64LE, 0, path);
+  const bool compressed = width <= kMostCompressed;
+  timestamps_ = hdf5::GrowingDataset(group(), "timestamps", H5T_IEEE_F64LE, 0, compressed, path);
+  node_ids_ = hdf5::GrowingDataset(group(), "node_ids", H5T_STD_U64LE, 0, compressed, path);
+  timestamps_ns_ =
+      hdf5::GrowingDataset(group(), "timestamps_ns", H5T_STD_I64LE, 0, compressed, path);
   hdf5::Attributes(timestamps_.get(), path).write("units", std::string("ms"));
   hdf5::Attributes(timestamps_ns_.get(), path).write("units", std::string("ns"));
   write_populations(populations);
@@ -176,8 +185,9 @@ SignalStream::SignalStream(std::string name, std::uint32_t width, const std::str
   if (!channels.empty()) {
     hdf5::Attributes(group(), path).write("channels", channels);
   }
-  times_ = hdf5::GrowingDataset(group(), "times_ns", H5T_STD_I64LE, 0, path);
-  values_ = hdf5::GrowingDataset(group(), "values", H5T_IEEE_F64LE, width, path);
+  const bool compressed = width <= kMostCompressed;
+  times_ = hdf5::GrowingDataset(group(), "times_ns", H5T_STD_I64LE, 0, compressed, path);
+  values_ = hdf5::GrowingDataset(group(), "values", H5T_IEEE_F64LE, width, compressed, path);
   hdf5::Attributes(values_.get(), path).write("unit", unit);
 }
 

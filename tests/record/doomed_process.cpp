@@ -3,7 +3,7 @@
 //   waits   sends 500 ticks, says "sent", then waits; closes the file on SIGTERM
 //   busy    as steady; closes the file on SIGTERM, wherever the loop is
 //   broken  as full, but the disk goes away: every write fails
-//   full    sends until files may not grow beyond 900 kB, as on a full disk, then reports
+//   full    sends until files may not grow beyond 500 kB, as on a full disk, then reports
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -68,7 +68,7 @@ void break_the_disk(const std::string& path) {
 
 void limit_the_disk() {
   signal(SIGXFSZ, SIG_IGN);
-  const rlimit limit{900'000, 900'000};
+  const rlimit limit{500'000, 500'000};
   setrlimit(RLIMIT_FSIZE, &limit);
 }
 
