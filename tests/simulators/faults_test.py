@@ -37,10 +37,9 @@ def living(folder):
 
 
 class Faults(unittest.TestCase):
-    def check(self, text, *expected, code, tick_s=0.001, duration_s=0.3, keys="", width=4):
+    def check(self, text, *expected, code, keys=""):
         """The job of this script ends with this exit code, and says all of this."""
-        with jobs.Job("brain.py", width, text=text, encoder="rate_encoder", tick_s=tick_s,
-                      duration_s=duration_s, keys=keys) as job:
+        with jobs.Job("brain.py", 4, text=text, duration_s=0.3, keys=keys, short=True) as job:
             said = job.run(code=code, timeout=90)
             for words in expected:
                 self.assertIn(words, said)
@@ -66,12 +65,12 @@ class Faults(unittest.TestCase):
         self.check(text.replace("pass", "raise OSError(\"lost\")", 1), "OSError: lost", code=5)
 
     def test_wrong_widths(self):
-        self.check(script(width="7"), "job.music:24:1: the connection of 'brain.in' has the width 4, "
+        self.check(script(width="7"), "job.music:18:1: the connection of 'brain.in' has the width 4, "
                    "but brain.py asks for 7; write [7], or None in the script", code=2)
 
     def test_a_port_without_width_and_connection(self):
         text = script().replace('{"in": None}', '{"in": None, "more": None}')
-        self.check(text, "job.music:14:1: port 'brain.more' is not connected; write  SENDER.out -> "
+        self.check(text, "job.music:8:1: port 'brain.more' is not connected; write  SENDER.out -> "
                    "brain.more [WIDTH], or a width in the script, with which it stays silent",
                    code=2)
         text = script().replace('{"out": None}', '{"out": None, "more": None}')
@@ -83,15 +82,15 @@ class Faults(unittest.TestCase):
         self.check(text, "'brain' has no input port 'in'", code=2)
 
     def test_a_wrong_value_in_the_section(self):
-        self.check(script(), "job.music:18:3: key 'gain': 'loud'", code=2, keys="gain=loud")
+        self.check(script(), "job.music:12:3: key 'gain': 'loud'", code=2, keys="gain=loud")
 
     def test_several_processes(self):
         self.check(script(), "np=2 asks for 2 processes, but brain.py runs in one; write  np=1",
                    code=2, keys="np=2")
 
     def parallel(self, *expected, code, keys):
-        with jobs.Job("repeat_neuron_parallel.py", 4, encoder="rate_encoder", duration_s=0.3,
-                      keys="np=2\n  " + keys) as job:
+        with jobs.Job("repeat_neuron_parallel.py", 4, duration_s=0.3, keys="np=2\n  " + keys,
+                      short=True) as job:
             said = job.run(code=code, timeout=90)
             for words in expected:
                 self.assertIn(words, said)
@@ -150,14 +149,14 @@ class Faults(unittest.TestCase):
     def test_a_script_that_prepares_itself_for_long_is_waited_for(self):
         text = script(prepare="import time; time.sleep(14)")
         stuck = script("if tick.begin_s > 0.01: import time; time.sleep(50)")
-        with jobs.Job("brain.py", 4, text=text, duration_s=0.1) as job:
+        with jobs.Job("brain.py", 4, text=text, duration_s=0.1, short=True) as job:
             job.run("--start-timeout", "10")
-        with jobs.Job("brain.py", 4, text=stuck) as job:
+        with jobs.Job("brain.py", 4, text=stuck, short=True) as job:
             self.assertIn("'brain' (brain.py) does not come to the end of its step",
                           job.run("--stall-timeout", "3", code=3))
 
     def test_an_interpreter_as_the_program(self):
-        with jobs.Job("brain.py", 4, text=script()) as job:
+        with jobs.Job("brain.py", 4, text=script(), short=True) as job:
             text = job.file.read_text()
             job.file.write_text(text.replace("binary=./brain.py", "binary=python3\n  args=brain.py"))
             self.assertIn("would run the .music file instead of 'brain.py'", job.run(code=2))
@@ -223,7 +222,7 @@ class NestFaults(unittest.TestCase):
         """package: the text of nest/__init__.py; None: there is none."""
         text = "#!/usr/bin/python3\nimport sys\n"
         text += "sys.modules['nest'] = None\n" if package is None else ""
-        with jobs.Job("brain.py", 4, text=text + "import spikeloop.nest\n") as job:
+        with jobs.Job("brain.py", 4, text=text + "import spikeloop.nest\n", short=True) as job:
             if package is not None:
                 (job.folder / "nest").mkdir()
                 (job.folder / "nest/__init__.py").write_text(package)
@@ -268,24 +267,25 @@ class SimulatorFaults(unittest.TestCase):
 
     def test_brian2(self):
         """Statements that share a job, for it takes seconds to import Brian2: each is refused."""
-        def check(*statements):
-            text = BRIAN.format(statements=[statement for statement, _ in statements])
-            self.check(text, *(f"REFUSED {message}" for _, message in statements),
-                       "the script has left `with spikeloop.music(...)` without its loop", code=5)
-
         group = "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1'); "
-        check(("host.input('inn')", "host.input('inn'): spikes_in has no 'inn'; known: in"),
-              (group + "host.output('out', g[:3])", "host.output('out', ...) got a group of 3 neurons, "
-               "but the port has 4 channels; write as many, as in group[:4]"),
-              (group + "host.output('out', g); host.output('out', g)",
-               "host.output('out', ...) has been called before"),
-              ("b.defaultclock.dt = 0.3 * b.ms; host.run()", "the tick of 1 ms is not a multiple of "
-               "Brian2's step of 0.3 ms; choose another defaultclock.dt"))
-        check(("g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
-               "host.output('out', g); host.run()", "'slow' has steps of 0.2 ms, but defaultclock.dt "
-               "is 0.1 ms; use one"))
-        check((group + "n = b.Network(g); n.run(1 * b.ms); host.run(n)", "the network's time is 0.001 s "
-               "before the run; let host.run() be its first"))
+        statements = {
+            "host.input('inn')": "host.input('inn'): spikes_in has no 'inn'; known: in",
+            group + "host.output('out', g[:3])": "host.output('out', ...) got a group of 3 neurons, "
+            "but the port has 4 channels; write as many, as in group[:4]",
+            "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
+            "host.output('out', g); host.run()": "'slow' has steps of 0.2 ms, but defaultclock.dt is "
+            "0.1 ms; use one",
+            group + "host.output('out', g)": "host.output('out', ...) has been called before",
+            "b.defaultclock.dt = 0.3 * b.ms; host.run()": "the tick of 1 ms is not a multiple of "
+            "Brian2's step of 0.3 ms; choose another defaultclock.dt",
+            "b.defaultclock.dt = 0.1 * b.ms; " + group + "n = b.Network(g); n.run(1 * b.ms); "
+            "host.run(n)": "the network's time is 0.001 s before the run; let host.run() be its first"}
+        said = self.check(BRIAN.format(statements=list(statements)), "the script has left `with "
+                          "spikeloop.music(...)` without its loop", code=5)
+        refused = [line.split("REFUSED ")[1] for line in said.splitlines() if "REFUSED" in line]
+        self.assertEqual(len(refused), len(statements), refused)
+        for message, line in zip(statements.values(), refused):
+            self.assertIn(message, line)
         # One that the script does not catch.
         text = script(prepare="import brian2 as b; b.set_device('cpp_standalone'); host.run()", module=".brian")
         self.check(text, "this Brian2 device runs a program of its own; leave set_device() out", code=5)

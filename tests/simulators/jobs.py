@@ -1,8 +1,13 @@
 """Jobs with a script in the middle, as a user runs them; for the tests beside this file.
 
     sine -> encoder -> brain (the script) -> sink (a script that keeps what it gets)
+
+or, where nobody looks at what is sent, and half of the processor time is enough:
+
+    encoder (that plays back what it has sent) -> brain (the script) -> sink (a readout)
 """
 
+import functools
 import os
 import pathlib
 import re
@@ -47,13 +52,35 @@ sine.out -> encoder.in [{width}]
 encoder.out -> brain.in [{width}]
 brain.out -> sink.in [{width_out}]
 """
+# The ends are programs that take no time to start, unlike Python's.
+SHORT_JOB = """\
+stoptime={duration_s}
+music_timestep={tick_s}
+[encoder]
+  np=1
+  binary=spike_playback
+  file=played.h5
+  sync=unpaced
+[brain]
+  np=1
+  binary=./{script}
+  record=true
+  {keys}
+[sink]
+  np=1
+  binary=linear_readout_decoder
+  weights=uniform
+  record=false
+encoder.out -> brain.in [{width}]
+brain.out -> sink.in [{width_out}]
+"""
 
 
 class Job:
     """A folder with a .music file and its scripts; `with Job(...) as job`."""
 
     def __init__(self, script, width, *, text=None, encoder="poisson_encoder", rate_max=40,
-                 tick_s=0.001, duration_s=1, width_out=None, keys=""):
+                 tick_s=0.001, duration_s=1, width_out=None, keys="", short=False):
         self._temporary = tempfile.TemporaryDirectory()
         self.folder = pathlib.Path(self._temporary.name)
         for name in (script, "sink.py"):
@@ -62,8 +89,10 @@ class Job:
         if text is not None:
             (self.folder / script).write_text(text)
             (self.folder / script).chmod(0o755)
+        if short:
+            (self.folder / "played.h5").write_bytes(sent_by_encoder(width))
         self.file = self.folder / "job.music"
-        self.file.write_text(JOB.format(
+        self.file.write_text((SHORT_JOB if short else JOB).format(
             script=script, width=width, width_out=width_out or width, encoder=encoder,
             rate_max=rate_max, tick_s=tick_s, duration_s=duration_s, keys=keys, sine=SINE))
         self.out = self.folder / "out"
@@ -117,6 +146,14 @@ class Job:
         times, channels, begins = np.load(self.folder / "got.npy")
         return (np.rint(times * 1e9).astype(np.int64), channels.astype(int),
                 np.rint(begins * 1e9).astype(np.int64))
+
+
+@functools.cache
+def sent_by_encoder(width):
+    """The recording of an encoder in a job whose script is all right."""
+    with Job("repeat_python.py", width, encoder="rate_encoder") as job:
+        job.run("--quiet")
+        return (job.out / "encoder.h5").read_bytes()
 
 
 def recorded(path):
