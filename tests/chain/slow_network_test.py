@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
-JOB = """stoptime=2
+JOB = """stoptime=1
 music_timestep=0.001
 [sensor]
   np=1
@@ -49,7 +49,7 @@ decoder.out -> command.in [1]
 """
 # A scan is up to 50 ms old when it is used; beside that, a few ticks of 5 ms each.
 LATENCY_BOUND_MS = 200
-# A busy machine may stand still in between. Without `pace`, the sensor would be up to 8 s ahead.
+# A busy machine may stand still in between. Without `pace`, the sensor would be up to 4 s ahead.
 AGE_BOUND_MS = 1500
 
 
