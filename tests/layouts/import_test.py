@@ -15,7 +15,7 @@ import tempfile
 import random_graphs
 
 # Older names, defaults of both dialects, files that are missing or do not fit, delays.
-OLDER = """stoptime=1
+OLDER = """stoptime=0.5
 music_timestep=0.001
 seed=7
 sync=unpaced

@@ -19,7 +19,7 @@ import tempfile
 import h5py
 import numpy as np
 
-DURATION_S = 1.0
+DURATION_S = 0.5
 TICKS = ("0.5 ms", "1 ms", "2 ms", "5 ms")
 # One more may be added at the end. With five receivers of spikes MUSIC's interval tree has a node without values,
 # and crashes now and then.
