@@ -35,13 +35,13 @@ def real_time(scratch, version):
 
 def inside(scratch):
     """The same as lockstep, without ROS. @return the run's folder"""
-    file = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="5 s")
+    file = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="2 s")
     experiments.run(file, scratch / "inside")
     return scratch / "inside"
 
 
 def lockstep(scratch, version, expected):
-    over_ros(scratch, "stepped", version, sync="lockstep", duration="5 s")
+    over_ros(scratch, "stepped", version, sync="lockstep", duration="2 s")
     for node in ("encoder", "brain"):
         experiments.assert_same(experiments.spikes(expected, node), experiments.spikes(scratch / "stepped", node), node)
     paths = [(folder / "trajectory.csv").read_bytes() for folder in (expected, scratch / "stepped")]
