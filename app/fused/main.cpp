@@ -35,7 +35,8 @@ std::vector<ParameterDescription> own_parameters() {
            .text = "Longest wall time until a stepped robot answers; 0: no limit"},
           text("about", "", "Additional content of resolved.json, JSON"),
           text("origin", "", "File whose directory relative paths start in"),
-          text("replay_bag", "", "Replay: bag that replaces the robot")};
+          text("replay_bag", "", "Replay: bag that replaces the robot"),
+          text("changes", "", "Changes of parameters in the run that is repeated")};
 }
 
 music::ProgramText program_text() {
@@ -54,6 +55,7 @@ experiment::Overrides overrides_of(const Parameters& keys) {
   overrides.settings = settings_from_text(keys.text("settings"));
   overrides.try_nodes = false;  // the launcher has, and the graph makes them at once
   overrides.origin = keys.text("origin");
+  overrides.changes = keys.text("changes");
   if (keys.given("replay_bag")) {
     overrides.replay = {keys.text("replay_bag")};
   }

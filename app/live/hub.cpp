@@ -90,7 +90,28 @@ json Hub::parameters() const {
     add(kStep, feed.steps());
     add(kSpeed, feed.speed());
   }
+  for (const Process& process : processes_) {
+    for (std::size_t i = 0; i < process.feed.parameters().size(); ++i) {
+      add(process.feed.parameters()[i].name.c_str(), process.feed.value(i));
+    }
+  }
   return result;
+}
+
+std::string Hub::change(const std::string& name, double value) {
+  for (Process& process : processes_) {
+    const auto& parameters = process.feed.parameters();
+    const auto found = std::ranges::find(parameters, name, &live::Parameter::name);
+    if (found == parameters.end()) {
+      continue;
+    }
+    if (!(value >= found->minimum && value <= found->maximum)) {
+      return fmt::format("parameter '{}' is from {} to {} {}, not {}", name, found->minimum,
+                         found->maximum, found->unit, value);
+    }
+    process.feed.change(static_cast<std::size_t>(found - parameters.begin()), value);
+  }
+  return {};
 }
 
 std::string Hub::set(const std::string& name, const json& value) {
@@ -107,6 +128,9 @@ std::string Hub::set(const std::string& name, const json& value) {
   }
   if (name == kSpeed && !(value.get<double>() >= 0 && std::isfinite(value.get<double>()))) {
     return fmt::format("parameter '{}' is 0 or more, not {}", name, value.dump());
+  }
+  if (name != kStop && name != kPause && name != kStep && name != kSpeed) {
+    return change(name, value.get<double>());
   }
   for (Process& process : processes_) {
     if (name == kStop) {

@@ -49,6 +49,7 @@ class Hub {
     std::vector<std::uint32_t> numbers;  ///< of its channels among all
   };
 
+  std::string change(const std::string& name, double value);
   bool has(bool live::About::*property) const;
 
   std::string folder_;

@@ -358,6 +358,9 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
   if (!arguments.overrides.origin.empty()) {
     keys["origin"] = std::filesystem::absolute(arguments.overrides.origin).string();
   }
+  if (!arguments.overrides.changes.empty()) {
+    keys["changes"] = std::filesystem::absolute(arguments.overrides.changes).string();
+  }
   if (const auto& replay = arguments.overrides.replay) {
     keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
   }

@@ -146,6 +146,9 @@ RecordedRun read_experiment(const std::string& folder) {
   run.experiment_file = (fs::path(folder) / fused::kExperimentFile).string();
   run.origin = origin_of(folder, run.resolved);
   run.settings = settings_from_text(run.resolved.value("settings", json::array()).dump());
+  if (const fs::path changes = fs::path(folder) / experiment::kChangesFile; fs::exists(changes)) {
+    run.changes = changes.string();
+  }
   return run;
 }
 

@@ -18,6 +18,7 @@ struct RecordedRun {
   std::string experiment_file;  ///< the copy
   std::string origin;           ///< where its relative paths start
   experiment::Replay replay;
+  std::string changes;  ///< its changes.csv; empty: there is none
   double simulated_s = 0;
   Settings settings;  ///< that the run had, and those of a replay
 };

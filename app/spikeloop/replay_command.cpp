@@ -97,6 +97,7 @@ int replay(const Arguments& arguments) {
   once_more.overrides.settings = run.settings;
   once_more.overrides.origin = run.origin;
   once_more.overrides.replay = run.replay;
+  once_more.overrides.changes = run.changes;
   once_more.volume = arguments.quiet ? Console::Volume::quiet : Console::Volume::normal;
   const auto loaded = load_experiment(run.experiment_file, once_more.overrides);
   if (!loaded->diagnostics.empty()) {

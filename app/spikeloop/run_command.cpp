@@ -261,6 +261,7 @@ int run_file(const RunArguments& arguments) {
     experiment.file = run.experiment_file;
     experiment.overrides.origin = run.origin;
     experiment.overrides.settings = run.settings;
+    experiment.overrides.changes = run.changes;
   }
   const Settings settings = settings_of(arguments);
   experiment.overrides.settings.insert(experiment.overrides.settings.end(), settings.begin(),

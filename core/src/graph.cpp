@@ -442,6 +442,20 @@ std::vector<ConnectionReport> Graph::connections() const {
   return reports;
 }
 
+bool Graph::change(std::string_view node, std::string_view parameter, double value) {
+  for (Element& element : impl_->elements) {
+    if (element.node && element.name == node) {
+      try {
+        element.node->change(parameter, value);
+      } catch (const std::exception& error) {
+        throw NodeError(element.name, error.what());
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
 std::vector<Counter> Graph::counters() const {
   std::vector<Counter> all;
   for (const Element& element : impl_->elements) {

@@ -88,6 +88,13 @@ class ThreadTeam final : public Node {
     put_together(step.plain());
   }
 
+  /// The threads wait meanwhile.
+  void change(std::string_view parameter, double value) override {
+    for (Member& member : members_) {
+      member.node->change(parameter, value);
+    }
+  }
+
   std::vector<Counter> counters() const override {
     std::vector<Counter> sums = members_.front().node->counters();
     for (std::size_t i = 1; i < members_.size(); ++i) {

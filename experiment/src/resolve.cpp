@@ -175,6 +175,27 @@ std::uint32_t Experiment::width(std::string_view node, std::string_view port) co
   return of_senders;
 }
 
+/// Of the run that is repeated: they may have been written by hand.
+void check_changes(const Experiment& experiment, const std::string& path) {
+  for (const Change& change : experiment.changes) {
+    const auto node = std::ranges::find(experiment.nodes, change.node, &Node::name);
+    const bool known = node != experiment.nodes.end() && node->role == Role::node;
+    const auto* parameters = known ? &node->node_class->description.parameters : nullptr;
+    const auto fits = [&](const ParameterDescription& parameter) {
+      return parameter.name == change.parameter && parameter.changeable &&
+             change.value >= parameter.minimum && change.value <= parameter.maximum;
+    };
+    if (!known || std::ranges::none_of(*parameters, fits)) {
+      throw ConfigurationError(
+          {path, 0, 0},
+          with_code(Code::out_of_bounds,
+                    "'{}' is no change that this experiment can make: the node, a parameter that "
+                    "may change, or the bounds of its value are others now",
+                    to_text(change)));
+    }
+  }
+}
+
 Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Overrides& overrides,
                    Diagnostics& faults, const LookAtRobot& look_at_robot) {
   Faults all(faults);
@@ -217,6 +238,10 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   resolve_layout(keys, file.joined, experiment, all);
+  if (!overrides.changes.empty() && faults.empty()) {
+    experiment.changes = read_changes(overrides.changes);
+    check_changes(experiment, overrides.changes);
+  }
   std::ranges::stable_sort(faults, {}, [](const Diagnostic& fault) {
     return std::pair(fault.where.line, fault.where.column);
   });

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "changes.hpp"
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -34,7 +36,7 @@ constexpr const char* kStatusTopic = "/spikeloop/status";
 constexpr const char* kStatusSchema = R"({"type": "object", "properties": {
   "process": {"type": "string"}, "simulated_s": {"type": "number"}, "wall_s": {"type": "number"},
   "overruns": {"type": "integer"}, "paused": {"type": "boolean"}, "ended": {"type": "boolean"},
-  "commands": {"type": "array"}, "spikes": {"type": "object"}}})";
+  "changeable": {"type": "array"}, "commands": {"type": "array"}, "spikes": {"type": "object"}}})";
 
 std::string topic_of(const std::string& end) {
   return fmt::format("/{}/{}", experiment::node_of(end), experiment::port_of(end));
@@ -174,7 +176,9 @@ LiveView::LiveView(const std::string& folder, const Experiment& experiment,
       process_(process),
       experiment_(experiment),
       pausable_(can_pause(experiment)),
-      status_(feed_.add({kStatusTopic, "json", "spikeloop.Status", "jsonschema", kStatusSchema})) {}
+      status_(feed_.add({kStatusTopic, "json", "spikeloop.Status", "jsonschema", kStatusSchema})) {
+  add_parameters(process);
+}
 
 LiveView::~LiveView() = default;
 
@@ -203,10 +207,44 @@ std::function<void(TimeNs, double)> LiveView::value(const std::string& topic) {
   };
 }
 
-void LiveView::before_tick(TimeNs time, const std::function<bool()>& stop) {
-  if (!pausable_) {
-    return;
+/// Sliders reach to four times the value at the begin, where the bounds allow it.
+void LiveView::add_parameters(const std::string& process) {
+  constexpr double kReach = 4;
+  for (const experiment::Node& node : experiment_.nodes) {
+    if (node.role != experiment::Role::node || process_of(experiment_, node.name) != process) {
+      continue;
+    }
+    for (const ParameterDescription& parameter : node.node_class->description.parameters) {
+      const std::string name = fmt::format("{}.{}", node.name, parameter.name);
+      if (!parameter.changeable) {
+        continue;
+      }
+      const double value = node.parameters.number(parameter.name);
+      if (!feed_.add({name, value, parameter.minimum, parameter.maximum, parameter.unit})) {
+        return;
+      }
+      parameters_.push_back({0, node.name, parameter.name, value});
+      const double reach = std::max(1.0, kReach * std::abs(value));
+      changeable_.push_back({{"name", name},
+                             {"minimum", std::max(parameter.minimum, -reach)},
+                             {"maximum", std::min(parameter.maximum, reach)},
+                             {"unit", parameter.unit}});
+    }
   }
+}
+
+void LiveView::before_tick(TimeNs time, Changes& changes, const std::function<bool()>& stop) {
+  if (pausable_) {
+    wait(time, stop);
+  }
+  for (const auto& [number, value] : feed_.changes()) {
+    experiment::Change change = parameters_[number];
+    change.value = value;
+    changes.make(change);
+  }
+}
+
+void LiveView::wait(TimeNs time, const std::function<bool()>& stop) {
   const auto ends = [&] { return stop && stop(); };
   if (feed_.paused() && feed_.steps() == steps_) {
     flush();
@@ -274,6 +312,7 @@ void LiveView::tell(const Progress& progress, bool ended) {
               {"overruns", progress.overruns},
               {"paused", pausable_ && feed_.paused()},
               {"ended", ended},
+              {"changeable", changeable_},
               {"commands", json::array()},
               {"spikes", json::object()}};
   for (const ros_command::CommandEndpoint* command : commands_) {

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +18,7 @@
 
 namespace spikeloop::fused {
 
+class Changes;
 class ShownOutput;
 class ShownTopic;
 
@@ -46,8 +47,9 @@ class LiveView {
 
   // By the loop.
 
-  /// Waits while the run is paused, or is faster than asked for, unless `stop`.
-  void before_tick(TimeNs time, const std::function<bool()>& stop);
+  /// Waits while the run is paused, or is faster than asked for, unless `stop`. Then parameters
+  /// have the values that the view asks for.
+  void before_tick(TimeNs time, Changes& changes, const std::function<bool()>& stop);
   /// Every tick. @param now wall time
   void after_tick(const Progress& progress, TimeNs now);
   /// The run is over; its commands end.
@@ -56,6 +58,8 @@ class LiveView {
  private:
   void flush();
   void tell(const Progress& progress, bool ended);
+  void wait(TimeNs time, const std::function<bool()>& stop);
+  void add_parameters(const std::string& process);
   void keep_to_speed(TimeNs time, const std::function<bool()>& stop);
 
   live::Feed feed_;
@@ -65,7 +69,9 @@ class LiveView {
   std::vector<std::shared_ptr<ShownOutput>> outputs_;
   std::vector<std::shared_ptr<ShownTopic>> topics_;
   std::vector<ros_command::CommandEndpoint*> commands_;
-  std::uint32_t status_ = 0;  // its channel
+  std::uint32_t status_ = 0;                    // its channel
+  std::vector<experiment::Change> parameters_;  // by their numbers, at the begin
+  nlohmann::json changeable_ = nlohmann::json::array();
   TimeNs next_flush_ = 0;
   TimeNs next_status_ = 0;
   Progress progress_{};

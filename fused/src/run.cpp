@@ -10,6 +10,7 @@
 
 #include "assembly.hpp"
 #include "bag_transport.hpp"
+#include "changes.hpp"
 #include "live_view.hpp"
 #include "memory_transport.hpp"
 #include "spikeloop/config/weight_file.hpp"
@@ -85,13 +86,14 @@ std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, const std::strin
 class Loop {
  public:
   Loop(const Experiment& experiment, const Surroundings& surroundings, Assembly& assembly,
-       const RunEvents& events)
+       const std::string& folder, const RunEvents& events)
       : experiment_(experiment),
         transport_(surroundings.transport),
         assembly_(assembly),
         others_(surroundings.others),
         view_(surroundings.view),
         events_(events),
+        changes_(experiment, assembly.graph(), folder),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
   /// Whether there was a tick.
@@ -104,8 +106,9 @@ class Loop {
       return false;
     }
     if (view_ != nullptr) {
-      view_->before_tick(graph.time(), events_.stop);
+      view_->before_tick(graph.time(), changes_, events_.stop);
     }
+    changes_.repeat();
     pacer_->wait_until(graph.time());
     const TimeNs began = wall_now();
     transport_.begin(graph.time());
@@ -159,6 +162,7 @@ class Loop {
   OtherProcesses* others_;
   LiveView* view_;
   const RunEvents& events_;
+  Changes changes_;
   std::unique_ptr<Pacer> pacer_;
   bool begun_ = false;
   TimeNs next_ = 0;
@@ -348,7 +352,7 @@ struct Run::Impl {
       view->take_commands(assembly->commands());
       stop_button.emplace(view->feed(), assembly->commands());
     }
-    loop.emplace(experiment, surroundings, *assembly, events);
+    loop.emplace(experiment, surroundings, *assembly, options.folder, events);
   }
 
   void write_begin() const {

@@ -56,6 +56,39 @@ std::uint32_t Feed::add(const Channel& channel) {
   return channels_++;
 }
 
+bool Feed::add(const Parameter& parameter) {
+  if (seen_.size() == kMostParameters) {
+    return false;
+  }
+  file_->header().parameters[seen_.size()].value = parameter.value;
+  seen_.push_back(0);
+  file_->add_text(json{{"parameter", parameter.name},
+                       {"value", parameter.value},
+                       {"minimum", parameter.minimum},
+                       {"maximum", parameter.maximum},
+                       {"unit", parameter.unit}}
+                      .dump() +
+                  "\n");
+  return true;
+}
+
+std::vector<std::pair<std::size_t, double>> Feed::changes() {
+  std::vector<std::pair<std::size_t, double>> result;
+  Header& header = file_->header();
+  const std::uint32_t all = header.all_changes.load(std::memory_order_acquire);
+  if (all == all_seen_) {
+    return result;
+  }
+  all_seen_ = all;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    if (const std::uint32_t changes = header.parameters[i].changes.load(); changes != seen_[i]) {
+      seen_[i] = changes;
+      result.emplace_back(i, header.parameters[i].value.load());
+    }
+  }
+  return result;
+}
+
 void Feed::publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message) {
   const std::uint64_t size = kRecordWords + words_of(message.size());
   if (size > file_->ring_words() / 2) {
@@ -105,8 +138,13 @@ std::vector<Channel> FeedReader::new_channels() {
   while (lines_read_ < text.size()) {
     const std::size_t end = text.find('\n', lines_read_);
     const auto line = json::parse(text.substr(lines_read_, end - lines_read_));
-    channels.push_back({line.at("topic"), line.at("encoding"), line.at("schemaName"),
-                        line.at("schemaEncoding"), line.at("schema")});
+    if (line.contains("parameter")) {
+      parameters_.push_back({line.at("parameter"), line.at("value"), line.at("minimum"),
+                             line.at("maximum"), line.at("unit")});
+    } else {
+      channels.push_back({line.at("topic"), line.at("encoding"), line.at("schemaName"),
+                          line.at("schemaEncoding"), line.at("schema")});
+    }
     lines_read_ = end + 1;
   }
   return channels;
@@ -136,6 +174,17 @@ std::optional<FeedReader::Record> FeedReader::next() {
   position_ += size;
   return Record{static_cast<std::uint32_t>(head[0]), static_cast<TimeNs>(head[1]),
                 std::as_bytes(std::span(copy_)).first(bytes)};
+}
+
+void FeedReader::change(std::size_t parameter, double value) {
+  Header& header = file_->header();
+  header.parameters[parameter].value = value;
+  ++header.parameters[parameter].changes;
+  header.all_changes.fetch_add(1, std::memory_order_release);
+}
+
+double FeedReader::value(std::size_t parameter) const {
+  return file_->header().parameters[parameter].value.load();
 }
 
 void FeedReader::press_stop(bool pressed) {

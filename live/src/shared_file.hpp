@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/descriptor.hpp"
 
 namespace spikeloop::live {
@@ -27,6 +28,11 @@ struct Header {
   std::atomic<std::uint32_t> paused;
   std::atomic<std::uint64_t> steps;
   std::atomic<double> speed;
+  std::atomic<std::uint32_t> all_changes;
+  struct {
+    std::atomic<std::uint32_t> changes;
+    std::atomic<double> value;
+  } parameters[kMostParameters];
 };
 
 class SharedFile {

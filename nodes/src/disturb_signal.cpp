@@ -27,10 +27,11 @@ class DisturbSignal final : public Node {
   void step(const Step& step) override {
     const SignalInput input = step.signal_input();
     const bool active = period_.contains(step.interval().end);
-    const bool changed = input.revision != seen_ || active != was_active_;
+    const bool changed = input.revision != seen_ || active != was_active_ || (altered_ && active);
     if (!changed || (active && freeze_)) {
       return;
     }
+    altered_ = false;
     was_active_ = active;
     seen_ = input.revision;
     const SignalOutput output = step.signal_output();
@@ -43,6 +44,11 @@ class DisturbSignal final : public Node {
     }
     output.commit();
     ++updates_;
+  }
+
+  void change(std::string_view parameter, double value) override {
+    (parameter == "noise" ? noise_ : parameter == "bias" ? bias_ : drop_) = value;
+    altered_ = true;
   }
 
   std::vector<Counter> counters() const override {
@@ -72,6 +78,7 @@ class DisturbSignal final : public Node {
   double drop_;
   bool freeze_;
   bool was_active_ = false;
+  bool altered_ = false;
   std::uint64_t seen_ = 0;
   std::uint64_t updates_ = 0;
   std::uint64_t dropped_ = 0;
@@ -92,10 +99,12 @@ NodeClass disturb_signal_class() {
       {"in", PortKind::signal, Direction::input, {}, "The values to disturb"},
       {"out", PortKind::signal, Direction::output, WidthRule::same_as(0), "The disturbed values"}};
   description.parameters = {
-      number_parameter("noise", "1", "0", 0, 1e6, "Standard deviation of the noise of each value"),
-      number_parameter("bias", "1", "0", -1e6, 1e6, "What is added to each value"),
-      number_parameter("drop", "1", "0", 0, 1,
-                       "Probability that a channel keeps its old value when a new one comes"),
+      changeable(number_parameter("noise", "1", "0", 0, 1e6,
+                                  "Standard deviation of the noise of each value")),
+      changeable(number_parameter("bias", "1", "0", -1e6, 1e6, "What is added to each value")),
+      changeable(
+          number_parameter("drop", "1", "0", 0, 1,
+                           "Probability that a channel keeps its old value when a new one comes")),
       {.name = "freeze",
        .type = ParameterType::boolean,
        .default_value = "false",

@@ -38,6 +38,14 @@ class DisturbSpikes final : public Node {
     }
   }
 
+  void change(std::string_view parameter, double value) override {
+    if (parameter == "drop") {
+      drop_ = value;
+    } else {
+      jitter_ = value * 1e9;
+    }
+  }
+
   std::vector<Counter> counters() const override {
     return {{"spikes", spikes_}, {"dropped", dropped_}};
   }
@@ -109,8 +117,8 @@ NodeClass disturb_spikes_class() {
       {"in", PortKind::spikes, Direction::input, {}, "The spikes to disturb"},
       {"out", PortKind::spikes, Direction::output, WidthRule::same_as(0), "Those that are left"}};
   description.parameters = {
-      number_parameter("drop", "1", "0", 0, 1, "Probability that a spike is lost"),
-      number_parameter("jitter", "s", "0", 0, 10, "Largest random delay of a spike"),
+      changeable(number_parameter("drop", "1", "0", 0, 1, "Probability that a spike is lost")),
+      changeable(number_parameter("jitter", "s", "0", 0, 10, "Largest random delay of a spike")),
       number_parameter("lesion", "1", "0", 0, 1,
                        "Fraction of the channels that are silent, rounded to whole ones")};
   append_disturbance_period(description.parameters);

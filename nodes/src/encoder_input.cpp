@@ -50,13 +50,15 @@ std::vector<ParameterDescription> encoder_parameters() {
                         .default_value = "0",
                         .minimum = 0.0,
                         .maximum = SpikeSchedule::kFastest,
-                        .text = "Firing rate at the input value -1"});
+                        .text = "Firing rate at the input value -1",
+                        .changeable = true});
   parameters.push_back({.name = "rate_max",
                         .unit = "Hz",
                         .default_value = "100",
                         .minimum = 0.0,
                         .maximum = SpikeSchedule::kFastest,
-                        .text = "Firing rate at the input value 1"});
+                        .text = "Firing rate at the input value 1",
+                        .changeable = true});
   parameters.push_back(initial_of_encoder_parameter());
   append_encoder_input_policy(parameters);
   return parameters;
@@ -64,27 +66,28 @@ std::vector<ParameterDescription> encoder_parameters() {
 
 EncoderInput::EncoderInput(const NodeSetup& setup)
     : policy_(setup),
-      middle_((setup.parameters.number("rate_max") + setup.parameters.number("rate_min")) / 2),
-      half_range_((setup.parameters.number("rate_max") - setup.parameters.number("rate_min")) / 2),
+      rate_min_(setup.parameters.number("rate_min")),
+      rate_max_(setup.parameters.number("rate_max")),
       initial_(initial_of_encoder(setup.parameters, policy_.passes())) {}
 
 void EncoderInput::update(const Step& step, SpikeSchedule& schedule) {
   const SignalInput input = step.signal_input();
   const TimeNs now = step.interval().begin;
   if (input.valid()) {
-    if (input.revision != revision_) {
+    if (input.revision != revision_ || changed_) {
       const auto own = input.values.subspan(schedule.first(), schedule.channels());
-      schedule.set_rates(now, own, middle_, half_range_, kUsual,
+      schedule.set_rates(now, own, middle(), half_range(), kUsual,
                          [&](std::span<const double> part, std::size_t first) {
                            return treated(part, schedule.first() + first);
                          });
     }
-  } else if (!begun_ && initial_) {
-    schedule.set_rates(now, [&](std::size_t) { return middle_ + half_range_ * *initial_; });
+  } else if (initial_ && revision_ == 0 && (!begun_ || changed_)) {
+    schedule.set_rates(now, [&](std::size_t) { return middle() + half_range() * *initial_; });
   } else if (revision_ != 0) {
     schedule.set_rates(now, [](std::size_t) { return 0.0; });
   }
   begun_ = true;
+  changed_ = false;
   revision_ = input.revision;
 }
 
@@ -95,13 +98,18 @@ std::span<const double> EncoderInput::treated(std::span<const double> values, st
   treated_.resize(values.size());
   for (std::size_t c = 0; c < values.size(); ++c) {
     const double x = policy_.treat(values[c], first + c);
-    const double rate = middle_ + half_range_ * x;
+    const double rate = middle() + half_range() * x;
     if (std::fabs(x) > 1.0 && (rate < 0.0 || rate > SpikeSchedule::kFastest)) {
       ++rates_limited_;
     }
     treated_[c] = x;
   }
   return treated_;
+}
+
+void EncoderInput::change(std::string_view parameter, double value) {
+  (parameter == "rate_min" ? rate_min_ : rate_max_) = value;
+  changed_ = true;
 }
 
 void EncoderInput::append_counters(std::vector<Counter>& counters) const {

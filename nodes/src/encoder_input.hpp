@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "input_policy.hpp"
@@ -34,17 +35,24 @@ class EncoderInput {
   /// without a value means silence, or `initial` while no value has come yet.
   void update(const Step& step, SpikeSchedule& schedule);
 
+  /// As Node::change(): rate_min, rate_max.
+  void change(std::string_view parameter, double value);
+
   void append_counters(std::vector<Counter>& counters) const;
 
  private:
   /// The values after the policy; the first is channel `first`'s.
   std::span<const double> treated(std::span<const double> values, std::size_t first);
 
+  double middle() const { return (rate_max_ + rate_min_) / 2; }      // Hz, the rate at 0
+  double half_range() const { return (rate_max_ - rate_min_) / 2; }  // Hz, what 1 adds to it
+
   InputPolicy policy_;
-  double middle_;      // Hz, the rate at 0
-  double half_range_;  // Hz, what 1 adds to it
+  double rate_min_;
+  double rate_max_;
   std::optional<double> initial_;
   bool begun_ = false;
+  bool changed_ = false;  // since the last update
   std::uint64_t revision_ = 0;
   std::uint64_t rates_limited_ = 0;
   std::vector<double> treated_;

@@ -26,6 +26,11 @@ ParameterDescription number_parameter(std::string name, std::string unit, std::s
           .text = std::move(text)};
 }
 
+ParameterDescription changeable(ParameterDescription parameter) {
+  parameter.changeable = true;
+  return parameter;
+}
+
 void require_below(const Parameters& given, const char* low, const char* high) {
   if (given.number(low) >= given.number(high)) {
     throw ConfigurationError(

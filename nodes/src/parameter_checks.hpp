@@ -12,6 +12,9 @@ namespace spikeloop {
 ParameterDescription number_parameter(std::string name, std::string unit, std::string default_value,
                                       double minimum, double maximum, std::string text);
 
+/// The same, but it may change during a run.
+ParameterDescription changeable(ParameterDescription parameter);
+
 /// @throws ConfigurationError with both keys and values unless `low` < `high`.
 void require_below(const Parameters& given, const char* low, const char* high);
 /// @throws ConfigurationError with both keys and values unless `low` <= `high`.

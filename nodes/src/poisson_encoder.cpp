@@ -19,6 +19,10 @@ class PoissonEncoder final : public Node {
     spikes_ += schedule_.advance(step.interval(), thresholds_, step.spike_output());
   }
 
+  void change(std::string_view parameter, double value) override {
+    input_.change(parameter, value);
+  }
+
   std::vector<Counter> counters() const override {
     std::vector<Counter> counters = {{"spikes", spikes_}};
     input_.append_counters(counters);

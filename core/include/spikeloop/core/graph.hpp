@@ -106,6 +106,9 @@ class Graph {
   /// or names a channel its port does not have.
   void step();
 
+  /// As Node::change(). False: it has no such node. @throws NodeError with the node's name.
+  bool change(std::string_view node, std::string_view parameter, double value);
+
   /// The begin of the next interval.
   TimeNs time() const;
   TimeNs tick() const;

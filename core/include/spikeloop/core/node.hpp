@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "spikeloop/core/parameters.hpp"
@@ -111,6 +112,10 @@ class Node {
 
   /// Totals since the beginning of the run.
   virtual std::vector<Counter> counters() const { return {}; }
+
+  /// A parameter that its description calls changeable has another value from the begin of the next
+  /// step on; the value is within the parameter's bounds.
+  virtual void change(std::string_view /*parameter*/, double /*value*/) {}
 
   /// Called once, when the run is over.
   virtual std::vector<Result> results() { return {}; }

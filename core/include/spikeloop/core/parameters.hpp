@@ -36,6 +36,7 @@ struct ParameterDescription {
   std::size_t count = 0;    ///< list: its entries; 0: any number
   std::string plain_key{};  ///< map: the key that is meant by a plain value in its place
   std::string example{};    ///< list, map: as one would write it
+  bool changeable = false;  ///< number: may change during a run (Node::change)
 };
 
 /// The name of a map's only key when users choose its keys.

@@ -16,6 +16,7 @@
 #include "spikeloop/core/diagnostic.hpp"
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/changes.hpp"
 #include "spikeloop/experiment/node_types.hpp"
 #include "spikeloop/messages/dialect.hpp"
 
@@ -139,6 +140,7 @@ struct Experiment {
   std::vector<std::shared_ptr<const NodeClass>> own_classes;  ///< networks: a class each
   std::set<std::string> files;  ///< absolute paths of what it was made of, beside its own
   Settings settings;            ///< that it was read with
+  std::vector<Change> changes;  ///< of a run that is repeated, by time
 
   const Node& node(std::string_view name) const;
   /// Of an output, or of an input that a connection reaches; 0: nothing says it.
@@ -155,6 +157,8 @@ struct Overrides {
   Settings settings{};
   std::string origin{};  ///< relative paths start where this file lies; empty: where the file does
   std::optional<Replay> replay{};
+  std::string
+      changes{};  ///< a file as changes.hpp has it, of the run that is repeated; empty: none
   /// false: the nodes are not tried; somebody else has, or makes them at once.
   bool try_nodes = true;
 };

@@ -15,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
@@ -40,6 +41,17 @@ struct Channel {
   std::string schema;
 };
 
+/// A number that the view may change, "encoder.rate_max".
+struct Parameter {
+  std::string name;
+  double value = 0;  ///< at the begin
+  double minimum = 0;
+  double maximum = 0;
+  std::string unit;
+};
+/// Of one process; more cannot be changed.
+inline constexpr std::size_t kMostParameters = 128;
+
 /// What a process tells once, before its channels.
 struct About {
   std::string process;
@@ -61,6 +73,8 @@ class Feed {
 
   /// Of publish(). Channels beyond the room for them get no view.
   std::uint32_t add(const Channel& channel);
+  /// Of changes(). False: there are too many.
+  bool add(const Parameter& parameter);
   /// Copies the message. Never waits. One of more than half the ring is left out.
   void publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message);
 
@@ -72,10 +86,14 @@ class Feed {
   std::uint64_t steps() const;
   /// Ratio of simulated to wall time; 0: as fast as possible.
   double speed() const;
+  /// Parameters that have changed since the last call, by their numbers, with their values.
+  std::vector<std::pair<std::size_t, double>> changes();
 
  private:
   std::unique_ptr<SharedFile> file_;
   std::uint32_t channels_ = 0;
+  std::vector<std::uint32_t> seen_{};  ///< changes of each parameter
+  std::uint32_t all_seen_ = 0;
 };
 
 /// The side of the view.
@@ -90,6 +108,8 @@ class FeedReader {
   const About& about() const { return about_; }
   /// Channels that are new since the last call, in the order of their numbers.
   std::vector<Channel> new_channels();
+  /// Those that were told before the last channel of new_channels().
+  const std::vector<Parameter>& parameters() const { return parameters_; }
 
   struct Record {
     std::uint32_t channel = 0;
@@ -109,12 +129,13 @@ class FeedReader {
   bool paused() const;
   std::uint64_t steps() const;
   double speed() const;
+  void change(std::size_t parameter, double value);
+  double value(std::size_t parameter) const;
 
  private:
-  std::vector<nlohmann::json> new_lines();
-
   std::unique_ptr<SharedFile> file_;
   About about_;
+  std::vector<Parameter> parameters_{};
   std::size_t lines_read_ = 0;  // bytes
   std::uint64_t position_ = 0;
   std::uint64_t lost_ = 0;

@@ -1,0 +1,32 @@
+// Changes parameters of nodes while a run goes on, and writes that down.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/graph.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::fused {
+
+class Changes {
+ public:
+  /// @param folder of the run, where they are written; empty: nowhere
+  Changes(const experiment::Experiment& experiment, Graph& graph, std::string folder)
+      : experiment_(experiment), graph_(graph), folder_(std::move(folder)) {}
+
+  /// The changes of a run that is repeated, up to the graph's time. @throws Error as
+  /// Graph::change().
+  void repeat();
+  /// From the graph's time on. @throws FileError, NodeError.
+  void make(const experiment::Change& change);
+
+ private:
+  const experiment::Experiment& experiment_;
+  Graph& graph_;
+  std::string folder_;
+  std::size_t repeated_ = 0;
+};
+
+}  // namespace spikeloop::fused
