@@ -13,6 +13,8 @@ namespace {
 
 using Row = std::array<std::string, 5>;
 
+constexpr const char* kChangeable = "; can be changed during a run";
+
 std::string type_text(const ParameterDescription& parameter) {
   switch (parameter.type) {
     case ParameterType::number:
@@ -74,7 +76,8 @@ std::string table(const std::vector<ParameterDescription>& parameters) {
   std::array<std::size_t, 5> widths{};
   for (const auto& parameter : parameters) {
     rows.push_back({parameter.name, type_text(parameter), default_text(parameter),
-                    bounds_text(parameter), parameter.text});
+                    bounds_text(parameter),
+                    parameter.text + (parameter.changeable ? kChangeable : "")});
     for (std::size_t i = 0; i < widths.size(); ++i) {
       widths[i] = std::max(widths[i], rows.back()[i].size());
     }
