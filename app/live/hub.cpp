@@ -62,6 +62,18 @@ void Hub::read(const Take& take) {
   }
 }
 
+std::uint32_t Hub::beginnings() {
+  std::uint32_t count = 0;
+  for (Process& process : processes_) {
+    count += process.feed.beginnings();
+  }
+  if (count != beginnings_) {
+    beginnings_ = count;
+    time_ = 0;
+  }
+  return count;
+}
+
 std::uint64_t Hub::lost() const {
   std::uint64_t lost = 0;
   for (const Process& process : processes_) {

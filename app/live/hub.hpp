@@ -35,6 +35,8 @@ class Hub {
   TimeNs time() const { return time_; }
   /// Bytes that were overwritten before they were read.
   std::uint64_t lost() const;
+  /// How often viewers have to forget what they know: another time of a recording was asked for.
+  std::uint32_t beginnings();
 
   /// As the Foxglove protocol has them: [{"name": "run.stop", "value": false}, ...].
   nlohmann::json parameters() const;
@@ -57,6 +59,7 @@ class Hub {
   std::vector<Process> processes_;
   std::vector<live::Channel> channels_;
   TimeNs time_ = 0;
+  std::uint32_t beginnings_ = 0;
 };
 
 }  // namespace spikeloop::view

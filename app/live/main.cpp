@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
                  "Folder in which the processes of the run put their data")
       ->required();
   app.add_option("--run", options.run, "Run folder");
+  app.add_flag("--recording", options.recording, "The run has ended");
   app.add_option("--name", options.name, "Name of the experiment");
   app.add_option("--host", options.host, "Address to listen at")->default_val("127.0.0.1");
   app.add_option("--port", options.port, "Port; 0: any")->default_val(8765);

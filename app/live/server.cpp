@@ -83,6 +83,8 @@ struct Server::Impl {
   int receive(lws* wsi, std::string_view piece);
   int write(lws* wsi);
   void greet(lws* wsi);
+  void begin_anew();
+  void introduce(Viewer& viewer) const;
   void look();
   void read();
   void tell_losses();
@@ -97,6 +99,7 @@ struct Server::Impl {
   std::map<lws*, Connection> connections;
   std::vector<SharedFrame> newest;  // of the channels
   std::size_t advertised = 0;
+  std::uint32_t beginnings = 0;
   nlohmann::json parameters;  // as the viewers know them
   const std::string session = fmt::format("{}", std::time(nullptr));
   TimeNs next_look = 0;
@@ -211,7 +214,7 @@ int Server::Impl::give_file(lws* wsi, std::string_view path) {
     connection.answer = answer(path, header(wsi, WSI_TOKEN_HTTP_RANGE), options.page, options.run);
   }
   Answer& answer = connection.answer;
-  if (answer.status >= 400 && answer.status != 416) {
+  if (answer.status >= 400) {
     answer.type = "text/plain";
     answer.body = fmt::format("{}\n", answer.status);
   }
@@ -264,7 +267,7 @@ void Server::Impl::greet(lws* wsi) {
   const std::string token = token_of(wsi);
   Viewer& viewer = connections[wsi].viewer.emplace(
       hub, options.token.empty() || same_token(token, options.token));
-  viewer.greet(fmt::format("spikeloop: {}", options.name), {{"experiment", options.name}}, session);
+  introduce(viewer);
   viewer.advertise(0, advertised);
   lws_callback_on_writable(wsi);
 }
@@ -324,6 +327,27 @@ void Server::Impl::look() {
   advertised = channels;
 }
 
+/// Another time of a recording: what comes now has nothing to do with what came before.
+void Server::Impl::begin_anew() {
+  const std::uint32_t now = hub.beginnings();
+  if (now == beginnings) {
+    return;
+  }
+  beginnings = now;
+  std::ranges::fill(newest, nullptr);
+  for (auto& [wsi, connection] : connections) {
+    if (connection.viewer) {
+      introduce(*connection.viewer);
+    }
+  }
+}
+
+void Server::Impl::introduce(Viewer& viewer) const {
+  viewer.greet(fmt::format("spikeloop: {}", options.name),
+               {{"experiment", options.name}, {"recording", options.recording ? "yes" : "no"}},
+               fmt::format("{}-{}", session, beginnings));
+}
+
 void Server::Impl::read() {
   hub.read([this](std::uint32_t channel, TimeNs time, std::span<const std::byte> message) {
     const SharedFrame frame = data_frame(time, message);
@@ -365,6 +389,7 @@ void Server::Impl::tick(lws_sorted_usec_list_t* list) {
     impl.next_look = now + kLookPeriod;
     impl.look();
   }
+  impl.begin_anew();
   impl.read();
   impl.ask_to_write();
   lws_sul_schedule(impl.context, 0, &impl.timer.list, &Impl::tick, kReadPeriod_us);

@@ -12,6 +12,7 @@ struct ServerOptions {
   std::string run;       ///< run folder; empty: none
   std::string page;      ///< folder of the page
   std::string name;      ///< of the experiment
+  bool recording{};      ///< of a run that has ended
   std::string host;      ///< address to listen at, "127.0.0.1"
   std::uint16_t port{};  ///< 0: any
   std::string token;     ///< that control needs; empty: none

@@ -71,4 +71,8 @@ namespace sweep_command {
 void add(CLI::App& app, Action& action);
 }
 
+namespace view_command {
+void add(CLI::App& app, Action& action);
+}
+
 }  // namespace spikeloop::app

@@ -125,7 +125,8 @@ constexpr Explanation kExplanations[] = {
     {Code::weight_file, "A weight file cannot be used",
      "A weight file is JSON, [[0.1, 0.2], [0.3, 0.4]] with one row for each output, or sparse as "
      "{\"rows\": 2, \"columns\": 2, \"entries\": [[0, 1, 0.5]]}, or a .npy file of two "
-     "dimensions. spikeloop fit writes {\"tau_s\": 0.03, \"weights\": [[0.1, 0.2]]}, which is for a "
+     "dimensions. spikeloop fit writes {\"tau_s\": 0.03, \"weights\": [[0.1, 0.2]]}, which is for "
+     "a "
      "readout with this tau."},
     {Code::delay, "A delay is not valid or cannot be kept",
      "A cycle of nodes needs a delay, and so do some connections between processes. "

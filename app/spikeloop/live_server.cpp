@@ -6,6 +6,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <cerrno>
 #include <filesystem>
@@ -81,8 +82,18 @@ bool is_this_machine(const std::string& host) {
 
 }  // namespace
 
+void add_address_options(CLI::App& command, LiveOptions& options) {
+  command.add_option("--live-port", options.port, "Port of the live view; 0: any")
+      ->capture_default_str();
+  command
+      .add_option("--live-host", options.host,
+                  "Address of this machine for viewers on others, such as 0.0.0.0; only those with "
+                  "the printed URL can control the run, all can stop the robot")
+      ->capture_default_str();
+}
+
 LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder,
-                       const std::string& name)
+                       const std::string& name, bool recording)
     : folder_(make_folder()) {
   std::vector<std::string> words{own_directory() + "/spikeloop-live",
                                  "--feeds=" + folder_,
@@ -90,6 +101,9 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
                                  "--name=" + name,
                                  "--host=" + options.host,
                                  fmt::format("--port={}", options.port)};
+  if (recording) {
+    words.emplace_back("--recording");
+  }
   if (!is_this_machine(options.host)) {
     words.push_back("--token=" + make_token());
   }

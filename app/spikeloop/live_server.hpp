@@ -7,6 +7,10 @@
 
 #include "spikeloop/processes/process_tree.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace spikeloop::app {
 
 struct LiveOptions {
@@ -15,11 +19,16 @@ struct LiveOptions {
   std::uint16_t port = 8765;       ///< or one of the nine behind it; 0: any
 };
 
+/// --live-port and --live-host.
+void add_address_options(CLI::App& command, LiveOptions& options);
+
 class LiveServer {
  public:
   /// Starts it, tells its address on standard error, and gives the processes that are started from
   /// now on the folder for their data. @throws TransportError when it cannot start.
-  LiveServer(const LiveOptions& options, const std::string& run_folder, const std::string& name);
+  /// @param recording the run has ended
+  LiveServer(const LiveOptions& options, const std::string& run_folder, const std::string& name,
+             bool recording = false);
   /// Ends it.
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;

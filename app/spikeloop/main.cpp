@@ -98,6 +98,7 @@ int run(int argc, char** argv) {
   check_command::add(app, action);
   export_command::add(app, action);
   import_command::add(app, action);
+  view_command::add(app, action);
   plot_command::add(app, action);
   summary_command::add(app, action);
   fit_command::add(app, action);

@@ -170,15 +170,10 @@ void add_picture_options(CLI::App& command, robot::SpectatorWords& spectators) {
 
 void add_live_options(CLI::App& command, LiveOptions& live) {
   auto* on = command.add_flag("--live", live.on, "Show the run in the browser, and in Foxglove");
-  command.add_option("--live-port", live.port, "Port of the live view; 0: any")
-      ->needs(on)
-      ->capture_default_str();
-  command
-      .add_option("--live-host", live.host,
-                  "Address of this machine for viewers on others, such as 0.0.0.0; only those with "
-                  "the printed URL can control the run, all can stop the robot")
-      ->needs(on)
-      ->capture_default_str();
+  add_address_options(command, live);
+  for (const char* name : {"--live-port", "--live-host"}) {
+    command.get_option(name)->needs(on);
+  }
 }
 
 /// Those that only one kind of file has stand under a heading of their own.

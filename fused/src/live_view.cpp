@@ -17,6 +17,7 @@
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/live/neural_messages.hpp"
+#include "spikeloop/live/status.hpp"
 #include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::fused {
@@ -31,12 +32,6 @@ constexpr TimeNs kFlushPeriod = kNsPerSecond / 50;
 constexpr TimeNs kStatusPeriod = kNsPerSecond / 10;
 constexpr std::chrono::milliseconds kLookPeriod{20};
 constexpr std::size_t kMostSpikes = 65'536;  // of one message
-
-constexpr const char* kStatusTopic = "/spikeloop/status";
-constexpr const char* kStatusSchema = R"({"type": "object", "properties": {
-  "process": {"type": "string"}, "simulated_s": {"type": "number"}, "wall_s": {"type": "number"},
-  "overruns": {"type": "integer"}, "paused": {"type": "boolean"}, "ended": {"type": "boolean"},
-  "changeable": {"type": "array"}, "commands": {"type": "array"}, "spikes": {"type": "object"}}})";
 
 std::string topic_of(const std::string& end) {
   return fmt::format("/{}/{}", experiment::node_of(end), experiment::port_of(end));
@@ -176,7 +171,7 @@ LiveView::LiveView(const std::string& folder, const Experiment& experiment,
       process_(process),
       experiment_(experiment),
       pausable_(can_pause(experiment)),
-      status_(feed_.add({kStatusTopic, "json", "spikeloop.Status", "jsonschema", kStatusSchema})) {
+      status_(feed_.add(live::status_channel())) {
   add_parameters(process);
 }
 

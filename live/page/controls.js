@@ -148,8 +148,9 @@ export class Controls {
   makeSlider({ name, minimum, maximum }) {
     const row = document.createElement("div"), label = document.createElement("label");
     const input = document.createElement("input"), output = document.createElement("output");
-    row.className = "slider";
-    label.textContent = name;
+    const isTime = name === "run.time";  // of a recording
+    row.className = isTime ? "slider time" : "slider";
+    label.textContent = isTime ? "time" : name;
     label.title = name;
     input.id = `slider-${name}`;
     label.htmlFor = input.id;

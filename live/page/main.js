@@ -89,7 +89,8 @@ function begin(info) {
     describe();
   }
   model.session = info.sessionId;
-  const { experiment, sync } = info.metadata ?? {};
+  const { experiment, sync, recording } = info.metadata ?? {};
+  model.recording = recording === "yes";
   document.getElementById("experiment").textContent = experiment || info.name || "Spikeloop";
   document.getElementById("mode").textContent = sync ?? "";
   document.title = `${experiment || "run"} – Spikeloop`;

@@ -99,7 +99,8 @@ export class Status {
     if (found.length) {
       return { level: "ok", text: sentence(found[0].text || "the robot is driven by the network") };
     }
-    return { level: "info", text: summary.known ? "Running." : "Connected; no status yet." };
+    const running = model.recording ? "Recording of a run." : "Running.";
+    return { level: "info", text: summary.known ? running : "Connected; no status yet." };
   }
 
   unconnected(summary) {

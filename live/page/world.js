@@ -138,7 +138,9 @@ export class WorldPanel {
     context.drawImage(this.layer, 0, 0);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const { live, range } = model.timeline;
-    this.pose = trajectory.count ? trajectory.pose(live ? Infinity : range[1]) : this.startPose();
+    // The path of a recording goes on behind the time that is shown.
+    const time = !live ? range[1] : model.recording ? model.timeline.newest : Infinity;
+    this.pose = trajectory.count ? trajectory.pose(time) : this.startPose();
     enter(context, view, width, height);
     if (this.pose) {
       this.drawRecent(context, view, live ? this.pose.t - (range[1] - range[0]) : range[0], this.pose.t);

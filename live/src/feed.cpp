@@ -1,5 +1,6 @@
 #include "spikeloop/live/feed.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
@@ -105,6 +106,16 @@ void Feed::publish(std::uint32_t channel, TimeNs simulated, std::span<const std:
   header.written.store(begin + size, std::memory_order_release);
 }
 
+void Feed::set(std::size_t parameter, double value) {
+  file_->header().parameters[parameter].value = value;
+}
+
+void Feed::begin_anew() {
+  Header& header = file_->header();
+  header.begun_at = header.written.load();
+  ++header.beginnings;
+}
+
 bool Feed::stop_pressed() const {
   return file_->header().stop.load() != 0;
 }
@@ -174,6 +185,15 @@ std::optional<FeedReader::Record> FeedReader::next() {
   position_ += size;
   return Record{static_cast<std::uint32_t>(head[0]), static_cast<TimeNs>(head[1]),
                 std::as_bytes(std::span(copy_)).first(bytes)};
+}
+
+std::uint32_t FeedReader::beginnings() {
+  const std::uint32_t now = file_->header().beginnings.load();
+  if (now != beginnings_) {
+    beginnings_ = now;
+    position_ = std::max(position_, file_->header().begun_at.load());
+  }
+  return now;
 }
 
 void FeedReader::change(std::size_t parameter, double value) {

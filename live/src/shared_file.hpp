@@ -23,6 +23,8 @@ struct Header {
   std::atomic<std::uint64_t> claimed;
   std::atomic<std::uint64_t> written;
   std::atomic<std::uint64_t> text_bytes;
+  std::atomic<std::uint32_t> beginnings;
+  std::atomic<std::uint64_t> begun_at;  // words, as `written`
   // By the view.
   std::atomic<std::uint32_t> stop;
   std::atomic<std::uint32_t> paused;

@@ -35,7 +35,7 @@ class Protocol(unittest.TestCase):
         self.assertEqual(topics["/encoder/out"]["schemaName"], "spikeloop/msg/Spikes")
         self.assertEqual(topics["/scan"]["schemaName"], "sensor_msgs/LaserScan")
         self.assertIn("float32[] ranges", topics["/scan"]["schema"])
-        self.assertEqual(viewer.info["metadata"], {"experiment": "braitenberg"})
+        self.assertEqual(viewer.info["metadata"], {"experiment": "braitenberg", "recording": "no"})
         self.assertEqual(json.loads(viewer.messages["/spikeloop/view"][-1][1])["lost"], 0)
         for node in ("encoder", "brain"):
             times, channels = viewing.spikes_of(viewer.messages[f"/{node}/out"])

@@ -22,11 +22,13 @@ class Run:
 
     def __init__(self, folder, *arguments, experiment=EXAMPLE):
         self.folder = folder
+        self.start([programs() / "spikeloop", "run", experiment, "--out", folder, "--force", "--live", "--live-port", "0",
+                    *arguments])
+
+    def start(self, command):
         # As in a terminal: a program in the background of a shell ignores Ctrl-C.
-        self.process = subprocess.Popen(
-            [programs() / "spikeloop", "run", experiment, "--out", folder, "--force", "--live", "--live-port", "0",
-             *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+                                        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
         first = self.process.stderr.readline()
         found = re.fullmatch(r"live: (http://\S+)\n", first)
         assert found, first + self.process.stderr.read()

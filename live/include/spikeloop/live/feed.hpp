@@ -78,6 +78,11 @@ class Feed {
   /// Copies the message. Never waits. One of more than half the ring is left out.
   void publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message);
 
+  /// A parameter has another value, though the view did not ask for it.
+  void set(std::size_t parameter, double value);
+  /// What was told before is not of this part of the run: viewers forget it.
+  void begin_anew();
+
   // What the view asks for now.
 
   bool stop_pressed() const;
@@ -121,6 +126,8 @@ class FeedReader {
   /// Bytes that were overwritten before they were read.
   std::uint64_t lost() const { return lost_; }
 
+  /// Counts Feed::begin_anew(); what was told before a new one is not read any more.
+  std::uint32_t beginnings();
   void press_stop(bool pressed);
   void pause(bool paused);
   void step();
@@ -139,6 +146,7 @@ class FeedReader {
   std::size_t lines_read_ = 0;  // bytes
   std::uint64_t position_ = 0;
   std::uint64_t lost_ = 0;
+  std::uint32_t beginnings_ = 0;
   std::vector<std::uint64_t> copy_;
 };
 
