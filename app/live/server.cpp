@@ -1,8 +1,10 @@
 #include "server.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <libwebsockets.h>
-#include <sys/time.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +21,7 @@
 #include "hub.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 #include "viewer.hpp"
 
 namespace spikeloop::view {
@@ -128,6 +131,7 @@ const std::array<lws_protocols, 4> kProtocols{
 
 Server::Impl::Impl(const ServerOptions& server_options)
     : options(server_options), hub(options.feeds) {
+  require_own_address(options.host);
   lws_set_log_level(0, nullptr);
   lws_context_creation_info info{};
   info.port = CONTEXT_PORT_NO_LISTEN;
@@ -142,6 +146,20 @@ Server::Impl::Impl(const ServerOptions& server_options)
   listen();
   timer.impl = this;
   lws_sul_schedule(context, 0, &timer.list, &Impl::tick, kReadPeriod_us);
+}
+
+/// The library would wait for an address that this machine does not have.
+void require_own_address(const std::string& host) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1 ||
+      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    throw TransportError(fmt::format(
+        "the live view cannot listen at '{}', which is no IPv4 address of this machine; give one "
+        "with --live-host, or 0.0.0.0 for all",
+        host));
+  }
 }
 
 /// At the port, or one of the next ones when it is in use.

@@ -77,7 +77,7 @@ std::string first_line(const ProcessTree& server) {
 }
 
 bool is_this_machine(const std::string& host) {
-  return host == "127.0.0.1" || host == "localhost";
+  return host.starts_with("127.");
 }
 
 }  // namespace

@@ -107,7 +107,8 @@ class Pages(unittest.TestCase):
             page.driver.execute_cdp_cmd("Network.enable", {})
             page.driver.delete_network_conditions()
             drawn = page.hook()["spikesDrawn"]["brain.out"]
-            page.until(lambda hook: hook["connection"] == "connected" and hook["spikesDrawn"]["brain.out"] > drawn + 100)
+            page.until(lambda hook: hook["connection"] == "connected"
+                       and hook["spikesDrawn"]["brain.out"] > drawn + 100)
             job.interrupt()
             page.until(lambda hook: hook["connection"] == "lost")
             self.assertGreater(page.hook()["spikesDrawn"]["brain.out"], drawn)

@@ -53,7 +53,7 @@ class Sliders(unittest.TestCase):
         self.assertEqual(rows[0], "t_ns,parameter,value")
         time, name, value = rows[-1].split(",")
         self.assertEqual((name, float(value)), ("encoder.rate_max", 800))
-        # Eq. 1 of Weidel et al. 2016: with rate_min near 0 four times rate_max is four times the rate, of the same scan.
+        # Eq. 1 of Weidel et al. 2016: with rate_min near 0 four times rate_max is four times the rate.
         at = int(time)
         before, after = self.rate(run, at - 50_000_000, at), self.rate(run, at, at + 50_000_000)
         self.assertGreater(after, 2 * before)

@@ -87,8 +87,9 @@ class RecordedRuns(unittest.TestCase):
 
     def test_what_is_no_run(self):
         for arguments, code, wrong in (
-                (["view", self.folder.parent], 2, "it is not a run folder"), (["view", "/nowhere"], 2, "it is not a run folder"),
-                (["view"], 2, "RUN is required"), (["view", self.folder, "--live-host", "192.0.2.1"], 3, "cannot listen")):
+                (["view", self.folder.parent], 2, "it is not a run folder"),
+                (["view", "/nowhere"], 2, "it is not a run folder"), (["view"], 2, "RUN is required"),
+                (["view", self.folder, "--live-host", "192.0.2.1"], 3, "no IPv4 address of this machine")):
             done = subprocess.run([SPIKELOOP, *arguments], capture_output=True, text=True, check=False, timeout=60)
             self.assertEqual(done.returncode, code, f"{arguments}: {done.stderr}")
             self.assertIn(wrong, done.stderr)

@@ -22,8 +22,8 @@ class Run:
 
     def __init__(self, folder, *arguments, experiment=EXAMPLE):
         self.folder = folder
-        self.start([programs() / "spikeloop", "run", experiment, "--out", folder, "--force", "--live", "--live-port", "0",
-                    *arguments])
+        self.start([programs() / "spikeloop", "run", experiment, "--out", folder, "--force", "--live",
+                    "--live-port", "0", *arguments])
 
     def start(self, command):
         # As in a terminal: a program in the background of a shell ignores Ctrl-C.
