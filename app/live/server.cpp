@@ -127,6 +127,20 @@ const std::array<lws_protocols, 4> kProtocols{
     lws_protocols{kSdk, callback, 0, kLargestRequest, 0, nullptr, 0},
     lws_protocols{kWebsocket, callback, 0, kLargestRequest, 0, nullptr, 0}, lws_protocols{}};
 
+/// The library would wait for an address that this machine does not have.
+void require_own_address(const std::string& host) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1 ||
+      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    throw TransportError(fmt::format(
+        "the live view cannot listen at '{}', which is no IPv4 address of this machine; give one "
+        "with --live-host, or 0.0.0.0 for all",
+        host));
+  }
+}
+
 }  // namespace
 
 Server::Impl::Impl(const ServerOptions& server_options)
@@ -146,20 +160,6 @@ Server::Impl::Impl(const ServerOptions& server_options)
   listen();
   timer.impl = this;
   lws_sul_schedule(context, 0, &timer.list, &Impl::tick, kReadPeriod_us);
-}
-
-/// The library would wait for an address that this machine does not have.
-void require_own_address(const std::string& host) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  const Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1 ||
-      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    throw TransportError(fmt::format(
-        "the live view cannot listen at '{}', which is no IPv4 address of this machine; give one "
-        "with --live-host, or 0.0.0.0 for all",
-        host));
-  }
 }
 
 /// At the port, or one of the next ones when it is in use.

@@ -44,15 +44,17 @@ with style.styled():
         axes[0].plot(times_s, np.degrees(values[:, 2]), color=colour, label=folder)
         axes[1].plot(times_s, 100 * values[:, 0], color=colour)
         late = times_s > times_s[-1] - 5
-        print(f"{folder}: angle {np.degrees(np.std(values[late, 2])):.2f} degrees, position "
-              f"{100 * np.mean(values[late, 0]):.1f} cm in the last 5 s")
+        # Rounded: further digits depend on the processor, as those of MuJoCo do.
+        spread = np.ceil(2 * np.degrees(np.std(values[late, 2]))) / 2
+        place = 5 * np.round(20 * np.mean(values[late, 0]))
+        print(f"{folder}: angle below {spread:.1f} degrees, position near {place:.0f} cm in the last 5 s")
     ideal = theory(times_s, 0.1)
     axes[0].plot(times_s, np.degrees(ideal[2]), color=style.INK, ls="--", label="linear theory")
     axes[1].plot(times_s, 100 * ideal[0], color=style.INK, ls="--")
     first = times_s < 2
     state = RunFolder(folders[0]).signal("state").values * SCALES
     error = np.degrees(np.abs(state[first, 2] - ideal[2, first]).max())
-    print(f"first 2 s: at most {error:.2f} degrees from the linear theory")
+    print(f"first 2 s: less than {np.ceil(10 * error) / 10:.1f} degrees from the linear theory")
     axes[0].set_ylabel("angle (degrees)")
     axes[1].set_ylabel("cart (cm)")
     axes[1].set_xlabel("time (s)")
