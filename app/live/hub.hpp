@@ -40,8 +40,10 @@ class Hub {
 
   /// As the Foxglove protocol has them: [{"name": "run.stop", "value": false}, ...].
   nlohmann::json parameters() const;
-  /// Whether it may be set by everybody: what stops a robot may.
-  static bool needs_no_token(const std::string& name) { return name == "run.stop"; }
+  /// Whether everybody may set it to that: what stops a robot.
+  static bool needs_no_token(const std::string& name, const nlohmann::json& value) {
+    return name == "run.stop" && value == true;
+  }
   /// @return what is wrong; empty: it is set
   std::string set(const std::string& name, const nlohmann::json& value);
 

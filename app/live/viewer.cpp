@@ -140,13 +140,13 @@ void Viewer::subscribe(const json& message, const std::vector<SharedFrame>& newe
 void Viewer::set_parameters(const json& message) {
   for (const json& parameter : message.at("parameters")) {
     const auto name = parameter.at("name").get<std::string>();
-    if (!may_control_ && !Hub::needs_no_token(name)) {
+    const json value = parameter.value("value", json());
+    if (!may_control_ && !Hub::needs_no_token(name, value)) {
       complain(
           fmt::format("'{}' can be set with the address that the run has printed, which has a "
                       "token",
                       name));
-    } else if (const std::string wrong = hub_.set(name, parameter.value("value", json()));
-               !wrong.empty()) {
+    } else if (const std::string wrong = hub_.set(name, value); !wrong.empty()) {
       complain(wrong);
     }
   }

@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "output.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/live/feed.hpp"
 #include "spikeloop/topics/arguments.hpp"
 
 namespace {
@@ -135,7 +136,9 @@ int main(int argc, char** argv) {
   // Whoever reads our output may stop reading: that must not end a job without stopping it.
   signal(SIGPIPE, SIG_IGN);
   open_standard_files();
-  unsetenv("_MUSIC_CONFIG_");  // of a job that we were started in: ours are other programs
+  // Of a run that we were started in: ours is another one.
+  unsetenv("_MUSIC_CONFIG_");
+  unsetenv(spikeloop::live::kFolderVariable);
   try {
     return run(argc, argv);
   } catch (const spikeloop::Error& error) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "shared_file.hpp"
-#include "spikeloop/core/error.hpp"
+#include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::live {
 namespace {
@@ -15,6 +15,7 @@ using nlohmann::json;
 
 constexpr std::size_t kRecordWords = 2;  // size and channel; time
 constexpr unsigned kChannelBits = 32;
+constexpr TimeNs kPatience = 5 * kNsPerSecond;
 
 std::uint64_t words_of(std::size_t bytes) {
   return (bytes + sizeof(std::uint64_t) - 1) / sizeof(std::uint64_t);
@@ -120,8 +121,14 @@ bool Feed::stop_pressed() const {
   return file_->header().stop.load() != 0;
 }
 
+/// Nobody could end a pause when the view has gone.
+bool Feed::has_view() const {
+  const TimeNs seen_at = file_->header().seen_at.load();
+  return seen_at == 0 || wall_now() - seen_at < kPatience;
+}
+
 bool Feed::paused() const {
-  return file_->header().paused.load() != 0;
+  return file_->header().paused.load() != 0 && has_view();
 }
 
 std::uint64_t Feed::steps() const {
@@ -129,7 +136,7 @@ std::uint64_t Feed::steps() const {
 }
 
 double Feed::speed() const {
-  return file_->header().speed.load();
+  return has_view() ? file_->header().speed.load() : 0;
 }
 
 FeedReader::FeedReader(const std::string& path) : file_(std::make_unique<SharedFile>(path)) {
@@ -144,6 +151,7 @@ FeedReader::FeedReader(FeedReader&&) noexcept = default;
 FeedReader& FeedReader::operator=(FeedReader&&) noexcept = default;
 
 std::vector<Channel> FeedReader::new_channels() {
+  file_->header().seen_at = wall_now();
   std::vector<Channel> channels;
   const std::string_view text = file_->text();
   while (lines_read_ < text.size()) {

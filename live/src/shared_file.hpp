@@ -26,6 +26,7 @@ struct Header {
   std::atomic<std::uint32_t> beginnings;
   std::atomic<std::uint64_t> begun_at;  // words, as `written`
   // By the view.
+  std::atomic<std::int64_t> seen_at;  // wall time; 0: not yet
   std::atomic<std::uint32_t> stop;
   std::atomic<std::uint32_t> paused;
   std::atomic<std::uint64_t> steps;

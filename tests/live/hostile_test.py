@@ -61,7 +61,7 @@ class Hostile(unittest.TestCase):
         run = self.start("--live-host", "0.0.0.0")
         self.assertRegex(run.url, r"^http://0\.0\.0\.0:\d+/\?token=[0-9a-f]{32}$")
         for url, may in ((run.socket_url(), True), (run.socket_url().split("?")[0], False),
-                         (run.socket_url()[:-1] + "x", False)):
+                         (run.socket_url()[:-1] + "x", False), (run.socket_url(), True)):
             viewer = viewing.Viewer(url, STATUS)
             viewer.until(lambda viewer=viewer: STATUS in viewer.messages)
             viewer.set("run.pause", True)
@@ -71,7 +71,8 @@ class Hostile(unittest.TestCase):
             viewer.set("run.stop", True)  # everybody may stop a robot
             viewer.until(lambda viewer=viewer: viewer.parameters.get("run.stop"))
             viewer.set("run.stop", False)
-            viewer.until(lambda viewer=viewer: not viewer.parameters["run.stop"])
+            viewer.until(lambda viewer=viewer: not viewer.parameters["run.stop"] or len(viewer.statuses) == 2)
+            self.assertEqual(viewer.parameters["run.stop"], not may)
             viewer.socket.close()
 
     def test_what_is_not_the_protocol(self):
@@ -148,6 +149,18 @@ class Hostile(unittest.TestCase):
         code, printed = run.end()
         self.assertEqual(code, 0, printed)
         self.assertIn("finished: 3.0 of 3 s", printed)
+
+    def test_a_paused_run_goes_on_without_its_server(self):
+        run = viewing.Run(self.folder / "run", "--duration", "20")
+        self.addCleanup(run.__exit__)
+        server, = run.servers()
+        viewer = viewing.Viewer(run.socket_url(), STATUS)
+        viewer.until(lambda: STATUS in viewer.messages)
+        viewer.set("run.pause", True)
+        viewer.until(lambda: viewer.status()["paused"])
+        os.kill(server, signal.SIGKILL)
+        code, printed = run.end()
+        self.assertEqual(code, 0, printed)
 
     def test_nothing_is_left_of_a_run_that_is_killed(self):
         run = self.start()

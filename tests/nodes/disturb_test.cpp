@@ -167,6 +167,18 @@ TEST(DisturbSignal, LostValuesLeaveTheOldOnes) {
   EXPECT_NEAR(static_cast<double>(old), 8000, 4 * std::sqrt(20'000 * 0.4 * 0.6));
 }
 
+TEST(DisturbSignal, AChangedBiasHoldsForTheValueThatIsThere) {
+  NodeHarness node = signal_with({});
+  node.set_input({1});
+  node.step(kMs);
+  node.change("bias", 0.5);
+  node.step(kMs);
+  EXPECT_EQ(node.output()[0], 1.5);
+  const auto revision = node.revision();
+  node.step(kMs);
+  EXPECT_EQ(node.revision(), revision) << "nothing has changed";
+}
+
 TEST(DisturbSignal, WithoutAValueHasNone) {
   NodeHarness node = signal_with({{"bias", "1"}});
   node.step(kMs);

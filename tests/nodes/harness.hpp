@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -62,6 +63,9 @@ class NodeHarness {
   void add_spike(TimeNs time, std::int32_t channel, std::size_t port = 0) {
     spike_inputs_[port].spikes.push_back(make_spike(time, channel));
   }
+
+  /// As Node::change().
+  void change(std::string_view parameter, double value) { node_->change(parameter, value); }
 
   /// Advances by `length`; stamps outside the interval and unknown channels throw.
   void step(TimeNs length) {

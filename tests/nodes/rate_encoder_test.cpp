@@ -21,6 +21,32 @@ TEST(RateEncoder, InitialValueHoldsUntilTheFirstOneComes) {
   EXPECT_EQ(node.times(1), (std::vector<TimeNs>{20 * kMs, 40 * kMs})) << "NaN holds the initial";
 }
 
+/// The spikes are those of the integral of the rate, which is 100 Hz, then 50 Hz, then 300 Hz.
+TEST(RateEncoder, AChangedRateHoldsFromTheNextStepOn) {
+  NodeHarness node("rate_encoder", {1, 1});
+  node.set_input({1.0});
+  node.run_until(15 * kMs, 5 * kMs);
+  node.change("rate_max", 50);
+  node.run_until(35 * kMs, 5 * kMs);
+  EXPECT_EQ(node.times(0), (std::vector<TimeNs>{10 * kMs, 25 * kMs}));
+  node.set_input({0.0});
+  node.change("rate_max", 400);
+  node.change("rate_min", 200);
+  node.run_until(45 * kMs, 5 * kMs);
+  // Half of an interval is over at 35 ms; the rest takes 1/600 s, then 1/300 s each.
+  EXPECT_EQ(node.times(0).size(), 5U);
+  EXPECT_NEAR(static_cast<double>(node.times(0)[2]), 35e6 + 1e9 / 600, 2);
+  EXPECT_NEAR(static_cast<double>(node.times(0)[4]), 35e6 + 1e9 / 600 + 2e9 / 300, 2);
+}
+
+TEST(RateEncoder, AChangedRateHoldsForTheInitialValueToo) {
+  NodeHarness node("rate_encoder", {1, 1}, {.keys = {{"initial", "1"}}});
+  node.run_until(20 * kMs, 5 * kMs);
+  node.change("rate_max", 1000);
+  node.run_until(25 * kMs, 5 * kMs);
+  EXPECT_EQ(node.times(0).size(), 2U + 5U);
+}
+
 TEST(RateEncoder, InitialValueIsNotUsedWhenTheFirstOneIsThereAtOnce) {
   NodeHarness node("rate_encoder", {1, 1}, {.keys = {{"initial", "1"}}});
   node.set_input({-1.0});

@@ -83,7 +83,8 @@ class Feed {
   /// What was told before is not of this part of the run: viewers forget it.
   void begin_anew();
 
-  // What the view asks for now.
+  // What the view asks for now. Without a view for five seconds a run is neither paused nor slow;
+  // STOP stays as it is.
 
   bool stop_pressed() const;
   bool paused() const;
@@ -95,6 +96,8 @@ class Feed {
   std::vector<std::pair<std::size_t, double>> changes();
 
  private:
+  bool has_view() const;
+
   std::unique_ptr<SharedFile> file_;
   std::uint32_t channels_ = 0;
   std::vector<std::uint32_t> seen_{};  ///< changes of each parameter
