@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <sstream>
 
@@ -60,6 +61,8 @@ std::vector<Change> read_changes(const std::string& path) {
         {path, number, 0},
         with_code(Code::syntax, "this is not a row  {}, as a run writes it", kChangesHead));
   }
+  // Each process of the run wrote its own in order.
+  std::ranges::stable_sort(changes, {}, &Change::time);
   return changes;
 }
 

@@ -97,6 +97,18 @@ class Sliders(unittest.TestCase):
         self.assertIn(",encoder.rate_max,50", (run / "changes.csv").read_text())
         self.assertIn("the same in both runs", again("replay", run, self.folder / "replay"))
 
+    def test_changes_hold_from_their_time_on_in_whatever_order_they_stand(self):
+        run = self.folder / "run"
+        subprocess.run([SPIKELOOP, "run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q"], check=True,
+                       stdout=subprocess.DEVNULL)
+        rows = ["600000000,encoder.rate_max,100", "300000000,encoder.rate_min,20"]  # of two processes
+        for name, order in (("one", rows), ("two", rows[::-1])):
+            (run / "changes.csv").write_text("\n".join(["t_ns,parameter,value", *order]) + "\n")
+            again("run", run, self.folder / name)
+        self.assertEqual(fingerprint(self.folder / "one"), fingerprint(self.folder / "two"))
+        self.assertNotEqual(fingerprint(self.folder / "one"), fingerprint(run))
+        self.assertEqual((self.folder / "one/changes.csv").read_text().splitlines()[1:], rows[::-1])
+
     def test_changes_that_were_written_by_hand(self):
         run = self.folder / "run"
         subprocess.run([SPIKELOOP, "run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q"], check=True,

@@ -21,7 +21,7 @@ struct Change {
 /// A row of the file, without the end of the line.
 std::string to_text(const Change& change);
 
-/// In the order of the file, which is by time for each node.
+/// By time; those of one time in the order of the file.
 /// @throws FileError: it cannot be read; ConfigurationError with the line: it has another form.
 std::vector<Change> read_changes(const std::string& path);
 
