@@ -11,7 +11,8 @@
 namespace spikeloop::view {
 namespace {
 
-constexpr std::uintmax_t kLargest = std::uintmax_t{64} << 20;
+/// The page asks for the rest of a longer file.
+constexpr std::uintmax_t kLargest = std::uintmax_t{16} << 20;
 
 // All that the page needs of the run folder.
 constexpr std::string_view kRunFiles[] = {"resolved.json", "world.json", "trajectory.csv",

@@ -24,7 +24,7 @@ constexpr std::size_t kMostAtOnce = 4096;
 
 }  // namespace
 
-Hub::Hub(std::string folder) : folder_(std::move(folder)) {
+Hub::Hub(std::string folder, bool recording) : folder_(std::move(folder)), recording_(recording) {
   channels_.push_back({"/spikeloop/view", "json", "spikeloop.View", "jsonschema",
                        R"({"type": "object", "properties": {"lost": {"type": "integer"},
                            "dropped": {"type": "integer"}}})"});
@@ -36,6 +36,7 @@ std::size_t Hub::look() {
     const std::string path = entry.path().string();
     if (entry.path().extension() == kExtension && known_.insert(path).second) {
       processes_.push_back({live::FeedReader(path), {}});
+      processes_.back().feed.press_stop(stop_);
     }
   }
   for (Process& process : processes_) {
@@ -92,9 +93,8 @@ json Hub::parameters() const {
   const auto add = [&](const char* name, const json& value) {
     result.push_back({{"name", name}, {"value", value}});
   };
-  if (has(&live::About::commands)) {
-    add(kStop, std::ranges::any_of(
-                   processes_, [](const Process& process) { return process.feed.stop_pressed(); }));
+  if (!recording_ && (processes_.empty() || has(&live::About::commands))) {
+    add(kStop, stop_);  // also before the run has begun
   }
   if (has(&live::About::pausable)) {
     const live::FeedReader& feed = processes_.front().feed;  // the only one
@@ -140,6 +140,9 @@ std::string Hub::set(const std::string& name, const json& value) {
   }
   if (name == kSpeed && !(value.get<double>() >= 0 && std::isfinite(value.get<double>()))) {
     return fmt::format("parameter '{}' is 0 or more, not {}", name, value.dump());
+  }
+  if (name == kStop) {
+    stop_ = value.get<bool>();
   }
   if (name != kStop && name != kPause && name != kStep && name != kSpeed) {
     return change(name, value.get<double>());

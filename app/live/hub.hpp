@@ -16,7 +16,8 @@ namespace spikeloop::view {
 class Hub {
  public:
   /// @param folder of the feeds, which come as the processes begin
-  explicit Hub(std::string folder);
+  /// @param recording of a run that has ended: there is no robot to stop
+  Hub(std::string folder, bool recording);
 
   /// The first channel, which no process has: what the view lost, {"lost": bytes of processes,
   /// "dropped": messages for this viewer}.
@@ -57,6 +58,8 @@ class Hub {
   bool has(bool live::About::*property) const;
 
   std::string folder_;
+  bool recording_;
+  bool stop_ = false;  ///< for all processes, also those that begin later
   std::set<std::string> known_;
   std::vector<Process> processes_;
   std::vector<live::Channel> channels_;

@@ -5,9 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 
 #include "server.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/python.hpp"
 
 namespace {
@@ -42,10 +44,13 @@ int main(int argc, char** argv) {
   app.add_option("--name", options.name, "Name of the experiment");
   app.add_option("--host", options.host, "Address to listen at")->default_val("127.0.0.1");
   app.add_option("--port", options.port, "Port; 0: any")->default_val(8765);
-  app.add_option("--token", options.token, "What control needs; empty: nothing");
   app.set_version_flag("--version", SPIKELOOP_VERSION);
   app.footer("spikeloop run --live starts it.");
   CLI11_PARSE(app, argc, argv);
+  // Command lines can be read by everybody.
+  if (const char* token = std::getenv(live::kTokenVariable); token != nullptr) {
+    options.token = token;
+  }
   [[maybe_unused]] const int ignored = nice(kNice);
   try {
     view::Server server(options);

@@ -56,7 +56,8 @@ struct Connection {
 std::string header(lws* wsi, lws_token_indexes token) {
   std::array<char, 512> text{};
   const int size = lws_hdr_copy(wsi, text.data(), static_cast<int>(text.size()), token);
-  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
+  // One that is too long is not that of a page of ours.
+  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : size < 0 ? "?" : "";
 }
 
 std::string token_of(lws* wsi) {
@@ -144,7 +145,7 @@ void require_own_address(const std::string& host) {
 }  // namespace
 
 Server::Impl::Impl(const ServerOptions& server_options)
-    : options(server_options), hub(options.feeds) {
+    : options(server_options), hub(options.feeds, options.recording) {
   require_own_address(options.host);
   lws_set_log_level(0, nullptr);
   lws_context_creation_info info{};
@@ -273,6 +274,7 @@ int Server::Impl::go_on_with_file(lws* wsi) {
     return -1;
   }
   connection.written += size;
+  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kRequest_s);
   if (last) {
     connection.answer = {};
     return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;

@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 #include "output.hpp"
@@ -94,9 +95,9 @@ void add_address_options(CLI::App& command, LiveOptions& options) {
 
 LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder,
                        const std::string& name, bool recording)
-    : folder_(make_folder()) {
+    : folder_{make_folder()} {
   std::vector<std::string> words{own_directory() + "/spikeloop-live",
-                                 "--feeds=" + folder_,
+                                 "--feeds=" + folder_.path,
                                  "--run=" + run_folder,
                                  "--name=" + name,
                                  "--host=" + options.host,
@@ -104,19 +105,23 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
   if (recording) {
     words.emplace_back("--recording");
   }
+  std::map<std::string, std::string> environment;
   if (!is_this_machine(options.host)) {
-    words.push_back("--token=" + make_token());
+    environment[live::kTokenVariable] = make_token();
   }
-  server_.emplace(
-      ProgramStart{.arguments = words, .environment = {}, .directory = {}, .scratch = folder_});
+  server_.emplace(ProgramStart{
+      .arguments = words, .environment = environment, .directory = {}, .scratch = folder_.path});
   put(stderr, first_line(*server_));
-  ::setenv(live::kFolderVariable, folder_.c_str(), 1);
+  ::setenv(live::kFolderVariable, folder_.path.c_str(), 1);
 }
 
 LiveServer::~LiveServer() {
   server_->end();
+}
+
+LiveServer::Folder::~Folder() {
   std::error_code ignored;
-  fs::remove_all(folder_, ignored);
+  fs::remove_all(path, ignored);
 }
 
 }  // namespace spikeloop::app

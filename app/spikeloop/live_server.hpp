@@ -35,7 +35,12 @@ class LiveServer {
   LiveServer& operator=(const LiveServer&) = delete;
 
  private:
-  std::string folder_;
+  struct Folder {
+    std::string path;
+    ~Folder();
+  };
+
+  Folder folder_;
   std::optional<ProcessTree> server_;
 };
 

@@ -51,10 +51,11 @@ std::vector<Change> read_changes(const std::string& path) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     Change change;
-    if (number == 1 ? line == kChangesHead : read_row(line, change)) {
-      if (number != 1) {
-        changes.push_back(std::move(change));
-      }
+    if (line == kChangesHead) {
+      continue;  // another process may have written its row before
+    }
+    if (read_row(line, change)) {
+      changes.push_back(std::move(change));
       continue;
     }
     throw ConfigurationError(

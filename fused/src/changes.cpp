@@ -28,10 +28,11 @@ void append_line(const std::string& path, const std::string& line) {
 
 }  // namespace
 
-void Changes::repeat() {
+void Changes::repeat(const std::function<void(const experiment::Change&)>& made) {
   const auto& changes = experiment_.changes;
   while (repeated_ < changes.size() && changes[repeated_].time <= graph_.time()) {
-    make(changes[repeated_++]);
+    make(changes[repeated_]);
+    made(changes[repeated_++]);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ class Changes {
 
   /// The changes of a run that is repeated, up to the graph's time. @throws Error as
   /// Graph::change().
-  void repeat();
+  void repeat(const std::function<void(const experiment::Change&)>& made);
   /// From the graph's time on. @throws FileError, NodeError.
   void make(const experiment::Change& change);
 

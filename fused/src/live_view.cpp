@@ -37,10 +37,10 @@ std::string topic_of(const std::string& end) {
   return fmt::format("/{}/{}", experiment::node_of(end), experiment::port_of(end));
 }
 
-/// Other processes, and a clock, do not wait for a process that stands still.
+/// Others do not wait for a process that stands still: a clock, a robot, the launcher of a job.
 bool can_pause(const Experiment& experiment) {
   return (experiment.sync == Sync::lockstep || experiment.sync == Sync::unpaced) &&
-         experiment.layout.processes.size() == 1 && !experiment::needs_music(experiment);
+         experiment.ros == experiment::Ros::none && !experiment::needs_music(experiment);
 }
 
 bool has_commands(const Experiment& experiment, const std::string& process) {
@@ -233,9 +233,17 @@ void LiveView::before_tick(TimeNs time, Changes& changes, const std::function<bo
     wait(time, stop);
   }
   for (const auto& [number, value] : feed_.changes()) {
-    experiment::Change change = parameters_[number];
-    change.value = value;
-    changes.make(change);
+    parameters_[number].value = value;
+    changes.make(parameters_[number]);
+  }
+}
+
+void LiveView::show(const experiment::Change& change) {
+  const auto known = std::ranges::find_if(parameters_, [&](const experiment::Change& each) {
+    return each.node == change.node && each.parameter == change.parameter;
+  });
+  if (known != parameters_.end()) {
+    feed_.set(static_cast<std::size_t>(known - parameters_.begin()), change.value);
   }
 }
 

@@ -50,6 +50,8 @@ class LiveView {
   /// Waits while the run is paused, or is faster than asked for, unless `stop`. Then parameters
   /// have the values that the view asks for.
   void before_tick(TimeNs time, Changes& changes, const std::function<bool()>& stop);
+  /// A parameter has another value, though the view did not ask for it.
+  void show(const experiment::Change& change);
   /// Every tick. @param now wall time
   void after_tick(const Progress& progress, TimeNs now);
   /// The run is over; its commands end.

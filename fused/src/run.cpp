@@ -108,7 +108,11 @@ class Loop {
     if (view_ != nullptr) {
       view_->before_tick(graph.time(), changes_, events_.stop);
     }
-    changes_.repeat();
+    changes_.repeat([this](const experiment::Change& change) {
+      if (view_ != nullptr) {
+        view_->show(change);
+      }
+    });
     pacer_->wait_until(graph.time());
     const TimeNs began = wall_now();
     transport_.begin(graph.time());

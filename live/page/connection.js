@@ -29,8 +29,9 @@ export class Connection {
     socket.onopen = () => {
       this.clear();
       this.state = "connected";
-      this.followed = new Set();
       this.handlers.opened();
+      // All, also those of processes that begin later.
+      this.send({ op: "subscribeParameterUpdates", parameterNames: [] });
       this.send({ op: "getParameters", parameterNames: [], id: "all" });
     };
     socket.onmessage = (event) => {
@@ -85,18 +86,9 @@ export class Connection {
         message.channelIds.forEach((id) => this.forget(id));
         this.handlers.unadvertised();
         break;
-      case "parameterValues": this.receiveParameters(message.parameters); break;
+      case "parameterValues": this.handlers.parameters(message.parameters); break;
       case "status": this.handlers.notice(message.level, message.message); break;
       default: break;
-    }
-  }
-
-  receiveParameters(parameters) {
-    this.handlers.parameters(parameters);
-    const names = parameters.map((each) => each.name).filter((name) => !this.followed.has(name));
-    if (names.length) {
-      names.forEach((name) => this.followed.add(name));
-      this.send({ op: "subscribeParameterUpdates", parameterNames: names });
     }
   }
 

@@ -43,15 +43,22 @@ export class Controls {
   }
 
   press() {
-    this.asked = performance.now();
-    this.sent = this.connection.setParameter("run.stop", true);
-    this.draw();
+    if (!this.model.summary().ended) {  // else it would stop the next run at this address
+      this.asked = performance.now();
+      this.ask();
+      this.draw();
+    }
   }
 
-  /// A STOP that could not be sent is sent as soon as there is a connection.
+  ask() {
+    this.askedLast = performance.now();
+    this.sent = this.connection.setParameter("run.stop", true);
+  }
+
+  /// A STOP without an answer is sent again as soon as there is a connection: it may have been lost on the way.
   connected() {
-    if (this.asked !== null && !this.sent) {
-      this.press();
+    if (this.asked !== null) {
+      this.ask();
     }
   }
 
@@ -104,6 +111,9 @@ export class Controls {
     this.release.hidden = !pressed || offline;
     let [state, text] = pressed ? ["pressed", "pressed"] : ["released", "released"];
     if (this.asked !== null && !pressed) {
+      if (!offline && performance.now() - this.askedLast > ANSWER_MS) {
+        this.ask();
+      }
       [state, text] = ["sending", performance.now() - this.asked > ANSWER_MS ? "no answer" : "sending …"];
     }
     if (offline) {

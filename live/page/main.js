@@ -26,10 +26,9 @@ const trajectory = new Trajectory();
 let dirty = true;  // something has changed since the last picture
 const touch = () => { dirty = true; };
 
-const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`, {
+const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`, {
   opened() {
     document.body.dataset.connection = "connected";
-    controls.connected();
     describe();
   },
   closed() {
@@ -79,6 +78,7 @@ const frames = [];  // times of the last pictures
 
 /// The server has told which run it serves. Another one begins with an empty page.
 function begin(info) {
+  const same = model.session === undefined || model.session === info.sessionId;
   if (model.session !== undefined && model.session !== info.sessionId) {
     model.reset();
     [trajectory, world, timePanel, pictures, controls].forEach((each) => each.reset());
@@ -94,6 +94,9 @@ function begin(info) {
   document.getElementById("experiment").textContent = experiment || info.name || "Spikeloop";
   document.getElementById("mode").textContent = sync ?? "";
   document.title = `${experiment || "run"} – Spikeloop`;
+  if (same) {
+    controls.connected();
+  }
 }
 
 /// Description of the run and its world; asked again until the run has written them.

@@ -27,6 +27,7 @@ std::unique_ptr<SharedFile> make_file(const std::string& path, std::size_t ring_
   const std::string unfinished = path + ".new";
   auto file = std::make_unique<SharedFile>(unfinished, ring_bytes);
   file->header().speed = about.pausable ? kFirstSpeed : 0;
+  file->header().seen_at = wall_now();
   file->add_text(
       json{{"process", about.process}, {"commands", about.commands}, {"pausable", about.pausable}}
           .dump() +
@@ -93,10 +94,11 @@ std::vector<std::pair<std::size_t, double>> Feed::changes() {
 
 void Feed::publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message) {
   const std::uint64_t size = kRecordWords + words_of(message.size());
+  Header& header = file_->header();
   if (size > file_->ring_words() / 2) {
+    header.left_out += message.size();
     return;
   }
-  Header& header = file_->header();
   const std::uint64_t begin = header.written.load(std::memory_order_relaxed);
   header.claimed.store(begin + size, std::memory_order_relaxed);
   // Whoever sees a word of this record also sees the claim.
@@ -123,8 +125,7 @@ bool Feed::stop_pressed() const {
 
 /// Nobody could end a pause when the view has gone.
 bool Feed::has_view() const {
-  const TimeNs seen_at = file_->header().seen_at.load();
-  return seen_at == 0 || wall_now() - seen_at < kPatience;
+  return wall_now() - file_->header().seen_at.load() < kPatience;
 }
 
 bool Feed::paused() const {
@@ -193,6 +194,10 @@ std::optional<FeedReader::Record> FeedReader::next() {
   position_ += size;
   return Record{static_cast<std::uint32_t>(head[0]), static_cast<TimeNs>(head[1]),
                 std::as_bytes(std::span(copy_)).first(bytes)};
+}
+
+std::uint64_t FeedReader::lost() const {
+  return lost_ + file_->header().left_out.load();
 }
 
 std::uint32_t FeedReader::beginnings() {

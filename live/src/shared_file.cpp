@@ -68,7 +68,8 @@ SharedFile::~SharedFile() {
 
 bool SharedFile::add_text(std::string_view line) {
   const std::uint64_t begin = header().text_bytes.load(std::memory_order_relaxed);
-  if (begin + line.size() > kTextBytes) {
+  full_ = full_ || begin + line.size() > kTextBytes;
+  if (full_) {
     return false;
   }
   std::memcpy(static_cast<char*>(memory_) + kHeaderBytes + begin, line.data(), line.size());

@@ -23,10 +23,11 @@ struct Header {
   std::atomic<std::uint64_t> claimed;
   std::atomic<std::uint64_t> written;
   std::atomic<std::uint64_t> text_bytes;
+  std::atomic<std::uint64_t> left_out;  // bytes of messages that are too large
   std::atomic<std::uint32_t> beginnings;
   std::atomic<std::uint64_t> begun_at;  // words, as `written`
   // By the view.
-  std::atomic<std::int64_t> seen_at;  // wall time; 0: not yet
+  std::atomic<std::int64_t> seen_at;  // wall time
   std::atomic<std::uint32_t> stop;
   std::atomic<std::uint32_t> paused;
   std::atomic<std::uint64_t> steps;
@@ -52,7 +53,7 @@ class SharedFile {
   const Header& header() const { return *static_cast<const Header*>(memory_); }
   std::size_t ring_words() const { return ring_words_; }
 
-  /// False when there is no room.
+  /// False when there is no room, then and later: lines are counted.
   bool add_text(std::string_view line);
   std::string_view text() const;
 
@@ -70,6 +71,7 @@ class SharedFile {
   void* memory_ = nullptr;
   std::size_t size_ = 0;
   std::size_t ring_words_ = 0;
+  bool full_ = false;  // no more text
 };
 
 }  // namespace spikeloop::live

@@ -82,6 +82,7 @@ TEST_F(FeedTest, AMessageOfMoreThanHalfTheRingIsLeftOut) {
   FeedReader reader = this->reader();
   feed_.publish(0, 0, bytes_of(1, kRing / 2));
   EXPECT_FALSE(reader.next());
+  EXPECT_EQ(reader.lost(), kRing / 2);
   feed_.publish(0, 0, bytes_of(2, kRing / 2 - 16));
   EXPECT_TRUE(reader.next());
 }

@@ -9,6 +9,7 @@ import unittest
 
 import browser
 import h5py
+import ros
 import viewing
 
 # 20 neurons at 1 Hz: spikes that can be told apart in the raster.
@@ -96,6 +97,28 @@ class Pages(unittest.TestCase):
         self.assertEqual(code, 130, printed)
         self.assertEqual(json.loads((self.folder / "run/summary.json").read_text())
                          ["counters"]["wheels.stops_stop_button"], 1)
+
+    def test_with_the_token_of_the_address_stop_can_be_released(self):
+        with viewing.Run(self.folder / "run", "--duration", "36000", "--live-host", "0.0.0.0") as job:
+            with browser.page(job.url.replace("0.0.0.0", "127.0.0.1")) as page:
+                page.until(lambda hook: hook.get("stop") == "released")
+                page.click("stop")
+                page.until(lambda hook: hook["stop"] == "pressed")
+                page.click("release")
+                page.until(lambda hook: hook["stop"] == "released")
+                page.click("pause")
+                page.until(lambda hook: hook["paused"])
+            job.interrupt()
+
+    def test_a_page_that_is_open_before_the_run_begins_has_the_button(self):
+        # A process begins seconds after the address is printed.
+        with ros.domain(), viewing.Run(self.folder / "run", "--ros", "2", "--sync", "realtime", "--duration", "600",
+                                       "--layout", "separate") as job:
+            with browser.page(job.url) as page:
+                page.until(lambda hook: hook.get("stop") == "released")
+                page.click("stop")
+                page.until(lambda hook: hook["stop"] == "pressed" and hook["banner"]["level"] == "error")
+            job.interrupt()
 
     def test_the_page_comes_back_when_the_network_was_gone(self):
         with viewing.Run(self.folder / "run", "--duration", "36000") as job, browser.page(job.url) as page:

@@ -82,7 +82,14 @@ class Sliders(unittest.TestCase):
         rows = (first / "changes.csv").read_text().splitlines()[1:]
         self.assertEqual(sorted(row.split(",")[1:] for row in rows),
                          [["encoder.rate_max", "20"], ["encoder.rate_min", "10"]])
-        again("run", first, self.folder / "second")
+        with viewing.Run(self.folder / "second", experiment=first) as job:
+            viewer = viewing.Viewer(job.socket_url(), STATUS)
+            viewer.until(lambda: STATUS in viewer.messages)
+            viewer.send(op="subscribeParameterUpdates", parameterNames=[])
+            viewer.until(lambda: viewer.parameters.get("encoder.rate_max") == 20)
+            viewer.set("run.speed", 0)
+            code, printed = job.end()
+        self.assertEqual(code, 0, printed)
         self.assertEqual(fingerprint(first), fingerprint(self.folder / "second"))
 
     def test_changes_of_a_layout_of_several_processes(self):

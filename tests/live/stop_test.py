@@ -53,6 +53,19 @@ class Stop(unittest.TestCase):
     def test_stop_over_ros_2(self):
         self.assertLess(self.stops("--sync", "realtime", "--ros", "2", "--duration", "600"), SECONDS)
 
+    def test_stop_before_the_run_has_begun(self):
+        with viewing.Run(self.folder / "run", "--sync", "realtime", "--ros", "2", "--layout", "separate",
+                         "--duration", "600") as job:
+            viewer = viewing.Viewer(job.socket_url(), STATUS, "/cmd_vel")
+            viewer.set("run.stop", True)  # no process is there yet
+            viewer.until(lambda: viewer.parameters.get("run.stop"))
+            pressed = "the robot is stopped: STOP is pressed in the live view"
+            viewer.until(lambda: any(pressed in str(message) for _, message in viewer.messages.get(STATUS, [])))
+            viewer.until(lambda: viewer.status()["simulated_s"] > 1)
+            self.assertEqual([text for _, text in viewer.messages.get("/cmd_vel", []) if any(text[-48:])], [])
+            self.assertEqual(viewer.statuses, [])
+            job.interrupt()
+
     def test_stop_of_a_layout_of_several_processes(self):
         self.assertLess(self.stops("--sync", "realtime", "--ros", "2", "--layout", "separate",
                                    "--duration", "600"), SECONDS)

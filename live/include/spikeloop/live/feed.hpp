@@ -25,6 +25,8 @@ namespace spikeloop::live {
 /// The environment variable with the folder of the files; unset: there is no live view.
 inline constexpr const char* kFolderVariable = "SPIKELOOP_LIVE";
 
+/// Of spikeloop-live: what control needs; unset: nothing.
+inline constexpr const char* kTokenVariable = "SPIKELOOP_LIVE_TOKEN";
 std::string folder_from_environment();  ///< empty: unset
 
 inline constexpr std::size_t kRingBytes = std::size_t{16} << 20;
@@ -75,7 +77,7 @@ class Feed {
   std::uint32_t add(const Channel& channel);
   /// Of changes(). False: there are too many.
   bool add(const Parameter& parameter);
-  /// Copies the message. Never waits. One of more than half the ring is left out.
+  /// Copies the message. Never waits. One of more than half the ring is left out, and counted.
   void publish(std::uint32_t channel, TimeNs simulated, std::span<const std::byte> message);
 
   /// A parameter has another value, though the view did not ask for it.
@@ -126,8 +128,8 @@ class FeedReader {
   };
   /// The next record; nothing: there is none yet.
   std::optional<Record> next();
-  /// Bytes that were overwritten before they were read.
-  std::uint64_t lost() const { return lost_; }
+  /// Bytes that were overwritten before they were read, or left out.
+  std::uint64_t lost() const;
 
   /// Counts Feed::begin_anew(); what was told before a new one is not read any more.
   std::uint32_t beginnings();
