@@ -12,10 +12,11 @@ export let LEFT = 40;  // left of the time axis, for ticks
 export let RIGHT = 102;  // and right of it, for legends
 export let TEXT = 11;  // height of text
 export let FONT = "";
+export let FACTOR = 1;  // by which everything is larger
 
 function scale() {
-  const factor = window.innerWidth >= WIDE ? 1.25 : 1;
-  [LABEL, LEFT, RIGHT, TEXT] = [128, 40, 102, 11].map((each) => Math.round(each * factor));
+  FACTOR = window.innerWidth >= WIDE ? 1.25 : 1;
+  [LABEL, LEFT, RIGHT, TEXT] = [128, 40, 102, 11].map((each) => Math.round(each * FACTOR));
   FONT = `${TEXT}px ${FAMILY}`;
 }
 scale();

@@ -41,7 +41,7 @@ export class Graph {
     this.compact = tallest > MOST_LOOSE;
     this.panel.style.height = this.compact ? `clamp(140px, ${Math.min(30, 6 + 4.5 * tallest)}vh, 330px)` : "";
     this.nodeHeight = this.compact ? 25 : 40;
-    const row = this.compact ? 34 : 58, widest = layers.map((names) =>
+    const row = this.compact ? 38 : 58, widest = layers.map((names) =>
       Math.max(...names.filter(isNode).map((name) => this.widthOf(name)), 0));
     const back = edges.some((edge) => edge.back);
     const height = (tallest - 1) * row + this.nodeHeight + 24 + (back ? 26 : 0);

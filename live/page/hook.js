@@ -18,7 +18,8 @@
 // paused, ended    of the run
 // latency          {median, p99, count} in ms, or null
 // messages         counts by topic
-// lost, leftOut    bytes that the server left out; messages that the page left out
+// lost, dropped    bytes that the server lost, messages that it left out for this page
+// leftOut          messages that the page left out
 // errors           texts
 // memoryBytes      of stored spikes, signals and rasters
 
@@ -57,6 +58,7 @@ export function exposeHook({ model, connection, timePanel, world, pictures, stat
     get latency() { return status.latency ?? null; },
     get messages() { return { ...model.messages }; },
     get lost() { return model.summary().lost; },
+    get dropped() { return model.summary().dropped; },
     get leftOut() { return model.leftOut; },
     get errors() { return [...model.errors]; },
     get memoryBytes() { return rasters().reduce((sum, each) => sum + each.bytes, model.bytes); },

@@ -107,6 +107,7 @@ async function describe() {
   const found = resolved?.robot ? await getJson("/run/world.json") : null;
   if (resolved || found) {
     model.describe(resolved ?? model.resolved, found ?? model.world);
+    setText(document.getElementById("mode"), model.resolved?.sync ?? "");
     for (const channel of connection.channels.values()) {
       model.classify(channel);
     }
@@ -142,7 +143,7 @@ function subscribe() {
   const camera = [...connection.channels.values()].find((each) => each.role === "picture");
   connection.update((channel) => {
     switch (channel.role) {
-      case "status": case "latency": return true;
+      case "status": case "view": case "latency": return true;
       case "output": return timePanel.shows(channel.output);
       case "scan": return first.get(channel.topic) === channel;
       case "picture": return channel === camera;

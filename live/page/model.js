@@ -32,6 +32,7 @@ export class Model {
     this.picture = null;
     this.messages = {};  // counts by topic
     this.errors = [];
+    this.losses = {};  // of the server: lost, bytes that it could not read in time; dropped, messages for this page
     this.leftOut = 0;  // messages that could not be read or drawn
     this.dataAt = null;  // when the newest data came (performance.now())
     this.timeline.reset();
@@ -61,6 +62,8 @@ export class Model {
     const schema = channel.schemaName.replace("/msg/", "/");
     if (channel.topic === "/spikeloop/status") {
       this.role(channel, "status", (seconds, bytes) => this.receiveStatus(JSON.parse(this.text.decode(bytes))));
+    } else if (channel.topic === "/spikeloop/view") {
+      this.role(channel, "view", (seconds, bytes) => { this.losses = JSON.parse(this.text.decode(bytes)); });
     } else if (schema === "spikeloop/Spikes") {
       this.spikes(channel, node, port);
     } else if (schema === "spikeloop/Signal") {
@@ -223,7 +226,8 @@ export class Model {
       simulated: all.length ? Math.max(...all.map((each) => each.simulated_s)) : NaN,
       factor: factors.length ? Math.min(...factors) : NaN,
       overruns: all.reduce((sum, each) => sum + (each.overruns ?? 0), 0),
-      lost: all.reduce((sum, each) => sum + (each.lost ?? 0), 0),
+      lost: this.losses.lost ?? 0,
+      dropped: this.losses.dropped ?? 0,
       paused: all.some((each) => each.paused),
       ended: all.length > 0 && all.every((each) => each.ended),
       commands: all.flatMap((each) => each.commands ?? []),

@@ -1,5 +1,6 @@
 // Which rows the timeline has: one for each population, and for each quantity of a signal.
 
+import { FACTOR } from "./axes.js";
 import { sensorFields } from "./fields.js";
 import { ranks } from "./layers.js";
 
@@ -27,7 +28,7 @@ export function makeRows(model) {
 
 function row(key, kind, output, more) {
   const [least, share] = HEIGHT[kind];
-  return { key, kind, output, least, share, priority: 3, ...more };
+  return { key, kind, output, least: least * FACTOR, share, priority: 3, ...more };
 }
 
 /// A row for each quantity, as lines of different units cannot share an axis.

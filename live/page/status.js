@@ -55,16 +55,18 @@ export class Status {
     this.age = model.dataAt === null ? NaN : (performance.now() - model.dataAt) / 1000;
     const old = this.age > OLD_S && !summary.paused && !summary.ended;
     this.number("age", age(this.age), old ? "warning" : "");
-    this.drawLost(summary.lost);
+    this.drawLost(summary);
   }
 
-  /// Bytes that the server left out, messages that the page left out.
-  drawLost(lost) {
+  /// Bytes that the server lost, messages that it or the page left out.
+  drawLost({ lost, dropped }) {
     const { leftOut, errors } = this.model;
-    const text = lost ? `${bytes(lost)}${leftOut ? ` + ${leftOut}` : ""}` : String(leftOut);
-    this.number("lost", text, lost || errors.length ? "warning" : "");
-    document.getElementById("lost-cell").title = [`The server left out ${lost.toLocaleString("en")} bytes for this view, ` +
-      `the page ${counted(leftOut, "message")}. The run itself loses nothing.`, ...errors].join("\n");
+    const messages = dropped + leftOut;
+    const text = lost ? `${bytes(lost)}${messages ? ` + ${messages}` : ""}` : String(messages);
+    this.number("lost", text, lost || dropped || errors.length ? "warning" : "");
+    document.getElementById("lost-cell").title = [`Lost before the server read it: ${bytes(lost)}`,
+      `Lost because this page was slow: ${counted(dropped, "message")}`, `Left out by the page: ${counted(leftOut, "message")}`,
+      "The run itself loses nothing.", ...errors].join("\n");
   }
 
   number(id, text, level = "") {
