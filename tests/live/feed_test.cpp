@@ -16,7 +16,9 @@ constexpr std::size_t kRing = 4096;
 
 std::vector<std::byte> bytes_of(std::uint64_t number, std::size_t size) {
   std::vector<std::byte> bytes(size, static_cast<std::byte>(number));
-  std::memcpy(bytes.data(), &number, std::min(size, sizeof(number)));
+  if (size != 0) {
+    std::memcpy(bytes.data(), &number, std::min(size, sizeof(number)));
+  }
   return bytes;
 }
 
