@@ -174,7 +174,8 @@ std::optional<FeedReader::Record> FeedReader::next() {
   const Header& header = file_->header();
   const std::uint64_t ring = file_->ring_words();
   const std::uint64_t written = header.written.load(std::memory_order_acquire);
-  if (position_ == written) {
+  // Viewers are told of a new begin before anything that comes behind it.
+  if (position_ == written || header.beginnings.load() != beginnings_) {
     return std::nullopt;
   }
   std::uint64_t head[kRecordWords];

@@ -158,6 +158,7 @@ TEST_F(FeedTest, WhatWasToldBeforeANewBeginIsNotRead) {
   feed_.publish(0, 1, bytes_of(1, 8));
   feed_.begin_anew();
   feed_.publish(0, 2, bytes_of(2, 8));
+  EXPECT_FALSE(reader.next()) << "viewers are to know of the begin first";
   EXPECT_EQ(reader.beginnings(), 1);
   const auto record = reader.next();
   ASSERT_TRUE(record);

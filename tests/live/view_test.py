@@ -76,7 +76,7 @@ class RecordedRuns(unittest.TestCase):
     def test_in_the_browser(self):
         with View(self.folder) as shown, browser.page(shown.url) as page:
             hook = page.until(lambda hook: hook.get("simulated_s", 0) > 0.5 and hook["pose"])
-            self.assertLess(abs(hook["pose"]["t"] - hook["simulated_s"]), 0.2)
+            self.assertLess(hook["pose"]["t"], hook["simulated_s"] + 0.1)  # not at the end of the path
             page.driver.execute_script(
                 "const bar = document.getElementById('slider-run.time'); bar.value = 9;"
                 "bar.dispatchEvent(new Event('input', {bubbles: true}));")

@@ -126,7 +126,7 @@ class FeedReader {
     TimeNs time = 0;
     std::span<const std::byte> message;  ///< valid until the next call
   };
-  /// The next record; nothing: there is none yet.
+  /// The next record; nothing: there is none yet, or beginnings() has to be asked first.
   std::optional<Record> next();
   /// Bytes that were overwritten before they were read, or left out.
   std::uint64_t lost() const;
