@@ -8,8 +8,6 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <cerrno>
-#include <filesystem>
 #include <map>
 #include <vector>
 
@@ -22,22 +20,7 @@
 namespace spikeloop::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
-
-/// In memory, where the system has a place for that.
-std::string make_folder() {
-  std::error_code error;
-  const fs::path memory("/dev/shm");
-  std::string name = ((fs::is_directory(memory, error) ? memory : fs::temp_directory_path()) /
-                      "spikeloop-live-XXXXXX")
-                         .string();
-  if (::mkdtemp(name.data()) == nullptr) {
-    throw FileError("make folder", name, errno);
-  }
-  return name;
-}
 
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
@@ -94,10 +77,9 @@ void add_address_options(CLI::App& command, LiveOptions& options) {
 }
 
 LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder,
-                       const std::string& name, bool recording)
-    : folder_{make_folder()} {
+                       const std::string& name, bool recording) {
   std::vector<std::string> words{own_directory() + "/spikeloop-live",
-                                 "--feeds=" + folder_.path,
+                                 "--feeds=" + folder_.path(),
                                  "--run=" + run_folder,
                                  "--name=" + name,
                                  "--host=" + options.host,
@@ -110,18 +92,13 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
     environment[live::kTokenVariable] = make_token();
   }
   server_.emplace(ProgramStart{
-      .arguments = words, .environment = environment, .directory = {}, .scratch = folder_.path});
+      .arguments = words, .environment = environment, .directory = {}, .scratch = folder_.path()});
   put(stderr, first_line(*server_));
-  ::setenv(live::kFolderVariable, folder_.path.c_str(), 1);
+  ::setenv(live::kFolderVariable, folder_.path().c_str(), 1);
 }
 
 LiveServer::~LiveServer() {
   server_->end();
-}
-
-LiveServer::Folder::~Folder() {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
 }
 
 }  // namespace spikeloop::app

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 
 namespace CLI {
@@ -35,12 +36,7 @@ class LiveServer {
   LiveServer& operator=(const LiveServer&) = delete;
 
  private:
-  struct Folder {
-    std::string path;
-    ~Folder();
-  };
-
-  Folder folder_;
+  ScratchFolder folder_;
   std::optional<ProcessTree> server_;
 };
 

@@ -1,5 +1,7 @@
 // The values of one signal over time: a ring of typed arrays.
 
+import { lastAtOrBefore } from "./search.js";
+
 const MOST_VALUES = 1 << 20;  // 4 MB a signal
 const MOST_ROWS = 1 << 14;
 export const MOST_CHANNELS = 256;  // stored; of more, means of neighbours
@@ -76,15 +78,6 @@ export class SignalStore {
 
   /// Index of the last row at or before `seconds`, which holds at that time; tail - 1 if there is none.
   find(seconds) {
-    let low = this.tail, high = this.head;
-    while (low < high) {
-      const middle = (low + high) >>> 1;
-      if (this.time(middle) <= seconds) {
-        low = middle + 1;
-      } else {
-        high = middle;
-      }
-    }
-    return low - 1;
+    return lastAtOrBefore(this, this.tail, this.head, seconds);
   }
 }

@@ -1,5 +1,7 @@
 // The robot's path: trajectory.csv, which grows while the robot moves, read piece by piece.
 
+import { lastAtOrBefore } from "./search.js";
+
 const POLL_MS = 100;
 const IDLE_MS = 2000;
 const MOST_ROWS = 200_000;
@@ -105,16 +107,7 @@ export class Trajectory {
 
   /// Last row at or before a time; -1 before the first one.
   find(seconds) {
-    let low = 0, high = this.count;
-    while (low < high) {
-      const middle = (low + high) >>> 1;
-      if (this.time(middle) <= seconds) {
-        low = middle + 1;
-      } else {
-        high = middle;
-      }
-    }
-    return low - 1;
+    return lastAtOrBefore(this, 0, this.count, seconds);
   }
 
   /// {t, x, y, theta} at a time, or null.
