@@ -298,9 +298,14 @@ TEST(CartPole, EndsWhenTheCartLeavesTheTrack) {
   const auto cart = make("cart_pole");
   for (const double lean : {-0.1, 0.1}) {
     cart->reset(1, 0);
-    const Outcome outcome = run(*cart, [&](auto state) { return balance(state, lean); });
+    double before = 0;
+    const Outcome outcome = run(*cart, [&](auto state) {
+      before = state[0];
+      return balance(state, lean);
+    });
     EXPECT_TRUE(outcome.terminated);
     EXPECT_FALSE(outcome.success);
+    EXPECT_LE(std::abs(before), 2.4);
     EXPECT_GT(lean > 0 ? cart->observation()[0] : -cart->observation()[0], 2.4);
     EXPECT_LT(std::abs(cart->observation()[2]), 0.2);
   }
