@@ -35,11 +35,11 @@ struct RunOptions {
   std::string sensor_topic(const std::string& name) const;
   RobotOptions robot() const {
     const auto dialect = ros == 2 ? messages::Dialect::ros2 : messages::Dialect::ros1;
-    return {vehicle,
-            model,
-            {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz},
-            spectators,
-            out};
+    return {.vehicle = vehicle,
+            .model = model,
+            .sensors = {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz},
+            .spectators = spectators,
+            .folder = out};
   }
   std::string command_topic_of(const CommandTopic& robot) const {
     return topic(command_topic.empty() ? robot.name() : command_topic);

@@ -70,8 +70,8 @@ std::string experiment_reference(const experiment::NodeTypes& types, bool markdo
       section("The file", "Top-level keys besides robot, plugins, nodes and connections.",
               parameter_text(experiment_parameters()), markdown);
   text += section("robot",
-                  "Robot that is simulated in this process, or a bag that replaces it: write  "
-                  "simulator  or  bag.",
+                  "Robot that is simulated in this process, or what replaces it: write  "
+                  "simulator, environment  or  bag.",
                   parameter_text(robot_parameters()), markdown);
   text +=
       section("nodes", "Keys of every node, beside  node  or  simulator  and those of its class.",

@@ -58,7 +58,46 @@ std::vector<ParameterDescription> experiment_parameters() {
                   .inner = {{.name = "node", .type = ParameterType::text}},
                   .example = "[encoder, decoder]"}},
        .example = "{vision: [camera], control: [encoder, decoder, wheels]}"},
+      {.name = "episodes",
+       .type = ParameterType::map,
+       .default_value = "",
+       .text = "Episodes of a task: when they end, what is between them, what reward is sent; not "
+               "given: an environment has its own, any other robot has none",
+       .inner = episode_parameters(),
+       .example = "{count: 50, pause: 400 ms}"},
   };
+}
+
+std::vector<ParameterDescription> episode_parameters() {
+  const auto reward = [](const char* name, const char* text) {
+    return ParameterDescription{.name = name, .unit = "1", .default_value = "", .text = text};
+  };
+  return {{.name = "count",
+           .type = ParameterType::integer,
+           .default_value = "",
+           .minimum = 1,
+           .text = "Number of episodes after which the run ends; not given: no limit"},
+          {.name = "time_limit",
+           .unit = "s",
+           .default_value = "",
+           .minimum = 1e-9,
+           .maximum = 9e9,
+           .text = "Simulated time after which an episode ends; not given: the limit of the "
+                   "environment, no limit for any other robot"},
+          {.name = "pause",
+           .unit = "s",
+           .default_value = "0",
+           .minimum = 0,
+           .maximum = 9e9,
+           .text = "Simulated time between two episodes, at least one step; the robot stands"},
+          reward("pause_observation",
+                 "Value of all numbers of an observation in a pause, e.g. 9999, so that no place "
+                 "cell is active; not given: the last observation"),
+          reward("begin_reward", "Reward that is sent before the first step; not given: 0"),
+          reward("end_reward",
+                 "Reward that is sent at the end of an episode and in the pause; not given: that "
+                 "of the last step"),
+          reward("failure_reward", "The same, only if the reward of the last step is 0")};
 }
 
 std::vector<ParameterDescription> robot_parameters() {
@@ -67,6 +106,22 @@ std::vector<ParameterDescription> robot_parameters() {
            .default_value = "",
            .choices = {"mujoco"},
            .text = "Simulator of the robot"},
+          {.name = "environment",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "Environment of reinforcement learning, which replaces the robot: "
+                   "cart_pole, frozen_lake, mountain_car or water_maze"},
+          {.name = "step",
+           .unit = "s",
+           .default_value = "",
+           .minimum = 1e-9,
+           .maximum = 1000,
+           .text = "Simulated time of a step of the environment, a whole number of ticks; not "
+                   "given: its own"},
+          {.name = "slippery",
+           .type = ParameterType::boolean,
+           .default_value = "false",
+           .text = "frozen_lake: two of three moves go to the side"},
           {.name = "world",
            .type = ParameterType::text,
            .default_value = "arena.xml",
@@ -89,7 +144,8 @@ std::vector<ParameterDescription> robot_parameters() {
            .type = ParameterType::integer,
            .default_value = "",
            .minimum = 0,
-           .text = "Seed of the obstacle positions; not given: seed of the experiment"},
+           .text = "Seed of obstacle positions and start states; not given: seed of the "
+                   "experiment"},
           {.name = "camera",
            .type = ParameterType::map,
            .default_value = "",

@@ -62,6 +62,32 @@ void check_name(const Parameters& keys, const std::string& name, Faults& faults)
   }
 }
 
+std::optional<double> number_of(const Parameters& keys, const char* name) {
+  return keys.given(name) ? std::optional(keys.number(name)) : std::nullopt;
+}
+
+void read_episodes(const Parameters& keys, Experiment& experiment, Faults& faults) {
+  if (!keys.given("episodes")) {
+    return;
+  }
+  const Parameters& read = keys.map("episodes");
+  faults.attempt(keys.where("episodes"), [&] {
+    Episodes episodes;
+    if (read.given("count")) {
+      episodes.count = static_cast<std::uint64_t>(read.integer("count"));
+    }
+    if (read.given("time_limit")) {
+      episodes.time_limit = from_seconds(read.number("time_limit"));
+    }
+    episodes.pause = from_seconds(read.number("pause"));
+    episodes.pause_observation = number_of(read, "pause_observation");
+    episodes.begin_reward = number_of(read, "begin_reward");
+    episodes.end_reward = number_of(read, "end_reward");
+    episodes.failure_reward = number_of(read, "failure_reward");
+    experiment.episodes = episodes;
+  });
+}
+
 void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& experiment,
                Faults& faults) {
   read_times(keys, experiment, faults);
@@ -72,6 +98,7 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
   experiment.sync = sync_named(keys.text("sync"));
   experiment.real_time_factor = keys.number("real_time_factor");
   experiment.ros = ros_named(keys.text("ros"));
+  read_episodes(keys, experiment, faults);
 }
 
 /// A fault in one key leaves the others' checks alone: its default stands in.
@@ -85,6 +112,25 @@ Parameters read_keys(const ExperimentFile& file, Experiment& experiment, Faults&
   }
   experiment.sync_where = where_of(file, "sync");
   return keys;
+}
+
+/// Only a robot in this process can begin anew.
+void check_episodes(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
+  if (!experiment.episodes) {
+    return;
+  }
+  const Location where = where_of(file, "episodes");
+  const auto& robot = experiment.robot;
+  if (!robot || robot->model || !robot->bag.empty() || experiment.ros != Ros::none) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': only the vehicle and environments have episodes, "
+                                "without ROS; leave it out, or write for example  robot: "
+                                "{environment: mountain_car}"));
+  } else if (experiment.episodes->pause_observation && !robot->environment) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': pause_observation is for an environment; leave it "
+                                "out"));
+  }
 }
 
 /// Ways to run that exclude each other.
@@ -211,6 +257,9 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     robot.width = bag_width(bag);
   }
   check_ways(experiment, all);
+  if (!overrides.replay) {
+    check_episodes(file, experiment, all);
+  }
   bool joined = file.joined;
   std::set<std::string> whole;
   const std::string directory = directory_of(experiment.origin);

@@ -30,31 +30,72 @@ std::optional<Camera> camera_of(const Parameters& robot) {
                 keys.number("fov")};
 }
 
-/// A robot is the vehicle in a world, or any other that a model describes.
-std::optional<RobotModel> model_of(const Parameters& keys, const std::string& directory,
-                                   Faults& faults) {
-  const bool model = keys.given("model");
-  for (const char* const key : {"keyframe", "rate"}) {
-    if (keys.given(key) && !model) {
-      faults.add(keys.where(key),
-                 with_code(Code::conflicting_keys,
-                           "robot: key '{}' is for a robot with  model: FILE; leave it out", key));
+void refuse(const Parameters& keys, std::initializer_list<const char*> names,
+            const std::string& reason, Faults& faults) {
+  for (const char* const name : names) {
+    if (keys.given(name)) {
+      faults.add(keys.where(name),
+                 with_code(Code::conflicting_keys, "robot: key '{}' {}", name, reason));
     }
   }
-  for (const char* const key : {"world", "seed"}) {
-    if (keys.given(key) && model) {
-      faults.add(keys.where(key),
-                 with_code(Code::conflicting_keys,
-                           "robot: key '{}' is for the vehicle, and 'model' replaces it; leave one "
-                           "of the two out",
-                           key));
+}
+
+/// A robot is the vehicle in a world, any other that a model describes, or an environment.
+void check_kind(const Parameters& keys, Faults& faults) {
+  if (keys.given("environment")) {
+    if (keys.text("environment") != "frozen_lake") {
+      refuse(keys, {"slippery"}, "is for frozen_lake; leave it out", faults);
     }
+    refuse(keys, {"simulator", "world", "model", "keyframe", "rate", "camera"},
+           "is for a robot in MuJoCo, and 'environment' replaces it; leave one of the two out",
+           faults);
+    return;
   }
-  if (!model) {
+  refuse(keys, {"step", "slippery"},
+         "is for an environment; leave it out, or write for example  environment: frozen_lake",
+         faults);
+  if (keys.given("model")) {
+    refuse(keys, {"world", "seed"},
+           "is for the vehicle, and 'model' replaces it; leave one of the two out", faults);
+  } else {
+    refuse(keys, {"keyframe", "rate"}, "is for a robot with  model: FILE; leave it out", faults);
+  }
+}
+
+std::optional<RobotModel> model_of(const Parameters& keys, const std::string& directory) {
+  if (!keys.given("model")) {
     return std::nullopt;
   }
   return RobotModel{beside(directory, keys.text("model")), keys.text("keyframe"),
                     keys.number("rate")};
+}
+
+std::optional<Environment> environment_of(const Parameters& keys) {
+  if (!keys.given("environment")) {
+    return std::nullopt;
+  }
+  Environment environment{keys.text("environment"), keys.boolean("slippery")};
+  if (keys.given("step")) {
+    environment.step = from_seconds(keys.number("step"));
+  }
+  return environment;
+}
+
+/// Its messages come at ticks, and it is stepped in this process.
+void check_environment(const Parameters& keys, const RobotView& view, const Experiment& experiment,
+                       Faults& faults) {
+  const Location& where = keys.where("environment");
+  if (experiment.ros != Ros::none) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "robot: an environment has no topics of ROS; leave  ros  out"));
+  }
+  if (view.step % experiment.tick != 0) {
+    faults.add(keys.given("step") ? keys.where("step") : where,
+               with_code(Code::off_grid,
+                         "robot: a step of the environment, {}, is not a whole number of ticks of "
+                         "{}; write another  step  or  tick",
+                         format_time(view.step), format_time(experiment.tick)));
+  }
 }
 
 }  // namespace
@@ -78,22 +119,33 @@ RobotView read_robot(const ExperimentFile& file, const Overrides& overrides,
     return {};
   }
   auto declared = robot_parameters();
-  declared.front().default_value.reset();  // one of simulator and bag must be there
+  auto& simulator = declared.front().default_value;
+  simulator.reset();  // one of simulator, environment and bag must be there
+  if (robot.keys.contains("environment")) {
+    simulator = "mujoco";
+  }
   const Parameters keys = resolve_keys(
       declared, {robot.keys, "robot", robot.where, robot.unread, robot.places}, {}, faults);
   const std::string directory = directory_of(experiment.origin);
   const bool own_seed = keys.given("seed");
+  check_kind(keys, faults);
   experiment.robot = {beside(directory, keys.text("world")),
                       own_seed ? static_cast<std::uint64_t>(keys.integer("seed")) : experiment.seed,
                       robot.where,
                       {},
                       camera_of(keys),
-                      model_of(keys, directory, faults)};
+                      model_of(keys, directory),
+                      environment_of(keys)};
   RobotView view;
   if (look_at_robot && faults.count() == before) {
-    const char* const key = keys.given("model") ? "model" : "world";
+    const char* const key = keys.given("environment") ? "environment"
+                            : keys.given("model")     ? "model"
+                                                      : "world";
     faults.attempt(keys.given(key) ? keys.where(key) : robot.where,
-                   [&] { view = look_at_robot(*experiment.robot, dialect_of(experiment.ros)); });
+                   [&] { view = look_at_robot(experiment); });
+  }
+  if (experiment.robot->environment) {
+    check_environment(keys, view, experiment, faults);
   }
   return view;
 }

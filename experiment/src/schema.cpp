@@ -275,6 +275,7 @@ std::string json_schema(const NodeTypes& types) {
   properties["robot"]["description"] =
       "Robot that is simulated in this process, or a bag that replaces it";
   properties["robot"]["oneOf"] = {{{"required", {"simulator"}}},
+                                  {{"required", {"environment"}}},
                                   {{"required", {"bag"}}, {"maxProperties", 1}}};
   properties["plugins"] = list_of({{"type", "string"}});
   properties["plugins"]["description"] =

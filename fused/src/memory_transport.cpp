@@ -1,26 +1,19 @@
 #include "memory_transport.hpp"
 
-#include "robot_options.hpp"
-#include "spikeloop/robot/files.hpp"
+#include <utility>
 
 namespace spikeloop::fused {
 
-MemoryTransport::MemoryTransport(const std::optional<experiment::Robot>& robot,
-                                 const std::string& folder,
-                                 const robot::SpectatorOptions& spectators) {
-  if (!robot) {
+MemoryTransport::MemoryTransport(std::unique_ptr<robot::Robot> robot) : robot_(std::move(robot)) {
+  if (!robot_) {
     return;
   }
-  robot::RobotOptions options = robot_options(*robot);
-  options.spectators = spectators;
-  options.folder = folder;
-  robot_.emplace(options);
   for (const robot::SensorTopic& topic : robot_->topics()) {
     publishers_.push_back(session_.publisher(topic.name, topic.type));
   }
-  const robot::CommandTopic& command = robot_->command_topic();
-  commands_ = session_.subscriber({.topic = "/" + command.name(),
-                                   .message_type = command.type(),
+  const robot::CommandDescription command = robot_->command_description();
+  commands_ = session_.subscriber({.topic = "/" + command.name,
+                                   .message_type = command.type,
                                    .take = [this](auto message) { robot_->command(message); }});
 }
 
@@ -45,10 +38,7 @@ void MemoryTransport::finish() {
 }
 
 nlohmann::json MemoryTransport::summary() const {
-  if (!robot_) {
-    return nlohmann::json::object();
-  }
-  return robot::summary_of(robot_->robot());
+  return robot_ ? robot_->summary() : nlohmann::json::object();
 }
 
 }  // namespace spikeloop::fused

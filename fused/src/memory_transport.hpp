@@ -2,35 +2,31 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "spikeloop/fused/transport.hpp"
-#include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/robot/robot.hpp"
 #include "spikeloop/topics/memory_session.hpp"
 
 namespace spikeloop::fused {
 
-/// Topics: those of robot::Sensors and robot::CommandTopic.
 class MemoryTransport : public Transport {
  public:
-  /// @param robot none: nothing is at the other end
-  /// @throws Error as robot::SteppedRobot; FileError when the folder cannot be written.
-  MemoryTransport(const std::optional<experiment::Robot>& robot, const std::string& folder,
-                  const robot::SpectatorOptions& spectators = {});
+  /// @param robot null: nothing is at the other end
+  explicit MemoryTransport(std::unique_ptr<robot::Robot> robot);
 
   topics::Session& session(const experiment::Node& /*node*/) override { return session_; }
   /// Publishes what has become due since the last call.
   void begin(TimeNs time) override;
   /// The robot advances to `time` on the command before; then the newest one holds.
   void end(TimeNs time) override;
+  bool over() const override { return robot_ && robot_->over(); }
   void finish() override;
   nlohmann::json summary() const override;
 
  private:
   topics::MemorySession session_;
-  std::optional<robot::SteppedRobot> robot_;
+  std::unique_ptr<robot::Robot> robot_;
   std::vector<std::unique_ptr<topics::RawPublisher>> publishers_;  ///< of its topics
   std::unique_ptr<topics::RawSubscriber> commands_;
 };

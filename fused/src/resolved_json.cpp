@@ -45,6 +45,11 @@ json connections_json(const experiment::Experiment& experiment) {
   return connections;
 }
 
+template <typename Value>
+json or_null(const std::optional<Value>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
 json robot_json(const experiment::Robot& robot) {
   if (!robot.bag.empty()) {
     return {{"bag", robot.bag}};
@@ -54,7 +59,24 @@ json robot_json(const experiment::Robot& robot) {
             {"keyframe", robot.model->keyframe},
             {"rate_hz", robot.model->rate_hz}};
   }
+  if (const auto& environment = robot.environment) {
+    json result{{"environment", environment->name},
+                {"slippery", environment->slippery},
+                {"seed", robot.seed}};
+    result["step_ns"] = or_null(environment->step);
+    return result;
+  }
   return {{"world", robot.world}, {"seed", robot.seed}};
+}
+
+json episodes_json(const experiment::Episodes& episodes) {
+  return {{"count", or_null(episodes.count)},
+          {"time_limit_ns", or_null(episodes.time_limit)},
+          {"pause_ns", episodes.pause},
+          {"pause_observation", or_null(episodes.pause_observation)},
+          {"begin_reward", or_null(episodes.begin_reward)},
+          {"end_reward", or_null(episodes.end_reward)},
+          {"failure_reward", or_null(episodes.failure_reward)}};
 }
 
 }  // namespace
@@ -92,7 +114,10 @@ json resolved_json(const experiment::Experiment& experiment) {
               {"layout", name_of(experiment.layout)},
               {"connections", connections_json(experiment)},
               {"settings", json::parse(to_text(experiment.settings))}};
-  result["duration_ns"] = experiment.duration ? json(*experiment.duration) : json(nullptr);
+  result["duration_ns"] = or_null(experiment.duration);
+  if (experiment.episodes) {
+    result["episodes"] = episodes_json(*experiment.episodes);
+  }
   if (experiment.robot) {
     result["robot"] = robot_json(*experiment.robot);
     if (const auto& camera = experiment.robot->camera) {

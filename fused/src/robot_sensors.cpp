@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "robot_options.hpp"
+#include "make_robot.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
@@ -48,27 +48,36 @@ void check_joints(const experiment::Node& sensor, messages::Dialect ros, const B
   }
 }
 
+std::vector<std::string> joints_of(const robot::Robot& robot) {
+  const auto* simulated = dynamic_cast<const robot::SteppedRobot*>(&robot);
+  return simulated == nullptr ? std::vector<std::string>{}
+                              : simulated->robot().joint_states().names;
+}
+
 }  // namespace
 
-experiment::RobotView look_at_robot(const experiment::Robot& described, messages::Dialect ros) {
-  robot::RobotOptions options = robot_options(described);
-  options.sensors.blind = true;
-  options.sensors.dialect = ros;
-  const auto robot = robot::make_robot(options.vehicle, options.model);
-  robot::Sensors sensors(*robot, options.sensors);
-  const robot::CommandTopic command(*robot, ros);
+experiment::RobotView look_at_robot(const experiment::Experiment& experiment) {
+  const messages::Dialect ros = experiment::dialect_of(experiment.ros);
+  const auto robot = make_robot(experiment, {.blind = true, .dialect = ros});
   experiment::RobotView view;
-  std::map<Topic, Bytes> messages;
-  for (std::size_t i = 0; i < sensors.topics().size(); ++i) {
-    const robot::SensorTopic& topic = sensors.topics()[i];
-    const auto message = sensors.write(i, *robot);
-    messages[{whole(topic.name), topic.type}] = {message.begin(), message.end()};
+  for (const robot::SensorTopic& topic : robot->topics()) {
     view.topics.push_back({whole(topic.name), topic.type});
   }
-  if (!command.fields().empty()) {
-    view.topics.push_back({whole(command.name()), command.type(), command.fields()});
+  std::map<Topic, Bytes> messages;
+  robot->publish(
+      0, [](std::size_t) { return true; },
+      [&](std::size_t index, std::span<const std::byte> message) {
+        const experiment::RobotTopic& topic = view.topics[index];
+        messages[{topic.name, topic.message}] = {message.begin(), message.end()};
+      });
+  const robot::CommandDescription command = robot->command_description();
+  if (!command.fields.empty()) {
+    view.topics.push_back({whole(command.name), command.type, command.fields});
   }
-  view.width = [messages, ros, joints = robot->joint_states().names](
+  if (const auto* environment = dynamic_cast<const robot::EnvironmentRobot*>(robot.get())) {
+    view.step = environment->step();
+  }
+  view.width = [messages, ros, joints = joints_of(*robot)](
                    const experiment::Node& sensor) -> std::optional<std::uint32_t> {
     const Parameters& keys = sensor.parameters;
     const auto message = messages.find({keys.text("topic"), keys.text("message")});

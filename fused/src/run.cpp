@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <map>
 
 #include "assembly.hpp"
 #include "bag_transport.hpp"
 #include "changes.hpp"
 #include "live_view.hpp"
+#include "make_robot.hpp"
 #include "memory_transport.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/files_read.hpp"
@@ -102,7 +102,7 @@ class Loop {
     if (!begun_) {
       begin();
     }
-    if (graph.time() >= experiment_.duration.value_or(std::numeric_limits<TimeNs>::max())) {
+    if (graph.time() >= experiment_.duration.value_or(kNever) || transport_.over()) {
       return false;
     }
     if (view_ != nullptr) {
@@ -330,7 +330,9 @@ std::unique_ptr<Transport> make_transport(const Experiment& experiment, const Ru
   if (robot && !robot->bag.empty()) {
     return std::make_unique<BagTransport>(robot->bag);
   }
-  return std::make_unique<MemoryTransport>(robot, options.folder, options.spectators);
+  return std::make_unique<MemoryTransport>(
+      robot ? make_robot(experiment, {.folder = options.folder, .spectators = options.spectators})
+            : nullptr);
 }
 
 struct Run::Impl {

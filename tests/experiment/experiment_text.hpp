@@ -86,7 +86,8 @@ struct Read {
 };
 
 /// Topics of the vehicle in a world without lamps, or of an arm with two motors; no widths.
-inline experiment::RobotView view_of(const experiment::Robot& robot, messages::Dialect /*ros*/) {
+inline experiment::RobotView view_of(const experiment::Experiment& experiment) {
+  const experiment::Robot& robot = *experiment.robot;
   if (robot.model) {
     return {.topics = {{"/joint_states", "sensor_msgs/JointState"},
                        {"/sensors/tip", "std_msgs/Float64MultiArray"},

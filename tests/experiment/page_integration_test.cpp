@@ -178,8 +178,8 @@ TEST(DescribeExperiment, ShowsTheFilesKeys) {
   const Outcome outcome = spikeloop({"describe", "--experiment"}, directory);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\n  tick "));
-  EXPECT_THAT(outcome.out, HasSubstr("\nrobot: Robot that is simulated in this process, or a bag "
-                                     "that replaces it: write  simulator  or  bag.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nrobot: Robot that is simulated in this process, or what "
+                                     "replaces it: write  simulator, environment  or  bag.\n"));
   EXPECT_EQ(spikeloop({"describe", "connect", "--experiment"}, directory).exit_code, 2);
 }
 

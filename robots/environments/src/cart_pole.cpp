@@ -25,7 +25,8 @@ class CartPole final : public Base<4> {
               .action = {{"push", 0, 1}},
               .actions = 2,
               .step = kNsPerSecond / 50,
-              .max_steps = 500}) {}
+              .max_steps = 500,
+              .lasts = true}) {}
 
  private:
   static constexpr double kGravity = 9.8;

@@ -5,7 +5,6 @@
 #include <mujoco/mujoco.h>
 
 #include <cerrno>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -54,23 +53,10 @@ nlohmann::json lamps_of(const mjModel& model, const mjData& data) {
   return lamps;
 }
 
-/// Boxes "goal_*" on the floor, seen from above.
-nlohmann::json goals_of(const mjModel& model, const mjData& data) {
-  nlohmann::json goals = nlohmann::json::array();
-  for (int geom = 0; geom < model.ngeom; ++geom) {
-    const std::string name = model.names + model.name_geomadr[geom];
-    if (name.starts_with("goal_") && model.geom_type[geom] == mjGEOM_BOX) {
-      const mjtNum* at = data.geom_xpos + 3 * geom;
-      const mjtNum* axes = data.geom_xmat + 9 * geom;
-      goals.push_back(describe({.name = name,
-                                .x_m = at[0],
-                                .y_m = at[1],
-                                .theta_rad = std::atan2(axes[3], axes[0]),
-                                .half_x_m = model.geom_size[3 * geom],
-                                .half_y_m = model.geom_size[3 * geom + 1]}));
-    }
-  }
-  return goals;
+nlohmann::json describe(const std::vector<vehicle::Obstacle>& footprints) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const vehicle::Obstacle& footprint : footprints) all.push_back(describe(footprint));
+  return all;
 }
 
 }  // namespace
@@ -125,10 +111,9 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
         {"angle_min_rad", scan.angle_min_rad},
         {"angle_increment_rad", scan.angle_increment_rad}}},
       {"lamps", lamps_of(vehicle.model(), vehicle.data())},
-      {"goals", goals_of(vehicle.model(), vehicle.data())},
-      {"obstacles", nlohmann::json::array()}};
+      {"goals", describe(vehicle.goals())},
+      {"obstacles", describe(vehicle.obstacles())}};
   if (vehicle.cue_place() > 0) world["cue_place"] = vehicle.cue_place();
-  for (const auto& obstacle : vehicle.obstacles()) world["obstacles"].push_back(describe(obstacle));
   write_file(in_directory(directory, "world.json"), world.dump(2) + "\n");
 }
 

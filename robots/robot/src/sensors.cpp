@@ -51,6 +51,13 @@ class Sensors::Impl {
     return writers_[index](robot);
   }
 
+  void add_numbers(const std::string& name, TimeNs period,
+                   std::function<std::vector<double>()> numbers) {
+    add(name, kNumbersType, period,
+        [message = std::make_shared<NumbersMessage>(dialect_), numbers = std::move(numbers)](
+            const Simulation&) -> Bytes { return message->write(numbers()); });
+  }
+
   bool due(std::size_t index, TimeNs time) {
     if (time < next_[index]) return false;
     const TimeNs period = topics_[index].period;
@@ -175,6 +182,10 @@ Sensors& Sensors::operator=(Sensors&&) noexcept = default;
 
 const std::vector<SensorTopic>& Sensors::topics() const {
   return impl_->topics();
+}
+void Sensors::add_numbers(const std::string& name, TimeNs period,
+                          std::function<std::vector<double>()> numbers) {
+  impl_->add_numbers(name, period, std::move(numbers));
 }
 std::span<const std::byte> Sensors::write(std::size_t index, const Simulation& robot) {
   return impl_->write(index, robot);

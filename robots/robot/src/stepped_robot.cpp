@@ -1,14 +1,36 @@
 #include "spikeloop/robot/stepped_robot.hpp"
 
 #include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/core/random.hpp"
 
 namespace spikeloop::robot {
 namespace {
 
-constexpr TimeNs kRowPeriod = 20'000'000;  // of the trajectory
+constexpr TimeNs kRowPeriod = 20'000'000;  // of the trajectory, and of a step of a task
 
 TimeNs next_row(TimeNs time) {
   return (time / kRowPeriod + 1) * kRowPeriod;
+}
+
+/// Of an episode's world; that of the first one is the run's own.
+std::uint64_t seed_of(std::uint64_t run, std::uint64_t episode) {
+  return episode == 1 ? run : RandomStream(run, "episode").bits(0, episode);
+}
+
+/// In a world with a cue, goal i belongs to place i of the cue. +1 for the right goal, -1 for
+/// another.
+StepResult result_of(const vehicle::Vehicle& vehicle) {
+  const vehicle::Pose pose = vehicle.pose();
+  const auto& goals = vehicle.goals();
+  const auto goal = std::ranges::find_if(goals, [&](const vehicle::Obstacle& candidate) {
+    return candidate.distance_m(pose.x_m, pose.y_m) == 0;
+  });
+  if (goal == goals.end()) return {};
+  const bool right = vehicle.cue_place() == 0 || goal - goals.begin() == vehicle.cue_place() - 1;
+  return {right ? 1.0 : -1.0, true, right};
 }
 
 /// Films see by the camera that is a sensor.
@@ -30,12 +52,41 @@ std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
 
 SteppedRobot::SteppedRobot(const RobotOptions& options)
     : robot_(make_robot(options.vehicle, options.model)),
+      seed_(options.vehicle.seed),
       sensors_(*robot_, options.sensors),
       spectators_(*robot_, spectators_of(options)),
       command_topic_(*robot_, options.sensors.dialect) {
   if (!options.folder.empty() && robot_->vehicle() != nullptr) {
     write_world(options.folder, *robot_->vehicle(), options.vehicle.seed);
     trajectory_.emplace(options.folder);
+  }
+  if (options.episodes) {
+    episodes_.emplace(*options.episodes, options.folder);
+    episodes_->begin(0);
+    sensors_.add_numbers("reward", kRowPeriod,
+                         [this] { return std::vector{episodes_->told_reward()}; });
+    sensors_.add_numbers("episode", kRowPeriod, [this] { return episodes_->state(); });
+  }
+}
+
+CommandDescription SteppedRobot::command_description() const {
+  return {command_topic_.name(), command_topic_.type(), command_topic_.fields()};
+}
+
+nlohmann::json SteppedRobot::summary() const {
+  nlohmann::json summary = summary_of(*robot_);
+  if (episodes_) summary.update(episodes_->summary());
+  return summary;
+}
+
+void SteppedRobot::look_at_goals() {
+  const TimeNs now = robot_->time();
+  if (episodes_->running()) {
+    episodes_->step(now, result_of(vehicle()));
+    if (!episodes_->running()) act(std::array{0.0, 0.0});
+  } else if (episodes_->waits_for_begin(now)) {
+    episodes_->begin(now);
+    vehicle().reset(seed_of(seed_, episodes_->number()));
   }
 }
 
@@ -60,14 +111,16 @@ void SteppedRobot::advance(TimeNs time) {
     robot_->step(next - now);
     spectators_.look(*robot_);
     now = next;
+    if (episodes_ && now % kRowPeriod == 0) look_at_goals();
   }
-  if (command_) {
+  if (command_ && (!episodes_ || episodes_->running())) {
     act(*command_);
     command_.reset();
   }
 }
 
 void SteppedRobot::finish() {
+  if (episodes_) episodes_->finish();
   if (trajectory_) {
     write_row();
     trajectory_->close();

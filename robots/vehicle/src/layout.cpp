@@ -269,6 +269,24 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
   return footprints;
 }
 
+std::vector<Obstacle> find_goals(const mjModel& model, const mjData& data) {
+  std::vector<Obstacle> goals;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const std::string name = model.names + model.name_geomadr[geom];
+    if (name.starts_with("goal_") && model.geom_type[geom] == mjGEOM_BOX) {
+      const mjtNum* at = data.geom_xpos + 3 * geom;
+      const mjtNum* axes = data.geom_xmat + 9 * geom;
+      goals.push_back({.name = name,
+                       .x_m = at[0],
+                       .y_m = at[1],
+                       .theta_rad = std::atan2(axes[3], axes[0]),
+                       .half_x_m = model.geom_size[3 * geom],
+                       .half_y_m = model.geom_size[3 * geom + 1]});
+    }
+  }
+  return goals;
+}
+
 int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed) {
   const int cue = mj_name2id(&model, mjOBJ_BODY, "cue");
   if (cue < 0) return 0;

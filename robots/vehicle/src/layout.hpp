@@ -19,6 +19,9 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
 /// @throws ConfigurationError: a cue without places, or one that is not a mocap body.
 int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed);
 
+/// The boxes `goal_*` on the floor, seen from above, where mj_forward() has put them.
+std::vector<Obstacle> find_goals(const mjModel& model, const mjData& data);
+
 /// Reads numeric `arena`.
 Arena read_arena(const Names& names);
 

@@ -147,6 +147,7 @@ class Simulation::Impl {
  public:
   Impl(const ModelOptions& options, double longest_timestep)
       : path_(find_world(options.file)),
+        keyframe_(options.keyframe),
         model_(load_model(path_)),
         timestep_(read_timestep(*model_, path_, longest_timestep)),
         data_(mj_makeData(model_.get())),
@@ -155,7 +156,15 @@ class Simulation::Impl {
         sensors_(find_sensors(*model_)),
         units_(find_inertial_units(*model_)),
         joints_(names_for_all(*model_, mjOBJ_JOINT, model_->njnt, "joint")) {
-    start_from(options.keyframe, *model_, path_, *data_);
+    start_from(keyframe_, *model_, path_, *data_);
+  }
+
+  void reset() {
+    mj_resetData(model_.get(), data_.get());
+    start_from(keyframe_, *model_, path_, *data_);
+    waiting_.clear();
+    measured_ = -1;
+    physics_time_ = time_;
   }
 
   void require_stable() const {
@@ -229,6 +238,7 @@ class Simulation::Impl {
   }
 
   std::string path_;
+  std::string keyframe_;
   ModelPointer model_;
   TimeNs timestep_;
   DataPointer data_;
@@ -261,6 +271,10 @@ void Simulation::step(TimeNs dt) {
     impl_->require_stable();
     after_physics(impl_->physics_time_);
   }
+}
+
+void Simulation::reset() {
+  impl_->reset();
 }
 
 TimeNs Simulation::time() const {

@@ -67,6 +67,7 @@ class Vehicle::Impl {
         cue_place_(place_cue(*model_, *data_, names_, seed)),
         coverage_(arena_, obstacles_, parts_.radius_m) {
     mj_forward(model_, data_);
+    goals_ = find_goals(*model_, *data_);
     inertia_.look(*data_, parts_);
     visit_here();
   }
@@ -126,11 +127,11 @@ class Vehicle::Impl {
     return mount_of(model_->cam_pos + 3 * camera, optical);
   }
 
-  Statistics statistics(TimeNs time) const {
+  /// Since it was made: the mean speed is not known here.
+  Statistics statistics() const {
     Statistics result;
     result.collisions = collisions_.count();
     result.distance_m = distance_m_;
-    result.mean_speed_m_s = time > 0 ? distance_m_ / to_seconds(time) : 0;
     result.free_cells = coverage_.free_cells();
     result.visited_cells = coverage_.visited_cells();
     result.coverage = result.free_cells == 0 ? 0
@@ -145,6 +146,7 @@ class Vehicle::Impl {
   const Arena& arena() const { return arena_; }
   const Parts& parts() const { return parts_; }
   int cue_place() const { return cue_place_; }
+  const std::vector<Obstacle>& goals() const { return goals_; }
 
   void turn_wheels() {
     before_ = pose();
@@ -199,6 +201,7 @@ class Vehicle::Impl {
   Inertia inertia_;
   Arena arena_;
   std::vector<Obstacle> obstacles_;
+  std::vector<Obstacle> goals_;
   int cue_place_ = 0;
   Coverage coverage_;
   Collisions collisions_;
@@ -216,6 +219,12 @@ Vehicle::Vehicle(const Options& options)
     : Simulation({options.world}, kLongestTimestep),
       impl_(std::make_unique<Impl>(own_model(), own_data(), timestep(), world(), options.seed)) {}
 Vehicle::~Vehicle() = default;
+
+void Vehicle::reset(std::uint64_t seed) {
+  before_reset_ = statistics();
+  Simulation::reset();
+  impl_ = std::make_unique<Impl>(own_model(), own_data(), timestep(), world(), seed);
+}
 
 void Vehicle::command(double linear_m_s, double angular_rad_s) {
   impl_->command(linear_m_s, angular_rad_s);
@@ -251,7 +260,13 @@ Pose Vehicle::pose() const {
   return impl_->pose();
 }
 Statistics Vehicle::statistics() const {
-  return impl_->statistics(time());
+  Statistics all = impl_->statistics();
+  all.collisions += before_reset_.collisions;
+  all.distance_m += before_reset_.distance_m;
+  all.invalid_commands += before_reset_.invalid_commands;
+  all.clamped_commands += before_reset_.clamped_commands;
+  all.mean_speed_m_s = time() > 0 ? all.distance_m / to_seconds(time()) : 0;
+  return all;
 }
 const std::vector<Obstacle>& Vehicle::obstacles() const {
   return impl_->obstacles();
@@ -267,6 +282,9 @@ double Vehicle::half_effective_track_m() const {
 }
 int Vehicle::cue_place() const {
   return impl_->cue_place();
+}
+const std::vector<Obstacle>& Vehicle::goals() const {
+  return impl_->goals();
 }
 
 }  // namespace spikeloop::vehicle

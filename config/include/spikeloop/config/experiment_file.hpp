@@ -86,6 +86,8 @@ std::vector<ParameterDescription> experiment_parameters();
 std::vector<std::string> experiment_keys();
 /// Those of `robot`, and of a connection that is written as a map. An empty default: none.
 std::vector<ParameterDescription> robot_parameters();
+/// Those of the map  episodes.
+std::vector<ParameterDescription> episode_parameters();
 /// Those of the map  camera  in `robot`.
 std::vector<ParameterDescription> camera_parameters();
 std::vector<ParameterDescription> connection_parameters();

@@ -97,13 +97,32 @@ struct RobotModel {
   double rate_hz = 100;  ///< of joint states and sensors
 };
 
+/// An environment of reinforcement learning.
+struct Environment {
+  std::string name;
+  bool slippery = false;
+  std::optional<TimeNs> step{};  ///< none: its own
+};
+
+/// Episodes of a task; none of a value: that of the environment, or as the key says.
+struct Episodes {
+  std::optional<std::uint64_t> count{};
+  std::optional<TimeNs> time_limit{};
+  TimeNs pause = 0;
+  std::optional<double> pause_observation{};
+  std::optional<double> begin_reward{};
+  std::optional<double> end_reward{};
+  std::optional<double> failure_reward{};
+};
+
 struct Robot {
   std::string world = "arena.xml";
   std::uint64_t seed = 1;
   Location where;
   std::string bag{};  ///< whose messages stand in the robot's place; empty: it is simulated
   std::optional<Camera> camera{};
-  std::optional<RobotModel> model{};  ///< in the vehicle's place
+  std::optional<RobotModel> model{};         ///< in the vehicle's place
+  std::optional<Environment> environment{};  ///< in the robot's place
 };
 
 /// The nodes that share a process.
@@ -134,6 +153,7 @@ struct Experiment {
   messages::Dialect dialect = messages::Dialect::ros1;  ///< of all messages
   Layout layout{};
   std::optional<Robot> robot;
+  std::optional<Episodes> episodes;
   std::vector<Node> nodes;              ///< in the file's order
   std::vector<Connection> connections;  ///< in the file's order
   std::vector<Output> outputs;
@@ -180,9 +200,11 @@ struct RobotTopic {
 struct RobotView {
   std::vector<RobotTopic> topics{};  ///< none: not known
   SensorWidth width{};               ///< empty: not known
+  TimeNs step = 0;                   ///< of an environment, in which it advances
 };
-/// Of the robot that speaks this ROS. @throws Error when there is no such robot.
-using LookAtRobot = std::function<RobotView(const Robot&, messages::Dialect)>;
+/// Of an experiment whose robot, episodes and ROS have been read. @throws Error when there is no
+/// such robot.
+using LookAtRobot = std::function<RobotView(const Experiment&)>;
 
 /// Checks everything that can be known before the start: keys, units, bounds, files, widths along
 /// every connection, cycles without delay, nodes without connection, what this version does not

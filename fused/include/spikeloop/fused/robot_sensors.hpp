@@ -5,9 +5,8 @@
 
 namespace spikeloop::fused {
 
-/// Makes the robot once: its topics, and the numbers of values of its messages.
-/// @param ros whose messages they are
-/// @throws Error as robot::make_robot: no such file, or one that cannot be used.
-experiment::RobotView look_at_robot(const experiment::Robot& robot, messages::Dialect ros);
+/// Makes the experiment's robot once: its topics, and the numbers of values of its messages.
+/// @throws Error as robot::SteppedRobot: no such file, or one that cannot be used.
+experiment::RobotView look_at_robot(const experiment::Experiment& experiment);
 
 }  // namespace spikeloop::fused

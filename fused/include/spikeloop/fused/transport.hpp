@@ -38,6 +38,8 @@ class Transport {
   virtual void begin(TimeNs /*time*/) {}
   /// The graph has stepped to `time`.
   virtual void end(TimeNs /*time*/) {}
+  /// The robot has done all of its episodes.
+  virtual bool over() const { return false; }
   /// Nothing more comes; files are closed.
   virtual void finish() {}
   /// collisions, distance_m, ... of a robot that it knows.

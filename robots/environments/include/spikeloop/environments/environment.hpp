@@ -31,14 +31,15 @@ struct Description {
   /// Discrete: the action is a whole number 0 .. actions - 1. Continuous: 0.
   std::uint32_t actions = 0;
   TimeNs step = 0;  ///< default of the simulated time of a step
-  std::uint64_t max_steps =
-      0;  ///< steps after which the caller ends an episode: Gymnasium's time limit
+  /// Steps after which the caller ends an episode: Gymnasium's time limit.
+  std::uint64_t max_steps = 0;
+  bool lasts = false;  ///< success is an episode that lasts until its time limit
 };
 
 struct Outcome {
   double reward = 0;
   bool terminated = false;  ///< the episode is over, before max_steps
-  /// The goal was reached. Never set by cart_pole, whose goal is an episode of max_steps.
+  /// The goal was reached. Never where Description::lasts.
   bool success = false;
 };
 

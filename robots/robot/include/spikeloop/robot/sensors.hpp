@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,6 +62,9 @@ class Sensors {
   Sensors& operator=(Sensors&&) noexcept;
 
   const std::vector<SensorTopic>& topics() const;
+  /// Adds a std_msgs/Float64MultiArray of what `numbers` returns.
+  void add_numbers(const std::string& name, TimeNs period,
+                   std::function<std::vector<double>()> numbers);
   /// The message of a topic as things are now. Holds until its next one.
   /// @param index in topics()
   std::span<const std::byte> write(std::size_t index, const vehicle::Simulation& robot);

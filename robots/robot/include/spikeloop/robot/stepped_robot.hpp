@@ -1,15 +1,16 @@
-// The robot for whoever advances it: with its messages, when they are due.
+// The robot in MuJoCo: with its messages, when they are due.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "spikeloop/pictures/film.hpp"
 #include "spikeloop/robot/command_topic.hpp"
+#include "spikeloop/robot/episodes.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/messages.hpp"
+#include "spikeloop/robot/robot.hpp"
 #include "spikeloop/robot/sensors.hpp"
 #include "spikeloop/robot/spectators.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
@@ -22,7 +23,10 @@ struct RobotOptions {
   std::optional<vehicle::ModelOptions> model{};
   SensorOptions sensors{};
   SpectatorOptions spectators{};
-  /// Where the vehicle's trajectory.csv and world.json are written; empty: nowhere.
+  /// Of the vehicle: an episode ends in a goal of the world. It has two more topics, `reward` and
+  /// `episode`, of std_msgs/Float64MultiArray, every 20 ms.
+  std::optional<EpisodeSettings> episodes{};
+  /// Where the vehicle's trajectory.csv, world.json and episodes.csv are written; empty: nowhere.
   std::string folder{};
 };
 
@@ -30,41 +34,44 @@ struct RobotOptions {
 std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
                                                 const std::optional<vehicle::ModelOptions>& model);
 
-/// Begins at time 0. Only what it is told decides what it does: the same calls give the same bytes.
-class SteppedRobot {
+class SteppedRobot : public Robot {
  public:
-  /// Whether somebody wants the messages of a topic; the others are not made.
-  using Wanted = std::function<bool(std::size_t topic)>;
-  using Publish = std::function<void(std::size_t topic, std::span<const std::byte> message)>;
-
   /// @throws Error as make_robot, Sensors, Spectators; FileError when the folder cannot be
   /// written.
   explicit SteppedRobot(const RobotOptions& options);
 
-  const std::vector<SensorTopic>& topics() const { return sensors_.topics(); }
+  const std::vector<SensorTopic>& topics() const override { return sensors_.topics(); }
   const CommandTopic& command_topic() const { return command_topic_; }
-  /// The messages that have become due since the last call, each topic's at most once: as things
-  /// are now, at `time`.
-  void publish(TimeNs time, const Wanted& wanted, const Publish& publish);
+  CommandDescription command_description() const override;
+  void publish(TimeNs time, const Wanted& wanted, const Publish& publish) override;
   /// A command, as command_topic() reads it, that holds from now on.
   void act(std::span<const double> command) { robot_->command(command); }
-  /// A message of command_topic(): the newest one holds when the next advance is over.
-  void command(std::span<const std::byte> message) { command_ = command_topic_.read(message); }
-  /// Advances to `time` on the command before; from there on the newest one holds.
-  void advance(TimeNs time);
+  void command(std::span<const std::byte> message) override {
+    command_ = command_topic_.read(message);
+  }
+  void advance(TimeNs time) override;
   /// Ends the trajectory and the film. @throws FileError.
-  void finish();
+  void finish() override;
+  bool over() const override { return episodes_ && episodes_->over(); }
+  nlohmann::json summary() const override;
 
   TimeNs time() const { return robot_->time(); }
   const vehicle::Simulation& robot() const { return *robot_; }
 
  private:
   void write_row();
+  /// An episode may end, or begin, now.
+  void look_at_goals();
+
+  /// The vehicle of a robot with episodes.
+  vehicle::Vehicle& vehicle() { return static_cast<vehicle::Vehicle&>(*robot_); }
 
   std::unique_ptr<vehicle::Simulation> robot_;
+  std::uint64_t seed_;
   Sensors sensors_;
   Spectators spectators_;
   std::optional<TrajectoryFile> trajectory_;
+  std::optional<Episodes> episodes_;
   CommandTopic command_topic_;
   std::optional<std::vector<double>> command_;
 };

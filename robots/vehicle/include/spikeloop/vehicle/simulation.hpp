@@ -102,6 +102,9 @@ class Simulation {
   virtual void before_physics() {}
   virtual void after_physics(TimeNs /*end*/) {}
 
+  /// Back to the state of the beginning; time goes on.
+  void reset();
+
   mjModel_& own_model();
   mjData_& own_data();
   TimeNs timestep() const;

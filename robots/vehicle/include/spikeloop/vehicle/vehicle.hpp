@@ -45,7 +45,7 @@ struct Odometry {
   double angular_z_rad_s = 0;
 };
 
-/// Totals since the start.
+/// Totals since the start; those of the coverage since the last reset.
 struct Statistics {
   /// Contact episodes of the body or the wheels with one wall or obstacle; an episode ends when
   /// they have not touched for 0.5 s.
@@ -111,6 +111,7 @@ struct Options {
 ///     holds one does not stand in its light. The sites `light_left` and `light_right` on the
 ///     vehicle are the photodiodes, x along their normals;
 ///   camera `camera` on the vehicle;
+///   boxes `goal_*` on the floor: goals of an episode;
 ///   mocap body `cue`, which the seed puts at one of the numerics `cue_place_1`, `cue_place_2`, ...
 ///     (x, y, heading).
 /// The draws come from RandomStream(seed, "arena"): the same seed gives the same world.
@@ -125,6 +126,9 @@ class Vehicle : public Simulation {
   /// one of the things above, or cannot be laid out.
   explicit Vehicle(const Options& options);
   ~Vehicle() override;
+
+  /// Begins anew, now, in the world of another seed; statistics go on.
+  void reset(std::uint64_t seed);
 
   /// Holds from now on: speed ahead and yaw rate (counterclockwise), clamped to the world's
   /// `command_limits`, which also limit how fast the wheels are brought there. A command that is
@@ -153,6 +157,7 @@ class Vehicle : public Simulation {
   double half_effective_track_m() const;
   /// Where the seed has put the cue, from 1; 0: the world has none.
   int cue_place() const;
+  const std::vector<Obstacle>& goals() const;
 
  private:
   void before_physics() override;
@@ -160,6 +165,7 @@ class Vehicle : public Simulation {
 
   class Impl;
   std::unique_ptr<Impl> impl_;
+  Statistics before_reset_;
 };
 
 }  // namespace spikeloop::vehicle

@@ -1,0 +1,84 @@
+// Episodes of a task: where each begins and ends, what reward is told, and a row of episodes.csv
+// for each that has ended.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::robot {
+
+inline constexpr const char* kEpisodesFile = "episodes.csv";
+
+struct EpisodeSettings {
+  std::optional<std::uint64_t> count{};  ///< after which the run is over; none: never
+  TimeNs time_limit = kNever;            ///< an episode ends at the first step not before it
+  TimeNs pause = 0;                      ///< after an episode, before the next one; at least a step
+  std::optional<double> begin_reward{};  ///< told until the first step; none: 0
+  std::optional<double> end_reward{};    ///< told in the place of the last step's
+  std::optional<double> failure_reward{};  ///< the same, where the last step's is 0
+  bool lasts = false;                      ///< success is to last until the time limit
+};
+
+/// What a step of a task gave.
+struct StepResult {
+  double reward = 0;
+  bool terminated = false;  ///< the episode is over
+  bool success = false;
+};
+
+class Episodes {
+ public:
+  /// @param folder where episodes.csv is written; empty: nowhere
+  /// @throws FileError when it cannot be written.
+  Episodes(const EpisodeSettings& settings, const std::string& folder);
+
+  /// The next episode begins now.
+  void begin(TimeNs time);
+  /// A step of the episode has ended now; perhaps the episode, too. @throws FileError
+  void step(TimeNs time, const StepResult& result);
+
+  /// False in a pause.
+  bool running() const { return running_; }
+  /// The pause is over.
+  bool waits_for_begin(TimeNs time) const { return !running_ && !over() && time >= next_begin_; }
+  /// All episodes have ended.
+  bool over() const { return settings_.count && ended_.size() >= *settings_.count; }
+
+  std::uint64_t number() const { return number_; }  ///< of the newest episode, from 1
+  /// What the topic `reward` tells.
+  double told_reward() const { return told_reward_; }
+  /// What the topic `episode` tells: number, 1 while it runs and 0 in the pause, steps, return.
+  std::vector<double> state() const;
+  /// Of the episodes that have ended: episodes, successes, median_return, last_return.
+  nlohmann::json summary() const;
+  /// @throws FileError
+  void finish();
+
+ private:
+  struct Ended {
+    double total;
+    bool success;
+  };
+  void end(TimeNs time, const StepResult& result);
+  void check_file() const;
+
+  EpisodeSettings settings_;
+  std::string path_;
+  std::ofstream file_;
+  std::uint64_t number_ = 0;
+  bool running_ = false;
+  TimeNs began_ = 0;
+  TimeNs next_begin_ = 0;
+  std::uint64_t steps_ = 0;
+  double return_ = 0;
+  double told_reward_ = 0;
+  std::vector<Ended> ended_;
+};
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,97 @@
+#include "spikeloop/robot/episodes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "spikeloop/core/error.hpp"
+
+namespace spikeloop::robot {
+
+Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder)
+    : settings_(settings) {
+  if (folder.empty()) {
+    return;
+  }
+  path_ = (std::filesystem::path(folder) / kEpisodesFile).string();
+  errno = 0;
+  file_.open(path_);
+  file_ << "episode,begin_s,end_s,steps,return,success,end\n";
+  check_file();
+}
+
+void Episodes::begin(TimeNs time) {
+  ++number_;
+  running_ = true;
+  began_ = time;
+  steps_ = 0;
+  return_ = 0;
+  told_reward_ = settings_.begin_reward.value_or(0);
+}
+
+void Episodes::step(TimeNs time, const StepResult& result) {
+  ++steps_;
+  return_ += result.reward;
+  told_reward_ = result.reward;
+  if (result.terminated || time - began_ >= settings_.time_limit) {
+    end(time, result);
+  }
+}
+
+void Episodes::end(TimeNs time, const StepResult& result) {
+  running_ = false;
+  next_begin_ = time + settings_.pause;
+  if (settings_.end_reward) {
+    told_reward_ = *settings_.end_reward;
+  } else if (result.reward == 0 && settings_.failure_reward) {
+    told_reward_ = *settings_.failure_reward;
+  }
+  const bool success = result.success || (settings_.lasts && !result.terminated);
+  ended_.push_back({return_, success});
+  if (!path_.empty()) {
+    file_ << fmt::format("{},{:.9g},{:.9g},{},{},{},{}\n", number_, to_seconds(began_),
+                         to_seconds(time), steps_, return_, success ? 1 : 0,
+                         result.terminated ? "terminated" : "time_limit");
+    file_.flush();  // who watches the run reads it
+    check_file();
+  }
+}
+
+std::vector<double> Episodes::state() const {
+  return {static_cast<double>(number_), running_ ? 1.0 : 0.0, static_cast<double>(steps_), return_};
+}
+
+nlohmann::json Episodes::summary() const {
+  nlohmann::json summary{{"episodes", ended_.size()},
+                         {"successes", std::ranges::count(ended_, true, &Ended::success)}};
+  if (!ended_.empty()) {
+    std::vector<double> returns;
+    for (const Ended& episode : ended_) {
+      returns.push_back(episode.total);
+    }
+    const auto middle = returns.begin() + static_cast<std::ptrdiff_t>(returns.size() / 2);
+    std::ranges::nth_element(returns, middle);
+    summary["median_return"] = *middle;
+    summary["last_return"] = ended_.back().total;
+  }
+  return summary;
+}
+
+void Episodes::finish() {
+  if (!path_.empty()) {
+    file_.close();
+    check_file();
+  }
+}
+
+void Episodes::check_file() const {
+  if (!file_) {
+    throw FileError("write", path_, errno != 0 ? errno : EIO);
+  }
+}
+
+}  // namespace spikeloop::robot

@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""Episodes of a run: an environment against the published equations, step by step, from what the run recorded;
+rewards, pauses and ends; the vehicle in a T-maze. The same seed gives the same bits; a run folder is replayed."""
+
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+import runs
+
+CAR = """experiment: car
+duration: 200 s
+tick: 10 ms
+sync: lockstep
+robot: {environment: mountain_car}
+episodes: {count: 4, time_limit: 3 s, pause: 90 ms, pause_observation: 9999, begin_reward: -2, end_reward: -0.4}
+nodes:
+  car: {node: ros_sensor, topic: /observation, message: std_msgs/Float64MultiArray}
+  reward: {node: ros_sensor, topic: /reward, message: std_msgs/Float64MultiArray}
+  episode: {node: ros_sensor, topic: /episode, message: std_msgs/Float64MultiArray}
+  push: {node: function, function: "x1 > 0 ? 2 : 0"}
+  action: {node: ros_command, topic: /action, message: std_msgs/Float64MultiArray}
+connections:
+  - car -> push [2] -> action [1]
+"""
+MAZE = """experiment: maze
+duration: 100 s
+tick: 2 ms
+sync: lockstep
+robot: {simulator: mujoco, world: t_maze}
+episodes: {count: 6, time_limit: 9 s, pause: 100 ms}
+nodes:
+  where: {node: ros_sensor, topic: /odom, message: nav_msgs/Odometry,
+          fields: [pose.pose.position.x, pose.pose.position.y]}
+  scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan}
+  episode: {node: ros_sensor, topic: /episode, message: std_msgs/Float64MultiArray}
+  reward: {node: ros_sensor, topic: /reward, message: std_msgs/Float64MultiArray}
+  right: {node: function, function: "0.5; x1 < 0.2 ? 0 : x0 < 0.3 ? -1.4 : 0"}
+  wheels: {node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, fields: {linear.x: 0, angular.z: 1}}
+connections:
+  - where -> right [2] -> wheels [2]
+"""
+STEP_S = 0.02
+LIMIT = 150  # steps in 3 s
+
+
+def signal(folder, node):
+    with h5py.File(folder / f"{node}.h5") as file:
+        return file["signals/out/times_ns"][:] * 1e-9, file["signals/out/values"][:]
+
+
+def rows(folder):
+    with open(folder / "episodes.csv", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def car_after(position, velocity, push):
+    """Moore 1990, as Gymnasium's MountainCar-v0 has it."""
+    velocity = min(max(velocity + 0.001 * (push - 1) - 0.0025 * math.cos(3 * position), -0.07), 0.07)
+    position = min(max(position + velocity, -1.2), 0.6)
+    return position, 0 if position == -1.2 and velocity < 0 else velocity
+
+
+def drive(position):
+    """An episode with the rule of the experiment; its push arrives within the step."""
+    velocity, path = 0, []
+    while len(path) < LIMIT and position < 0.5:
+        position, velocity = car_after(position, velocity, 2 if velocity > 0 else 0)
+        path.append((position, velocity))
+    return path
+
+
+def check_car(spikeloop, folder):
+    (folder / "car.yaml").write_text(CAR)
+    summary, _ = runs.run(spikeloop, folder / "car.yaml", folder / "one")
+    found = rows(folder / "one")
+    assert len(found) == 4 == summary["episodes"] and summary["exit_reason"] == "finished", summary
+    times, states = signal(folder / "one", "episode")
+    _, car = signal(folder / "one", "car")
+    _, rewards = signal(folder / "one", "reward")
+    ends = 0
+    for number, row in enumerate(found, 1):
+        mine = np.flatnonzero(states[:, 0] == number)
+        running, pause = mine[states[mine, 1] == 1], mine[states[mine, 1] == 0]
+        steps = int(row["steps"])
+        begin = running[states[running, 2] == 0][-1]  # the first episode waits for its first action
+        start = car[begin]
+        assert -0.6 <= start[0] <= -0.4 and start[1] == 0, start
+        path = drive(start[0])
+        assert steps == len(path), (row, len(path))
+        # The last step is seen as the pause's value.
+        np.testing.assert_allclose(car[begin + 1:begin + steps], path[:-1], rtol=0, atol=1e-12)
+        assert float(row["return"]) == -steps, row
+        assert row["end"] == ("terminated" if steps < LIMIT else "time_limit"), row
+        assert (row["success"] == "1") == (path[-1][0] >= 0.5), row
+        assert rewards[begin, 0] == -2 and set(rewards[begin + 1:begin + steps, 0]) == {-1}
+        if number < 4:
+            assert np.all(car[pause] == 9999) and np.all(rewards[pause] == -0.4)
+            length = times[pause[-1] + 1] - times[pause[0]]
+            assert abs(length - 0.1) < 1e-9, f"a pause of 90 ms is five steps, not {length} s"
+        ends += row["end"] == "terminated"
+    assert summary["successes"] == ends > 0, (summary, ends)
+    assert len({row["begin_s"] for row in found}) == 4
+
+
+def check_repetition(spikeloop, folder):
+    """The seed decides; a finer tick changes when a push arrives, and nothing else of the task."""
+    runs.run(spikeloop, folder / "car.yaml", folder / "again")
+    assert runs.fingerprint(folder / "again") == runs.fingerprint(folder / "one")
+    runs.run(spikeloop, folder / "car.yaml", folder / "other", "--seed", "2")
+    assert runs.fingerprint(folder / "other") != runs.fingerprint(folder / "one")
+    replay = subprocess.run([spikeloop, "replay", str(folder / "one"), "--out", str(folder / "replay")],
+                            capture_output=True, text=True, check=False)
+    assert replay.returncode == 0, replay.stderr
+    resolved = json.loads((folder / "one" / "resolved.json").read_text())
+    assert resolved["robot"]["environment"] == "mountain_car", resolved["robot"]
+    assert resolved["episodes"]["pause_ns"] == 90_000_000, resolved["episodes"]
+
+
+def check_maze(spikeloop, folder):
+    """A vehicle that always turns right: right when the cue is there."""
+    (folder / "maze.yaml").write_text(MAZE)
+    summary, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "maze")
+    found = rows(folder / "maze")
+    assert len(found) == 6 == summary["episodes"], summary
+    assert {row["return"] for row in found} == {"1", "-1"}, found
+    assert all(row["end"] == "terminated" for row in found), found
+    assert sum(row["success"] == "1" for row in found) == summary["successes"], summary
+    # Every episode begins at the same place, with the same scan where the lamp is on the same side.
+    times, where = signal(folder / "maze", "where")
+    _, rewards = signal(folder / "maze", "reward")
+    for row in found[1:]:
+        begin = np.searchsorted(times, float(row["begin_s"]) + 0.002)
+        assert np.allclose(where[begin], [0, -2.15], atol=1e-9), where[begin]
+    assert set(rewards[:, 0]) == {-1, 0, 1}
+    short, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "short", "--set", "episodes.time_limit=1 s")
+    assert short["episodes"] == 6 and short["successes"] == 0, short
+    assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
+
+
+def check_errors(spikeloop, folder):
+    """What check says."""
+    for setting, part in (
+            ("robot.environment=mountain_cr", "there is no environment 'mountain_cr'; did you mean 'mountain_car'?"),
+            ("robot.step=15 ms", "a step of the environment, 15 ms, is not a whole number of ticks of 10 ms"),
+            ("robot.world=arena", "key 'world' is for a robot in MuJoCo"),
+            ("robot.slippery=true", "key 'slippery' is for frozen_lake"),
+            ("ros=2", "an environment has no topics of ROS"),
+            ("car.topic=/scan", "the robot has no topic /scan there"),
+            ("episodes.count=0", "count")):
+        done = subprocess.run([spikeloop, "check", str(folder / "car.yaml"), "--set", setting],
+                              capture_output=True, text=True, check=False)
+        assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+    wrong = CAR.replace("x1 > 0 ? 2 : 0", "7")
+    (folder / "wrong.yaml").write_text(wrong)
+    done = subprocess.run([spikeloop, "run", str(folder / "wrong.yaml"), "--out", str(folder / "wrong")],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode != 0 and "there is no action 7; send a whole number from 0 to 2" in done.stderr, done.stderr
+
+
+def main():
+    spikeloop = runs.programs() / "spikeloop"
+    with tempfile.TemporaryDirectory() as temporary:
+        for check in (check_car, check_repetition, check_maze, check_errors):
+            check(spikeloop, pathlib.Path(temporary))
+            print(f"{check.__name__}: good")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,160 @@
+// Episodes: when they end, what is told, what is written; an environment as a robot.
+#include "spikeloop/robot/episodes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "spikeloop/core/error.hpp"
+#include "spikeloop/robot/environment_robot.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace spikeloop::robot::episodes_test {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr TimeNs kMs = 1'000'000;
+
+std::string read(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(Episodes, EndByTheirTaskOrByTime) {
+  const test::TemporaryDirectory folder;
+  Episodes episodes({.count = 2, .time_limit = 30 * kMs, .pause = 20 * kMs},
+                    folder.path().string());
+  episodes.begin(0);
+  episodes.step(10 * kMs, {.reward = 2});
+  EXPECT_THAT(episodes.state(), ElementsAre(1, 1, 1, 2));
+  episodes.step(20 * kMs, {.reward = 0.5, .terminated = true, .success = true});
+  EXPECT_THAT(episodes.state(), ElementsAre(1, 0, 2, 2.5));
+  EXPECT_FALSE(episodes.waits_for_begin(30 * kMs));
+  EXPECT_TRUE(episodes.waits_for_begin(40 * kMs));
+  episodes.begin(40 * kMs);
+  for (const TimeNs time : {50 * kMs, 60 * kMs, 70 * kMs}) {
+    EXPECT_TRUE(episodes.running());
+    episodes.step(time, {.reward = -1});
+  }
+  EXPECT_TRUE(episodes.over());
+  EXPECT_FALSE(episodes.waits_for_begin(kNsPerSecond));
+  episodes.finish();
+  EXPECT_EQ(read(folder.path() / kEpisodesFile),
+            "episode,begin_s,end_s,steps,return,success,end\n"
+            "1,0,0.02,2,2.5,1,terminated\n"
+            "2,0.04,0.07,3,-3,0,time_limit\n");
+  EXPECT_EQ(episodes.summary(),
+            (nlohmann::json{
+                {"episodes", 2}, {"successes", 1}, {"median_return", 2.5}, {"last_return", -3.0}}));
+}
+
+TEST(Episodes, TheRewardThatIsToldIsNotTheReturn) {
+  Episodes episodes({.begin_reward = -1, .end_reward = -0.4}, "");
+  episodes.begin(0);
+  EXPECT_EQ(episodes.told_reward(), -1);
+  episodes.step(kMs, {.reward = -2});
+  EXPECT_EQ(episodes.told_reward(), -2);
+  episodes.step(2 * kMs, {.reward = -2, .terminated = true});
+  EXPECT_EQ(episodes.told_reward(), -0.4);
+  EXPECT_EQ(episodes.state().back(), -4);
+}
+
+TEST(Episodes, FailureIsAnEndWithoutReward) {
+  Episodes episodes({.failure_reward = -0.1}, "");
+  episodes.begin(0);
+  episodes.step(kMs, {.reward = 0, .terminated = true});
+  EXPECT_EQ(episodes.told_reward(), -0.1);
+  episodes.begin(2 * kMs);
+  EXPECT_EQ(episodes.told_reward(), 0);
+  episodes.step(3 * kMs, {.reward = 1, .terminated = true, .success = true});
+  EXPECT_EQ(episodes.told_reward(), 1);
+}
+
+TEST(Episodes, LastingIsSuccess) {
+  Episodes episodes({.time_limit = 2 * kMs, .lasts = true}, "");
+  episodes.begin(0);
+  episodes.step(kMs, {.reward = 1, .terminated = true});
+  episodes.begin(2 * kMs);
+  episodes.step(3 * kMs, {.reward = 1});
+  episodes.step(4 * kMs, {.reward = 1});
+  EXPECT_EQ(episodes.summary()["successes"], 1);
+}
+
+TEST(Episodes, AFolderThatIsNotThere) {
+  EXPECT_THROW(Episodes({}, "/nonexistent"), FileError);
+}
+
+class Environments : public testing::Test {
+ protected:
+  static std::map<std::string, std::vector<double>> publish(EnvironmentRobot& robot, TimeNs time) {
+    std::map<std::string, std::vector<double>> numbers;
+    robot.publish(
+        time, [](std::size_t) { return true; },
+        [&](std::size_t topic, std::span<const std::byte> message) {
+          reader_.read(message, numbers[robot.topics()[topic].name]);
+        });
+    return numbers;
+  }
+  static void act(EnvironmentRobot& robot, double action) {
+    NumbersMessage message(messages::Dialect::ros1);
+    robot.command(message.write(std::vector{action}));
+  }
+
+  static inline const messages::FieldReader reader_{
+      messages::Catalog::builtin(messages::Dialect::ros1), kNumbersType, "data"};
+};
+
+TEST_F(Environments, PublishAtStepsAndWaitForAnAction) {
+  EnvironmentRobot robot({.name = "frozen_lake", .step = 10 * kMs});
+  EXPECT_THAT(publish(robot, 0)["observation"], ElementsAre(0));
+  robot.advance(10 * kMs);
+  EXPECT_THAT(publish(robot, 10 * kMs)["episode"], ElementsAre(1, 1, 0, 0)) << "no action yet";
+  EXPECT_TRUE(publish(robot, 15 * kMs).empty());
+  act(robot, 1);  // down
+  robot.advance(15 * kMs);
+  robot.advance(20 * kMs);
+  auto told = publish(robot, 20 * kMs);
+  EXPECT_THAT(told["observation"], ElementsAre(4));
+  EXPECT_THAT(told["scaled_observation"], ElementsAre(testing::DoubleEq(4 * 2 / 15. - 1)));
+  EXPECT_THAT(told["episode"], ElementsAre(1, 1, 1, 0));
+}
+
+TEST_F(Environments, PauseAndBeginAnew) {
+  EnvironmentRobot robot({.name = "frozen_lake",
+                          .step = 10 * kMs,
+                          .pause_observation = 9999,
+                          .episodes = {.pause = 25 * kMs, .failure_reward = -0.1}});
+  act(robot, 1);
+  robot.advance(5 * kMs);
+  robot.advance(10 * kMs);  // 4
+  act(robot, 2);            // 5, a hole
+  robot.advance(15 * kMs);
+  robot.advance(20 * kMs);
+  auto told = publish(robot, 20 * kMs);
+  EXPECT_THAT(told["observation"], ElementsAre(9999));
+  EXPECT_THAT(told["reward"], ElementsAre(-0.1));
+  EXPECT_THAT(told["episode"], ElementsAre(1, 0, 2, 0));
+  robot.advance(40 * kMs);
+  EXPECT_THAT(publish(robot, 40 * kMs)["episode"], ElementsAre(1, 0, 2, 0));
+  robot.advance(50 * kMs);  // the first step after 25 ms
+  told = publish(robot, 50 * kMs);
+  EXPECT_THAT(told["observation"], ElementsAre(0));
+  EXPECT_THAT(told["episode"], ElementsAre(2, 1, 0, 0));
+  EXPECT_EQ(robot.summary()["successes"], 0);
+}
+
+TEST_F(Environments, AnActionThatDoesNotExistEndsTheRun) {
+  EnvironmentRobot robot({.name = "mountain_car"});
+  act(robot, 3);
+  robot.advance(20 * kMs);
+  EXPECT_THROW(robot.advance(40 * kMs), ConfigurationError);
+}
+
+}  // namespace
+}  // namespace spikeloop::robot::episodes_test
