@@ -7,9 +7,10 @@ writes into the folder, if the run has the data:
     trajectory.png  the robot's path through its arena
     spikes.png      sensors, spikes and rates of every population, commands, above one time axis
     signals.png     outputs of the other nodes
+    episodes.png    the return of every episode
     latency.png     from a sensor message to the first command computed from it, in wall time
 
-and into the folder of a sweep sweep.png. Missing data are not drawn, and reported on standard error. In
+and into the folder of a sweep sweep.png and episodes.png. Missing data are not drawn, and reported on standard error. In
 Python:
 
     from spikeloop.plots import plot_run
@@ -65,18 +66,23 @@ def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="pn
     suffix: of the pictures, one of FORMATS.
     Raises RunFolderError when `folder` is not a run folder.
     """
-    from . import parts, sweep_plot, trajectory_plot
+    from . import episodes_plot, parts, sweep_plot, trajectory_plot
     from .run_folder import RunFolder
     run = RunFolder(folder)
     painter = _Painter(pathlib.Path(out) if out else run.path, suffix)
     if (run.path / sweep_plot.TABLE).exists():
-        painter.draw("sweep", lambda path: sweep_plot.draw(run.path, path))
+        episodic = sorted(file.parent for file in run.path.glob("*/episodes.csv"))
+        painter.draw("sweep", lambda path: sweep_plot.draw(run.path, path), wanted=not episodic)
+        if episodic:
+            painter.draw("episodes", lambda path: episodes_plot.draw(episodic, path))
         return painter.result
     _refuse_other_folders(run)
     found = parts.find(run, labels)
     if not found.is_model:
         painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
                      wanted=not found.known or (run.path / "trajectory.csv").exists())
+    if (run.path / "episodes.csv").exists():
+        painter.draw("episodes", lambda path: episodes_plot.draw([run.path], path), wanted=False)
     painter.result.missing += found.missing
     painter.result.notes += found.notes
     _draw_recorded(painter, run, found, begin_s, end_s)

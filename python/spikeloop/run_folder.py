@@ -7,6 +7,7 @@
 Files (docs/run-folder.md):
 
     LABEL.h5        spikes and signals of the process LABEL
+    episodes.csv    episode, begin_s, end_s, steps, return, success (1 or 0), end
     trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
     world.json      the robot's arena, obstacles, lamps and goals
     summary.json    results of the run
@@ -205,6 +206,21 @@ class RunFolder:
                     for name in TRAJECTORY_COLUMNS}
         except ValueError as error:
             raise RunFolderError(f"'{file}' holds something that is not a number: {error}") from None
+
+    def episodes(self):
+        """The episodes that have ended: columns as arrays, `end` a list of texts."""
+        file = self.path / "episodes.csv"
+        if not file.exists():
+            raise RunFolderError(f"'{file}' is missing: the experiment has no episodes")
+        require_regular(file)
+        with open(file, newline="", encoding="utf-8") as text:
+            rows = [row for row in csv.DictReader(text) if None not in row.values()]  # the last may be cut short
+        try:
+            table = {name: np.array([float(row[name]) for row in rows])
+                     for name in ("episode", "begin_s", "end_s", "steps", "return", "success")}
+            return table | {"end": [row["end"] for row in rows]}
+        except (KeyError, ValueError) as error:
+            raise RunFolderError(f"'{file}' is damaged: {error}") from None
 
     def world(self):
         """The robot's world as written by the robot: arena, obstacles, lamps, goals, in metres."""

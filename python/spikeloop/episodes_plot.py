@@ -1,0 +1,73 @@
+"""episodes: the return of every episode of a run, or of the runs of a sweep."""
+
+import numpy as np
+
+from . import style
+from .run_folder import RunFolder, RunFolderError
+
+WINDOW = 9  # episodes, of the running median
+MANY = 30  # marks become smaller
+
+
+def draw(folders, path):
+    """Writes the picture: returns over episodes, and the rate of success if any episode had one.
+
+    Of one run a dot an episode and the running median; of several the median and the quartiles of the runs.
+    Returns a list of sentences about what is left out. Raises RunFolderError when no run has episodes.
+    """
+    runs = [table for table in map(_episodes, folders) if table is not None and len(table["return"])]
+    if not runs:
+        raise RunFolderError("no episode has ended")
+    successes = any(table["success"].any() for table in runs)
+    with style.styled():
+        figure = style.new_figure(7.0, 5.2 if successes else 3.2)
+        panels = figure.subplots(2 if successes else 1, 1, sharex=True, squeeze=False)[:, 0]
+        if len(runs) == 1:
+            _one(panels, runs[0])
+        else:
+            _several(panels, runs)
+        panels[0].set_ylabel("return")
+        panels[-1].set_xlabel("episode")
+        if successes:
+            panels[1].set_ylabel("success rate")
+            panels[1].set_ylim(-0.03, 1.03)
+        figure.align_ylabels(panels)
+        style.save(figure, path)
+    return []
+
+
+def _episodes(folder):
+    try:
+        return RunFolder(folder).episodes()
+    except RunFolderError:
+        return None
+
+
+def _one(panels, table):
+    number, returns, success = table["episode"], table["return"], table["success"] > 0
+    size = 5 if len(number) <= MANY else 3
+    panels[0].plot(number, returns, linestyle="none", marker="o", markersize=size, color=style.SKY, clip_on=False)
+    panels[0].plot(number, _running(returns, np.median), color=style.BLUE)
+    panels[0].set_title(f"Running median of {WINDOW} episodes", loc="left")
+    if len(panels) > 1:
+        panels[1].plot(number, success, linestyle="none", marker="o", markersize=size, color=style.SKY, clip_on=False)
+        panels[1].plot(number, _running(success.astype(float), np.mean), color=style.BLUE)
+
+
+def _several(panels, runs):
+    """Up to the episode that half of the runs have reached."""
+    length = int(np.median([len(table["return"]) for table in runs]))
+    number = np.arange(1, length + 1)
+    returns = [[table["return"][i] for table in runs if len(table["return"]) > i] for i in range(length)]
+    low, median, high = np.transpose([np.percentile(values, (25, 50, 75)) for values in returns])
+    panels[0].fill_between(number, low, high, color=style.SKY, alpha=0.4, linewidth=0)
+    panels[0].plot(number, median, color=style.BLUE)
+    panels[0].set_title(f"Median and quartiles of {len(runs)} runs", loc="left")
+    if len(panels) > 1:
+        rate = [np.mean([table["success"][i] for table in runs if len(table["success"]) > i]) for i in range(length)]
+        panels[1].plot(number, rate, color=style.BLUE, clip_on=False)
+
+
+def _running(values, statistic):
+    half = WINDOW // 2
+    return [statistic(values[max(0, i - half):i + half + 1]) for i in range(len(values))]
