@@ -24,6 +24,7 @@ std::string port_of(const NetworkFile& network, std::size_t population) {
   };
   add(in(network.output), "out");
   add(in(network.potential), "potential");
+  add(in(network.rates), "rates");
   for (const NetworkRecord& record : network.record) {
     const std::string& name = network.populations[population].name;
     add(record.population == population && record.spikes, name + "_spikes");
@@ -38,7 +39,8 @@ std::string weight_range(const NetworkProjection& projection, NeuronModel from, 
   }
   const auto [low, high] = std::minmax_element(projection.weight.begin(), projection.weight.end());
   const bool current = is_current(from);
-  const char* unit = current && from != NeuronModel::signal_input   ? ""
+  const bool plain = is_rate(model) || (current && from != NeuronModel::signal_input);
+  const char* unit = plain                                          ? ""
                      : current || model == NeuronModel::iaf_psc_exp ? " pA"
                      : model == NeuronModel::iaf_psc_delta          ? " mV"
                                                                     : "";
@@ -58,11 +60,19 @@ std::string describe(const NetworkFile& network) {
   if (network.potential_width() != 0) {
     text += fmt::format(", port potential [{}]", network.potential_width());
   }
-  text += fmt::format("\n\n{:<16} {:<14} {:>10}  {}\n", "population", "model", "size", "port");
+  if (network.rates_width() != 0) {
+    text += fmt::format(", port rates [{}]", network.rates_width());
+  }
+  std::size_t wide = 14;
+  for (const NetworkPopulation& population : network.populations) {
+    wide = std::max(wide, model_name(population.model).size());
+  }
+  text +=
+      fmt::format("\n\n{:<16} {:<{}} {:>10}  {}\n", "population", "model", wide, "size", "port");
   for (std::size_t i = 0; i < network.populations.size(); ++i) {
     const NetworkPopulation& population = network.populations[i];
-    text += fmt::format("{:<16} {:<14} {:>10}  {}\n", population.name, model_name(population.model),
-                        population.size, port_of(network, i));
+    text += fmt::format("{:<16} {:<{}} {:>10}  {}\n", population.name, model_name(population.model),
+                        wide, population.size, port_of(network, i));
   }
   text += fmt::format("\n{:<16} {:<16} {:<14} {:>10} {:>10}  {}\n", "from", "to", "rule",
                       "synapses", "delay", "weight");

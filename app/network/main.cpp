@@ -63,7 +63,7 @@ std::string lacking(const std::string& port, std::uint32_t width) {
         "population of model signal_input; write  signal: {{model: signal_input, size: {}}}",
         width);
   }
-  const char* const key = port == "out" ? "output" : "potential";
+  const std::string key = port == "out" ? "output" : port;
   return fmt::format("key '{0}'; write  {0}: [NAME]", key);
 }
 
@@ -100,6 +100,9 @@ void check(const music::Process& process, const NetworkFile& network) {
   }
   if (process.connected_output("potential", PortKind::signal)) {
     check_width(process, "potential", network.potential_width(), network);
+  }
+  if (process.connected_output("rates", PortKind::signal)) {
+    check_width(process, "rates", network.rates_width(), network);
   }
 }
 

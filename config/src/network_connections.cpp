@@ -44,7 +44,7 @@ void check_repeater_weight(const Ends& ends, double weight, const Location& wher
 double read_weight(const Section& section, const Ends& ends) {
   const NeuronModel from = ends.from.model;
   const bool factor = is_current(from) && from != NeuronModel::signal_input;
-  const std::string unit = factor                              ? "1"
+  const std::string unit = factor || is_rate(ends.to.model)    ? "1"
                            : from == NeuronModel::signal_input ? "pA"
                                                                : unit_of_weight(ends.to.model);
   if (unit == "1" && !section.has("weight")) {
@@ -60,26 +60,25 @@ TimeNs read_delay(const Section& section, const Ends& ends, TimeNs resolution) {
     if (section.has("delay")) {
       throw ConfigurationError(
           section.where("delay"),
-          with_code(Code::delay, "{}: the current of '{}' acts at once; leave the delay out",
-                    section.what(), ends.from.name));
+          with_code(Code::delay, "{}: the {} of '{}' acts at once; leave the delay out",
+                    section.what(), is_rate(ends.to.model) ? "signal" : "current", ends.from.name));
     }
     return 0;
+  }
+  if (is_rate(ends.from.model)) {
+    const bool delayed = section.has("delay") && section.quantity("delay", "ms", "1 ms") != 0.0;
+    const TimeNs delay = delayed ? section.time("delay", "1 ms") : 0;
+    check_on_grid("delay", delay, resolution, section.where("delay"));
+    check_buffer("delay", delay, resolution, ends.from.size, "sources", section.where("delay"));
+    return delay;
   }
   const TimeNs delay = section.time("delay", "1 ms");
   if (resolution == 0) {
     return delay;
   }
   check_delay("delay", delay, resolution, section.where("delay"));
-  const auto steps = static_cast<std::uint64_t>(delay / resolution);
-  const std::uint64_t wide = ends.to.model == NeuronModel::repeater ? 1 : ends.to.size;
-  if (steps > kMostBufferEntries / wide) {
-    throw ConfigurationError(
-        section.where("delay"),
-        with_code(Code::delay,
-                  "delay {} is {} steps of {} for each of {} targets, too much to buffer; write "
-                  "a shorter delay or a coarser resolution{}",
-                  format_time(delay), steps, format_time(resolution), ends.to.size, kElsewhere));
-  }
+  const std::uint32_t wide = ends.to.model == NeuronModel::repeater ? 1 : ends.to.size;
+  check_buffer("delay", delay, resolution, wide, "targets", section.where("delay"));
   return delay;
 }
 
@@ -96,6 +95,25 @@ void check_target(const Section& section, const Ends& ends) {
                         "{}: '{}' is a {}, nothing can be connected to it; write a population "
                         "of neurons or repeaters",
                         section.what(), ends.to.name, model_name(ends.to.model)));
+  }
+  if (is_rate(ends.to.model)) {
+    if (!is_rate(ends.from.model) && ends.from.model != NeuronModel::signal_input) {
+      throw ConfigurationError(
+          section.where("from"),
+          with_code(Code::network,
+                    "{}: '{}' is a {}, which rate neurons do not take; write a population of rate "
+                    "neurons or a signal_input",
+                    section.what(), ends.from.name, model_name(ends.from.model)));
+    }
+    return;
+  }
+  if (is_rate(ends.from.model)) {
+    throw ConfigurationError(
+        section.where("to"),
+        with_code(Code::network,
+                  "{}: '{}' is a {}, which takes no rate; write a population of model "
+                  "lin_rate_ipn, threshold_lin_rate_ipn or sigmoid_rate_ipn",
+                  section.what(), ends.to.name, model_name(ends.to.model)));
   }
   if (is_current(ends.from.model) && !has_membrane(ends.to.model)) {
     throw ConfigurationError(
@@ -289,6 +307,20 @@ void check_delay(const std::string& what, TimeNs delay, TimeNs resolution, const
                          format_time(delay), format_time(resolution), format_time(resolution)));
   }
   check_on_grid(what, delay, resolution, where);
+}
+
+void check_buffer(const std::string& what, TimeNs delay, TimeNs resolution, std::uint32_t wide,
+                  const char* members, const Location& where) {
+  const auto steps = static_cast<std::uint64_t>(delay / resolution);
+  if (steps > kMostBufferEntries / wide) {
+    throw ConfigurationError(
+        where,
+        with_code(Code::delay,
+                  "{} {} is {} steps of {}{}, too much to buffer; write a shorter delay or "
+                  "a coarser resolution{}",
+                  what, format_time(delay), steps, format_time(resolution),
+                  wide == 1 ? "" : fmt::format(" for each of {} {}", wide, members), kElsewhere));
+  }
 }
 
 std::uint32_t read_index(const std::string& file, const std::string& what, const YAML::Node& node,

@@ -19,6 +19,10 @@ std::string unit_of_weight(NeuronModel target);
 /// A delay is at least a resolution, and a multiple of it. `what` begins the message.
 void check_delay(const std::string& what, TimeNs delay, TimeNs resolution, const Location& where);
 
+/// The steps of a delay, for each of `wide` sources or targets, fit into memory.
+void check_buffer(const std::string& what, TimeNs delay, TimeNs resolution, std::uint32_t wide,
+                  const char* members, const Location& where);
+
 /// A member of a population, in a list called `what`.
 std::uint32_t read_index(const std::string& file, const std::string& what, const YAML::Node& node,
                          const NetworkPopulation& population);

@@ -95,6 +95,10 @@ std::uint32_t NetworkFile::potential_width() const {
   return width_of(*this, potential);
 }
 
+std::uint32_t NetworkFile::rates_width() const {
+  return width_of(*this, rates);
+}
+
 void NetworkFile::check_grid(TimeNs time) const {
   if (resolution != 0 && time % resolution != 0) {
     const TimeNs below = time / resolution * resolution;
@@ -125,8 +129,9 @@ void NetworkFile::check_tick(TimeNs tick) const {
 NetworkFile parse_network(const std::string& text, const std::string& path,
                           const NetworkWeightLoader& load_weights) {
   const YAML::Node root = yaml_text::load(text, path, "network");
-  const Section file(path, "network file", root,
-                     {"resolution", "populations", "connections", "output", "potential", "record"});
+  const Section file(
+      path, "network file", root,
+      {"resolution", "populations", "connections", "output", "potential", "rates", "record"});
   NetworkFile network;
   network.path = path;
   network.resolution = read_resolution(file);

@@ -21,7 +21,7 @@ void check_spikes(const NetworkPopulation& population, const std::string& what,
                                               "and write the repeater's name",
                                               what, population.name));
   }
-  if (is_current(population.model)) {
+  if (is_current(population.model) || is_rate(population.model)) {
     throw ConfigurationError(
         where, with_code(Code::network,
                          "{}: '{}' is a {}, which has no spikes; write a population of neurons, "
@@ -37,6 +37,17 @@ void check_potential(const NetworkPopulation& population, const std::string& wha
         where, with_code(Code::network,
                          "{}: '{}' is a {}, which has no membrane potential; write a population "
                          "of model iaf_psc_delta or iaf_psc_exp",
+                         what, population.name, model_name(population.model)));
+  }
+}
+
+void check_rate(const NetworkPopulation& population, const std::string& what,
+                const Location& where) {
+  if (!is_rate(population.model)) {
+    throw ConfigurationError(
+        where, with_code(Code::network,
+                         "{}: '{}' is a {}, which has no rate; write a population of model "
+                         "lin_rate_ipn, threshold_lin_rate_ipn or sigmoid_rate_ipn",
                          what, population.name, model_name(population.model)));
   }
 }
@@ -154,13 +165,18 @@ void read_outputs(const Section& file, NetworkFile& network) {
   if (file.has("potential")) {
     network.potential = read_list(file, "potential", network, check_potential);
   }
+  if (file.has("rates")) {
+    network.rates = read_list(file, "rates", network, check_rate);
+  }
   if (file.has("record")) {
     const Section list(network.path, "key 'record'", file.at("record", ""), {});
     for (const std::string& name : list.keys()) {
       network.record.push_back(read_record(network, list, name));
     }
   }
-  if (file.has("output") || (network.potential.empty() && network.record.empty())) {
+  const bool others =
+      !network.potential.empty() || !network.rates.empty() || !network.record.empty();
+  if (file.has("output") || !others) {
     network.output = read_list(file, "output", network, check_spikes);
   }
 }

@@ -13,7 +13,15 @@
 namespace spikeloop {
 
 std::string_view rule_name(PlasticityRule rule) {
-  return rule == PlasticityRule::stdp ? "stdp" : "stdp_dopamine";
+  switch (rule) {
+    case PlasticityRule::stdp:
+      return "stdp";
+    case PlasticityRule::stdp_dopamine:
+      return "stdp_dopamine";
+    case PlasticityRule::reward_hebbian:
+      return "reward_hebbian";
+  }
+  return "";
 }
 
 namespace yaml_text {
@@ -40,6 +48,12 @@ ParameterDescription text(const char* name, std::optional<std::string> value) {
 
 std::vector<ParameterDescription> parameters_of(PlasticityRule rule, const std::string& unit) {
   constexpr double kSmallest = 0.001;
+  if (rule == PlasticityRule::reward_hebbian) {
+    return {text("rule", std::nullopt),   text("save", ""),
+            text("reward", std::nullopt), number("A", "1", "0.01"),
+            number("theta", "1", "0"),    number("Wmin", unit, "0"),
+            number("Wmax", unit, "1"),    number("trace_delay", "ms", "1", 0)};
+  }
   std::vector<ParameterDescription> list = {
       text("rule", std::nullopt), text("pairing", "all_to_all"), text("save", ""),
       number("tau_plus", "ms", "20", kSmallest), number("tau_minus", "ms", "20", kSmallest)};
@@ -63,7 +77,8 @@ std::vector<ParameterDescription> parameters_of(PlasticityRule rule, const std::
 
 PlasticityRule read_rule(const Section& section) {
   const std::string name = section.text("rule", "stdp");
-  for (const PlasticityRule rule : {PlasticityRule::stdp, PlasticityRule::stdp_dopamine}) {
+  for (const PlasticityRule rule :
+       {PlasticityRule::stdp, PlasticityRule::stdp_dopamine, PlasticityRule::reward_hebbian}) {
     if (name == rule_name(rule)) {
       return rule;
     }
@@ -71,7 +86,18 @@ PlasticityRule read_rule(const Section& section) {
   throw ConfigurationError(
       section.where("rule"),
       with_code(Code::unknown_choice, "{}: unknown rule '{}'{}", section.what(), name,
-                did_you_mean(name, {"stdp", "stdp_dopamine"})));
+                did_you_mean(name, {"stdp", "stdp_dopamine", "reward_hebbian"})));
+}
+
+// Spikes and rates have rules of their own.
+void check_rule(const Section& section, PlasticityRule rule, bool rates) {
+  if (rates != (rule == PlasticityRule::reward_hebbian)) {
+    throw ConfigurationError(
+        section.where("rule"),
+        with_code(Code::network, "{}: rule {} is for {}; write  rule: {}", section.what(),
+                  rule_name(rule), rates ? "spikes" : "rate neurons",
+                  rates ? "reward_hebbian" : "stdp"));
+  }
 }
 
 bool read_pairing(const Section& section, const Parameters& given) {
@@ -91,7 +117,7 @@ void read_reward(const NetworkFile& network, const Section& section, const Param
   plasticity.reward = find_population(network, given.text("reward"), where, section.what());
   const NetworkPopulation& population = network.populations[plasticity.reward];
   const bool signal = population.model == NeuronModel::signal_input;
-  if (is_current(population.model) && !signal) {
+  if ((is_current(population.model) || is_rate(population.model)) && !signal) {
     throw ConfigurationError(
         where, with_code(Code::network,
                          "{}: reward '{}' is a {}; write a population with spikes, or a "
@@ -113,9 +139,60 @@ void read_reward(const NetworkFile& network, const Section& section, const Param
   check_delay(section.what() + ": reward_delay", plasticity.reward_delay, network.resolution, here);
 }
 
+void read_stdp(const NetworkFile& network, const Section& section, const Parameters& given,
+               NetworkPlasticity& p) {
+  p.nearest = read_pairing(section, given);
+  p.tau_plus = given.number("tau_plus");
+  p.tau_minus = given.number("tau_minus");
+  if (p.rule == PlasticityRule::stdp) {
+    p.lambda = given.number("lambda");
+    p.alpha = given.number("alpha");
+    p.mu_plus = given.number("mu_plus");
+    p.mu_minus = given.number("mu_minus");
+    return;
+  }
+  p.A_plus = given.number("A_plus");
+  p.A_minus = given.number("A_minus");
+  p.tau_c = given.number("tau_c");
+  p.tau_n = given.number("tau_n");
+  p.b = given.number("b");
+  p.Wmin = given.number("Wmin");
+  read_reward(network, section, given, p);
+}
+
+void read_reward_neuron(const NetworkFile& network, const Section& section, const Parameters& given,
+                        NetworkPlasticity& plasticity) {
+  const Location where = given.where("reward");
+  plasticity.reward = find_population(network, given.text("reward"), where, section.what());
+  const NetworkPopulation& population = network.populations[plasticity.reward];
+  if (!is_rate(population.model) || population.size != 1) {
+    throw ConfigurationError(
+        where,
+        with_code(Code::network,
+                  "{}: reward '{}' is a {} of size {}; write a population of one rate neuron",
+                  section.what(), population.name, model_name(population.model), population.size));
+  }
+}
+
+void read_trace_delay(const NetworkFile& network, const NetworkProjection& projection,
+                      const Section& section, NetworkPlasticity& plasticity) {
+  plasticity.trace_delay = network.resolution;
+  if (section.has("trace_delay")) {
+    const std::string what = section.what() + ": trace_delay";
+    const Location where = section.where("trace_delay");
+    plasticity.trace_delay = section.time("trace_delay", "1 ms");
+    check_delay(what, plasticity.trace_delay, network.resolution, where);
+    for (const std::size_t end : {projection.from, projection.to}) {
+      check_buffer(what, plasticity.trace_delay, network.resolution, network.populations[end].size,
+                   "members", where);
+    }
+  }
+}
+
 void check_bounds(const NetworkPlasticity& plasticity, const NetworkProjection& projection,
                   const Section& section, const std::string& unit) {
   const bool stdp = plasticity.rule == PlasticityRule::stdp;
+  const std::string in = unit == "1" ? "" : " " + unit;
   const double low = stdp ? std::min(0.0, plasticity.Wmax) : plasticity.Wmin;
   const double high = stdp ? std::max(0.0, plasticity.Wmax) : plasticity.Wmax;
   if (low >= high) {
@@ -125,17 +202,17 @@ void check_bounds(const NetworkPlasticity& plasticity, const NetworkProjection& 
             ? with_code(Code::wrong_order, "{}: Wmax 0 leaves weights no room; write  Wmax: 100 {}",
                         section.what(), unit)
             : with_code(Code::wrong_order,
-                        "{}: Wmin {} {} is not below Wmax {} {}; write a Wmin below Wmax",
-                        section.what(), low, unit, high, unit));
+                        "{}: Wmin {}{} is not below Wmax {}{}; write a Wmin below Wmax",
+                        section.what(), low, in, high, in));
   }
   for (const double weight : projection.weight) {
     if (weight < low || weight > high) {
       throw ConfigurationError(
           projection.where,
           with_code(Code::out_of_bounds,
-                    "{}: the weight {} {} is not from {} to {} {}; write a weight in these "
+                    "{}: the weight {}{} is not from {} to {}{}; write a weight in these "
                     "bounds, or other bounds",
-                    section.what(), weight, unit, low, high, unit));
+                    section.what(), weight, in, low, high, in));
     }
   }
 }
@@ -180,7 +257,8 @@ NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProje
                                   const std::string& what, const YAML::Node& node) {
   const Section section(network.path, what + ": plasticity", node, {});
   const NetworkPopulation& to = network.populations[projection.to];
-  if (!has_membrane(to.model)) {
+  const bool rates = is_rate(to.model);
+  if (!has_membrane(to.model) && !rates) {
     throw ConfigurationError(
         section.where(), with_code(Code::network,
                                    "{}: a {} does not learn; leave 'plasticity' out, or connect "
@@ -189,9 +267,8 @@ NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProje
   }
   if (is_current(network.populations[projection.from].model)) {
     throw ConfigurationError(
-        section.where(),
-        with_code(Code::network, "{}: a current does not learn; leave 'plasticity' out",
-                  section.what()));
+        section.where(), with_code(Code::network, "{}: a {} does not learn; leave 'plasticity' out",
+                                   section.what(), rates ? "signal" : "current"));
   }
   if (network.resolution == 0) {
     throw ConfigurationError(section.where(),
@@ -204,24 +281,17 @@ NetworkPlasticity read_plasticity(const NetworkFile& network, const NetworkProje
   NetworkPlasticity p;
   p.where = section.where();
   p.rule = read_rule(section);
+  check_rule(section, p.rule, rates);
   const Parameters given = resolve_section(section, parameters_of(p.rule, unit));
-  p.nearest = read_pairing(section, given);
-  p.tau_plus = given.number("tau_plus");
-  p.tau_minus = given.number("tau_minus");
   p.Wmax = given.number("Wmax");
-  if (p.rule == PlasticityRule::stdp) {
-    p.lambda = given.number("lambda");
-    p.alpha = given.number("alpha");
-    p.mu_plus = given.number("mu_plus");
-    p.mu_minus = given.number("mu_minus");
-  } else {
-    p.A_plus = given.number("A_plus");
-    p.A_minus = given.number("A_minus");
-    p.tau_c = given.number("tau_c");
-    p.tau_n = given.number("tau_n");
-    p.b = given.number("b");
+  if (rates) {
+    p.A = given.number("A");
+    p.theta = given.number("theta");
     p.Wmin = given.number("Wmin");
-    read_reward(network, section, given, p);
+    read_reward_neuron(network, section, given, p);
+    read_trace_delay(network, projection, section, p);
+  } else {
+    read_stdp(network, section, given, p);
   }
   check_bounds(p, projection, section, unit);
   p.save = given.text("save");

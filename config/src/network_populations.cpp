@@ -10,10 +10,18 @@ namespace spikeloop {
 
 namespace {
 
-constexpr NeuronModel kModels[] = {
-    NeuronModel::input,        NeuronModel::repeater,     NeuronModel::iaf_psc_delta,
-    NeuronModel::iaf_psc_exp,  NeuronModel::poisson,      NeuronModel::signal_input,
-    NeuronModel::step_current, NeuronModel::sine_current, NeuronModel::noise_current};
+constexpr NeuronModel kModels[] = {NeuronModel::input,
+                                   NeuronModel::repeater,
+                                   NeuronModel::iaf_psc_delta,
+                                   NeuronModel::iaf_psc_exp,
+                                   NeuronModel::poisson,
+                                   NeuronModel::signal_input,
+                                   NeuronModel::step_current,
+                                   NeuronModel::sine_current,
+                                   NeuronModel::noise_current,
+                                   NeuronModel::lin_rate_ipn,
+                                   NeuronModel::threshold_lin_rate_ipn,
+                                   NeuronModel::sigmoid_rate_ipn};
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSmallest = 0.001;
@@ -53,6 +61,23 @@ std::vector<ParameterDescription> membrane_parameters(NeuronModel model) {
   return list;
 }
 
+std::vector<ParameterDescription> rate_parameters(NeuronModel model) {
+  std::vector<ParameterDescription> list = {number("tau", "ms", "10", "time constant", kSmallest),
+                                            number("lambda", "1", "1", "passive decay", 0.0),
+                                            number("sigma", "1", "1", "noise", 0.0),
+                                            number("mu", "1", "0", "mean drive"),
+                                            number("g", "1", "1", "gain"),
+                                            number("theta", "1", "0", "threshold"),
+                                            number("rate", "1", "0", "rate at time 0")};
+  if (model == NeuronModel::threshold_lin_rate_ipn) {
+    list.push_back(number("alpha", "1", "1e300",
+                          "upper bound of the gain function; none unless it is written", 0.0));
+  } else if (model == NeuronModel::sigmoid_rate_ipn) {
+    list.push_back(number("beta", "1", "1", "slope of the gain function"));
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string_view model_name(NeuronModel model) {
@@ -75,6 +100,12 @@ std::string_view model_name(NeuronModel model) {
       return "sine_current";
     case NeuronModel::noise_current:
       return "noise_current";
+    case NeuronModel::lin_rate_ipn:
+      return "lin_rate_ipn";
+    case NeuronModel::threshold_lin_rate_ipn:
+      return "threshold_lin_rate_ipn";
+    case NeuronModel::sigmoid_rate_ipn:
+      return "sigmoid_rate_ipn";
   }
   return "";
 }
@@ -86,6 +117,11 @@ bool has_membrane(NeuronModel model) {
 bool is_current(NeuronModel model) {
   return model == NeuronModel::signal_input || model == NeuronModel::step_current ||
          model == NeuronModel::sine_current || model == NeuronModel::noise_current;
+}
+
+bool is_rate(NeuronModel model) {
+  return model == NeuronModel::lin_rate_ipn || model == NeuronModel::threshold_lin_rate_ipn ||
+         model == NeuronModel::sigmoid_rate_ipn;
 }
 
 bool is_source(NeuronModel model) {
@@ -106,6 +142,10 @@ std::vector<ParameterDescription> model_parameters(NeuronModel model) {
       return {number("mean", "pA", "0", "mean"),
               number("std", "pA", std::nullopt, "standard deviation", 0.0),
               number("dt", "ms", "1", "time for which each value holds", 1e-6, 1e9)};
+    case NeuronModel::lin_rate_ipn:
+    case NeuronModel::threshold_lin_rate_ipn:
+    case NeuronModel::sigmoid_rate_ipn:
+      return rate_parameters(model);
     default:
       return {};
   }
@@ -195,6 +235,24 @@ NeuronParameters read_membrane(const Section& section, NeuronModel model) {
     p.V_min = given.number("V_min");
   }
   check_potentials(given, p, section);
+  return p;
+}
+
+RateParameters read_rate(const Section& section, NeuronModel model) {
+  const Parameters given = given_parameters(section, model);
+  RateParameters p;
+  p.tau = given.number("tau");
+  p.lambda = given.number("lambda");
+  p.sigma = given.number("sigma");
+  p.mu = given.number("mu");
+  p.g = given.number("g");
+  p.theta = given.number("theta");
+  p.rate = given.number("rate");
+  if (model == NeuronModel::threshold_lin_rate_ipn && given.given("alpha")) {
+    p.alpha = given.number("alpha");
+  } else if (model == NeuronModel::sigmoid_rate_ipn) {
+    p.beta = given.number("beta");
+  }
   return p;
 }
 
@@ -329,7 +387,8 @@ NetworkPopulation read_population(const NetworkFile& network, const Section& pop
   population.model = read_model(section);
   population.size = read_size(section);
   const NeuronModel model = population.model;
-  if (network.resolution == 0 && (model == NeuronModel::iaf_psc_exp || is_current(model))) {
+  if (network.resolution == 0 &&
+      (model == NeuronModel::iaf_psc_exp || is_current(model) || is_rate(model))) {
     throw ConfigurationError(
         section.where("model"),
         with_code(Code::off_grid,
@@ -339,6 +398,8 @@ NetworkPopulation read_population(const NetworkFile& network, const Section& pop
   }
   if (has_membrane(model)) {
     population.parameters = read_membrane(section, model);
+  } else if (is_rate(model)) {
+    population.rate = read_rate(section, model);
   } else if (is_source(model) && model != NeuronModel::input &&
              model != NeuronModel::signal_input) {
     population.source = read_source(section, model, network.resolution);

@@ -53,4 +53,18 @@ double RandomStream::exponential(std::uint64_t channel, std::uint64_t draw) cons
   return -std::log(uniform(channel, draw));
 }
 
+std::array<double, 4> RandomStream::normals(std::uint64_t channel, std::uint64_t block) const {
+  constexpr double kTwoPi = 6.283185307179586476925;
+  const r123::Philox4x64::ctr_type counter = {{block, channel, purpose_, 0}};
+  const auto words = r123::Philox4x64()(counter, {{seed_, hash_}});
+  std::array<double, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); i += 2) {
+    const double radius = std::sqrt(-2.0 * std::log(to_uniform(words[i])));
+    const double angle = kTwoPi * to_uniform(words[i + 1]);
+    numbers[i] = radius * std::cos(angle);
+    numbers[i + 1] = radius * std::sin(angle);
+  }
+  return numbers;
+}
+
 }  // namespace spikeloop

@@ -35,7 +35,8 @@ ChannelMap::Member ChannelMap::input(std::int32_t channel) const {
 std::vector<std::vector<std::size_t>> outgoing(const NetworkFile& network) {
   std::vector<std::vector<std::size_t>> lists(network.populations.size());
   for (std::size_t i = 0; i < network.projections.size(); ++i) {
-    if (!is_current(network.populations[network.projections[i].from].model)) {
+    const NeuronModel from = network.populations[network.projections[i].from].model;
+    if (!is_current(from) && !is_rate(from)) {
       lists[network.projections[i].from].push_back(i);
     }
   }

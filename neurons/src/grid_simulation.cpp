@@ -2,6 +2,7 @@
 
 #include "group.hpp"
 #include "plasticity.hpp"
+#include "rates.hpp"
 #include "simulation.hpp"
 
 namespace spikeloop::neurons {
@@ -40,11 +41,18 @@ class GridSimulation final : public Simulation {
         trains_[i] = std::make_unique<PoissonTrains>(population, seeding.stream(population));
       }
     }
+    if (std::ranges::any_of(network.populations,
+                            [](const auto& population) { return is_rate(population.model); })) {
+      rates_ = std::make_unique<Rates>(network, seeding);
+    }
     add_routes();
   }
 
   void set_signal(std::span<const double> values, TimeNs now) override {
     currents_.set_signal(values);
+    if (rates_) {
+      rates_->set_signal(currents_);
+    }
     for (const Reward& reward : reward_signals_) {
       reward.plasticity->reward_signal(currents_.total(reward.population),
                                        now / network_.resolution);
@@ -71,6 +79,9 @@ class GridSimulation final : public Simulation {
       for (std::size_t i = 0; i < groups_.size(); ++i) {
         update(i, step, output);
       }
+      if (rates_) {
+        rates_->advance(step);
+      }
       if (learns_ && step % settle_every_ == 0) {
         settle(step);
       }
@@ -78,13 +89,14 @@ class GridSimulation final : public Simulation {
     now_ = last;
   }
 
-  double potential(std::size_t population, std::uint32_t member) const override {
-    return groups_[population]->potential(member);
+  double value(std::size_t population, std::uint32_t member) const override {
+    return is_rate(network_.populations[population].model) ? rates_->rate(population, member)
+                                                           : groups_[population]->potential(member);
   }
 
   std::span<const double> learned(std::size_t projection) override {
     if (!plasticity_[projection]) {
-      return {};
+      return rates_ ? rates_->learned(projection) : std::span<const double>();
     }
     plasticity_[projection]->settle(now_);
     return plasticity_[projection]->weights();
@@ -108,7 +120,7 @@ class GridSimulation final : public Simulation {
   void add_routes() {
     for (std::size_t i = 0; i < network_.projections.size(); ++i) {
       const NetworkProjection& projection = network_.projections[i];
-      if (!projection.plasticity) {
+      if (!projection.plasticity || projection.plasticity->rule == PlasticityRule::reward_hebbian) {
         continue;
       }
       plasticity_[i] = make_plasticity(projection, network_.resolution);
@@ -197,7 +209,8 @@ class GridSimulation final : public Simulation {
   std::vector<Reward> reward_signals_;
   std::vector<std::unique_ptr<Plasticity>> plasticity_;  // by projection; none where nothing learns
   std::vector<std::unique_ptr<PoissonTrains>> trains_;   // by population; none for others
-  std::vector<std::unique_ptr<Group>> groups_;           // by population; none for sources
+  std::vector<std::unique_ptr<Group>> groups_;  // by population; none for sources and rates
+  std::unique_ptr<Rates> rates_;                // none where there are none
   std::vector<std::uint32_t> fired_;
   std::int64_t now_ = 0;
   bool learns_ = false;

@@ -67,7 +67,7 @@ class NetworkNode final : public Node {
     simulation_->advance(interval, input, emitted_);
     spikes_ += emitted_[0].size();
     put_spikes(step);
-    put_potentials(step);
+    put_values(step);
   }
 
   std::vector<Counter> counters() const override {
@@ -117,14 +117,17 @@ class NetworkNode final : public Node {
     }
   }
 
-  void put_potentials(const Step& step) {
+  void put_values(const Step& step) {
     std::size_t port = 0;
-    if (!network_.potential.empty()) {
+    for (const auto* const list : {&network_.potential, &network_.rates}) {
+      if (list->empty()) {
+        continue;
+      }
       const SignalOutput output = step.signal_output(port++);
       std::size_t channel = 0;
-      for (const std::size_t population : network_.potential) {
+      for (const std::size_t population : *list) {
         for (std::uint32_t i = 0; i < network_.populations[population].size; ++i) {
-          output.values()[channel++] = simulation_->potential(population, i);
+          output.values()[channel++] = simulation_->value(population, i);
         }
       }
       output.commit();
@@ -139,7 +142,7 @@ class NetworkNode final : public Node {
       }
       std::size_t channel = 0;
       for (const std::uint32_t member : record.potential) {
-        output.values()[channel++] = simulation_->potential(record.population, member);
+        output.values()[channel++] = simulation_->value(record.population, member);
       }
       output.commit();
     }
@@ -184,6 +187,11 @@ std::unique_ptr<Node> create(const NodeSetup& setup) {
     check_width("potential", "populations of 'potential'", setup.widths[3],
                 network.potential_width(), path);
   }
+  if (setup.widths.at(4) == 0) {
+    network.rates.clear();
+  } else {
+    check_width("rates", "populations of 'rates'", setup.widths[4], network.rates_width(), path);
+  }
   return make_network(std::move(network), setup.name, setup.seed);
 }
 
@@ -210,15 +218,17 @@ NodeClass network_class() {
   NodeDescription description;
   description.name = "network";
   description.text =
-      "Simulates a small network of repeaters and integrate-and-fire neurons from a file";
+      "Simulates a small network of repeaters, integrate-and-fire and rate neurons from a file";
   description.source = "Rotter & Diesmann 1999, Biol. Cybern. 81:381-402";
-  description.ports = {port("in", PortKind::spikes, Direction::input, 0, "Input populations"),
-                       port("out", PortKind::spikes, Direction::output, 0,
-                            "Populations in the list output of the file"),
-                       port("signal", PortKind::signal, Direction::input, 0,
-                            "Populations of model signal_input: currents, rewards"),
-                       port("potential", PortKind::signal, Direction::output, 0,
-                            "Membrane potentials in the list potential of the file, mV")};
+  description.ports = {
+      port("in", PortKind::spikes, Direction::input, 0, "Input populations"),
+      port("out", PortKind::spikes, Direction::output, 0,
+           "Populations in the list output of the file"),
+      port("signal", PortKind::signal, Direction::input, 0,
+           "Populations of model signal_input: currents, rewards"),
+      port("potential", PortKind::signal, Direction::output, 0,
+           "Membrane potentials in the list potential of the file, mV"),
+      port("rates", PortKind::signal, Direction::output, 0, "Rates in the list rates of the file")};
   description.ports[3].unit = kPotentialUnit;
   ParameterDescription path;
   path.name = "network";
@@ -235,6 +245,7 @@ NodeClass network_class(const NetworkFile& network) {
   ports[1].width = WidthRule::fixed(network.output_width());
   ports[2].width = WidthRule::fixed(network.signal_width());
   ports[3].width = WidthRule::fixed(network.potential_width());
+  ports[4].width = WidthRule::fixed(network.rates_width());
   for (const std::size_t population : network.output) {
     ports[1].populations.push_back(population_of(network, population));
   }

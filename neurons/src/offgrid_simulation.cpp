@@ -131,7 +131,7 @@ class OffgridSimulation final : public Simulation {
     now_ = interval.end;
   }
 
-  double potential(std::size_t population, std::uint32_t member) const override {
+  double value(std::size_t population, std::uint32_t member) const override {
     return neurons_[population]->potential(member, now_);
   }
   std::span<const double> learned(std::size_t) override { return {}; }

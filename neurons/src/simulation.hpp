@@ -30,8 +30,8 @@ class Simulation {
   /// early in the interval as it can.
   virtual void advance(Interval interval, std::span<const Spike> input,
                        std::vector<std::vector<Spike>>& output) = 0;
-  /// Membrane potential at the end of the last interval, mV.
-  virtual double potential(std::size_t population, std::uint32_t member) const = 0;
+  /// At the end of the last interval: the membrane potential, mV, or the rate.
+  virtual double value(std::size_t population, std::uint32_t member) const = 0;
   /// The weights of a learning projection at the end of the last interval; empty for another.
   virtual std::span<const double> learned(std::size_t projection) = 0;
 };

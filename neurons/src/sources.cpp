@@ -149,6 +149,9 @@ Currents::Currents(const NetworkFile& network, const Seeding& seeding)
     }
   }
   for (std::size_t to = 0; to < network.populations.size(); ++to) {
+    if (!has_membrane(network.populations[to].model)) {
+      continue;
+    }
     Inflow inflow{to, network.populations[to].parameters.tau_m, {}};
     for (const NetworkProjection& projection : network.projections) {
       if (projection.to == to && sources_[projection.from]) {

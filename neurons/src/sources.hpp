@@ -87,7 +87,9 @@ class Currents {
   void set_signal(std::span<const double> values);
   /// Gives the groups what flows into them in this step; `groups` run parallel to the populations.
   void flow(std::int64_t step, std::span<const std::unique_ptr<Group>> groups);
-  /// The sum of a signal_input's channels.
+  /// The values of a signal_input.
+  std::span<const double> signal(std::size_t population) const { return signals_[population]; }
+  /// Their sum.
   double total(std::size_t population) const;
 
  private:

@@ -146,7 +146,8 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"foreign_model", with_population("{model: hodgkin_huxley, size: 1}"),
                     "net.yaml:2:14: population 'a': unknown model 'hodgkin_huxley'; known: input, "
                     "repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
-                    "sine_current, noise_current [SL0205]"},
+                    "sine_current, noise_current, lin_rate_ipn, threshold_lin_rate_ipn, "
+                    "sigmoid_rate_ipn [SL0205]"},
         NetworkCase{
             "size_zero", with_population("{model: repeater, size: 0}"),
             "net.yaml:2:30: population 'a': size 0 is not a whole number from 1 to 10000000; "
@@ -253,12 +254,11 @@ INSTANTIATE_TEST_SUITE_P(
             with_connection("from: input, to: relay, rule: all_to_all, delay: 0.25 ms"),
             "net.yaml:6:55: delay 250 us is not a multiple of the resolution 100 us; write 200 us "
             "or 300 us [SL0207]"},
-        NetworkCase{
-            "delay_long",
-            with_connection("from: input, to: relay, rule: all_to_all, delay: 1 h", "1 us"),
-            "net.yaml:6:55: delay 3600 s is 3600000000 steps of 1 us for each of 3 targets, too "
-            "much to buffer; write a shorter delay or a coarser resolution; larger models belong "
-            "in NEST, NEURON or Brian2 [SL0310]"},
+        NetworkCase{"delay_long",
+                    with_connection("from: input, to: relay, rule: all_to_all, delay: 1 h", "1 us"),
+                    "net.yaml:6:55: delay 3600 s is 3600000000 steps of 1 us, too much to buffer; "
+                    "write a shorter delay or a coarser resolution; larger models belong in NEST, "
+                    "NEURON or Brian2 [SL0310]"},
         NetworkCase{
             "no_rule", with_connection("from: input, to: relay, delay: 1 ms"),
             "net.yaml:6:5: connection 1: key 'rule' is missing; write  rule: one_to_one [SL0104]"},

@@ -254,17 +254,17 @@ TEST_F(NetworkClass, IsRegisteredAndReadsItsFile) {
   const NodeClass& node_class = registry.find("network");
   EXPECT_EQ(node_class.description.ports.at(0).name, "in");
   EXPECT_EQ(node_class.description.ports.at(1).name, "out");
-  EXPECT_NE(node_class.create(setup(relay("1 ms", "1 ms", 5), {5, 5, 0, 0})), nullptr);
-  EXPECT_NE(node_class.create(setup(relay("1 ms", "1 ms", 5), {5, 0, 0, 0})), nullptr)
+  EXPECT_NE(node_class.create(setup(relay("1 ms", "1 ms", 5), {5, 5, 0, 0, 0})), nullptr);
+  EXPECT_NE(node_class.create(setup(relay("1 ms", "1 ms", 5), {5, 0, 0, 0, 0})), nullptr)
       << "an output nobody listens to has no width";
 }
 
 TEST_F(NetworkClass, RefusesOtherWidths) {
-  const std::string in = refusal(relay("1 ms", "1 ms", 5), {4, 5, 0, 0});
+  const std::string in = refusal(relay("1 ms", "1 ms", 5), {4, 5, 0, 0, 0});
   EXPECT_EQ(in, path_ +
                     ": port 'in' has 4 channels, but the input populations have 5 together; "
                     "write the same number in the connection and in the network file [SL0306]");
-  const std::string out = refusal(relay("1 ms", "1 ms", 5), {5, 6, 0, 0});
+  const std::string out = refusal(relay("1 ms", "1 ms", 5), {5, 6, 0, 0, 0});
   EXPECT_EQ(out, path_ +
                      ": port 'out' has 6 channels, but the populations of 'output' have 5 "
                      "together; write the same number in the connection and in the network "

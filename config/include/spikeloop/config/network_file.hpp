@@ -26,7 +26,10 @@ enum class NeuronModel {
   signal_input,
   step_current,
   sine_current,
-  noise_current
+  noise_current,
+  lin_rate_ipn,
+  threshold_lin_rate_ipn,
+  sigmoid_rate_ipn
 };
 
 /// "input", "repeater", ..., as the key `model` has them.
@@ -36,6 +39,8 @@ std::string_view model_name(NeuronModel model);
 bool has_membrane(NeuronModel model);
 /// It sends a current in place of spikes.
 bool is_current(NeuronModel model);
+/// A rate neuron with input noise: it sends its rate to other rate neurons.
+bool is_rate(NeuronModel model);
 /// Nothing can be connected to it.
 bool is_source(NeuronModel model);
 
@@ -56,6 +61,20 @@ struct NeuronParameters {
   double tau_syn_ex = 2.0;  ///< iaf_psc_exp: time constant of excitatory currents, ms
   double tau_syn_in = 2.0;  ///< iaf_psc_exp: time constant of inhibitory currents, ms
   double V_min = -std::numeric_limits<double>::infinity();  ///< iaf_psc_delta: lower bound, mV
+};
+
+/// Parameters of the rate neurons; names and defaults are NEST's. With the sum H of weighted rates,
+/// tau dX/dt = -lambda X + mu + phi(H) + sqrt(tau) sigma xi.
+struct RateParameters {
+  double tau = 10.0;                                       ///< time constant, ms
+  double lambda = 1.0;                                     ///< passive decay
+  double sigma = 1.0;                                      ///< noise
+  double mu = 0.0;                                         ///< mean drive
+  double g = 1.0;                                          ///< gain of phi
+  double theta = 0.0;                                      ///< threshold of phi
+  double alpha = std::numeric_limits<double>::infinity();  ///< threshold_lin: upper bound of phi
+  double beta = 1.0;                                       ///< sigmoid: slope of phi
+  double rate = 0.0;                                       ///< at time 0
 };
 
 /// A value that holds from a time on, until the next one's.
@@ -82,16 +101,18 @@ struct NetworkPopulation {
   std::uint32_t size = 0;
   NeuronParameters parameters{};
   SourceParameters source{};
+  RateParameters rate{};
   Location where{};
 };
 
-enum class PlasticityRule { stdp, stdp_dopamine };
+enum class PlasticityRule { stdp, stdp_dopamine, reward_hebbian };
 
-/// "stdp", "stdp_dopamine".
+/// "stdp", "stdp_dopamine", "reward_hebbian".
 std::string_view rule_name(PlasticityRule rule);
 
-/// Spike-timing dependent plasticity; names, units and defaults are those of NEST's `stdp_synapse`
-/// and `stdp_dopamine_synapse`. The delay is the dendrite's.
+/// Learning synapses. Of spike-timing dependent plasticity, names, units and defaults are those of
+/// NEST's `stdp_synapse` and `stdp_dopamine_synapse`; the delay is the dendrite's. `reward_hebbian`
+/// is for rates.
 struct NetworkPlasticity {
   PlasticityRule rule = PlasticityRule::stdp;
   bool nearest = false;     ///< every spike pairs with the one before it alone (symmetric)
@@ -101,14 +122,17 @@ struct NetworkPlasticity {
   double alpha = 1.0;       ///< stdp: depression over potentiation
   double mu_plus = 1.0;     ///< stdp: exponent of the weight's dependence, 0 additive
   double mu_minus = 1.0;
-  double Wmax = 100.0;      ///< mV or pA
+  double Wmax = 100.0;      ///< mV, pA or 1, as the weights
   double A_plus = 1.0;      ///< stdp_dopamine: what a pair adds to the eligibility
   double A_minus = 1.5;     ///< stdp_dopamine: what a pair takes from it
   double tau_c = 1000.0;    ///< stdp_dopamine: of the eligibility, ms
   double tau_n = 200.0;     ///< stdp_dopamine: of the dopamine, ms
   double b = 0.0;           ///< stdp_dopamine: baseline of the dopamine
-  double Wmin = 0.0;        ///< stdp_dopamine: mV or pA
-  std::size_t reward = 0;   ///< stdp_dopamine: index of the population
+  double A = 0.01;          ///< reward_hebbian: learning rate, per ms
+  double theta = 0.0;       ///< reward_hebbian: the target learns above this rate
+  double Wmin = 0.0;        ///< not of stdp
+  std::size_t reward = 0;   ///< not of stdp: index of the population
+  TimeNs trace_delay = 0;   ///< reward_hebbian: age of the rates that learn
   TimeNs reward_delay = 0;  ///< stdp_dopamine: from its spikes to the synapses
   std::string save{};       ///< file for the weights of the end; empty: none
   Location where{};
@@ -119,11 +143,11 @@ struct NetworkPlasticity {
 struct NetworkProjection {
   std::size_t from = 0;  ///< index of the population
   std::size_t to = 0;
-  TimeNs delay = 0;                      ///< 0: of a current, which acts at once
+  TimeNs delay = 0;                      ///< 0: of a current or a rate that acts at once
   std::string rule;                      ///< as written; "array" from a Python function
   std::vector<std::uint64_t> row_start;  ///< size of `from` + 1 entries
   std::vector<std::uint32_t> target;
-  std::vector<double> weight;  ///< mV (iaf_psc_delta), pA (iaf_psc_exp), 1 (repeater, currents)
+  std::vector<double> weight;  ///< mV (iaf_psc_delta), pA (iaf_psc_exp), 1 (all others)
   std::optional<NetworkPlasticity> plasticity{};
   Location where{};
 };
@@ -145,12 +169,14 @@ struct NetworkFile {
   std::vector<NetworkProjection> projections;
   std::vector<std::size_t> output;       ///< populations whose spikes leave by port `out`, in order
   std::vector<std::size_t> potential{};  ///< whose membrane potentials leave by port `potential`
+  std::vector<std::size_t> rates{};      ///< whose rates leave by port `rates`
   std::vector<NetworkRecord> record{};
 
   std::uint32_t input_width() const;      ///< channels of port `in`: sum of the input populations
   std::uint32_t signal_width() const;     ///< channels of port `signal`: of the signal_inputs
   std::uint32_t output_width() const;     ///< channels of port `out`
   std::uint32_t potential_width() const;  ///< channels of port `potential`
+  std::uint32_t rates_width() const;      ///< channels of port `rates`
   /// A tick must be a whole number of resolutions, and an interval of recording of ticks.
   /// @throws ConfigurationError with both lengths and what to write.
   void check_tick(TimeNs tick) const;

@@ -3,6 +3,7 @@
 // and of the order in which channels are asked.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -28,6 +29,10 @@ class RandomStream {
                std::span<const std::uint32_t> draws, std::span<double> numbers) const;
   /// Exponentially distributed with mean 1.
   double exponential(std::uint64_t channel, std::uint64_t draw) const;
+  /// Independent standard normal numbers from draws 4 block .. 4 block + 3 (Box & Muller): with
+  /// u = uniform(4 block), v = uniform(4 block + 1), the first two are sqrt(-2 ln u) times
+  /// cos(2 pi v) and sin(2 pi v).
+  std::array<double, 4> normals(std::uint64_t channel, std::uint64_t block) const;
 
  private:
   std::uint64_t seed_;

@@ -1,4 +1,4 @@
-// The built-in network: repeaters and integrate-and-fire neurons from a network file.
+// The built-in network: repeaters, integrate-and-fire and rate neurons from a network file.
 //
 // iaf_psc_delta and iaf_psc_exp are integrated exactly on the grid (Rotter & Diesmann 1999,
 // Biol. Cybern. 81:381-402, eq. 3) with NEST's conventions: spikes that come in are rounded up to
@@ -15,8 +15,8 @@
 
 namespace spikeloop {
 
-/// The node class `network`: ports `in` and `out` (spikes), `signal` and `potential` (continuous),
-/// parameter `network` (path of the network file). Its factory reads the file.
+/// The node class `network`: ports `in` and `out` (spikes), `signal`, `potential` and `rates`
+/// (continuous), parameter `network` (path of the network file). Its factory reads the file.
 NodeClass network_class();
 
 /// The same for a network that was read before: its ports have the file's widths, those that
