@@ -45,6 +45,7 @@ music::ProgramText program_text() {
       "  signal     continuous  Populations of model signal_input, in the order of the file\n"
       "  out        spikes      Populations in the list `output`, in its order\n"
       "  potential  continuous  Membrane potentials in the list `potential`, mV\n"
+      "  rates      continuous  Rates in the list `rates`\n"
       "  NAME_spikes, NAME_V_m  Recorded data of population NAME\n";
   text.parameters = description.parameters;
   text.example = kExample;

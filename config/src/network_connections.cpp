@@ -101,8 +101,8 @@ void check_target(const Section& section, const Ends& ends) {
       throw ConfigurationError(
           section.where("from"),
           with_code(Code::network,
-                    "{}: '{}' is a {}, which rate neurons do not take; write a population of rate "
-                    "neurons or a signal_input",
+                    "{}: rate neurons take rates and signals, but '{}' is of model {}; write a "
+                    "population of rate neurons or a signal_input",
                     section.what(), ends.from.name, model_name(ends.from.model)));
     }
     return;
@@ -111,7 +111,7 @@ void check_target(const Section& section, const Ends& ends) {
     throw ConfigurationError(
         section.where("to"),
         with_code(Code::network,
-                  "{}: '{}' is a {}, which takes no rate; write a population of model "
+                  "{}: '{}' is of model {}, which takes no rate; write a population of model "
                   "lin_rate_ipn, threshold_lin_rate_ipn or sigmoid_rate_ipn",
                   section.what(), ends.to.name, model_name(ends.to.model)));
   }

@@ -46,7 +46,7 @@ void check_rate(const NetworkPopulation& population, const std::string& what,
   if (!is_rate(population.model)) {
     throw ConfigurationError(
         where, with_code(Code::network,
-                         "{}: '{}' is a {}, which has no rate; write a population of model "
+                         "{}: '{}' is of model {}, which has no rate; write a population of model "
                          "lin_rate_ipn, threshold_lin_rate_ipn or sigmoid_rate_ipn",
                          what, population.name, model_name(population.model)));
   }

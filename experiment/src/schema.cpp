@@ -180,6 +180,7 @@ Json network() {
             {"connections", list_of(map)},
             {"output", list_of({{"type", "string"}})},
             {"potential", list_of({{"type", "string"}})},
+            {"rates", list_of({{"type", "string"}})},
             {"record", map}}},
           {"required", {"populations"}},
           {"additionalProperties", false}};

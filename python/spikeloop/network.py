@@ -57,10 +57,11 @@ class Network:
                 plasticity=None):
         """Connects two populations.
 
-        `weights`: an array [targets, sources], in mV or pA (see the models), 0 meaning no synapse; or
-        a triple (sources, targets, weights) of three lists, where a weight may be 0 and a pair may
-        stand there twice. Without it, `rule` and `weight` are those of the network file. `delay`: ms,
-        or text with a unit; none of a current. `plasticity`: a dictionary as in the network file.
+        `weights`: an array [targets, sources], in mV, in pA or without unit (see the models), 0
+        meaning no synapse; or a triple (sources, targets, weights) of three lists, where a weight may
+        be 0 and a pair may stand there twice. Without it, `rule` and `weight` are those of the network
+        file. `delay`: ms, or text with a unit; none of a current; rates may have none. `plasticity`: a
+        dictionary as in the network file.
         """
         for end in (source, target):
             if end not in self._file["populations"]:
@@ -90,6 +91,11 @@ class Network:
         """Their membrane potentials leave by port `potential`, in mV."""
         self._lines["potential"] = _line()
         self._file.setdefault("potential", []).extend(populations)
+
+    def rates(self, *populations):
+        """Their rates leave by port `rates`, in this order."""
+        self._lines["rates"] = _line()
+        self._file.setdefault("rates", []).extend(populations)
 
     def record(self, population, spikes=False, V_m=None, interval=None):
         """Records spikes, and membrane potentials: "all", or a list of members, every `interval`."""
@@ -143,7 +149,8 @@ class Network:
     def _unit(self, source, target):
         """What one of the numbers of an array is, as the key `weight` says it."""
         model = {name: self._file["populations"][name]["model"] for name in (source, target)}
-        if model[source].endswith("_current") or model[target] == "repeater":
+        if (model[source].endswith("_current") or model[target] == "repeater"
+                or model[target].endswith("_rate_ipn")):
             return 1
         return "1 pA" if model[source] == "signal_input" else (
             "1 mV" if model[target] == "iaf_psc_delta" else "1 pA")

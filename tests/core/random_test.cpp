@@ -81,5 +81,19 @@ TEST(RandomStream, ExponentialHasMeanAndVarianceOne) {
   EXPECT_NEAR(square / kDraws, 2.0, 4.0 * std::sqrt(20.0 / kDraws));
 }
 
+TEST(RandomStream, NormalsComeFromTheDrawsOfTheirBlock) {
+  constexpr double kTwoPi = 6.283185307179586;
+  const RandomStream stream(3, "normals");
+  for (const std::uint64_t block : {0, 1, 1000}) {
+    const auto numbers = stream.normals(2, block);
+    for (std::size_t i = 0; i < 4; i += 2) {
+      const double radius = std::sqrt(2.0 * stream.exponential(2, 4 * block + i));
+      const double angle = kTwoPi * stream.uniform(2, 4 * block + i + 1);
+      EXPECT_DOUBLE_EQ(numbers[i], radius * std::cos(angle));
+      EXPECT_DOUBLE_EQ(numbers[i + 1], radius * std::sin(angle));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace spikeloop

@@ -188,6 +188,12 @@ TEST_F(NetworkProgram, SaysWhatAPortWithoutChannelsWants) {
   EXPECT_THAT(
       told("network.potential -> peer.in [3]"),
       HasSubstr("'network.potential'" + begin + "key 'potential'; write  potential: [NAME]"));
+  EXPECT_THAT(told("network.rates -> peer.in [3]"),
+              HasSubstr("'network.rates'" + begin + "key 'rates'; write  rates: [NAME]"));
+  directory_.write("one.yaml", "populations:\n  a: {model: lin_rate_ipn, size: 2}\nrates: [a]\n");
+  EXPECT_THAT(told("network.rates -> peer.in [3]"),
+              HasSubstr("the connection of 'network.rates' has the width 3, but the network "
+                        "one.yaml has 2 channels there; write [2]"));
 }
 
 TEST_F(NetworkProgram, NamesTheKeyAndTheFileThatAreMissing) {
@@ -259,7 +265,8 @@ TEST_F(NetworkProgram, CheckRefusesWhatIsWrong) {
   EXPECT_EQ(outcome.err,
             "spikeloop-network: net.yaml:2:14: population 'a': unknown model 'parrot'; known: "
             "input, repeater, iaf_psc_delta, iaf_psc_exp, poisson, signal_input, step_current, "
-            "sine_current, noise_current [SL0205]\n");
+            "sine_current, noise_current, lin_rate_ipn, threshold_lin_rate_ipn, sigmoid_rate_ipn "
+            "[SL0205]\n");
   outcome = run_program({"--check"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,

@@ -269,6 +269,13 @@ TEST_F(NetworkClass, RefusesOtherWidths) {
                      ": port 'out' has 6 channels, but the populations of 'output' have 5 "
                      "together; write the same number in the connection and in the network "
                      "file [SL0306]");
+  const std::string one = "populations:\n  a: {model: lin_rate_ipn, size: 2}\nrates: [a]\n";
+  EXPECT_EQ(refusal(one, {0, 0, 0, 0, 2}), "");
+  EXPECT_EQ(refusal(one, {0, 0, 0, 0, 3}),
+            path_ +
+                ": port 'rates' has 3 channels, but the populations of 'rates' have 2 "
+                "together; write the same number in the connection and in the network "
+                "file [SL0306]");
 }
 
 TEST_F(NetworkClass, NamesAFileThatIsNotThere) {
