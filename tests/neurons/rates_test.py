@@ -447,6 +447,18 @@ class Function(Case):
         for name in ("actor.npy", "critic.npy"):
             np.testing.assert_array_equal(made.table(name), run.table(name))
 
+    def test_the_documentation_has_the_same_network(self):
+        page = (built_in.HERE.parents[1] / "docs" / "network-file.md").read_text()
+        network = actor_critic()
+        given, _ = self.signals(network, 0.4)
+        rates, run = self.run_network(network, 0.4, signal=given)
+        example = next(block for block in page.split("```yaml\n") if "reward_hebbian" in block)
+        (self.folder / "page.yaml").write_text(example.split("```")[0])
+        there = built_in.run(self.folder / "page", str(self.folder / "page.yaml"), 0.4, signal=given)
+        np.testing.assert_array_equal(there.signal("rates")[1], rates["actor"])
+        for name in ("actor.npy", "critic.npy"):
+            np.testing.assert_array_equal(there.table(name), run.table(name))
+
     def test_an_error_has_the_line_of_the_call(self):
         path = self.folder / "brain.py"
         path.write_text(SCRIPT.replace('net.rates("input", "critic")', 'net.rates("input", "place")'))
