@@ -84,19 +84,27 @@ std::vector<ParameterDescription> episode_parameters() {
            .maximum = 9e9,
            .text = "Simulated time after which an episode ends; not given: the limit of the "
                    "environment, no limit for any other robot"},
+          {.name = "hold",
+           .unit = "s",
+           .default_value = "0",
+           .minimum = 0,
+           .maximum = 9e9,
+           .text = "Simulated time for which the last observation and reward of an episode are "
+                   "sent, at least one step"},
           {.name = "pause",
            .unit = "s",
            .default_value = "0",
            .minimum = 0,
            .maximum = 9e9,
-           .text = "Simulated time between two episodes, at least one step; the robot stands"},
+           .text = "Simulated time after that, before the next episode; the robot does not move"},
           reward("pause_observation",
                  "Value of all numbers of an observation in a pause, e.g. 9999, so that no place "
                  "cell is active; not given: the last observation"),
-          reward("begin_reward", "Reward that is sent before the first step; not given: 0"),
+          reward("begin_reward",
+                 "Reward that is sent in the pause and before the first step; not given: 0"),
           reward("end_reward",
-                 "Reward that is sent at the end of an episode and in the pause; not given: that "
-                 "of the last step"),
+                 "Reward that is sent with the last observation of an episode; not given: that of "
+                 "the last step"),
           reward("failure_reward", "The same, only if the reward of the last step is 0")};
 }
 

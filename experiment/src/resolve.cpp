@@ -79,6 +79,7 @@ void read_episodes(const Parameters& keys, Experiment& experiment, Faults& fault
     if (read.given("time_limit")) {
       episodes.time_limit = from_seconds(read.number("time_limit"));
     }
+    episodes.hold = from_seconds(read.number("hold"));
     episodes.pause = from_seconds(read.number("pause"));
     episodes.pause_observation = number_of(read, "pause_observation");
     episodes.begin_reward = number_of(read, "begin_reward");

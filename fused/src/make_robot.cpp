@@ -8,6 +8,7 @@ using experiment::Experiment;
 robot::EpisodeSettings episode_settings(const experiment::Episodes& episodes) {
   return {.count = episodes.count,
           .time_limit = episodes.time_limit.value_or(kNever),
+          .hold = episodes.hold,
           .pause = episodes.pause,
           .begin_reward = episodes.begin_reward,
           .end_reward = episodes.end_reward,

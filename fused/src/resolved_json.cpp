@@ -72,6 +72,7 @@ json robot_json(const experiment::Robot& robot) {
 json episodes_json(const experiment::Episodes& episodes) {
   return {{"count", or_null(episodes.count)},
           {"time_limit_ns", or_null(episodes.time_limit)},
+          {"hold_ns", episodes.hold},
           {"pause_ns", episodes.pause},
           {"pause_observation", or_null(episodes.pause_observation)},
           {"begin_reward", or_null(episodes.begin_reward)},

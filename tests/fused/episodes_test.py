@@ -20,7 +20,7 @@ duration: 200 s
 tick: 10 ms
 sync: lockstep
 robot: {environment: mountain_car}
-episodes: {count: 4, time_limit: 3 s, pause: 90 ms, pause_observation: 9999, begin_reward: -2, end_reward: -0.4}
+episodes: {count: 4, time_limit: 3 s, hold: 30 ms, pause: 90 ms, pause_observation: 9999, begin_reward: -2, end_reward: -0.4}
 nodes:
   car: {node: ros_sensor, topic: /observation, message: std_msgs/Float64MultiArray}
   reward: {node: ros_sensor, topic: /reward, message: std_msgs/Float64MultiArray}
@@ -95,16 +95,17 @@ def check_car(spikeloop, folder):
         assert -0.6 <= start[0] <= -0.4 and start[1] == 0, start
         path = drive(start[0])
         assert steps == len(path), (row, len(path))
-        # The last step is seen as the pause's value.
-        np.testing.assert_allclose(car[begin + 1:begin + steps], path[:-1], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(car[begin + 1:begin + steps + 1], path, rtol=0, atol=1e-12)
         assert float(row["return"]) == -steps, row
         assert row["end"] == ("terminated" if steps < LIMIT else "time_limit"), row
         assert (row["success"] == "1") == (path[-1][0] >= 0.5), row
         assert rewards[begin, 0] == -2 and set(rewards[begin + 1:begin + steps, 0]) == {-1}
         if number < 4:
-            assert np.all(car[pause] == 9999) and np.all(rewards[pause] == -0.4)
+            held = pause[:2]  # 30 ms are two steps, 90 ms five
+            assert np.all(rewards[held] == -0.4) and np.all(rewards[pause[2:]] == -2)
+            assert np.all(car[pause[2:]] == 9999)
             length = times[pause[-1] + 1] - times[pause[0]]
-            assert abs(length - 0.1) < 1e-9, f"a pause of 90 ms is five steps, not {length} s"
+            assert abs(length - 0.12) < 1e-9, f"the first step after 30 ms and 90 ms, not {length} s"
         ends += row["end"] == "terminated"
     assert summary["successes"] == ends > 0, (summary, ends)
     assert len({row["begin_s"] for row in found}) == 4

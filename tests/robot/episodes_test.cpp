@@ -28,22 +28,26 @@ std::string read(const std::filesystem::path& path) {
 
 TEST(Episodes, EndByTheirTaskOrByTime) {
   const test::TemporaryDirectory folder;
-  Episodes episodes({.count = 2, .time_limit = 30 * kMs, .pause = 20 * kMs},
+  Episodes episodes({.count = 2, .time_limit = 30 * kMs, .hold = 10 * kMs, .pause = 10 * kMs},
                     folder.path().string());
   episodes.begin(0);
   episodes.step(10 * kMs, {.reward = 2});
   EXPECT_THAT(episodes.state(), ElementsAre(1, 1, 1, 2));
   episodes.step(20 * kMs, {.reward = 0.5, .terminated = true, .success = true});
   EXPECT_THAT(episodes.state(), ElementsAre(1, 0, 2, 2.5));
-  EXPECT_FALSE(episodes.waits_for_begin(30 * kMs));
-  EXPECT_TRUE(episodes.waits_for_begin(40 * kMs));
+  EXPECT_FALSE(episodes.wait(25 * kMs));
+  EXPECT_FALSE(episodes.in_pause());
+  EXPECT_FALSE(episodes.wait(30 * kMs));
+  EXPECT_TRUE(episodes.in_pause());
+  EXPECT_TRUE(episodes.wait(40 * kMs));
   episodes.begin(40 * kMs);
   for (const TimeNs time : {50 * kMs, 60 * kMs, 70 * kMs}) {
     EXPECT_TRUE(episodes.running());
     episodes.step(time, {.reward = -1});
   }
+  EXPECT_FALSE(episodes.over());
+  EXPECT_FALSE(episodes.wait(kNsPerSecond));
   EXPECT_TRUE(episodes.over());
-  EXPECT_FALSE(episodes.waits_for_begin(kNsPerSecond));
   episodes.finish();
   EXPECT_EQ(read(folder.path() / kEpisodesFile),
             "episode,begin_s,end_s,steps,return,success,end\n"
@@ -55,7 +59,7 @@ TEST(Episodes, EndByTheirTaskOrByTime) {
 }
 
 TEST(Episodes, TheRewardThatIsToldIsNotTheReturn) {
-  Episodes episodes({.begin_reward = -1, .end_reward = -0.4}, "");
+  Episodes episodes({.hold = kMs, .pause = kMs, .begin_reward = -1, .end_reward = -0.4}, "");
   episodes.begin(0);
   EXPECT_EQ(episodes.told_reward(), -1);
   episodes.step(kMs, {.reward = -2});
@@ -63,6 +67,8 @@ TEST(Episodes, TheRewardThatIsToldIsNotTheReturn) {
   episodes.step(2 * kMs, {.reward = -2, .terminated = true});
   EXPECT_EQ(episodes.told_reward(), -0.4);
   EXPECT_EQ(episodes.state().back(), -4);
+  episodes.wait(3 * kMs);
+  EXPECT_EQ(episodes.told_reward(), -1);
 }
 
 TEST(Episodes, FailureIsAnEndWithoutReward) {
@@ -129,7 +135,7 @@ TEST_F(Environments, PauseAndBeginAnew) {
   EnvironmentRobot robot({.name = "frozen_lake",
                           .step = 10 * kMs,
                           .pause_observation = 9999,
-                          .episodes = {.pause = 25 * kMs, .failure_reward = -0.1}});
+                          .episodes = {.pause = 15 * kMs, .failure_reward = -0.1}});
   act(robot, 1);
   robot.advance(5 * kMs);
   robot.advance(10 * kMs);  // 4
@@ -137,12 +143,17 @@ TEST_F(Environments, PauseAndBeginAnew) {
   robot.advance(15 * kMs);
   robot.advance(20 * kMs);
   auto told = publish(robot, 20 * kMs);
-  EXPECT_THAT(told["observation"], ElementsAre(9999));
+  EXPECT_THAT(told["observation"], ElementsAre(5));
   EXPECT_THAT(told["reward"], ElementsAre(-0.1));
+  EXPECT_THAT(told["episode"], ElementsAre(1, 0, 2, 0));
+  robot.advance(30 * kMs);
+  told = publish(robot, 30 * kMs);
+  EXPECT_THAT(told["observation"], ElementsAre(9999));
+  EXPECT_THAT(told["reward"], ElementsAre(0));
   EXPECT_THAT(told["episode"], ElementsAre(1, 0, 2, 0));
   robot.advance(40 * kMs);
   EXPECT_THAT(publish(robot, 40 * kMs)["episode"], ElementsAre(1, 0, 2, 0));
-  robot.advance(50 * kMs);  // the first step after 25 ms
+  robot.advance(50 * kMs);  // the first step after another 15 ms
   told = publish(robot, 50 * kMs);
   EXPECT_THAT(told["observation"], ElementsAre(0));
   EXPECT_THAT(told["episode"], ElementsAre(2, 1, 0, 0));

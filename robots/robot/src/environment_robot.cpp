@@ -12,7 +12,7 @@ EpisodeSettings with_defaults(EpisodeSettings settings, const environments::Desc
   if (settings.time_limit == kNever && about.max_steps > 0) {
     settings.time_limit = static_cast<TimeNs>(about.max_steps) * step;
   }
-  settings.pause = std::max(settings.pause, step);
+  settings.hold = std::max(settings.hold, step);
   settings.lasts = about.lasts;
   return settings;
 }
@@ -65,9 +65,9 @@ void EnvironmentRobot::command(std::span<const std::byte> message) {
 /// Without an action it waits, and so does its time.
 void EnvironmentRobot::advance(TimeNs time) {
   for (TimeNs end = (now_ / step_ + 1) * step_; end <= time; end += step_) {
-    if (episodes_.waits_for_begin(end)) {
-      begin(end);
-    } else if (episodes_.running() && action_) {
+    if (!episodes_.running()) {
+      if (episodes_.wait(end)) begin(end);
+    } else if (action_) {
       const environments::Outcome outcome = environment_->step(*action_);
       episodes_.step(end, {outcome.reward, outcome.terminated, outcome.success});
     }
@@ -82,7 +82,7 @@ nlohmann::json EnvironmentRobot::summary() const {
 
 std::vector<double> EnvironmentRobot::observation() const {
   const auto values = environment_->observation();
-  if (!episodes_.running() && pause_observation_) {
+  if (episodes_.in_pause() && pause_observation_) {
     return std::vector<double>(values.size(), *pause_observation_);
   }
   return {values.begin(), values.end()};

@@ -26,7 +26,7 @@ Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder)
 
 void Episodes::begin(TimeNs time) {
   ++number_;
-  running_ = true;
+  phase_ = Phase::running;
   began_ = time;
   steps_ = 0;
   return_ = 0;
@@ -43,8 +43,8 @@ void Episodes::step(TimeNs time, const StepResult& result) {
 }
 
 void Episodes::end(TimeNs time, const StepResult& result) {
-  running_ = false;
-  next_begin_ = time + settings_.pause;
+  phase_ = Phase::ended;
+  ended_at_ = time;
   if (settings_.end_reward) {
     told_reward_ = *settings_.end_reward;
   } else if (result.reward == 0 && settings_.failure_reward) {
@@ -61,8 +61,17 @@ void Episodes::end(TimeNs time, const StepResult& result) {
   }
 }
 
+bool Episodes::wait(TimeNs time) {
+  if (time - ended_at_ >= settings_.hold) {
+    phase_ = Phase::pause;
+    told_reward_ = settings_.begin_reward.value_or(0);
+  }
+  return !over() && time - ended_at_ >= settings_.hold + settings_.pause;
+}
+
 std::vector<double> Episodes::state() const {
-  return {static_cast<double>(number_), running_ ? 1.0 : 0.0, static_cast<double>(steps_), return_};
+  return {static_cast<double>(number_), running() ? 1.0 : 0.0, static_cast<double>(steps_),
+          return_};
 }
 
 nlohmann::json Episodes::summary() const {

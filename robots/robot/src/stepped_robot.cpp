@@ -61,7 +61,9 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
     trajectory_.emplace(options.folder);
   }
   if (options.episodes) {
-    episodes_.emplace(*options.episodes, options.folder);
+    EpisodeSettings settings = *options.episodes;
+    settings.hold = std::max(settings.hold, kRowPeriod);
+    episodes_.emplace(settings, options.folder);
     episodes_->begin(0);
     sensors_.add_numbers("reward", kRowPeriod,
                          [this] { return std::vector{episodes_->told_reward()}; });
@@ -84,7 +86,7 @@ void SteppedRobot::look_at_goals() {
   if (episodes_->running()) {
     episodes_->step(now, result_of(vehicle()));
     if (!episodes_->running()) act(std::array{0.0, 0.0});
-  } else if (episodes_->waits_for_begin(now)) {
+  } else if (episodes_->wait(now)) {
     episodes_->begin(now);
     vehicle().reset(seed_of(seed_, episodes_->number()));
   }

@@ -108,6 +108,7 @@ struct Environment {
 struct Episodes {
   std::optional<std::uint64_t> count{};
   std::optional<TimeNs> time_limit{};
+  TimeNs hold = 0;
   TimeNs pause = 0;
   std::optional<double> pause_observation{};
   std::optional<double> begin_reward{};

@@ -29,7 +29,7 @@ struct EnvironmentOptions {
   std::optional<TimeNs> step{};  ///< none: the environment's own
   /// What every number of an observation is in a pause; none: that of the last step.
   std::optional<double> pause_observation{};
-  /// A time limit or a pause that is not given is that of the environment, or one step.
+  /// A time limit that is not given is that of the environment.
   EpisodeSettings episodes{};
   messages::Dialect dialect = messages::Dialect::ros1;
   std::string folder{};  ///< of episodes.csv; empty: none

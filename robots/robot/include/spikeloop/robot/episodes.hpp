@@ -1,5 +1,6 @@
 // Episodes of a task: where each begins and ends, what reward is told, and a row of episodes.csv
-// for each that has ended.
+// for each that has ended. The last observation and reward of an episode are there for `hold`; then
+// comes the pause.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +19,10 @@ inline constexpr const char* kEpisodesFile = "episodes.csv";
 struct EpisodeSettings {
   std::optional<std::uint64_t> count{};  ///< after which the run is over; none: never
   TimeNs time_limit = kNever;            ///< an episode ends at the first step not before it
-  TimeNs pause = 0;                      ///< after an episode, before the next one; at least a step
-  std::optional<double> begin_reward{};  ///< told until the first step; none: 0
-  std::optional<double> end_reward{};    ///< told in the place of the last step's
+  TimeNs hold = 0;                       ///< at least a step
+  TimeNs pause = 0;
+  std::optional<double> begin_reward{};    ///< told in the pause and until the first step; none: 0
+  std::optional<double> end_reward{};      ///< told in the place of the last step's
   std::optional<double> failure_reward{};  ///< the same, where the last step's is 0
   bool lasts = false;                      ///< success is to last until the time limit
 };
@@ -43,17 +45,18 @@ class Episodes {
   /// A step of the episode has ended now; perhaps the episode, too. @throws FileError
   void step(TimeNs time, const StepResult& result);
 
-  /// False in a pause.
-  bool running() const { return running_; }
-  /// The pause is over.
-  bool waits_for_begin(TimeNs time) const { return !running_ && !over() && time >= next_begin_; }
-  /// All episodes have ended.
-  bool over() const { return settings_.count && ended_.size() >= *settings_.count; }
+  /// Between two episodes, at the end of a step. True: the next one is to begin.
+  bool wait(TimeNs time);
+
+  bool running() const { return phase_ == Phase::running; }
+  bool in_pause() const { return phase_ == Phase::pause; }
+  /// The pause after the last episode has begun.
+  bool over() const { return in_pause() && settings_.count && ended_.size() >= *settings_.count; }
 
   std::uint64_t number() const { return number_; }  ///< of the newest episode, from 1
   /// What the topic `reward` tells.
   double told_reward() const { return told_reward_; }
-  /// What the topic `episode` tells: number, 1 while it runs and 0 in the pause, steps, return.
+  /// What the topic `episode` tells: number, 1 while it runs and 0 after its end, steps, return.
   std::vector<double> state() const;
   /// Of the episodes that have ended: episodes, successes, median_return, last_return.
   nlohmann::json summary() const;
@@ -72,9 +75,9 @@ class Episodes {
   std::string path_;
   std::ofstream file_;
   std::uint64_t number_ = 0;
-  bool running_ = false;
+  enum class Phase { running, ended, pause } phase_ = Phase::pause;
   TimeNs began_ = 0;
-  TimeNs next_begin_ = 0;
+  TimeNs ended_at_ = 0;
   std::uint64_t steps_ = 0;
   double return_ = 0;
   double told_reward_ = 0;
