@@ -5,6 +5,7 @@ import copy
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -452,8 +453,9 @@ class Function(Case):
         network = actor_critic()
         given, _ = self.signals(network, 0.4)
         rates, run = self.run_network(network, 0.4, signal=given)
-        example = next(block for block in page.split("```yaml\n") if "reward_hebbian" in block)
-        (self.folder / "page.yaml").write_text(example.split("```")[0])
+        example = next(block for block in re.findall("```yaml\n(.*?)```", page, re.DOTALL)
+                       if "reward_hebbian" in block)
+        (self.folder / "page.yaml").write_text(example)
         there = built_in.run(self.folder / "page", str(self.folder / "page.yaml"), 0.4, signal=given)
         np.testing.assert_array_equal(there.signal("rates")[1], rates["actor"])
         for name in ("actor.npy", "critic.npy"):
