@@ -59,6 +59,7 @@ def await_diagnosis(person, level, text):
 
 def stop_and_release(person):
     await_diagnosis(person, OK, "the robot is driven by the network (commands ")
+    ros.until(person.may_press_stop, "a run that hears the emergency stop")
     begin = time.monotonic()
     person.press_stop(True)
     assert person.time_to_zero_ms(begin) < time_to_zero.MARGIN_MS

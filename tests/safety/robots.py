@@ -30,10 +30,14 @@ class Robot:
         self.heard.clear()
 
     def is_driven(self):
-        """By a run that hears the emergency stop, and whose guard is heard."""
+        """By a run whose guard is heard: the run waits for that."""
         now = time.monotonic()
         recent = [value for at, value in self.heard[-3:] if now - at < RECENT_S]
         return len(recent) == 3 and all(recent) and self.is_connected()
+
+    def may_press_stop(self):
+        """It is driven by a run that hears the emergency stop."""
+        return self.is_driven() and self.is_obeyed()
 
     def has_moved(self):
         """The first command has come, by whomever."""
@@ -122,6 +126,8 @@ class Ros1Robot(Robot):
     def is_connected(self):
         return True  # a run begins when it is
 
+    is_obeyed = is_connected
+
     def press_stop(self, pressed):
         self._stop.publish(self._bool(pressed))
 
@@ -134,7 +140,7 @@ class Ros1Robot(Robot):
         pass
 
 
-# When Fast DDS knows a publisher on Cyclone DDS, that one may not know it yet.
+# When Fast DDS knows a subscriber on Cyclone DDS, that one may not know it yet.
 MUTUAL_S = 1.5
 
 
@@ -145,8 +151,8 @@ class Ros2Robot(Robot):
 
     def __init__(self, program):
         super().__init__()
-        self._is_heard = False  # by the run's process
-        self._drivers = []  # when its process was met, and the guard
+        self._heard_since = float("inf")  # by the run's process
+        self._drivers = 0  # its process was met, and the guard
         self._done = threading.Semaphore(0)
         self._process = subprocess.Popen([program, os.environ["ROS_DOMAIN_ID"]], text=True,
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -161,9 +167,9 @@ class Ros2Robot(Robot):
             elif what == "done":
                 self._done.release()
             elif what == "button":
-                self._is_heard = True
+                self._heard_since = float(at)
             elif what == "driver":
-                self._drivers.append(float(at))
+                self._drivers += 1
             elif what == "diagnosis":
                 self.diagnosis = (int(value), text[0])
             else:
@@ -181,12 +187,14 @@ class Ros2Robot(Robot):
         self._lead("odometry", int(on))
 
     def is_connected(self):
-        met_all = len(self._drivers) >= 2 and time.monotonic() - self._drivers[-1] > MUTUAL_S
-        return self._is_heard and met_all
+        return self._drivers >= 2
+
+    def is_obeyed(self):
+        return time.monotonic() - self._heard_since > MUTUAL_S
 
     def forget(self):
         super().forget()
-        self._is_heard, self._drivers = False, []
+        self._heard_since, self._drivers = float("inf"), 0
 
     def press_stop(self, pressed):
         self._lead("stop", int(pressed))

@@ -128,7 +128,7 @@ def faults(layout):
         Fault("launcher killed (SIGKILL)", kill_launcher, 0, "signal", True)]
     return [
         [Fault("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False, undo=sensor_back),
-         Fault("emergency stop pressed", emergency_stop, 0, "message", False, undo=released),
+         Fault("emergency stop pressed", emergency_stop, 0, "message", False, robots.Robot.may_press_stop, released),
          Fault("adapter stopped (SIGSTOP)", kill(*adapter, number=signal.SIGSTOP), WATCHDOG_MS + 100,
                "guard: `watchdog` + 100 ms", False)],
         *([fault] for fault in alone)]
