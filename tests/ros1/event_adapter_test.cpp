@@ -191,9 +191,10 @@ TEST_P(EventAdapterTest, every_event_comes_once_on_its_channel_and_at_its_time) 
          const bool in = e.on && e.x >= 2 && e.x < 7 && e.y >= 1 && e.y < 5;
          return in ? std::optional((e.y - 1) / 2 * 3 + (e.x - 2) / 2) : std::nullopt;
        }}};
-  start_job(chain("whole", "latency=0.5", 48) + chain("split", "latency=0.5\npolarity=split", 96) +
-                chain("part", "latency=0.5\nroi=2,1,5,4\ndownsample=2\npolarity=on", 6),
-            6, 6);
+  // So much later may a busy machine bring what it should bring now.
+  start_job(chain("whole", "latency=2", 48) + chain("split", "latency=2\npolarity=split", 96) +
+                chain("part", "latency=2\nroi=2,1,5,4\ndownsample=2\npolarity=on", 6),
+            6, 8);
   for (const auto& [label, channel_of] : channels) {
     // The loop runs, so nothing that comes is from before the run.
     ASSERT_TRUE(child_->wait_for(label + ": warning: " + kNothing, std::chrono::seconds(60)))
@@ -220,7 +221,7 @@ TEST_P(EventAdapterTest, every_event_comes_once_on_its_channel_and_at_its_time) 
 }
 
 TEST_P(EventAdapterTest, what_comes_too_late_is_sent_all_the_same) {
-  start_job(chain("late", "latency=0", 48), 2, 5);
+  start_job(chain("late", "latency=0", 48), 2, 4);
   ASSERT_TRUE(child_->wait_for(kNothing, std::chrono::seconds(60))) << child_->output();
   const auto all = film(kSensor);
   const auto outcome = child_->wait();
