@@ -57,7 +57,9 @@ class Child {
     start(command);
   }
   ~Child() {
-    kill_family();
+    if (!gone_) {
+      kill_family();
+    }
     if (!reaped_) {
       ::waitpid(pid_, nullptr, 0);
     }
@@ -217,10 +219,7 @@ class Child {
   void read_some(int milliseconds) {
     pollfd files[2] = {{out_, POLLIN, 0}, {err_, POLLIN, 0}};
     if (milliseconds > 0) {
-      ::poll(files, 2, milliseconds);
-      if (out_ < 0 && err_ < 0) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-      }
+      ::poll(files, 2, milliseconds);  // sleeps when both are closed
     }
     drain(out_, outcome_.out);
     drain(err_, outcome_.err);
@@ -248,13 +247,16 @@ class Child {
     auto alive = family();
     // A process that is just becoming another program has no environment, and so no mark: nobody is
     // gone before nobody has been there twice.
-    for (int empty = 0; empty < 2 && std::chrono::steady_clock::now() < end;) {
+    for (int empty = alive.empty() ? 1 : 0; empty < 2 && std::chrono::steady_clock::now() < end;) {
       read_some(20);
       alive = family();
       empty = alive.empty() ? empty + 1 : 0;
     }
     outcome_.left_behind = static_cast<int>(alive.size());
-    kill_family();
+    if (!alive.empty()) {
+      kill_family();
+    }
+    gone_ = true;
   }
 
   std::chrono::milliseconds timeout_;
@@ -264,6 +266,7 @@ class Child {
   int out_ = -1;
   int err_ = -1;
   bool reaped_ = false;
+  bool gone_ = false;  ///< its family, too
   Outcome outcome_;
 };
 
