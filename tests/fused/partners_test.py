@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import xmlrpc.client
 
 import ros
@@ -48,7 +47,7 @@ def robot(master, environment, *options):
 
 
 def dead_robot(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="1", duration="3 s")
+    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="1", duration="1 s")
     with ros_master(scratch) as (environment, master):
         process = robot(master, environment)
         process.kill()
@@ -84,8 +83,10 @@ def living_robot(spikeloop, scratch):
 def living_robot_of_ros2(spikeloop, scratch):
     """One that sends /scan already is used, and goes on afterwards."""
     file = runs.new_experiment(spikeloop, scratch / "used.yaml", ros="2", duration="3 s")
-    with ros.domain(), ros.program(runs.programs() / "spikeloop-robot", "--ros", "2") as process:
-        time.sleep(3)  # a world is read
+    trajectory = scratch / "going-on/trajectory.csv"
+    with ros.domain(), ros.program(runs.programs() / "spikeloop-robot", "--ros", "2", "--out",
+                                   trajectory.parent) as process:
+        ros.until(lambda: trajectory.exists() and trajectory.stat().st_size > 2000, "a path")
         summary, printed = runs.run(spikeloop, file, scratch / "used")
         assert "/scan is published already: no robot is started" in printed, printed
         assert summary["commands"] > 50 and "robot" not in summary["processes"], summary

@@ -80,10 +80,10 @@ class Simulator:
 class Run:
     """An experiment in the background; its lines as they come."""
 
-    def __init__(self, spikeloop, file, folder):
+    def __init__(self, spikeloop, file, folder, stall_s=6):
         self.folder = folder
         self.process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder),
-                                         "--stall-timeout", "6"],
+                                         "--stall-timeout", str(stall_s)],
                                         stderr=subprocess.PIPE, text=True)
         self.printed = ""
         self.reader = threading.Thread(target=self.read, daemon=True)
@@ -159,9 +159,9 @@ def jump(simulator, begin):
     check_counters(report["counters"])
 
 
-def driving(simulator, begin, name):
+def driving(simulator, begin, name, **options):
     """A run at 0.1 s, that drives."""
-    run = begin(name)
+    run = begin(name, **options)
     simulator.join()
     simulator.drives()
     simulator.show(DRIVES_BY_MS)
@@ -192,10 +192,10 @@ def back(simulator, begin):
 
 
 def gone(simulator, begin):
-    run = driving(simulator, begin, "gone")
+    run = driving(simulator, begin, "gone", stall_s=3)
     simulator.clock.unregister()
     # rospy may drop what it has not sent yet.
-    ended(simulator, run, " s for 6 s, and has no publisher any more")
+    ended(simulator, run, " s for 3 s, and has no publisher any more")
 
 
 def silence(begin, command):
@@ -206,9 +206,9 @@ def silence(begin, command):
 
 
 def shipped_robot(spikeloop, scratch, version):
-    for factor in ("0.5", "3"):
+    for factor, duration in (("0.5", "2 s"), ("3", "4 s")):
         file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="sim_time", ros=version,
-                                   duration="4 s", real_time_factor=factor)
+                                   duration=duration, real_time_factor=factor)
         summary, _ = runs.run(spikeloop, file, scratch / f"factor{factor}-ros{version}")
         # A busy machine is slower; nothing is faster than the robot.
         assert 0.1 < summary["real_time_factor"] < float(factor) * 1.05, summary
@@ -253,7 +253,7 @@ def main():
             simulator = Simulator()
             for test in (pause, jump, back, gone):
                 simulator.heard.clear()
-                test(simulator, lambda name: Run(spikeloop, file, scratch / name))
+                test(simulator, lambda name, **options: Run(spikeloop, file, scratch / name, **options))
         shipped_robot(spikeloop, scratch, "1")
         with ros.domain():
             followed_in_ros2(spikeloop, scratch)

@@ -76,10 +76,10 @@ def wrong_robots(spikeloop, file, scratch):
 
 
 def no_robot(spikeloop, file, scratch):
-    _, printed = runs.run(spikeloop, file, scratch / "none", "--stall-timeout", "5", code=3)
+    _, printed = runs.run(spikeloop, file, scratch / "none", "--stall-timeout", "4", code=3)
     for text in ("waits for a subscriber of /spikeloop/step, a publisher of /spikeloop/stepped, a "
                  "publisher of /where, a subscriber of /go; see docs/stepping.md",
-                 "no robot has come that can be stepped: for 5 s there has not been a subscriber",
+                 "no robot has come that can be stepped: for 4 s there has not been a subscriber",
                  "start spikeloop-robot --step, or a robot that speaks the protocol"):
         assert text in printed, f"{text}\n{printed}"
 

@@ -27,7 +27,7 @@ WITH_CLERK = people_test.EXPERIMENT.replace("  decoder:", "  clerk: {simulator: 
 def without_a_sensor_at_the_end(person, version, layout, out):
     (out.parent / "clerk.py").write_text(CLERK)
     # A busy machine may take half of the time until the robot is driven.
-    with run_that_drives(person, version, layout, out, "--duration", "10",
+    with run_that_drives(person, version, layout, out, "--duration", "8",
                          experiment=WITH_CLERK) as (process, printed):
         person.odometry(False)
         assert process.wait(60) == 3, printed.read_text()
