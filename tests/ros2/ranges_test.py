@@ -127,13 +127,12 @@ def without_end(machine):
 def main():
     networks.enter()
     with networks.alone() as machine:
-        meet(table(("127.0.0.1", "localhost"), on_one_machine), (machine, machine), "a machine without a network")
-        meet(fast_dds_on_one_machine(), (machine, machine), "a machine without a network, Fast DDS")
+        meet(table(("127.0.0.1", "localhost"), on_one_machine) + fast_dds_on_one_machine(), (machine, machine),
+             "a machine without a network")
         without_end(machine)
     with networks.joined(ADDRESSES) as (first, second):
         meet(table((ADDRESSES[0], ADDRESSES[0]), on_one_machine), (first, first), "a machine with a network")
-        meet(table(ADDRESSES, on_two_machines), (first, second), "two machines")
-        meet(fast_dds_on_two_machines(), (first, second), "two machines, Fast DDS")
+        meet(table(ADDRESSES, on_two_machines) + fast_dds_on_two_machines(), (first, second), "two machines")
     with networks.joined(ADDRESSES, multicast=False) as machines:
         without = lambda robot, brain: bool(robot[1] or brain[1])  # noqa: E731
         meet(table(ADDRESSES, without), machines, "two machines without multicast")
