@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+
 #include "guarded_job.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/guard/link.hpp"
@@ -219,7 +221,11 @@ TEST_F(StrangeGuardTest, one_that_reaches_nobody_is_waited_for_and_missed) {
   made.environment[guard::kSocketVariable] = socket_;
   child_ = std::make_unique<Child>(made);
   ASSERT_TRUE(drives());
-  EXPECT_GE(1e-9 * static_cast<double>(robot_.twists().front().time_ns - ready_at_), 3);
+  // A busy machine that is late with a tick may have the robot stopped before.
+  const auto twists = robot_.twists();
+  const auto driven =
+      std::ranges::find_if(twists, [](const auto& each) { return !each.is_zero(); });
+  EXPECT_GE(1e-9 * static_cast<double>(driven->time_ns - ready_at_), 3);
   child_->signal(SIGTERM);
   EXPECT_THAT(
       child_->wait().text(),
