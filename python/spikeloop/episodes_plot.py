@@ -10,7 +10,7 @@ MANY = 30  # marks become smaller
 
 
 def draw(folders, path):
-    """Writes the picture: returns over episodes, and the rate of success if any episode had one.
+    """Writes the picture: returns over episodes, and the rate of success if it is not the same in all.
 
     Of one run a dot an episode and the running median; of several the median and the quartiles of the runs.
     Returns a list of sentences about what is left out. Raises RunFolderError when no run has episodes.
@@ -18,7 +18,7 @@ def draw(folders, path):
     runs = [table for table in map(_episodes, folders) if table is not None and len(table["return"])]
     if not runs:
         raise RunFolderError("no episode has ended")
-    successes = any(table["success"].any() for table in runs)
+    successes = len({success for table in runs for success in table["success"]}) > 1
     with style.styled():
         figure = style.new_figure(7.0, 5.2 if successes else 3.2)
         panels = figure.subplots(2 if successes else 1, 1, sharex=True, squeeze=False)[:, 0]

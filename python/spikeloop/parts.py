@@ -32,7 +32,7 @@ class Parts:
 
     known: bool  # what ran
     simulated: bool = False  # latencies are those of the simulation, a number of ticks
-    is_model: bool = False  # the robot is one of `model: FILE`, which has no path
+    has_path: bool = True  # a robot of `model: FILE`, or an environment, has none
     sensors: list = dataclasses.field(default_factory=list)
     spikes: list = dataclasses.field(default_factory=list)
     signals: list = dataclasses.field(default_factory=list)  # between sensors and commands
@@ -54,7 +54,7 @@ def find(run, labels=None):
     resolved = run.resolved() if (run.path / "resolved.json").exists() else None
     nodes = _music_job(run) if resolved is None else _experiment(run, resolved)
     parts = Parts(known=nodes is not None, simulated=resolved is not None and _is_simulated(resolved),
-                  is_model="model" in ((resolved or {}).get("robot") or {}))
+                  has_path=not {"model", "environment"} & set((resolved or {}).get("robot") or {}))
     for label in _recorded(run, nodes or {}, parts):
         try:
             _add(parts, run, label, nodes[label].get("node", ""))

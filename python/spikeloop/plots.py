@@ -78,7 +78,7 @@ def plot_run(folder, out=None, labels=None, begin_s=None, end_s=None, suffix="pn
         return painter.result
     _refuse_other_folders(run)
     found = parts.find(run, labels)
-    if not found.is_model:
+    if found.has_path:
         painter.draw("trajectory", lambda path: trajectory_plot.draw(run, path),
                      wanted=not found.known or (run.path / "trajectory.csv").exists())
     if (run.path / "episodes.csv").exists():

@@ -10,6 +10,7 @@ from . import style
 from .run_folder import RunFolderError
 
 MOST_SEGMENTS = 20_000
+JUMP_M = 0.5  # longer than a way between two rows: another episode begins
 GOAL = {"facecolor": "#d5efe6", "edgecolor": style.GREEN, "linestyle": (0, (4, 2))}
 LAMP = {"linestyle": "none", "marker": "*", "markersize": 15, "markerfacecolor": style.YELLOW,
         "markeredgecolor": style.INK, "markeredgewidth": 1.0}
@@ -97,6 +98,9 @@ def _draw_path(axes, track):
     stride = max(1, len(track["t_s"]) // MOST_SEGMENTS)
     points = np.column_stack((track["x_m"], track["y_m"]))[::stride]
     times = track["t_s"][::stride]
+    jumps = np.hypot(*np.diff(np.column_stack((track["x_m"], track["y_m"])), axis=0).T) > JUMP_M
+    jumped = np.searchsorted(np.flatnonzero(jumps), np.arange(0, len(track["t_s"]), stride))
+    points[1:][np.diff(jumped) > 0] = np.nan
     segments = np.stack((points[:-1], points[1:]), axis=1)
     lines = LineCollection(segments, cmap=style.time_map(), linewidth=2.2, capstyle="round",
                            zorder=3)

@@ -241,6 +241,24 @@ class ExperimentTest(Folder):
             self.assertTrue(out.endswith("spikes.png\n"), out)
             self.assertEqual(err.count("trajectory.png is not drawn"), words)
 
+    def test_episodes_of_a_run_and_of_a_sweep(self):
+        rows = "".join(f"{n},{n},{n + .5},10,{-200 / n},{int(n > 5)},terminated\n" for n in range(1, 31))
+        for run in ("001", "002", "003"):
+            (self.folder / run).mkdir()
+            (self.folder / run / "episodes.csv").write_text(
+                "episode,begin_s,end_s,steps,return,success,end\n" + rows + "31,3")  # cut short
+            (self.folder / run / "summary.json").write_text('{"episodes": 30}')
+        table = RunFolder(self.folder / "001").episodes()
+        self.assertEqual((len(table["return"]), table["return"][1], table["success"].sum()), (30, -100, 25))
+        code, out, _ = run_main(self.folder / "001")
+        self.assertIn(str(self.folder / "001" / "episodes.png"), out.split())
+        self.assertGreater(drawn(self.folder / "001" / "episodes.png"), 0.02)
+        (self.folder / "results.csv").write_text("run,seed,exit_code,exit_reason\n001,1,0,finished\n")
+        code, out, err = run_main(self.folder)
+        self.assertEqual((code, out.split()), (0, [str(self.folder / "episodes.png")]), err)
+        with self.assertRaisesRegex(RunFolderError, "the experiment has no episodes"):
+            RunFolder(self.folder).episodes()
+
     def test_sections_of_a_music_job_are_known_by_their_programs(self):
         (self.folder / "effective.music").write_text(
             "stoptime=1\n[b]\nbinary=/usr/bin/ros_command_adapter\n[a]\n"
