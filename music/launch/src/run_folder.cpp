@@ -18,9 +18,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSummary = "summary.json";
 /// What a run writes beside its recordings, and another one need not write again.
-constexpr const char* kFiles[] = {kSummary,     "resolved.json", "trajectory.csv",
-                                  "world.json", "messages.mcap", "changes.csv",
-                                  "log.txt",    "versions.json"};
+constexpr const char* kFiles[] = {kSummary,       "resolved.json", "trajectory.csv",
+                                  "episodes.csv", "world.json",    "messages.mcap",
+                                  "changes.csv",  "log.txt",       "versions.json"};
 
 /// Made by nobody else at the same time.
 std::string first_free(const std::string& prefix) {
