@@ -119,7 +119,7 @@ void refuse_spectators(const ExperimentArguments& arguments, const Experiment& e
     return;
   }
   const char* name = arguments.spectators.window ? "--view" : "--render";
-  if (!experiment.robot || !experiment.robot->bag.empty()) {
+  if (!experiment.robot || !experiment.robot->bag.empty() || experiment.robot->environment) {
     throw ConfigurationError(fmt::format(
         "{} shows a simulated robot, and this experiment has none; leave it out", name));
   }

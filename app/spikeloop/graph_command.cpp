@@ -94,9 +94,10 @@ Diagram diagram_of(const Experiment& experiment) {
                               experiment::has_simulator(experiment) ? " and its simulators" : "",
                               format_time(experiment.tick), experiment::name_of(experiment.sync));
   if (experiment.robot) {
-    diagram.robot = experiment.robot->bag.empty()
-                        ? "robot in MuJoCo"
-                        : std::filesystem::path(experiment.robot->bag).filename().string();
+    const experiment::Robot& robot = *experiment.robot;
+    diagram.robot = robot.environment   ? robot.environment->name
+                    : robot.bag.empty() ? "robot in MuJoCo"
+                                        : std::filesystem::path(robot.bag).filename().string();
     diagram.robot_inside = true;
   } else if (experiment.ros != experiment::Ros::none) {
     diagram.robot = any_robot(experiment::name_of(experiment.ros));

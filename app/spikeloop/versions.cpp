@@ -138,7 +138,7 @@ Partners partners_of(const experiment::Experiment& experiment) {
   return {.music = experiment::needs_music(experiment),
           .ros1 = experiment.ros == experiment::Ros::ros1,
           .ros2 = experiment.ros == experiment::Ros::ros2,
-          .mujoco = experiment.robot.has_value(),
+          .mujoco = experiment.robot && !experiment.robot->environment,
           .python = std::ranges::any_of(experiment.nodes, [](const experiment::Node& node) {
             return node.plugin.ends_with(".py") || experiment::is_simulator(node);
           })};

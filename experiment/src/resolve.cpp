@@ -10,6 +10,7 @@
 #include "faults.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/experiment/layout.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -131,6 +132,10 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
     faults.add(where, with_code(Code::conflicting_keys,
                                 "key 'episodes': pause_observation is for an environment; leave it "
                                 "out"));
+  } else if (experiment.episodes->count && needs_music(experiment)) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': count ends a run of one process, and this one has "
+                                "several; write a duration in its place"));
   }
 }
 
@@ -258,9 +263,6 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     robot.width = bag_width(bag);
   }
   check_ways(experiment, all);
-  if (!overrides.replay) {
-    check_episodes(file, experiment, all);
-  }
   bool joined = file.joined;
   std::set<std::string> whole;
   const std::string directory = directory_of(experiment.origin);
@@ -288,6 +290,9 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   resolve_layout(keys, file.joined, experiment, all);
+  if (!overrides.replay) {
+    check_episodes(file, experiment, all);
+  }
   if (!overrides.changes.empty() && faults.empty()) {
     experiment.changes = read_changes(overrides.changes);
     check_changes(experiment, overrides.changes);

@@ -79,6 +79,7 @@ def drive(position):
 
 def check_car(spikeloop, folder):
     (folder / "car.yaml").write_text(CAR)
+    (folder / "push.py").write_text("")
     summary, _ = runs.run(spikeloop, folder / "car.yaml", folder / "one")
     found = rows(folder / "one")
     assert len(found) == 4 == summary["episodes"] and summary["exit_reason"] == "finished", summary
@@ -155,10 +156,20 @@ def check_errors(spikeloop, folder):
             ("robot.slippery=true", "key 'slippery' is for frozen_lake"),
             ("ros=2", "an environment has no topics of ROS"),
             ("car.topic=/scan", "the robot has no topic /scan there"),
+            ("push={simulator: python, script: push.py}", "count ends a run of one process, and this one has several"),
+            ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
+            ("robot={simulator: mujoco}", "pause_observation is for an environment"),
             ("episodes.count=0", "count")):
         done = subprocess.run([spikeloop, "check", str(folder / "car.yaml"), "--set", setting],
                               capture_output=True, text=True, check=False)
         assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+    for options, part in ((["--render", "x.png"], "this experiment has none"),
+                          (["--ros", "2"], "an environment has no topics of ROS")):
+        done = subprocess.run([spikeloop, "run", str(folder / "car.yaml"), "--out", str(folder / "none"), *options],
+                              capture_output=True, text=True, check=False)
+        assert done.returncode != 0 and part in done.stderr, (options, done.stderr)
+    done = subprocess.run([spikeloop, "new", "--environment", "cart_pole"], capture_output=True, text=True, check=False)
+    assert done.returncode != 0 and "write one of: frozen_lake, mountain_car, t_maze" in done.stderr, done.stderr
     wrong = CAR.replace("x1 > 0 ? 2 : 0", "7")
     (folder / "wrong.yaml").write_text(wrong)
     done = subprocess.run([spikeloop, "run", str(folder / "wrong.yaml"), "--out", str(folder / "wrong")],
