@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""Learning over many seeds, beside what was published.
+
+    benchmarks/learning/learning.py --seeds 100 --out FOLDER
+
+runs `spikeloop new --environment` for the mountain car, the frozen lake (Jordan, Weidel & Morrison 2019,
+Front. Comput. Neurosci. 13:46, one published run each) and the T-maze with and without reward, and prints
+medians and quartiles of the seeds. FOLDER keeps the sweeps with their learning curves, episodes.png; a
+second call continues. 100 seeds take half an hour on two cores, most of it in the T-maze.
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SPIKELOOP = ROOT / "build/release/bin/spikeloop"
+sys.path.insert(0, str(ROOT / "python"))
+WITHOUT_REWARD = ("--set", "brain.network.connections.3.weight=0")
+
+
+def runs(environment, folder, seeds, settings=()):
+    """Episodes of every run of a sweep."""
+    from spikeloop import open_run
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder.parent / f"{environment}.yaml"
+    file.write_text(subprocess.run([SPIKELOOP, "new", "--environment", environment], check=True,
+                                   capture_output=True, text=True).stdout)
+    subprocess.run([SPIKELOOP, "sweep", file, "--set", f"seed=1..{seeds}", *settings, "--out", folder],
+                   check=True, stdout=subprocess.DEVNULL)
+    return [open_run(path.parent).episodes() for path in sorted(folder.glob("*/episodes.csv"))]
+
+
+def row(name, published, values):
+    low, median, high = np.percentile(values, (25, 50, 75))
+    print(f"{name:<52}{published:>10}{median:>10.4g}  ({low:.4g} to {high:.4g})", flush=True)
+
+
+def mountain_car(folder, seeds):
+    tables = runs("mountain_car", folder, seeds)
+    learned = [table["return"][10:50] for table in tables]
+    row("mountain car, episodes 11 to 50: median return", "-130", [np.median(values) for values in learned])
+    row("  mean return", "-308", [values.mean() for values in learned])
+    row("  best return of a run", "-84", [table["return"].max() for table in tables])
+    row("  of the first 50, with at least -110", "10", [(table["return"][:50] >= -110).sum() for table in tables])
+
+
+def frozen_lake(folder, seeds):
+    tables = runs("frozen_lake", folder, seeds)
+    failed = [np.flatnonzero(table["success"] == 0) for table in tables]
+    steps = [table["steps"].cumsum() for table in tables]
+    row("frozen lake, steps until the last failure", "1700",
+        [count[last[-1]] if len(last) else 0 for count, last in zip(steps, failed)])
+    row("  steps of a run", "3961", [count[-1] for count in steps])
+
+
+def t_maze(folder, seeds):
+    for name, settings in (("with", ()), ("without", WITHOUT_REWARD)):
+        tables = runs("t_maze", folder.with_name(f"t_maze_{name}"), seeds, settings)
+        for text, part in (("first 5", slice(0, 5)), ("last 20", slice(-20, None))):
+            row(f"T-maze {name} reward, success of the {text} (%)", "-",
+                [100 * table["success"][part].mean() for table in tables])
+
+
+def main():
+    tasks = {"mountain_car": mountain_car, "frozen_lake": frozen_lake, "t_maze": t_maze}
+    parser = argparse.ArgumentParser(description="Learning over many seeds, beside what was published.")
+    parser.add_argument("--seeds", type=int, default=20, help="runs of each task (default: 20)")
+    parser.add_argument("--out", type=pathlib.Path, help="folder of the sweeps (default: a temporary one)")
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help=f"of {', '.join(tasks)} (default: all)")
+    given = parser.parse_args()
+    for task in given.tasks:
+        if task not in tasks:
+            parser.error(f"unknown task '{task}'; write some of {', '.join(tasks)}")
+    with tempfile.TemporaryDirectory() as temporary:
+        out = given.out or pathlib.Path(temporary)
+        print(f"{'':<52}{'published':>10}{'median':>10}  (quartiles of {given.seeds} seeds)")
+        for task in given.tasks or tasks:
+            tasks[task](out / task, given.seeds)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
