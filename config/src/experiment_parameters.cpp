@@ -100,6 +100,13 @@ std::vector<ParameterDescription> episode_parameters() {
           reward("pause_observation",
                  "Value of all numbers of an observation in a pause, e.g. 9999, so that no place "
                  "cell is active; not given: the last observation"),
+          {.name = "reset",
+           .type = ParameterType::list,
+           .default_value = "",
+           .text = "Built-in networks that begin every episode in their first state, with the "
+                   "weights that they have learned; not given: none",
+           .inner = {{.name = "node", .type = ParameterType::text}},
+           .example = "[brain]"},
           reward("begin_reward",
                  "Reward that is sent in the pause and before the first step; not given: 0"),
           reward("end_reward",

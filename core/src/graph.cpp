@@ -456,6 +456,18 @@ bool Graph::change(std::string_view node, std::string_view parameter, double val
   return false;
 }
 
+void Graph::reset(std::string_view node) {
+  for (Element& element : impl_->elements) {
+    if (element.node && element.name == node) {
+      try {
+        element.node->reset(time());
+      } catch (const std::exception& error) {
+        throw NodeError(element.name, error.what());
+      }
+    }
+  }
+}
+
 std::vector<Counter> Graph::counters() const {
   std::vector<Counter> all;
   for (const Element& element : impl_->elements) {

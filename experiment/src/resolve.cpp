@@ -86,6 +86,9 @@ void read_episodes(const Parameters& keys, Experiment& experiment, Faults& fault
     episodes.begin_reward = number_of(read, "begin_reward");
     episodes.end_reward = number_of(read, "end_reward");
     episodes.failure_reward = number_of(read, "failure_reward");
+    for (const Parameters::Entry& entry : read.entries("reset")) {
+      episodes.reset.push_back(entry.values.text("node"));
+    }
     experiment.episodes = episodes;
   });
 }
@@ -116,12 +119,34 @@ Parameters read_keys(const ExperimentFile& file, Experiment& experiment, Faults&
   return keys;
 }
 
+void check_reset(const std::string& name, const Location& where, const Experiment& experiment,
+                 Faults& faults) {
+  const auto node = std::ranges::find(experiment.nodes, name, &Node::name);
+  std::vector<std::string> able;
+  for (const Node& candidate : experiment.nodes) {
+    if (candidate.node_class != nullptr && candidate.node_class->description.resettable) {
+      able.push_back(candidate.name);
+    }
+  }
+  if (std::ranges::find(able, name) == able.end()) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': reset: {} '{}'{}; only built-in networks with a "
+                                "resolution can be reset{}",
+                                node == experiment.nodes.end() ? "there is no node" : "node", name,
+                                node == experiment.nodes.end() ? "" : " cannot begin anew",
+                                did_you_mean(name, able)));
+  }
+}
+
 /// Only a robot in this process can begin anew.
 void check_episodes(const ExperimentFile& file, const Experiment& experiment, Faults& faults) {
   if (!experiment.episodes) {
     return;
   }
   const Location where = where_of(file, "episodes");
+  for (const std::string& name : experiment.episodes->reset) {
+    check_reset(name, where, experiment, faults);
+  }
   const auto& robot = experiment.robot;
   if (!robot || robot->model || !robot->bag.empty() || experiment.ros != Ros::none) {
     faults.add(where, with_code(Code::conflicting_keys,
@@ -132,10 +157,11 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
     faults.add(where, with_code(Code::conflicting_keys,
                                 "key 'episodes': pause_observation is for an environment; leave it "
                                 "out"));
-  } else if (experiment.episodes->count && needs_music(experiment)) {
+  } else if ((experiment.episodes->count || !experiment.episodes->reset.empty()) &&
+             needs_music(experiment)) {
     faults.add(where, with_code(Code::conflicting_keys,
-                                "key 'episodes': count ends a run of one process, and this one has "
-                                "several; write a duration in its place"));
+                                "key 'episodes': count and reset are for a run of one process, and "
+                                "this one has several; leave them out, and write a duration"));
   }
 }
 

@@ -74,6 +74,7 @@ json episodes_json(const experiment::Episodes& episodes) {
           {"time_limit_ns", or_null(episodes.time_limit)},
           {"hold_ns", episodes.hold},
           {"pause_ns", episodes.pause},
+          {"reset", episodes.reset},
           {"pause_observation", or_null(episodes.pause_observation)},
           {"begin_reward", or_null(episodes.begin_reward)},
           {"end_reward", or_null(episodes.end_reward)},

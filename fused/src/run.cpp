@@ -94,6 +94,7 @@ class Loop {
         view_(surroundings.view),
         events_(events),
         changes_(experiment, assembly.graph(), folder),
+        networks_(experiment.episodes ? experiment.episodes->reset : std::vector<std::string>{}),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
   /// Whether there was a tick.
@@ -124,6 +125,7 @@ class Loop {
       others_->exchange();
     }
     transport_.end(graph.time());
+    reset_networks();
     if (events_.ticked) {
       events_.ticked(graph.time());
     }
@@ -160,6 +162,17 @@ class Loop {
     pacer_->start();
   }
 
+  void reset_networks() {
+    const std::uint64_t episode = transport_.episode();
+    if (episode <= episode_) {
+      return;
+    }
+    episode_ = episode;
+    for (const std::string& node : networks_) {
+      assembly_.graph().reset(node);
+    }
+  }
+
   const Experiment& experiment_;
   Transport& transport_;
   Assembly& assembly_;
@@ -167,8 +180,10 @@ class Loop {
   LiveView* view_;
   const RunEvents& events_;
   Changes changes_;
+  const std::vector<std::string> networks_;  ///< that begin anew with every episode
   std::unique_ptr<Pacer> pacer_;
   bool begun_ = false;
+  std::uint64_t episode_ = 1;
   TimeNs next_ = 0;
   TimeNs computing_ = 0;
 };

@@ -19,7 +19,7 @@ constexpr TimeNs kSettleEvery = kNsPerSecond;
 
 class GridSimulation final : public Simulation {
  public:
-  GridSimulation(const NetworkFile& network, const Seeding& seeding)
+  GridSimulation(const NetworkFile& network, const Seeding& seeding, TimeNs begin)
       : network_(network),
         channels_(network),
         currents_(network, seeding),
@@ -39,6 +39,7 @@ class GridSimulation final : public Simulation {
           make_group(population, network.resolution, longest[i] / network.resolution));
       if (population.model == NeuronModel::poisson) {
         trains_[i] = std::make_unique<PoissonTrains>(population, seeding.stream(population));
+        trains_[i]->advance(begin, [](std::uint32_t, TimeNs) {});
       }
     }
     if (std::ranges::any_of(network.populations,
@@ -218,9 +219,9 @@ class GridSimulation final : public Simulation {
 
 }  // namespace
 
-std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network,
-                                                 const Seeding& seeding) {
-  return std::make_unique<GridSimulation>(network, seeding);
+std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network, const Seeding& seeding,
+                                                 TimeNs begin) {
+  return std::make_unique<GridSimulation>(network, seeding, begin);
 }
 
 }  // namespace spikeloop::neurons

@@ -43,6 +43,7 @@ class NetworkNode final : public Node {
  public:
   NetworkNode(NetworkFile network, const neurons::Seeding& seeding)
       : network_(std::move(network)),
+        seeding_(seeding),
         simulation_(network_.resolution == 0 ? neurons::make_offgrid_simulation(network_, seeding)
                                              : neurons::make_grid_simulation(network_, seeding)),
         signal_(network_.signal_width(), 0.0),
@@ -72,6 +73,20 @@ class NetworkNode final : public Node {
 
   std::vector<Counter> counters() const override {
     return {{"spikes", spikes_}, {"late_spikes", late_}};
+  }
+
+  /// A new simulation with the weights of the old one.
+  void reset(TimeNs now) override {
+    for (std::size_t i = 0; i < network_.projections.size(); ++i) {
+      const auto learned = simulation_->learned(i);
+      if (!learned.empty()) {
+        network_.projections[i].weight.assign(learned.begin(), learned.end());
+      }
+    }
+    simulation_ = neurons::make_grid_simulation(network_, seeding_, now);
+    if (revision_ != 0) {
+      simulation_->set_signal(signal_, now);
+    }
   }
 
   std::vector<Result> results() override {
@@ -148,7 +163,8 @@ class NetworkNode final : public Node {
     }
   }
 
-  const NetworkFile network_;
+  NetworkFile network_;
+  const neurons::Seeding seeding_;
   std::unique_ptr<neurons::Simulation> simulation_;
   std::vector<double> signal_;
   std::vector<std::vector<Spike>> emitted_;  // port `out`, recorded populations
@@ -240,6 +256,7 @@ NodeClass network_class() {
 
 NodeClass network_class(const NetworkFile& network) {
   NodeClass node_class = network_class();
+  node_class.description.resettable = network.resolution != 0;
   std::vector<PortDescription>& ports = node_class.description.ports;
   ports[0].width = WidthRule::fixed(network.input_width());
   ports[1].width = WidthRule::fixed(network.output_width());

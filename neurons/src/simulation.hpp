@@ -36,8 +36,9 @@ class Simulation {
   virtual std::span<const double> learned(std::size_t projection) = 0;
 };
 
-std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network,
-                                                 const Seeding& seeding);
+/// @param begin of its first interval
+std::unique_ptr<Simulation> make_grid_simulation(const NetworkFile& network, const Seeding& seeding,
+                                                 TimeNs begin = 0);
 std::unique_ptr<Simulation> make_offgrid_simulation(const NetworkFile& network,
                                                     const Seeding& seeding);
 

@@ -47,6 +47,38 @@ nodes:
 connections:
   - where -> right [2] -> wheels [2]
 """
+# Down from the start of the lake: 4, 8, and a hole.
+LAKE = """experiment: lake
+tick: 20 ms
+sync: lockstep
+robot: {environment: frozen_lake, step: 100 ms}
+episodes: {count: 6, pause: 40 ms, reset: [brain]}
+nodes:
+  field: {node: ros_sensor, topic: /observation, message: std_msgs/Float64MultiArray}
+  down: {node: function, function: "1"}
+  brain:
+    simulator: builtin
+    network:
+      resolution: 1 ms
+      populations:
+        field: {model: signal_input, size: 1}
+        slow: {model: lin_rate_ipn, size: 1, parameters: {tau: 100 ms, lambda: 0, mu: 0.1, sigma: 0}}
+        one: {model: lin_rate_ipn, size: 1, parameters: {tau: 1 ms, mu: 0.001, sigma: 0}}
+        cell: {model: iaf_psc_exp, size: 2, parameters: {I_e: 380 pA}}
+        rain: {model: poisson, size: 1, parameters: {rate: 100 Hz}}
+      connections:
+        - {from: field, to: slow, rule: all_to_all, weight: 0.01}
+        - {from: one, to: slow, rule: all_to_all, weight: 0, delay: 1 ms,
+           plasticity: {rule: reward_hebbian, reward: one, A: 1, save: w.npy}}
+        - {from: cell, to: cell, rule: pairs, pairs: [[0, 1]], weight: 900 pA, delay: 7 ms}
+      rates: [slow]
+      output: [cell, rain]
+      potential: [cell]
+  move: {node: ros_command, topic: /action, message: std_msgs/Float64MultiArray}
+connections:
+  - field -> down [1] -> move [1]
+  - field -> brain.signal [1]
+"""
 STEP_S = 0.02
 LIMIT = 150  # steps in 3 s
 
@@ -147,6 +179,50 @@ def check_maze(spikeloop, folder):
     assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
 
 
+def spikes(folder, node):
+    with h5py.File(folder / f"{node}.h5") as file:
+        group = file["spikes/out"]
+        return group["timestamps_ns"][:], group["node_ids"][:]
+
+
+def check_reset(spikeloop, folder):
+    """A network begins every episode as the first one, but for its weights; its noise goes on."""
+    (folder / "lake.yaml").write_text(LAKE)
+    runs.run(spikeloop, folder / "lake.yaml", folder / "reset")
+    (folder / "on.yaml").write_text(LAKE.replace(", reset: [brain]", ""))
+    runs.run(spikeloop, folder / "on.yaml", folder / "goes_on")
+    begins = [round(float(row["begin_s"]) * 1e9) for row in rows(folder / "reset")][1:]
+    assert len(begins) == 5, begins
+    length = begins[1] - begins[0]
+    times, channels = spikes(folder / "reset", "brain")
+    with h5py.File(folder / "reset" / "brain.h5") as file:
+        at = file["signals/potential/times_ns"][:]
+        membranes = file["signals/potential/values"][:]
+        slow = file["signals/rates/values"][:, 0]
+    seen = []
+    for begin in begins[:-1]:
+        rows_in = (at > begin) & (at <= begin + length)
+        cells = (times > begin) & (times <= begin + length) & (channels < 2)
+        seen.append((membranes[rows_in].tobytes(), list(zip(times[cells] - begin, channels[cells]))))
+    assert len(seen[0][1]) > 10 and all(one == seen[0] for one in seen[1:]), "every episode is the same"
+    # The same to the bit as a network that has just been made, which sees the start a tick later.
+    first = (times > 0) & (times <= length) & (channels < 2)
+    assert list(zip(times[first], channels[first])) == seen[0][1]
+    assert membranes[at <= length].tobytes() == seen[0][0]
+    weight = np.load(folder / "reset" / "brain.w.npy")[0, 0]
+    gone_on = np.load(folder / "goes_on" / "brain.w.npy")[0, 0]
+    assert weight > 1e-3 and abs(weight - gone_on) < 0.05 * weight, (weight, gone_on)  # it is learned all the time
+    assert slow.max() < 0.2 * signal_max(folder / "goes_on"), "the slow neuron grows for one episode"
+    rain = times[channels == 2]
+    mean = 100e-9 * at[-1]
+    assert abs(len(rain) - mean) < 5 * mean ** 0.5 and np.unique(rain, return_counts=True)[1].max() < 5, len(rain)
+
+
+def signal_max(folder):
+    with h5py.File(folder / "brain.h5") as file:
+        return file["signals/rates/values"][:].max()
+
+
 def check_errors(spikeloop, folder):
     """What check says."""
     for setting, part in (
@@ -156,7 +232,9 @@ def check_errors(spikeloop, folder):
             ("robot.slippery=true", "key 'slippery' is for frozen_lake"),
             ("ros=2", "an environment has no topics of ROS"),
             ("car.topic=/scan", "the robot has no topic /scan there"),
-            ("push={simulator: python, script: push.py}", "count ends a run of one process, and this one has several"),
+            ("push={simulator: python, script: push.py}", "count and reset are for a run of one process"),
+            ("episodes.reset=[push]", "node 'push' cannot begin anew; only built-in networks"),
+            ("episodes.reset=[pusch]", "there is no node 'pusch'"),
             ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
             ("robot={simulator: mujoco}", "pause_observation is for an environment"),
             ("episodes.count=0", "count")):
@@ -180,7 +258,7 @@ def check_errors(spikeloop, folder):
 def main():
     spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
-        for check in (check_car, check_repetition, check_maze, check_errors):
+        for check in (check_car, check_repetition, check_maze, check_reset, check_errors):
             check(spikeloop, pathlib.Path(temporary))
             print(f"{check.__name__}: good")
     return 0

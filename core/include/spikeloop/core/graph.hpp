@@ -109,6 +109,9 @@ class Graph {
   /// As Node::change(). False: it has no such node. @throws NodeError with the node's name.
   bool change(std::string_view node, std::string_view parameter, double value);
 
+  /// As Node::reset(), now. @throws NodeError with the node's name.
+  void reset(std::string_view node);
+
   /// The begin of the next interval.
   TimeNs time() const;
   TimeNs tick() const;

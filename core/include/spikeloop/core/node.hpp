@@ -59,6 +59,7 @@ struct NodeDescription {
   std::vector<ParameterDescription> parameters;
   /// Nodes of the class heed NodeSetup::share, so that processes and threads can share the work.
   bool shareable = false;
+  bool resettable = false;  ///< nodes of the class have Node::reset
 };
 
 /// One of `parts` equal parts of a node's output channels.
@@ -116,6 +117,10 @@ class Node {
   /// A parameter that its description calls changeable has another value from the begin of the next
   /// step on; the value is within the parameter's bounds.
   virtual void change(std::string_view /*parameter*/, double /*value*/) {}
+
+  /// Back to the state of the beginning, between two steps, of which the next one begins now; what
+  /// was learned stays. Of nodes whose description says that they can.
+  virtual void reset(TimeNs /*now*/) {}
 
   /// Called once, when the run is over.
   virtual std::vector<Result> results() { return {}; }

@@ -38,6 +38,8 @@ class Transport {
   virtual void begin(TimeNs /*time*/) {}
   /// The graph has stepped to `time`.
   virtual void end(TimeNs /*time*/) {}
+  /// As robot::Robot.
+  virtual std::uint64_t episode() const { return 0; }
   /// The robot has done all of its episodes.
   virtual bool over() const { return false; }
   /// Nothing more comes; files are closed.

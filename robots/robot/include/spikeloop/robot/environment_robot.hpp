@@ -46,6 +46,7 @@ class EnvironmentRobot : public Robot {
   void command(std::span<const std::byte> message) override;
   /// @throws Error for an action that the environment does not have.
   void advance(TimeNs time) override;
+  std::uint64_t episode() const override { return episodes_.number(); }
   bool over() const override { return episodes_.over(); }
   void finish() override { episodes_.finish(); }
   nlohmann::json summary() const override;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
@@ -41,6 +42,8 @@ class Robot {
   virtual void command(std::span<const std::byte> message) = 0;
   /// Advances to `time` on the command before; from there on the newest one holds.
   virtual void advance(TimeNs time) = 0;
+  /// Number of the newest episode, from 1; 0: it has none.
+  virtual std::uint64_t episode() const { return 0; }
   /// The last episode has ended.
   virtual bool over() const { return false; }
   /// Ends its files. @throws FileError.

@@ -52,6 +52,7 @@ class SteppedRobot : public Robot {
   void advance(TimeNs time) override;
   /// Ends the trajectory and the film. @throws FileError.
   void finish() override;
+  std::uint64_t episode() const override { return episodes_ ? episodes_->number() : 0; }
   bool over() const override { return episodes_ && episodes_->over(); }
   nlohmann::json summary() const override;
 
