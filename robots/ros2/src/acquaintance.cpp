@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "announced.h"
+#include "inside.h"
 
 namespace spikeloop::ros2 {
 namespace {

@@ -93,6 +93,7 @@ void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
   const Writer writer{.topic = endpoint.topic_name,
                       .type = endpoint.type_name,
                       .user_data = user_data_of(endpoint.qos),
+                      .guid = endpoint.key,
                       .participant = endpoint.participant_key};
   {
     const std::lock_guard lock(mutex_);

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <memory>
+#include <thread>
 #include <utility>
 
+#include "inside.h"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -17,6 +20,10 @@ constexpr int kMostAtOnce = 16;
 /// Writers that have come and gone; a reader that outlives as many looks again at those there are.
 constexpr std::size_t kMostKnown = 1'000;
 
+/// Cyclone DDS tells of a writer a moment before it connects it.
+constexpr std::chrono::microseconds kLook{100};
+constexpr int kMostLooks = 100;
+
 bool is_reliable(const dds_qos_t* qos) {
   dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
   dds_duration_t blocking = 0;
@@ -28,6 +35,7 @@ bool is_reliable(const dds_qos_t* qos) {
 Reader::Reader(Session::Impl& session, const RawTopic& topic, const Qos& qos, Writers writers,
                std::function<void(std::span<const std::byte>)> take)
     : session_(session),
+      type_(topic.type),
       writers_(writers),
       take_(std::move(take)),
       reader_(dds_create_reader(session.participant.entity(), topic.entity, qos.get(), nullptr)),
@@ -52,6 +60,14 @@ bool Reader::has_writers() const {
   dds_subscription_matched_status_t status{};
   return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK &&
          status.current_count > 0;
+}
+
+void Reader::meet(const Writer& writer) const {
+  dds_guid_t own{};
+  dds_get_guid(reader_, &own);
+  for (int i = 0; i < kMostLooks && !take_first_message(type_, &writer.guid, &own); ++i) {
+    std::this_thread::sleep_for(kLook);
+  }
 }
 
 // One by one: what waits beyond the queue is lost, and nothing waits elsewhere.

@@ -26,6 +26,8 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   bool has_writers() const;
+  /// In the session's thread: of a reliable reader, that a writer is there.
+  void meet(const Writer& writer) const;
   /// As topics::RawSubscriber has it.
   std::uint64_t lost() const { return lost_; }
 
@@ -35,6 +37,7 @@ class Reader {
   void count_lost(const TakenMessage& taken);
 
   Session::Impl& session_;
+  const ddsi_sertype* type_;
   Writers writers_;
   std::function<void(std::span<const std::byte>)> take_;
   std::map<dds_instance_handle_t, bool> wanted_{};          ///< by writer

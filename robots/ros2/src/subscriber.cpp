@@ -88,6 +88,9 @@ void Subscriber::look_at(const Writer& writer) {
     refuse(topics::other_type(endpoint_.topic, ros_type(writer.type), endpoint_.message_type));
     return;
   }
+  if (subscription_.queue == 0 && !subscription_.latched) {
+    reader_.meet(writer);
+  }
   const std::string theirs = type_hash_in(writer.user_data);
   const std::string ours = type_hash_in(endpoint_.user_data);
   if (!theirs.empty() && theirs != ours) {

@@ -17,11 +17,9 @@ using std::chrono::milliseconds;
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
 
-/// A button that is pressed and released at once must not lose the press to the release. Not 0, any
-/// number, which makes the subscriber of ROS 2 a reliable one: Cyclone DDS takes nothing of a
-/// reliable publisher before its first heartbeat, and Fast DDS may send none before the first
-/// press, which would be lost. Nor a reliable one beside it: then both wait for the heartbeat.
-constexpr std::uint32_t kPresses = 100;
+/// A button that is pressed and released at once must not lose the press to the release, nor its
+/// only press to the network: ROS 2 sends it again.
+constexpr std::uint32_t kEveryPress = 0;
 
 /// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
 /// robot drives would not be heard.
@@ -46,8 +44,8 @@ CommandTopics::CommandTopics(topics::Session& session, const std::string& messag
   const command::EmergencyStop& stop = settings_.emergency_stop;
   if (!stop.topic.empty()) {
     emergency_fields_.push_back(reader(stop.message_type, stop.field));
-    emergency_ =
-        subscribe(session, stop.topic, stop.message_type, kPresses, &CommandTopics::take_emergency);
+    emergency_ = subscribe(session, stop.topic, stop.message_type, kEveryPress,
+                           &CommandTopics::take_emergency);
     sink_.watch_publishers([this] { return emergency_->has_publishers(); });
   }
   if (!settings_.manual.topic.empty()) {

@@ -1,0 +1,88 @@
+// An emergency button is heard: the first press of one that was there before, and the only one of a
+// program that ends with it, as `ros2 topic pub --once`.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "spikeloop/ros2/session.hpp"
+#include "tests/ros2/domain.hpp"
+#include "tests/ros2/heard.hpp"
+#include "tests/support/child.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using test::Child;
+using test::eventually;
+using test::Heard;
+
+constexpr double kPatience = 30;  // seconds
+
+/// A node that subscribes as a command does.
+class Robot {
+ public:
+  explicit Robot(const test::FreeDomain& domain)
+      : session_({.node_name = "robot", .place = {{"ROS_DOMAIN_ID", domain.text()}}}),
+        subscriber_(session_.subscriber(heard_.subscription(kTopic, "std_msgs/Bool", 0))) {}
+
+  bool knows_publishers() {
+    return eventually(kPatience, [this] { return session_.publishers_know_us(kTopic); });
+  }
+  bool has_heard(std::size_t presses) {
+    return eventually(kPatience, [&] { return heard_.count() >= presses; });
+  }
+  std::size_t heard() const { return heard_.count(); }
+
+ private:
+  static constexpr const char* kTopic = "/emergency_stop";
+
+  Heard heard_;
+  ros2::Session session_;
+  std::unique_ptr<topics::RawSubscriber> subscriber_;
+};
+
+/// On Fast DDS or on a node of ours.
+class ButtonTest : public testing::TestWithParam<const char*> {
+ protected:
+  test::FreeDomain domain_;
+};
+
+TEST_P(ButtonTest, is_heard_from_its_first_press_by_every_robot_that_comes) {
+  Child button({.arguments = {GetParam(), domain_.text(), "stay"}, .environment = domain_.place()});
+  ASSERT_TRUE(button.wait_for("ready", std::chrono::seconds(30))) << button.output();
+  for (int i = 0; i < 6; ++i) {
+    Robot robot(domain_);
+    ASSERT_TRUE(robot.knows_publishers());
+    button.signal(SIGUSR1);
+    ASSERT_TRUE(robot.has_heard(1)) << "robot " << i;
+    button.signal(SIGUSR1);
+    ASSERT_TRUE(robot.has_heard(2)) << "robot " << i;
+    EXPECT_EQ(robot.heard(), 2U) << "robot " << i << " has heard what was pressed before it came";
+  }
+  button.signal(SIGTERM);
+  EXPECT_EQ(button.wait().exit_code, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Buttons, ButtonTest, testing::Values(FASTDDS_BUTTON, ROS2_BUTTON),
+                         [](const auto& test) {
+                           return std::string(test.index == 0 ? "fast_dds" : "ours");
+                         });
+
+/// On a network that loses one packet in four.
+TEST(OneMessageTest, is_heard_of_a_program_that_ends_with_it) {
+  const test::FreeDomain domain;
+  topics::Place lossy = domain.place();
+  lossy["CYCLONEDDS_URI"] =
+      "<CycloneDDS><Domain><Internal><Test><XmitLossiness>250</XmitLossiness></Test></Internal>"
+      "</Domain></CycloneDDS>";  // per mille
+  Robot robot(domain);
+  for (std::size_t presses = 1; presses <= 20; ++presses) {
+    Child button({.arguments = {ROS2_BUTTON, domain.text(), "once"}, .environment = lossy});
+    ASSERT_TRUE(robot.has_heard(presses)) << "press " << presses << ": " << button.output();
+    EXPECT_EQ(button.wait().exit_code, 0);
+  }
+  EXPECT_EQ(robot.heard(), 20U);
+}
+
+}  // namespace
