@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <chrono>
 #include <utility>
 
 #include "spikeloop/core/code.hpp"
@@ -17,7 +18,19 @@ using stepping::Answer;
 using stepping::Request;
 
 constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
+constexpr TimeNs kRepeat = kNsPerSecond;
 constexpr std::uint32_t kAll = 0;
+
+/// No other run with this robot has it.
+std::uint64_t number_of_run() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count());
+}
+
+/// A robot may answer each `begin` of a run; one answer is enough.
+bool is_of_begin(const Answer& answer) {
+  return answer.error.empty() && answer.time == 0;
+}
 
 }  // namespace
 
@@ -36,7 +49,11 @@ void SteppingLink::take(std::span<const std::byte> message) {
   {
     const std::lock_guard lock(mutex_);
     try {
-      answer_ = stepping::read_answer(stepping::text_of(session_.dialect(), message));
+      Answer answer = stepping::read_answer(stepping::text_of(session_.dialect(), message));
+      if (repeated_ && asked_for_ != 0 && is_of_begin(answer)) {
+        return;
+      }
+      answer_ = std::move(answer);
     } catch (const Error& error) {
       unreadable_ = error.what();
     }
@@ -87,7 +104,7 @@ void SteppingLink::begin() {
   if (!meet()) {
     return;
   }
-  Request request{.kind = Request::Kind::begin, .tick = tick_};
+  Request request{.kind = Request::Kind::begin, .run = number_of_run(), .tick = tick_};
   for (const SteppedTopic& topic : sensors_) {
     request.sensors.push_back(topic.name);
   }
@@ -192,11 +209,12 @@ void SteppingLink::check(const Answer& answer) const {
 /// Sends a request and waits until it is answered, and all that the robot says it has published is
 /// here.
 void SteppingLink::ask(const Request& request) {
-  asked_for_ = request.to;
   {
     const std::lock_guard lock(mutex_);
+    asked_for_ = request.to;
     answer_.reset();
   }
+  repeat_at_ = kRepeat;
   send(request);
   const auto done = [this] {
     const std::lock_guard lock(mutex_);
@@ -204,10 +222,13 @@ void SteppingLink::ask(const Request& request) {
   };
   const auto meanwhile = [&](TimeNs waited) {
     require_sound();
+    const auto come = answer();
     if (waiting_.patience() == 0 || waited <= waiting_.patience()) {
+      if (!come && request.kind == Request::Kind::begin) {
+        repeat(request, waited);
+      }
       return;
     }
-    const auto come = answer();
     throw TransportError(
         come
             ? with_code(Code::partner_missing, "{} of {} have not come within {}",
@@ -219,6 +240,18 @@ void SteppingLink::ask(const Request& request) {
   };
   if (waiting_.until(done, meanwhile)) {
     check(answer().value());
+  }
+}
+
+/// The robot, or its answer, may not have been heard, as the first message between two nodes.
+void SteppingLink::repeat(const Request& request, TimeNs waited) {
+  if (waited >= repeat_at_) {
+    {
+      const std::lock_guard lock(mutex_);
+      repeated_ = true;
+    }
+    repeat_at_ = waited + kRepeat;
+    send(request);
   }
 }
 

@@ -46,6 +46,7 @@ class SteppingLink {
  private:
   bool meet();
   void ask(const stepping::Request& request);
+  void repeat(const stepping::Request& request, TimeNs waited);
   void send(const stepping::Request& request);
   void take(std::span<const std::byte> message);
   std::optional<stepping::Answer> answer();
@@ -63,8 +64,10 @@ class SteppingLink {
   std::vector<SteppedTopic> commands_;
   std::set<std::string> unknown_{stepping::kSteppedTopic};  ///< may not arrive yet
   bool begun_ = false;
-  TimeNs asked_for_ = 0;
+  TimeNs repeat_at_ = 0;  ///< of the wall time that a request has waited
   std::mutex mutex_;
+  TimeNs asked_for_ = 0;  ///< written by the loop alone
+  bool repeated_ = false;
   std::optional<stepping::Answer> answer_;
   std::string unreadable_;
   std::unique_ptr<topics::RawPublisher> steps_;

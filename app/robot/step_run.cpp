@@ -52,6 +52,11 @@ class SteppedRun {
   }
 
   void begin(const Request& request) {
+    if (request.run != 0 && request.run == run_) {  // the answer has been lost
+      link_.answer(robot_->time());
+      return;
+    }
+    run_ = request.run;
     if (begun_) {  // once more from the start, and not onto the same film
       options_.spectators.film.reset();
       robot_.reset();  // one window at a time
@@ -97,6 +102,7 @@ class SteppedRun {
   StepLink link_;
   const std::atomic<bool>& stop_;
   bool begun_ = false;
+  std::uint64_t run_ = 0;
 };
 
 void report(const SteppedRobot& robot, const StepLink& link, const status::Sender& status) {

@@ -43,11 +43,11 @@ class Experiment:
         self.steps.publish(text)
         return self.answers.get(timeout=60)
 
-    def begin(self):
+    def begin(self, **more):
         self.sent = 0
         self.scans.clear()
         self.odometry.clear()
-        return self.ask(json.dumps({"begin": True, "tick_ns": TICK_NS, "sensors": ["/scan", "/odom"],
+        return self.ask(json.dumps({"begin": True, **more, "tick_ns": TICK_NS, "sensors": ["/scan", "/odom"],
                                     "commands": ["/cmd_vel"]}))
 
     def command(self, speed):
@@ -91,6 +91,7 @@ def main():
             assert experiment.drive(150) == first, "another run from the start"
             assert finish(experiment, scratch) == trajectory
             refusals(experiment)
+            answers_again(experiment)
     print(f"stepped by hand over {moved:.2f} m, twice the same")
 
 
@@ -100,6 +101,16 @@ def finish(experiment, scratch):
     path = scratch / "out/trajectory.csv"
     ros.until(lambda: path.read_text().count("\n") == 1 + 76, "the last row")
     return path.read_text()
+
+
+def answers_again(experiment):
+    """To a `begin` that is repeated; that of another run is another beginning."""
+    for run in (7, 8):
+        first = experiment.begin(run=run)
+        assert first == {"time_ns": 0, "published": {"/scan": 1, "/odom": 1}}, first
+        assert experiment.begin(run=run) == first
+        step = experiment.step(TICK_NS)
+        assert step == {"time_ns": TICK_NS, "published": {"/scan": 1, "/odom": 1}}, step
 
 
 def refusals(experiment):

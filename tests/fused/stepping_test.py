@@ -50,6 +50,16 @@ def follows_the_recurrence(spikeloop, file, folder, *options):
     return summary
 
 
+def lost_answer(spikeloop, file, scratch):
+    """The experiment asks again; also a robot that was only slow, which then answers more than once."""
+    for name, change in (
+            ("lost", ("def answer():\n", "def answer():\n    if cart.setdefault('deaf', True):\n"
+                      "        cart['deaf'] = False\n        return\n")),
+            ("slow", ("        commands.clear()\n", "        commands.clear()\n        time.sleep(2.5)\n"))):
+        with cart(scratch, change):
+            follows_the_recurrence(spikeloop, file, scratch / name)
+
+
 def wrong_robots(spikeloop, file, scratch):
     answer = '"time_ns": cart["time_ns"]'
     for change, text in (
@@ -182,6 +192,7 @@ def main():
             with cart(scratch):
                 for name in ("first", "second"):
                     summary = follows_the_recurrence(spikeloop, file, scratch / name)
+            lost_answer(spikeloop, file, scratch)
             wrong_robots(spikeloop, file, scratch)
             ctrl_c(spikeloop, file, scratch)
             stopped_robot(spikeloop, file, scratch)

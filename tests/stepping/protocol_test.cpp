@@ -21,12 +21,13 @@ using testing::StartsWith;
 // The texts of docs/stepping.md.
 TEST(Protocol, RequestsAsTheyAreDocumented) {
   const Request begin{.kind = Request::Kind::begin,
+                      .run = 1795714272136,
                       .tick = 1'000'000,
                       .sensors = {"/scan"},
                       .commands = {"/cmd_vel"}};
   EXPECT_EQ(json::parse(to_text(begin)),
-            json::parse(R"({"begin": true, "tick_ns": 1000000, "sensors": ["/scan"],
-                            "commands": ["/cmd_vel"]})"));
+            json::parse(R"({"begin": true, "run": 1795714272136, "tick_ns": 1000000,
+                            "sensors": ["/scan"], "commands": ["/cmd_vel"]})"));
   const Request step{.to = 1'000'000, .sent = {{"/cmd_vel", 1}}};
   EXPECT_EQ(json::parse(to_text(step)),
             json::parse(R"({"to_ns": 1000000, "sent": {"/cmd_vel": 1}})"));
@@ -38,6 +39,8 @@ TEST(Protocol, RequestsAreRead) {
       read_request(R"({"begin": true, "tick_ns": 5, "sensors": ["/a", "/b"], "commands": []})");
   EXPECT_EQ(begin.kind, Request::Kind::begin);
   EXPECT_EQ(begin.tick, 5);
+  EXPECT_EQ(begin.run, 0U) << "one that is not repeated";
+  EXPECT_EQ(read_request(to_text({.kind = Request::Kind::begin, .run = 7})).run, 7U);
   EXPECT_THAT(begin.sensors, ElementsAre("/a", "/b"));
   const Request step = read_request(R"({"to_ns": 9007199254740993, "sent": {"/c": 7}})");
   EXPECT_EQ(step.kind, Request::Kind::step);

@@ -39,6 +39,7 @@ std::string to_text(const Request& request) {
   switch (request.kind) {
     case Request::Kind::begin:
       return json{{"begin", true},
+                  {"run", request.run},
                   {"tick_ns", request.tick},
                   {"sensors", request.sensors},
                   {"commands", request.commands}}
@@ -63,6 +64,7 @@ Request read_request(std::string_view text) {
     Request request;
     if (is_set(object, "begin")) {
       request.kind = Request::Kind::begin;
+      request.run = object.value("run", std::uint64_t{0});
       request.tick = object.at("tick_ns").get<TimeNs>();
       request.sensors = object.at("sensors").get<std::vector<std::string>>();
       request.commands = object.at("commands").get<std::vector<std::string>>();

@@ -26,6 +26,9 @@ using Counts = std::map<std::string, std::uint64_t>;
 struct Request {
   enum class Kind { begin, step, end };
   Kind kind = Kind::step;
+  /// begin: of this run alone. A request is repeated until it is answered; who has answered it
+  /// answers again, and does nothing else. 0: an experiment that does not repeat.
+  std::uint64_t run = 0;
   TimeNs tick = 0;                      ///< begin
   std::vector<std::string> sensors{};   ///< begin: topics that the experiment subscribes to
   std::vector<std::string> commands{};  ///< begin: topics that it publishes
