@@ -95,6 +95,28 @@ struct Bool {
   void read(Cdr& cdr) { cdr >> data; }
 };
 
+struct String {
+  std::string data;
+
+  static const char* type() { return "std_msgs::msg::dds_::String_"; }
+  std::size_t most_bytes() const { return 16 + data.size(); }
+  void write(Cdr& cdr) const { cdr << data; }
+  void read(Cdr& cdr) { cdr >> data; }
+};
+
+/// Without dimensions.
+struct Float64MultiArray {
+  std::vector<double> data;
+
+  static const char* type() { return "std_msgs::msg::dds_::Float64MultiArray_"; }
+  std::size_t most_bytes() const { return 32 + 8 * data.size(); }
+  void write(Cdr& cdr) const { cdr << std::uint32_t{0} << std::uint32_t{0} << data; }
+  void read(Cdr& cdr) {
+    std::uint32_t dimensions = 0, offset = 0;
+    cdr >> dimensions >> offset >> data;
+  }
+};
+
 /// The newest status alone is kept.
 struct DiagnosticArray {
   std::uint8_t level = 0;
