@@ -183,7 +183,7 @@ class Session final : public topics::Session {
 }  // namespace
 }  // namespace spikeloop::ros
 
-extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_1(
+extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_2(
     const spikeloop::topics::SessionSettings& settings, spikeloop::session::FullType full_type) {
   const spikeloop::topics::BlockedSignals blocked;
   return spikeloop::ros::translated(

@@ -20,7 +20,7 @@ Subscriber::Subscriber(std::shared_ptr<rclcpp::Node> node, topics::Subscription 
     : node_(std::move(node)),
       subscription_(std::move(subscription)),
       type_(type),
-      reliable_(subscription_.queue == 0 || subscription_.latched),
+      reliable_(subscription_.queue == 0 || subscription_.reliable || subscription_.latched),
       take_(std::make_shared<Take>([take = subscription_.take](const auto& message) {
         const rcl_serialized_message_t& raw = message.get_rcl_serialized_message();
         take(std::as_bytes(std::span(raw.buffer, raw.buffer_length)));

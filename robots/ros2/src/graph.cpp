@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "qos.hpp"
+
 namespace spikeloop::ros2 {
 namespace {
 
@@ -93,6 +95,7 @@ void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
   const Writer writer{.topic = endpoint.topic_name,
                       .type = endpoint.type_name,
                       .user_data = user_data_of(endpoint.qos),
+                      .reliable = is_reliable(endpoint.qos),
                       .guid = endpoint.key,
                       .participant = endpoint.participant_key};
   {

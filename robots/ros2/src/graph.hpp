@@ -21,6 +21,7 @@ struct Writer {
   std::string topic;      ///< in DDS
   std::string type;       ///< in DDS
   std::string user_data;  ///< ROS 2 since Iron: "typehash=RIHS01_...;"
+  bool reliable = true;
   dds_guid_t guid{};
   dds_guid_t participant{};
 };

@@ -66,4 +66,10 @@ Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::stri
   return qos;
 }
 
+bool is_reliable(const dds_qos_t* qos) {
+  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
+  dds_duration_t blocking = 0;
+  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+}
+
 }  // namespace spikeloop::ros2

@@ -25,4 +25,6 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 /// publisher.
 Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data);
 
+bool is_reliable(const dds_qos_t* qos);
+
 }  // namespace spikeloop::ros2

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <thread>
@@ -24,10 +26,14 @@ constexpr std::size_t kMostKnown = 1'000;
 constexpr std::chrono::microseconds kLook{100};
 constexpr int kMostLooks = 100;
 
-bool is_reliable(const dds_qos_t* qos) {
-  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
-  dds_duration_t blocking = 0;
-  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+/// Nothing that takes longer is on its way any more.
+constexpr std::chrono::seconds kOnItsWay{1};
+
+using MatchedWriter =
+    std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&dds_builtintopic_free_endpoint)>;
+
+MatchedWriter matched(dds_entity_t reader, dds_instance_handle_t writer) {
+  return {dds_get_matched_publication_data(reader, writer), &dds_builtintopic_free_endpoint};
 }
 
 }  // namespace
@@ -85,6 +91,8 @@ void Reader::take_some() {
 }
 
 void Reader::count_lost(const TakenMessage& taken) {
+  const std::lock_guard lock(mutex_);
+  come_at_ = std::chrono::steady_clock::now();
   if (taken.number() == 0) {
     return;
   }
@@ -98,15 +106,40 @@ void Reader::count_lost(const TakenMessage& taken) {
   }
 }
 
+std::uint64_t Reader::lost() {
+  const std::uint64_t announced = not_come();
+  const std::lock_guard lock(mutex_);
+  const bool silent = std::chrono::steady_clock::now() - come_at_ >= kOnItsWay;
+  return lost_ + (silent ? announced : 0);
+}
+
+/// Announced after the newest that has come of each writer; those that were announced before we
+/// looked for the first time are from before we came.
+std::uint64_t Reader::not_come() {
+  std::array<dds_instance_handle_t, 32> writers{};
+  const dds_return_t count = dds_get_matched_publications(reader_, writers.data(), writers.size());
+  std::uint64_t missing = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(std::max(count, 0), writers.size()); ++i) {
+    const MatchedWriter endpoint = matched(reader_, writers[i]);
+    const std::int64_t announced = endpoint ? newest_announced(type_, &endpoint->key) : 0;
+    if (announced != 0 && is_wanted(writers[i])) {
+      const std::lock_guard lock(mutex_);
+      const auto newest = newest_.try_emplace(writers[i], announced).first;
+      missing += static_cast<std::uint64_t>(std::max<std::int64_t>(announced - newest->second, 0));
+    }
+  }
+  return missing;
+}
+
 bool Reader::is_wanted(dds_instance_handle_t writer) {
   if (writers_ == Writers::any) {
     return true;
   }
+  const std::lock_guard lock(mutex_);
   if (const auto known = wanted_.find(writer); known != wanted_.end()) {
     return known->second;
   }
-  const std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&dds_builtintopic_free_endpoint)>
-      endpoint(dds_get_matched_publication_data(reader_, writer), &dds_builtintopic_free_endpoint);
+  const MatchedWriter endpoint = matched(reader_, writer);
   if (!endpoint) {
     return true;  // gone already; rather twice than not at all
   }

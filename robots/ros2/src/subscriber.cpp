@@ -32,7 +32,7 @@ std::string type_hash_in(const std::string& user_data) {
   return known ? hash : std::string();
 }
 
-/// What is latched is one message, and no later one makes up for it.
+/// From the first message on. What is latched is one message, and no later one makes up for it.
 bool is_reliable(const topics::Subscription& subscription) {
   return subscription.queue == 0 || subscription.latched;
 }
@@ -50,8 +50,8 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
                          endpoint.user_data),
               Writers::any, [this](auto message) { take(message); }) {
   if (subscription_.queue == 0) {
-    best_effort_.emplace(session, topic_, reader_qos(0, false, false, endpoint.user_data),
-                         Writers::best_effort, [this](auto message) { take(message); });
+    other_.emplace(session, topic_, reader_qos(0, false, false, endpoint.user_data),
+                   Writers::best_effort, [this](auto message) { take(message); });
   }
   session_.acquaintance.subscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
   listener_ = session_.graph.listen(endpoint_.dds_name(),
@@ -64,11 +64,13 @@ Subscriber::~Subscriber() {
 }
 
 bool Subscriber::has_publishers() const {
-  return reader_.has_writers() || (best_effort_ && best_effort_->has_writers());
+  const std::lock_guard lock(mutex_);
+  return reader_.has_writers() || (other_ && other_->has_writers());
 }
 
 std::optional<std::uint64_t> Subscriber::lost() const {
-  return reader_.lost() + (best_effort_ ? best_effort_->lost() : 0);
+  const std::lock_guard lock(mutex_);
+  return reader_.lost() + (other_ ? other_->lost() : 0);
 }
 
 void Subscriber::take(std::span<const std::byte> message) {
@@ -88,8 +90,8 @@ void Subscriber::look_at(const Writer& writer) {
     refuse(topics::other_type(endpoint_.topic, ros_type(writer.type), endpoint_.message_type));
     return;
   }
-  if (subscription_.queue == 0 && !subscription_.latched) {
-    reader_.meet(writer);
+  if (writer.reliable && !subscription_.latched) {
+    read_reliably(writer);
   }
   const std::string theirs = type_hash_in(writer.user_data);
   const std::string ours = type_hash_in(endpoint_.user_data);
@@ -99,6 +101,26 @@ void Subscriber::look_at(const Writer& writer) {
                                 "ours {}; write the path of the publisher's .msg file as the type",
                                 endpoint_.topic, endpoint_.message_type, theirs, ours)});
   }
+}
+
+/// Where it is no matter of the first message, a reliable reader comes with the first publisher for
+/// it: to one that is best effort, ROS 2 says that such a reader does not fit.
+void Subscriber::read_reliably(const Writer& writer) {
+  if (is_reliable(subscription_)) {
+    reader_.meet(writer);
+    return;
+  }
+  if (!subscription_.reliable) {
+    return;
+  }
+  if (!other_) {
+    const std::lock_guard lock(mutex_);
+    reader_.restrict_to(Writers::best_effort);
+    other_.emplace(session_, topic_,
+                   reader_qos(subscription_.queue, true, false, endpoint_.user_data), Writers::any,
+                   [this](auto message) { take(message); });
+  }
+  other_->meet(writer);
 }
 
 void Subscriber::refuse(const topics::OtherType& other) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 
 #include "reader.hpp"
@@ -21,6 +22,7 @@ class Subscriber final : public topics::RawSubscriber {
  private:
   void take(std::span<const std::byte> message);
   void look_at(const Writer& writer);
+  void read_reliably(const Writer& writer);
   void refuse(const topics::OtherType& other);
 
   Session::Impl& session_;
@@ -28,8 +30,10 @@ class Subscriber final : public topics::RawSubscriber {
   topics::Subscription subscription_;
   RawTopic topic_;
   bool complained_ = false;
-  Reader reader_;
-  std::optional<Reader> best_effort_{};  ///< beside a reliable one, for publishers that are not
+  mutable Reader reader_;  // it remembers what it has counted
+  mutable std::mutex mutex_;
+  /// For publishers that are best effort beside a reliable one, or the other way round.
+  mutable std::optional<Reader> other_{};
   Graph::Listener listener_ = 0;
 };
 

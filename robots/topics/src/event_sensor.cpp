@@ -29,7 +29,10 @@ struct EventSensor::Impl {
         begun(wanted.from_begin),
         playback(wanted.latency),
         reader(session,
-               {.topic = wanted.topic, .type = wanted.events.message_type, .queue = wanted.queue},
+               {.topic = wanted.topic,
+                .type = wanted.events.message_type,
+                .queue = wanted.queue,
+                .reliable = true},
                [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.

@@ -13,6 +13,13 @@
 namespace spikeloop::topics {
 namespace {
 
+/// What the network seldom brings whole when nothing is sent again: messages of many packets.
+bool is_large(messages::Dialect ros, const std::string& message_type) {
+  const std::string type = messages::Catalog::for_type(ros, message_type).full_name(message_type);
+  return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage" ||
+         type == "sensor_msgs/PointCloud2";
+}
+
 messages::SensorConversion conversion_of(messages::Dialect ros, const SensorSettings& settings) {
   return {messages::Catalog::for_type(ros, settings.message_type), settings.message_type,
           settings.rule, settings.width, settings.strict};
@@ -29,7 +36,8 @@ struct Sensor::Impl {
                {.topic = wanted.topic,
                 .type = wanted.message_type,
                 .queue = wanted.queue,
-                .type_is_a_key = true},
+                .type_is_a_key = true,
+                .reliable = is_large(session.dialect(), wanted.message_type)},
                [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.

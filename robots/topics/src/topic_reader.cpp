@@ -14,6 +14,7 @@ namespace spikeloop::topics {
 namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
+constexpr TimeNs kLook = kNsPerSecond / 10;
 
 /// With where this node looks for others: the first thing that is wrong when nothing comes.
 std::string how_to_look(const Session& session) {
@@ -34,9 +35,11 @@ std::string how_to_look(const Session& session) {
 TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, Take take)
     : session_(session), settings_(settings), take_(std::move(take)) {
   check_topic(session.dialect(), settings_.topic);
+  topic_ = session.whole_topic(settings_.topic);
   subscriber_ = session.subscriber({.topic = settings_.topic,
                                     .message_type = settings_.type,
                                     .queue = settings_.queue,
+                                    .reliable = settings_.reliable,
                                     .latched = settings_.latched(),
                                     .take = [this](auto message) { receive(message); },
                                     .refuse = [this](const auto& other) { refuse(other); }});
@@ -75,15 +78,31 @@ void TopicReader::refuse(const OtherType& other) {
   }
 }
 
+/// Packets come, or announcements, and no message.
+bool TopicReader::nothing_arrives_whole() {
+  looked_at_ = wall_now();
+  return lost().value_or(0) > 0 && has_publishers();
+}
+
 void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
+  if (newest_at == 0 && wall_now() - looked_at_ >= kLook) {
+    nothing_arrives_whole();  // what is announced counts from the first look on
+  }
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
   if (told || (newest_at != 0 && settings_.latched()) ||
       now - std::max(started_, newest_at) < kPatience) {
     return;
   }
   told = true;
-  log::warning("no message on topic '{}' for {}{}", settings_.topic, format_time(kPatience),
+  if (newest_at == 0 && nothing_arrives_whole()) {
+    log::warning(
+        "topic '{}' has a publisher, but no message of it arrives whole; give the system a larger "
+        "receive buffer: sysctl -w net.core.rmem_max=8388608",
+        topic_);
+    return;
+  }
+  log::warning("no message on topic '{}' for {}{}", topic_, format_time(kPatience),
                how_to_look(session_));
 }
 

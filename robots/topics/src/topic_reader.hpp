@@ -21,6 +21,7 @@ struct TopicReaderSettings {
   std::string type;  ///< "sensor_msgs/LaserScan"
   std::uint32_t queue = 10;
   bool type_is_a_key = false;  ///< message_type can be written
+  bool reliable = false;       ///< as Subscription has it
 
   /// Where every publisher says once what never changes (REP 105, tf2).
   bool latched() const { return topic == "/tf_static" || topic == "tf_static"; }
@@ -53,9 +54,11 @@ class TopicReader {
   void receive(std::span<const std::byte> message);
   void refuse(const OtherType& other);
   void mind_silence(TimeNs now, TimeNs newest_at);
+  bool nothing_arrives_whole();
 
   Session& session_;
   TopicReaderSettings settings_;
+  std::string topic_;  ///< its whole name
   Take take_;
 
   mutable std::mutex mutex_;  // held for a moment, never across a tick
@@ -64,6 +67,7 @@ class TopicReader {
   std::exception_ptr failure_;
 
   TimeNs started_ = 0;  // used by the loop only
+  TimeNs looked_at_ = 0;
   TimeNs noticed_ = 0;  // newest_at_ at the tick that began at noticed_at_
   TimeNs noticed_at_ = 0;
   bool told_nothing_came_ = false;

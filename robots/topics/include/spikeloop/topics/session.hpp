@@ -43,9 +43,11 @@ class RawSubscriber {
   RawSubscriber& operator=(const RawSubscriber&) = delete;
 
   virtual bool has_publishers() const = 0;
-  /// Messages that its publishers have sent since the first that came from each, and that never got
-  /// to `take`: newer ones were there before, or the network lost them. Nothing where messages have
-  /// no numbers (ROS 1). Those that were lost last are known with the next that comes.
+  /// Messages that its publishers have sent since the first that was heard of from each, and that
+  /// never got to `take`: newer ones were there before, or the network lost them. Nothing where
+  /// messages have no numbers (ROS 1). Those that were lost last are known with the next that
+  /// comes, or after a second without one. What is heard of is looked at here: while nothing comes,
+  /// it is to be asked from time to time.
   virtual std::optional<std::uint64_t> lost() const { return std::nullopt; }
 };
 
@@ -64,6 +66,11 @@ struct Subscription {
   /// alone; 0: any number. ROS 2: with 0, what the network loses is sent again, unless the
   /// publisher is best effort.
   std::uint32_t queue = 1;
+  /// ROS 2: what a reliable publisher sends and the network loses is sent again, also with another
+  /// queue than 0. For messages of many packets, which seldom arrive whole otherwise. Those behind
+  /// a lost one wait for it, and a publisher may wait for a process that is stopped: not for small
+  /// messages whose next one is better than a late one.
+  bool reliable = false;
   /// What was published before, too, by those that are latched. ROS 2: others are not heard; ROS 1
   /// asks nobody, and hears all of them.
   bool latched = false;

@@ -1,0 +1,122 @@
+// Messages of ROS 2 that are larger than the receive buffer.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/ros2/session.hpp"
+#include "spikeloop/topics/sensor.hpp"
+#include "step_data.hpp"
+#include "tests/ros2/domain.hpp"
+#include "tests/ros2/heard.hpp"
+
+namespace {
+
+using namespace spikeloop;
+using test::Bytes;
+using test::Heard;
+
+constexpr double kPatience = 60;  // seconds
+constexpr std::chrono::milliseconds kPeriod{20};
+constexpr std::size_t kMessages = 20;
+
+class LargeMessagesTest : public testing::Test {
+ protected:
+  ~LargeMessagesTest() override { log::set_sink({}); }
+
+  static topics::Place with_small_buffer(topics::Place place) {
+    place["CYCLONEDDS_URI"] =
+        "<CycloneDDS><Domain><Internal><SocketReceiveBufferSize min=\"0\" max=\"100 kB\"/>"
+        "</Internal></Domain></CycloneDDS>";
+    return place;
+  }
+  /// The buffer holds 12,500 of these.
+  static Bytes message_of_numbers(std::uint32_t count) {
+    Bytes message = test::message_of(Bytes(16 + 8 * std::size_t{count}));  // no dimensions
+    std::memcpy(message.data() + 12, &count, sizeof count);
+    return message;
+  }
+  topics::Subscription subscription(bool reliable) {
+    topics::Subscription wanted = heard_.subscription("/in", kType, 10);
+    wanted.reliable = reliable;
+    return wanted;
+  }
+  void wait_for_match(const topics::RawPublisher& publisher) {
+    ASSERT_TRUE(test::eventually(kPatience, [&] { return publisher.has_subscribers(); }));
+  }
+
+  static constexpr const char* kType = "std_msgs/Float64MultiArray";
+  test::FreeDomain domain_;
+  Heard heard_;
+  ros2::Session camera_{{.node_name = "camera", .place = domain_.place()}};
+  ros2::Session brain_{{.node_name = "brain", .place = with_small_buffer(domain_.place())}};
+};
+
+TEST_F(LargeMessagesTest, come_whole_where_both_sides_are_reliable) {
+  const auto publisher = camera_.publisher("/in", kType);
+  const auto subscriber = brain_.subscriber(subscription(true));
+  wait_for_match(*publisher);
+  // The first one is from before the reader, which comes with its first publisher.
+  ASSERT_TRUE(test::eventually(kPatience, [&] {
+    publisher->publish(message_of_numbers(125'000));
+    return test::eventually(0.5, [&] { return heard_.count() > 0; });
+  }));
+  for (std::size_t i = 0; i < kMessages; ++i) {
+    const std::size_t before = heard_.count();
+    publisher->publish(message_of_numbers(125'000));
+    ASSERT_TRUE(test::eventually(kPatience, [&] { return heard_.count() > before; })) << i;
+  }
+  EXPECT_EQ(heard_.messages().back(), message_of_numbers(125'000));
+}
+
+TEST_F(LargeMessagesTest, are_counted_when_they_do_not_arrive) {
+  const auto publisher = camera_.publisher("/in", kType);
+  const auto subscriber = brain_.subscriber(subscription(false));
+  wait_for_match(*publisher);
+  for (std::size_t i = 0; i < kMessages; ++i) {
+    publisher->publish(message_of_numbers(125'000));
+    std::this_thread::sleep_for(kPeriod);
+    subscriber->lost();
+  }
+  // The first one that is heard of need not be counted.
+  EXPECT_TRUE(test::eventually(
+      kPatience, [&] { return heard_.count() + *subscriber->lost() >= kMessages - 1; }))
+      << heard_.count() << " heard, " << *subscriber->lost() << " lost";
+  EXPECT_LE(heard_.count() + *subscriber->lost(), kMessages);
+  EXPECT_LT(heard_.count(), kMessages) << "the buffer is large enough";
+}
+
+TEST_F(LargeMessagesTest, leave_a_word_on_the_buffer) {
+  std::mutex mutex;
+  std::string said;
+  log::set_sink([&](log::Level, std::string_view message) {
+    const std::lock_guard lock(mutex);
+    said += message;
+  });
+  const auto publisher = camera_.publisher("/in", kType);
+  topics::Sensor sensor(brain_, {.topic = "/in", .message_type = kType, .width = 600'000});
+  wait_for_match(*publisher);
+  test::OutputData data({600'000, 1});
+  EXPECT_TRUE(test::eventually(
+      kPatience,
+      [&] {
+        if (sensor.received() == 0) {
+          publisher->publish(message_of_numbers(600'000));
+        }
+        sensor.receive(data.step());
+        std::this_thread::sleep_for(5 * kPeriod);
+        const std::lock_guard lock(mutex);
+        return said.find(
+                   "topic '/in' has a publisher, but no message of it arrives whole; give the "
+                   "system a larger receive buffer: sysctl -w net.core.rmem_max=8388608") !=
+               std::string::npos;
+      }))
+      << said << ", " << sensor.received() << " came";
+}
+
+}  // namespace
