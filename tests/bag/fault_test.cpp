@@ -96,11 +96,6 @@ TEST_F(BagFaults, FileThatIsNotThere) {
   EXPECT_EQ(reading(), "cannot open '" + path() + "': No such file or directory [SL0109]");
 }
 
-TEST_F(BagFaults, Directory) {
-  std::filesystem::create_directory(path());
-  EXPECT_EQ(reading(), "cannot read '" + path() + "': Is a directory [SL0109]");
-}
-
 TEST_F(BagFaults, OtherFiles) {
   for (const char* text : {"", "#ROSBA", "SQLite format 3", "\x89MCAP1\r\n"}) {
     directory_.write("x.mcap", text);
@@ -169,6 +164,22 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
         << trial;
   }
   EXPECT_GT(damaged, 300);
+}
+
+/// As rosbag2 makes them.
+TEST_F(BagFaults, FoldersOfRecordings) {
+  const std::string folder = "'" + path("drive") + "' is a folder";
+  std::filesystem::create_directory(path("drive"));
+  EXPECT_EQ(reading("drive"), folder + "; write the path of a .mcap or .bag file [SL0109]");
+  directory_.write("drive/drive_0.db3", "SQLite format 3");
+  EXPECT_EQ(reading("drive"),
+            folder +
+                " with a recording in SQLite, which is not read; 'ros2 bag convert' writes "
+                "MCAP, and so does 'ros2 bag record --storage mcap'; write the path of a "
+                ".mcap or .bag file [SL0109]");
+  directory_.write("drive/drive_0.mcap", "");
+  EXPECT_EQ(reading("drive"), folder + "; write the path of the recording in it: " +
+                                  path("drive/drive_0.mcap") + " [SL0109]");
 }
 
 TEST_F(BagFaults, BagThatWasNotEnded) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 
@@ -16,7 +17,30 @@ namespace {
 
 constexpr std::string_view kRos1Magic = "#ROSBAG V";
 
+/// As rosbag2 writes them.
+[[noreturn]] void refuse_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  bool has_sqlite = false;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".mcap") {
+      throw FileError(with_code(Code::no_access,
+                                "'{}' is a folder; write the path of the recording in it: {}",
+                                folder, entry.path().string()));
+    }
+    has_sqlite |= entry.path().extension() == ".db3";
+  }
+  throw FileError(with_code(
+      Code::no_access, "'{}' is a folder{}; write the path of a .mcap or .bag file", folder,
+      has_sqlite
+          ? " with a recording in SQLite, which is not read; 'ros2 bag convert' writes MCAP, "
+            "and so does 'ros2 bag record --storage mcap'"
+          : ""));
+}
+
 std::shared_ptr<Source> open(const std::string& path) {
+  if (std::filesystem::is_directory(path)) {
+    refuse_folder(path);
+  }
   require_regular_file(path, "recording");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
