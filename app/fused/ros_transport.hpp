@@ -23,6 +23,9 @@ class RosTransport : public fused::Transport {
                const std::string& folder, const LoopSurroundings& surroundings);
 
   topics::Session& session(const experiment::Node& /*node*/) override { return *session_; }
+  std::string whole_topic(const std::string& topic) const override {
+    return session_->whole_topic(topic);
+  }
   command::CommandClock clock() const override;
   void arrived() override;
   void add(const std::string& topic, const topics::TopicSource& sensor) override;

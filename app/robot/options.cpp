@@ -130,8 +130,8 @@ void declare(CLI::App& app, RunOptions& options, ModelWords& model) {
                "Advance only when an experiment steps the robot (sync: lockstep)")
       ->excludes(duration);
   app.add_option("--out", options.out, "Folder for trajectory.csv and world.json");
-  app.add_option("--topic-prefix", options.topic_prefix, "Prefix of topics without leading '/'")
-      ->capture_default_str();
+  app.add_option("--topic-prefix", options.topic_prefix,
+                 "Prefix of topics without leading '/'; default: the node's namespace");
   app.add_option("--scan-topic", options.scan_topic, "Output topic, sensor_msgs/LaserScan")
       ->capture_default_str();
   app.add_option("--odom-topic", options.odometry_topic, "Output topic, nav_msgs/Odometry")
@@ -153,7 +153,7 @@ void declare(CLI::App& app, RunOptions& options, ModelWords& model) {
 }  // namespace
 
 std::string RunOptions::topic(const std::string& name) const {
-  if (name.starts_with('/')) return name;
+  if (name.starts_with('/') || topic_prefix.empty()) return name;
   return topic_prefix.ends_with('/') ? topic_prefix + name : topic_prefix + "/" + name;
 }
 

@@ -24,12 +24,12 @@ struct RunOptions {
   std::string odometry_topic = "odom";
   std::string clock_topic = "/clock";
   std::string command_topic;  ///< empty: as robot::CommandTopic names it
-  std::string topic_prefix = "/";
+  std::string topic_prefix;   ///< empty: the node's namespace
   std::string node_name = "spikeloop_robot";
   int ros = 1;  ///< its version
   double master_timeout_s = 10;
 
-  /// A topic's whole name: one that begins with '/' stands as it is, others follow the prefix.
+  /// A topic's name: one that begins with '/' stands as it is, others follow the prefix.
   std::string topic(const std::string& name) const;
   /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
   std::string sensor_topic(const std::string& name) const;

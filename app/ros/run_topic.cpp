@@ -21,7 +21,8 @@ int run_topic(music::Process& process, const Section& section, Source& sensor, S
   hooks.after_loop = [&] {
     if (sensor.counters().front().value == 0) {
       log::warning("no message arrived on topic '{}'; '{} list' shows what there is",
-                   section.node.parameters.text("topic"), topics::topic_command(section.ros.ros));
+                   topics::renamed(section.node.parameters.text("topic"), section.ros.arguments),
+                   topics::topic_command(section.ros.ros));
     }
   };
   return process.run(graph, hooks);

@@ -27,7 +27,8 @@ using experiment::Experiment;
 using experiment::Sync;
 using nlohmann::json;
 
-constexpr int kFileFault = 4;  // the exit code of a FileError
+constexpr int kFileFault = 4;         // the exit code of a FileError
+constexpr int kBadConfiguration = 2;  // of a ConfigurationError
 constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
 constexpr std::uint64_t kTicksPerOverrun = 100;  // more overruns are worth a warning
 
@@ -300,12 +301,14 @@ const char* how_to_look(experiment::Ros ros) {
   return "";
 }
 
-void warn_of_silence(const Experiment& experiment, const json& summary) {
+void warn_of_silence(const Experiment& experiment, const Transport& transport,
+                     const json& summary) {
   for (const auto& node : experiment.nodes) {
     const std::string counter = node.name + ".messages";
     if (experiment::takes_messages(node.kind) && summary.contains("counters") &&
         summary["counters"].value(counter, std::uint64_t{1}) == 0) {
-      log::warning("no message arrived on topic '{}'{}", node.parameters.text("topic"),
+      log::warning("no message arrived on topic '{}'{}",
+                   transport.whole_topic(node.parameters.text("topic")),
                    how_to_look(experiment.ros));
     }
   }
@@ -398,7 +401,9 @@ struct Run::Impl {
     attempt(result, [&] { surroundings.transport.finish(); });
     attempt(result,
             [&] { result.summary = summary_of(experiment, surroundings, *assembly, progress); });
-    warn_of_silence(experiment, result.summary);
+    if (result.exit_code != kBadConfiguration) {  // a message of the wrong width has come
+      warn_of_silence(experiment, surroundings.transport, result.summary);
+    }
     warn_of_overruns(experiment, progress, loop->computing());
     std::string lost;
     result.summary.update(assembly->close_recordings(lost));

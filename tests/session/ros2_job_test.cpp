@@ -297,12 +297,63 @@ TEST_F(Ros2Job, topics_that_a_robot_of_ours_does_not_use) {
                     Not(HasSubstr("the robot sends"))));
 }
 
+/// As any node of ROS 2 has them.
+TEST_F(Ros2Job, a_robot_has_its_topics_in_its_namespace) {
+  ros2::Session session({.node_name = "looker", .place = domain_.place()});
+  const auto commands = session.publisher("/arena/cmd_vel", "geometry_msgs/Twist");
+  Command command = launched("");
+  command.arguments = {binary("spikeloop-robot"),
+                       "--ros",
+                       "2",
+                       "--ros-args",
+                       "-r",
+                       "__ns:=/arena",
+                       "-r",
+                       "scan:=lidar"};
+  Child robot(command);
+  for (const char* topic : {"/arena/lidar", "/arena/odom", "/clock"}) {
+    EXPECT_TRUE(eventually(20, [&] { return session.has_publishers(topic); }))
+        << topic << robot.output();
+  }
+  EXPECT_TRUE(eventually(20, [&] { return commands->has_subscribers(); })) << robot.output();
+  EXPECT_FALSE(session.has_publishers("/odom"));
+  robot.signal(SIGTERM);
+  EXPECT_EQ(robot.wait().exit_code, 0);
+}
+
+/// Robots whose commands have been remapped do not share a hand.
+TEST_F(Ros2Job, manual_commands_follow_the_commands) {
+  ros2::Session session({.node_name = "hand", .place = domain_.place()});
+  const auto hand = session.publisher("/arena/wheels_manual", "geometry_msgs/Twist");
+  const auto shared = session.publisher("/cmd_vel_manual", "geometry_msgs/Twist");
+  const auto named = session.publisher("/my_hand", "geometry_msgs/Twist");
+  for (const bool with_rule : {true, false}) {
+    Command command = launched(scan_to_twist("stoptime=100"));
+    command.arguments.emplace_back("/cmd_vel:=/arena/wheels");
+    if (with_rule) {
+      command.arguments.emplace_back("/cmd_vel_manual:=/my_hand");
+    }
+    Child job(command);
+    const topics::RawPublisher& heard = with_rule ? *named : *hand;
+    EXPECT_TRUE(eventually(30, [&] { return heard.has_subscribers(); })) << job.output();
+    EXPECT_FALSE(shared->has_subscribers());
+    EXPECT_EQ(hand->has_subscribers(), !with_rule);
+    job.signal(SIGINT);
+    job.wait();
+  }
+}
+
 TEST_F(Ros2Job, silence_and_names) {
   const auto silent = run(launched(scan_to_twist("stoptime=4", "", "/nothing")));
   EXPECT_EQ(silent.exit_code, 0) << silent.text();
   EXPECT_THAT(silent.text(), HasSubstr("no message on topic '/nothing' for 2 s; 'ros2 "
                                        "topic list' shows what there is with ROS_DOMAIN_ID=" +
                                        domain_.place().at("ROS_DOMAIN_ID")));
+  Command remapped = launched(scan_to_twist("stoptime=4", "", "/nothing"));
+  remapped.arguments.emplace_back("/nothing:=/front/scan");
+  const std::string said = run(remapped).text();
+  EXPECT_THAT(said, HasSubstr("no message on topic '/front/scan' for 2 s"));
+  EXPECT_THAT(said, HasSubstr("no message arrived on topic '/front/scan'"));
   const auto wrong = run(launched(scan_to_twist("stoptime=1", "", "/front/2nd")));
   EXPECT_EQ(wrong.exit_code, 2) << wrong.text();
   EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is not a valid ROS 2 topic name"));

@@ -249,6 +249,10 @@ bool JobRun::start_robot() {
   }
   ProgramStart start;
   start.arguments = {"spikeloop-robot", "--out", folder_, "--ros", std::to_string(robot_ros())};
+  if (option_of(options_.robot_arguments, "--topic-prefix").empty()) {
+    // Where the job's topics are, which a namespace does not move.
+    start.arguments.emplace_back("--topic-prefix=/");
+  }
   add_robot_option(effective_.file, "seed", "--seed", options_.robot_arguments, start.arguments);
   add_robot_option(effective_.file, "rtf", "--real-time-factor", options_.robot_arguments,
                    start.arguments);

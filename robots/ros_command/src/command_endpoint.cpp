@@ -38,12 +38,48 @@ guard::Hello guard_hello(const topics::Session& session, const Address& address,
           .zero = publisher.message(zero)};
 }
 
+constexpr std::string_view kManual = "_manual";
+
+/// The topic of manual commands that nobody has named follows that of the commands: two robots
+/// whose commands have been remapped have a topic each. A rule for itself wins.
+std::string manual_topic(const topics::Session& session, const std::string& commands,
+                         const std::string& manual) {
+  if (manual.empty() || manual != commands + std::string(kManual)) {
+    return manual;
+  }
+  constexpr std::string_view kNoRule = "_as_it_is";
+  std::string plain = session.whole_topic(commands + std::string(kNoRule));
+  plain.resize(plain.size() - kNoRule.size());
+  const bool has_rule = session.whole_topic(manual) != plain + std::string(kManual);
+  return has_rule ? manual : session.whole_topic(commands) + std::string(kManual);
+}
+
+/// With topics as ROS has them, for those who look for them there.
+command::CommandSettings as_in_ros(const topics::Session& session, const std::string& commands,
+                                   command::CommandSettings settings) {
+  if (!session.local()) {
+    settings.manual.topic = manual_topic(session, commands, settings.manual.topic);
+    for (auto& sensor : settings.sensors) {
+      sensor.topic = session.whole_topic(sensor.topic);
+    }
+  }
+  return settings;
+}
+
+/// The same for what is said of the commands.
+Address as_in_ros(const topics::Session& session, Address address) {
+  if (!session.local()) {
+    address.topic = session.whole_topic(address.topic);
+  }
+  return address;
+}
+
 }  // namespace
 
 CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& address,
                                  const command::CommandSettings& settings, topics::Keep keep)
     : session_(session),
-      address_(address),
+      address_(as_in_ros(session, address)),
       waits_for_guard_(!session.local()),
       publisher_(session, address.topic, address.message_type, address.fields),
       keep_(std::move(keep)),
@@ -53,9 +89,9 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       diagnostics_(settings.clock == command::CommandClock::lockstep
                        ? nullptr
                        : std::make_unique<Diagnostics>(session, address.topic)),
-      sink_(settings, transport()),
+      sink_(as_in_ros(session, address.topic, settings), transport()),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
-                                              settings, sink_)),
+                                              as_in_ros(session, address.topic, settings), sink_)),
       on_termination_(session.local() ? nullptr : std::make_unique<status::TerminationHook>([this] {
         sink_.stop(command::StopReason::terminated);
       })) {}
@@ -153,7 +189,9 @@ command::Condition CommandEndpoint::condition() const {
   command::Condition condition = sink_.condition();
   using enum command::Condition::Level;
   if (condition.level == ok && !publisher_.has_subscribers()) {
-    return {warning, "no subscriber on '" + address_.topic + "'"};
+    const std::string misfit = publisher_.misfit();
+    return {warning, "no subscriber on '" + address_.topic + "'" +
+                         (misfit.empty() ? "" : "; one asks for " + misfit)};
   }
   if (condition.level == ok && waits_for_guard_) {
     return {warning, "the robot is not driven before its guard is connected to it"};

@@ -23,6 +23,8 @@ class Transport {
 
   /// In which the topic of a sensor or a command is. Asked once for each.
   virtual topics::Session& session(const experiment::Node& node) = 0;
+  /// A topic as others see it.
+  virtual std::string whole_topic(const std::string& topic) const { return topic; }
   /// Whose time the endpoints go by.
   virtual command::CommandClock clock() const { return command::CommandClock::lockstep; }
   /// A message of a sensor has come. Called in a thread of its session.
