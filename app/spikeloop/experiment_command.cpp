@@ -321,6 +321,12 @@ int run_experiment(const ExperimentArguments& arguments) {
     return loaded.diagnostics.front().exit_code;
   }
   const Experiment& experiment = *loaded.experiment;
+  if (arguments.line.use_sim_time.value_or(false) && experiment.ros != experiment::Ros::none &&
+      experiment.sync == experiment::Sync::realtime) {
+    ExperimentArguments by_clock = arguments;
+    by_clock.overrides.settings.push_back({"sync", "sim_time", "use_sim_time"});
+    return run_experiment(by_clock);
+  }
   refuse_own_recordings(experiment, arguments.folder);
   refuse_spectators(arguments, experiment);
   check_ros_arguments(arguments.line, versions_of(experiment),

@@ -73,7 +73,7 @@ spikeloop::topics::CommandLine split(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "run") {
     return spikeloop::topics::split_command_line(argc, argv);
   }
-  return {.own = {argv, argv + argc}, .ros = {}, .foreign = {}};
+  return {.own = {argv, argv + argc}, .ros = {}, .foreign = {}, .use_sim_time = {}};
 }
 
 /// Else our first files would take these numbers, and what is printed would go into them.

@@ -305,6 +305,11 @@ int run(RunArguments& arguments) {
   arguments.job.stall_timeout = milliseconds(arguments.stall_timeout_s);
   arguments.job.published_in_ros2 = published_in_ros2;
   const MusicFile file = read_music_file(arguments.file);
+  if (arguments.line.use_sim_time.value_or(false)) {
+    throw ConfigurationError(
+        "use_sim_time: a .music file follows no clock of ROS; leave it out, or write an experiment "
+        "with  sync: sim_time");
+  }
   check_ros_arguments(arguments.line, versions_of(file, arguments.job.run), false);
   add_ros_arguments(arguments.line.ros, arguments.job);
   if (!arguments.job.folder.empty() && !arguments.dry_run) {

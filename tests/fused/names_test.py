@@ -4,6 +4,7 @@ robot that has the usual names and must not be driven; what means nothing is ref
 
 import contextlib
 import csv
+import json
 import pathlib
 import signal
 import subprocess
@@ -35,9 +36,9 @@ def other_robot(version, folder):
             robot.send_signal(signal.SIGINT)
             robot.wait(60)
         said.seek(0)
-        for foreign in ("-p use_sim_time:=true", "--log-level info"):
-            assert f"warning: '{foreign}' (behind --ros-args) means nothing to this robot" in said.read(), foreign
-            said.seek(0)
+        words = said.read()
+        assert "warning: '--log-level info' (behind --ros-args) means nothing to this robot" in words, words
+        assert "use_sim_time" not in words, words
     with open(folder / "trajectory.csv", encoding="utf-8") as table:
         path += [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(table)]
 
@@ -87,6 +88,15 @@ def music(spikeloop, folder):
     assert "'__name:=brain' names a node" in dry_run("__name:=brain")[2]
 
 
+def time_of_ros(spikeloop, scratch):
+    """use_sim_time, which launch files give all nodes."""
+    file = runs.new_experiment(spikeloop, scratch / "clock.yaml", ros="2", duration="1 s")
+    for value, sync in (("true", "sim_time"), ("false", "realtime")):
+        folder = scratch / f"clock-{value}"
+        runs.run(spikeloop, file, folder, "--ros-args", "-p", f"use_sim_time:={value}")
+        assert json.loads((folder / "resolved.json").read_text())["sync"] == sync
+
+
 def main():
     spikeloop = str(runs.programs() / "spikeloop")
     for version in "12":
@@ -96,6 +106,8 @@ def main():
                 drive(spikeloop, scratch, version, "fused", (*NAMES, *NODE[version]))
                 music(spikeloop, drive(spikeloop, scratch, version, "separate", AS_WRITTEN[version]))
             assert len(path) > 10 and max(abs(x - path[0][0]) + abs(y - path[0][1]) for x, y in path) < 1e-3, path[-1]
+            if version == "2":
+                time_of_ros(spikeloop, scratch)
         print(f"over ROS {version} robots are driven by the names that the command line gives their topics")
     with tempfile.TemporaryDirectory() as scratch:
         refused(spikeloop, pathlib.Path(scratch))

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/error_of.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace {
 
@@ -37,6 +38,27 @@ TEST(CommandLine, arguments_for_ros2_stand_behind_a_sign) {
                                "c:=1",       "--ros-args", "-r", "c:=d"};
   EXPECT_THAT(split_command_line(9, twice).ros, ElementsAre(Pair("a", "b"), Pair("c", "d")));
   EXPECT_THAT(split_command_line(9, twice).foreign, ElementsAre("stray", "-p c:=1"));
+}
+
+TEST(CommandLine, use_sim_time_is_understood) {
+  const auto line_of = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"robot", "--ros-args"});
+    return split_command_line(static_cast<int>(words.size()), words.data());
+  };
+  EXPECT_EQ(line_of({"-p", "use_sim_time:=true"}).use_sim_time, true);
+  EXPECT_EQ(line_of({"--param", "use_sim_time:=false"}).use_sim_time, false);
+  EXPECT_THAT(line_of({"-p", "use_sim_time:=true"}).foreign, IsEmpty());
+  EXPECT_THAT(line_of({"-p", "use_sim_time:=1"}).foreign, ElementsAre("-p use_sim_time:=1"));
+  EXPECT_EQ(line_of({"-p", "rate:=1"}).use_sim_time, std::nullopt);
+  const test::TemporaryDirectory directory;
+  const std::string all =
+      directory.write("launch_params", "/**:\n  ros__parameters:\n    use_sim_time: true\n");
+  EXPECT_EQ(line_of({"--params-file", all.c_str()}).use_sim_time, true);
+  const std::string more =
+      directory.write("more", "/**:\n  ros__parameters:\n    use_sim_time: true\n    rate: 5\n");
+  EXPECT_EQ(line_of({"--params-file", more.c_str()}).use_sim_time, std::nullopt);
+  EXPECT_THAT(line_of({"--params-file", more.c_str()}).foreign,
+              ElementsAre("--params-file " + more));
 }
 
 TEST(CommandLine, options_keep_their_values) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "spikeloop/core/code.hpp"
@@ -66,6 +68,44 @@ class Ros2Arguments {
   bool foreign_ = false;  ///< a word belongs to what was foreign before it
 };
 
+std::optional<bool> truth_of(std::string_view text) {
+  return text == "true"    ? std::optional(true)
+         : text == "false" ? std::optional(false)
+                           : std::nullopt;
+}
+
+/// Of a file of parameters for any node, as launch files write it, that has no other parameter.
+std::optional<bool> use_sim_time_in_file(const std::string& path) {
+  constexpr std::string_view kParameter = "use_sim_time:";
+  std::ifstream file(path);
+  std::optional<bool> found;
+  for (std::string name, value; file >> name;) {
+    if (name == kParameter && file >> value && truth_of(value)) {
+      found = truth_of(value);
+    } else if (name != "/**:" && name != "ros__parameters:") {
+      return std::nullopt;
+    }
+  }
+  return found;
+}
+
+/// Of "-p use_sim_time:=true" and the like.
+std::optional<bool> use_sim_time_of(const std::string& foreign) {
+  std::istringstream words(foreign);
+  std::string option;
+  std::string value;
+  std::string more;
+  words >> option >> value;
+  if (words >> more) {
+    return std::nullopt;
+  }
+  constexpr std::string_view kParameter = "use_sim_time:=";
+  if ((option == "-p" || option == "--param") && value.starts_with(kParameter)) {
+    return truth_of(value.substr(kParameter.size()));
+  }
+  return option == "--params-file" ? use_sim_time_in_file(value) : std::nullopt;
+}
+
 /// The topic of a rule, which ROS 2 lets begin with the name of the node that it is for.
 std::string topic_of_rule(messages::Dialect ros, const std::string& name) {
   const auto colon = ros == messages::Dialect::ros2 ? name.find(':') : std::string::npos;
@@ -108,6 +148,11 @@ CommandLine split_command_line(int argc, const char* const* argv) {
     }
   }
   ros2.end();
+  std::erase_if(line.foreign, [&](const std::string& argument) {
+    const std::optional<bool> value = use_sim_time_of(argument);
+    line.use_sim_time = value ? value : line.use_sim_time;
+    return value.has_value();
+  });
   return line;
 }
 

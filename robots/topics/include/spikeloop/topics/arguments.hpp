@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct CommandLine {
   RosArguments ros;
   /// "-p rate:=5": what stands behind --ros-args and means nothing to our programs.
   std::vector<std::string> foreign;
+  /// The one parameter that launch files give all nodes: `-p use_sim_time:=true`, or a file of
+  /// parameters with no other. Whether time is that of /clock.
+  std::optional<bool> use_sim_time{};
 };
 
 /// Launch files add arguments to those a user writes; ROS 1 tells them by the ":=" in them. ROS 2
