@@ -185,7 +185,7 @@ TEST(RobotErrors, Names) {
                  "beginning with a letter or '/', as in /cmd_vel [SL0501]");
   expect_failure(
       job, {"--cmd-topic", "a-b"}, 2,
-      "'/a-b' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning "
+      "'a-b' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning "
       "with a letter or '/', as in /cmd_vel [SL0501]");
   const std::string node =
       "'a/b' is not a valid ROS node name; write a letter followed by letters, digits and '_' "
