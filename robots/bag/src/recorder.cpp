@@ -10,6 +10,7 @@
 
 #include "mcap_writer.hpp"
 #include "spikeloop/core/background.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/schema.hpp"
 
