@@ -407,10 +407,13 @@ int check_experiment(const std::string& file, const Settings& settings,
     put_result(fused::resolved_json(experiment::with_layout_delays(experiment)).dump(2) + "\n");
     return 0;
   }
+  const auto& episodes = experiment.episodes;
+  const std::string length = experiment.duration           ? format_time(*experiment.duration)
+                             : episodes && episodes->count ? count_of(*episodes->count, "episode")
+                                                           : "runs until it is stopped";
   put_result(fmt::format(
       "{}: OK: {}, {}, tick {}, {}\n", file, count_of(experiment.nodes.size(), "node"),
-      count_of(experiment.connections.size(), "connection"), format_time(experiment.tick),
-      experiment.duration ? format_time(*experiment.duration) : "runs until it is stopped"));
+      count_of(experiment.connections.size(), "connection"), format_time(experiment.tick), length));
   return 0;
 }
 

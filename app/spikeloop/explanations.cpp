@@ -83,7 +83,7 @@ constexpr Explanation kExplanations[] = {
      "image: {resize: [4, 3]}}",
      "scan: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan, fields: [ranges]}"},
     {Code::expression, "An expression cannot be computed",
-     "The node class `function` takes expressions in x0, x1, ... and t, one for each output, "
+     "The node class `function` takes expressions in x0, x1, ..., one for each output, "
      "separated by ';'.",
      "encoder: {node: function, function: \"min(x0\"}",
      "encoder: {node: function, function: \"min(x0, 1)\"}"},

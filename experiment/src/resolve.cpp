@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "faults.hpp"
+#include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/experiment/layout.hpp"
@@ -147,8 +148,14 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
   for (const std::string& name : experiment.episodes->reset) {
     check_reset(name, where, experiment, faults);
   }
+  const bool acts = std::ranges::any_of(experiment.nodes,
+                                        [](const Node& node) { return node.kind == kRosCommand; });
   const auto& robot = experiment.robot;
-  if (!robot || robot->model || !robot->bag.empty() || experiment.ros != Ros::none) {
+  if (experiment.episodes->count && !experiment.duration && !acts) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': the run would never end, because no node acts; "
+                                "add a ros_command, or write a duration"));
+  } else if (!robot || robot->model || !robot->bag.empty() || experiment.ros != Ros::none) {
     faults.add(where, with_code(Code::conflicting_keys,
                                 "key 'episodes': only the vehicle and environments have episodes, "
                                 "without ROS; leave it out, or write for example  robot: "
@@ -318,6 +325,11 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
   resolve_layout(keys, file.joined, experiment, all);
   if (!overrides.replay) {
     check_episodes(file, experiment, all);
+  } else if (experiment.episodes && !experiment.episodes->reset.empty()) {
+    all.add(where_of(file, "episodes"),
+            with_code(Code::conflicting_keys,
+                      "key 'episodes': a run in which networks are reset cannot be replayed, "
+                      "because a recording has no episodes; repeat it with  spikeloop run FOLDER"));
   }
   if (!overrides.changes.empty() && faults.empty()) {
     experiment.changes = read_changes(overrides.changes);

@@ -213,9 +213,12 @@ class RunFolder:
         if not file.exists():
             raise RunFolderError(f"'{file}' is missing: the experiment has no episodes")
         require_regular(file)
-        with open(file, newline="", encoding="utf-8") as text:
-            rows = [row for row in csv.DictReader(text) if None not in row.values()]  # the last may be cut short
         try:
+            with open(file, newline="", encoding="utf-8-sig") as text:
+                reader = csv.DictReader(text)
+                rows = [row for row in reader if None not in row.values()]  # the last may be cut short
+            if "episode" not in (reader.fieldnames or ()):
+                raise KeyError("episode")
             table = {name: np.array([float(row[name]) for row in rows])
                      for name in ("episode", "begin_s", "end_s", "steps", "return", "success")}
             return table | {"end": [row["end"] for row in rows]}

@@ -20,7 +20,7 @@ ROWS = (
     ("episodes", "episodes", "", "{:d}"),
     ("successes", "successes", "", "{:d}"),
     ("median_return", "return, median", "", "{:.4g}"),
-    ("last_return", "return, last episode", "", "{:.4g}"),
+    ("mean_return", "return, mean", "", "{:.4g}"),
     ("spikes", "spikes of the network", "", "{:,d}"),
     ("scans", "laser scans", "", "{:,d}"),
     ("commands", "commands sent", "", "{:,d}"),
@@ -66,6 +66,9 @@ def read_summary(folder):
     except RunFolderError as error:
         raise SystemExit(str(error))
     except OSError as error:
+        if (path.parent / "results.csv").exists():
+            raise SystemExit(f"'{folder}' is a sweep: its results are in {path.parent / 'results.csv'}, and each of "
+                             "its folders is a run")
         raise SystemExit(f"cannot read '{path}': {error.strerror}; was the run made with --out?")
     except (json.JSONDecodeError, RecursionError) as error:
         raise SystemExit(f"'{path}' is not JSON: {error}")

@@ -174,6 +174,9 @@ def check_maze(spikeloop, folder):
         begin = np.searchsorted(times, float(row["begin_s"]) + 0.002)
         assert np.allclose(where[begin], [0, -2.15], atol=1e-9), where[begin]
     assert set(rewards[:, 0]) == {-1, 0, 1}
+    # A command that nobody repeats holds in the next episode, too.
+    once, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "once", "--set", "wheels.command_rate=0 Hz")
+    assert [row["success"] for row in rows(folder / "once")] == [row["success"] for row in found], once
     short, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "short", "--set", "episodes.time_limit=1 s")
     assert short["episodes"] == 6 and short["successes"] == 0, short
     assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
@@ -213,6 +216,9 @@ def check_reset(spikeloop, folder):
     gone_on = np.load(folder / "goes_on" / "brain.w.npy")[0, 0]
     assert weight > 1e-3 and abs(weight - gone_on) < 0.05 * weight, (weight, gone_on)  # it is learned all the time
     assert slow.max() < 0.2 * signal_max(folder / "goes_on"), "the slow neuron grows for one episode"
+    replay = subprocess.run([spikeloop, "replay", str(folder / "reset"), "--out", str(folder / "no")],
+                            capture_output=True, text=True, check=False)
+    assert replay.returncode != 0 and "cannot be replayed" in replay.stderr, replay.stderr
     rain = times[channels == 2]
     mean = 100e-9 * at[-1]
     assert abs(len(rain) - mean) < 5 * mean ** 0.5 and np.unique(rain, return_counts=True)[1].max() < 5, len(rain)

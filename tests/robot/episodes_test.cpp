@@ -53,9 +53,10 @@ TEST(Episodes, EndByTheirTaskOrByTime) {
             "episode,begin_s,end_s,steps,return,success,end\n"
             "1,0,0.02,2,2.5,1,terminated\n"
             "2,0.04,0.07,3,-3,0,time_limit\n");
-  EXPECT_EQ(episodes.summary(),
-            (nlohmann::json{
-                {"episodes", 2}, {"successes", 1}, {"median_return", 2.5}, {"last_return", -3.0}}));
+  EXPECT_EQ(
+      episodes.summary(),
+      (nlohmann::json{
+          {"episodes", 2}, {"successes", 1}, {"median_return", -0.25}, {"mean_return", -0.25}}));
 }
 
 TEST(Episodes, TheRewardThatIsToldIsNotTheReturn) {
@@ -129,6 +130,20 @@ TEST_F(Environments, PublishAtStepsAndWaitForAnAction) {
   EXPECT_THAT(told["observation"], ElementsAre(4));
   EXPECT_THAT(told["scaled_observation"], ElementsAre(testing::DoubleEq(4 * 2 / 15. - 1)));
   EXPECT_THAT(told["episode"], ElementsAre(1, 1, 1, 0));
+}
+
+/// However late its first action comes, an episode has all of its steps.
+TEST_F(Environments, TimeBeginsWithTheFirstAction) {
+  EnvironmentRobot robot({.name = "water_maze", .episodes = {.time_limit = 300 * kMs}});
+  constexpr TimeNs kStep = 100 * kMs;
+  robot.advance(2 * kStep);
+  act(robot, 0);
+  robot.advance(3 * kStep);
+  for (int step = 1; step <= 3; ++step) {
+    robot.advance((3 + step) * kStep);
+    EXPECT_THAT(publish(robot, (3 + step) * kStep)["episode"],
+                ElementsAre(1, step < 3 ? 1 : 0, step, 0));
+  }
 }
 
 TEST_F(Environments, PauseAndBeginAnew) {

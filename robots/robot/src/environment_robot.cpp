@@ -67,7 +67,9 @@ void EnvironmentRobot::advance(TimeNs time) {
   for (TimeNs end = (now_ / step_ + 1) * step_; end <= time; end += step_) {
     if (!episodes_.running()) {
       if (episodes_.wait(end)) begin(end);
-    } else if (action_) {
+    } else if (!action_) {
+      episodes_.postpone(end);
+    } else {
       const environments::Outcome outcome = environment_->step(*action_);
       episodes_.step(end, {outcome.reward, outcome.terminated, outcome.success});
     }

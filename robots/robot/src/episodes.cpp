@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "spikeloop/core/error.hpp"
 
@@ -66,7 +67,7 @@ bool Episodes::wait(TimeNs time) {
     phase_ = Phase::pause;
     told_reward_ = settings_.begin_reward.value_or(0);
   }
-  return !over() && time - ended_at_ >= settings_.hold + settings_.pause;
+  return in_pause() && !over() && time - ended_at_ - settings_.hold >= settings_.pause;
 }
 
 std::vector<double> Episodes::state() const {
@@ -82,10 +83,12 @@ nlohmann::json Episodes::summary() const {
     for (const Ended& episode : ended_) {
       returns.push_back(episode.total);
     }
-    const auto middle = returns.begin() + static_cast<std::ptrdiff_t>(returns.size() / 2);
-    std::ranges::nth_element(returns, middle);
-    summary["median_return"] = *middle;
-    summary["last_return"] = ended_.back().total;
+    summary["mean_return"] =
+        std::accumulate(returns.begin(), returns.end(), 0.0) / static_cast<double>(returns.size());
+    std::ranges::sort(returns);
+    const std::size_t half = returns.size() / 2;
+    summary["median_return"] =
+        returns.size() % 2 == 1 ? returns[half] : (returns[half - 1] + returns[half]) / 2;
   }
   return summary;
 }

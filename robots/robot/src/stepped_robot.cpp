@@ -89,6 +89,7 @@ void SteppedRobot::look_at_goals() {
   } else if (episodes_->wait(now)) {
     episodes_->begin(now);
     vehicle().reset(seed_of(seed_, episodes_->number()));
+    if (newest_) act(*newest_);  // which nobody may send again
   }
 }
 
@@ -115,8 +116,9 @@ void SteppedRobot::advance(TimeNs time) {
     now = next;
     if (episodes_ && now % kRowPeriod == 0) look_at_goals();
   }
-  if (command_ && (!episodes_ || episodes_->running())) {
-    act(*command_);
+  if (command_) {
+    if (!episodes_ || episodes_->running()) act(*command_);
+    newest_ = std::move(command_);
     command_.reset();
   }
 }

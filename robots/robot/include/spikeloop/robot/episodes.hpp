@@ -42,6 +42,8 @@ class Episodes {
 
   /// The next episode begins now.
   void begin(TimeNs time);
+  /// The episode has not had its first step: its time begins now.
+  void postpone(TimeNs time) { began_ = time; }
   /// A step of the episode has ended now; perhaps the episode, too. @throws FileError
   void step(TimeNs time, const StepResult& result);
 
@@ -58,7 +60,7 @@ class Episodes {
   double told_reward() const { return told_reward_; }
   /// What the topic `episode` tells: number, 1 while it runs and 0 after its end, steps, return.
   std::vector<double> state() const;
-  /// Of the episodes that have ended: episodes, successes, median_return, last_return.
+  /// Of the episodes that have ended: episodes, successes, median_return, mean_return.
   nlohmann::json summary() const;
   /// @throws FileError
   void finish();

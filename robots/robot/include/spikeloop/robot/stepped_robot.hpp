@@ -74,7 +74,8 @@ class SteppedRobot : public Robot {
   std::optional<TrajectoryFile> trajectory_;
   std::optional<Episodes> episodes_;
   CommandTopic command_topic_;
-  std::optional<std::vector<double>> command_;
+  std::optional<std::vector<double>> command_;  ///< that holds from the next advance on
+  std::optional<std::vector<double>> newest_;
 };
 
 }  // namespace spikeloop::robot
