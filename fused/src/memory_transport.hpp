@@ -20,8 +20,7 @@ class MemoryTransport : public Transport {
   void begin(TimeNs time) override;
   /// The robot advances to `time` on the command before; then the newest one holds.
   void end(TimeNs time) override;
-  std::uint64_t episode() const override { return robot_ ? robot_->episode() : 0; }
-  bool over() const override { return robot_ && robot_->over(); }
+  const robot::Episodes* episodes() const override { return robot_ ? robot_->episodes() : nullptr; }
   void finish() override;
   nlohmann::json summary() const override;
 

@@ -104,7 +104,8 @@ class Loop {
     if (!begun_) {
       begin();
     }
-    if (graph.time() >= experiment_.duration.value_or(kNever) || transport_.over()) {
+    const robot::Episodes* const episodes = transport_.episodes();
+    if (graph.time() >= experiment_.duration.value_or(kNever) || (episodes && episodes->over())) {
       return false;
     }
     if (view_ != nullptr) {
@@ -164,11 +165,11 @@ class Loop {
   }
 
   void reset_networks() {
-    const std::uint64_t episode = transport_.episode();
-    if (episode <= episode_) {
+    const robot::Episodes* const episodes = transport_.episodes();
+    if (episodes == nullptr || episodes->number() <= episode_) {
       return;
     }
-    episode_ = episode;
+    episode_ = episodes->number();
     for (const std::string& node : networks_) {
       assembly_.graph().reset(node);
     }

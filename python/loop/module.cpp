@@ -129,6 +129,7 @@ class Loop {
   TimeNs time() const { return run_->time(); }
   TimeNs tick() const { return experiment_.tick; }
   Caller& caller() { return *caller_; }
+  const robot::Episodes* episodes() const { return transport_->episodes(); }
   std::vector<std::string> warnings() { return warnings_.take(); }
 
  private:
@@ -222,6 +223,25 @@ void write(Loop& loop, const std::string& end, const Array<double>& values) {
   sent.is_new = true;
 }
 
+/// The robot's newest episode; None: it has no task.
+py::object episode(Loop& loop) {
+  const auto use = loop.in_use();
+  const robot::Episodes* const episodes = loop.episodes();
+  if (episodes == nullptr) {
+    return py::none();
+  }
+  const std::vector<double> state = episodes->state();
+  py::dict result;
+  result["number"] = episodes->number();
+  result["running"] = episodes->running();
+  result["steps"] = static_cast<std::uint64_t>(state[2]);
+  result["return"] = state[3];
+  result["terminated"] = episodes->terminated();
+  result["success"] = episodes->success();
+  result["step_ns"] = episodes->step_time();
+  return result;
+}
+
 template <typename Ends>
 py::dict ends_of(const Ends& ends) {
   py::dict result;
@@ -272,5 +292,6 @@ PYBIND11_MODULE(spikeloop_python_loop, module) {
       .def("write", &own::write)
       .def("outputs", [](Loop& loop) { return own::ends_of(loop.caller().all_seen()); })
       .def("inputs", [](Loop& loop) { return own::ends_of(loop.caller().all_sent()); })
+      .def("episode", &own::episode)
       .def("finish", &own::finish);
 }

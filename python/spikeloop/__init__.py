@@ -13,7 +13,8 @@ disk.
 it sees; `spikeloop.testing` runs one without the C++ programs.
 
 `load` reads an experiment, which can be changed and run (`spikeloop.experiment`); `open_run` reads a run
-(`spikeloop.run_folder`). `spikeloop.plots`, which draws it, is imported by name, because matplotlib is slow.
+(`spikeloop.run_folder`); `gymnasium_env` makes an experiment an environment for agents
+(`spikeloop.environment`). `spikeloop.plots`, which draws it, is imported by name, because matplotlib is slow.
 
 `music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,
 `spikeloop.brian` and `spikeloop.nest` do so with NEURON, Brian2 and NEST in it.
@@ -21,8 +22,8 @@ it sees; `spikeloop.testing` runs one without the C++ programs.
 
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node
 
-__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "load",
-           "music", "node", "open_run"]
+__all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "gymnasium_env",
+           "load", "music", "node", "open_run"]
 
 
 def __getattr__(name):
@@ -30,6 +31,9 @@ def __getattr__(name):
     if name == "music":
         from .music_host import music
         return music
+    if name == "gymnasium_env":
+        from .environment import Environment
+        return Environment
     if name in ("load", "open_run", "SpikeloopError"):
         from . import experiment
         return getattr(experiment, name)

@@ -225,6 +225,12 @@ class Loop:
         """Ends that can be written, outputs of simulators: their kind and width."""
         return self._loop.inputs()
 
+    @property
+    def episode(self):
+        """Of the robot's task, the newest: number, running, steps, return, terminated, success, step_ns (of a step).
+        None: the robot has no task."""
+        return self._loop.episode()
+
     def step(self, ticks=1):
         """Advances by this many ticks, or as many as are left. @returns whether there was one.
         @raises SpikeloopError: a node failed"""

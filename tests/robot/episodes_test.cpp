@@ -28,13 +28,14 @@ std::string read(const std::filesystem::path& path) {
 
 TEST(Episodes, EndByTheirTaskOrByTime) {
   const test::TemporaryDirectory folder;
-  Episodes episodes({.count = 2, .time_limit = 30 * kMs, .hold = 10 * kMs, .pause = 10 * kMs},
+  Episodes episodes({.step = 10 * kMs, .count = 2, .time_limit = 30 * kMs, .pause = 10 * kMs},
                     folder.path().string());
   episodes.begin(0);
   episodes.step(10 * kMs, {.reward = 2});
   EXPECT_THAT(episodes.state(), ElementsAre(1, 1, 1, 2));
   episodes.step(20 * kMs, {.reward = 0.5, .terminated = true, .success = true});
   EXPECT_THAT(episodes.state(), ElementsAre(1, 0, 2, 2.5));
+  EXPECT_TRUE(episodes.terminated() && episodes.success());
   EXPECT_FALSE(episodes.wait(25 * kMs));
   EXPECT_FALSE(episodes.in_pause());
   EXPECT_FALSE(episodes.wait(30 * kMs));
@@ -43,8 +44,10 @@ TEST(Episodes, EndByTheirTaskOrByTime) {
   episodes.begin(40 * kMs);
   for (const TimeNs time : {50 * kMs, 60 * kMs, 70 * kMs}) {
     EXPECT_TRUE(episodes.running());
+    EXPECT_FALSE(episodes.terminated() || episodes.success()) << "as the one before";
     episodes.step(time, {.reward = -1});
   }
+  EXPECT_FALSE(episodes.terminated() || episodes.success());
   EXPECT_FALSE(episodes.over());
   EXPECT_FALSE(episodes.wait(kNsPerSecond));
   EXPECT_TRUE(episodes.over());

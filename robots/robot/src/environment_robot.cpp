@@ -12,7 +12,7 @@ EpisodeSettings with_defaults(EpisodeSettings settings, const environments::Desc
   if (settings.time_limit == kNever && about.max_steps > 0) {
     settings.time_limit = static_cast<TimeNs>(about.max_steps) * step;
   }
-  settings.hold = std::max(settings.hold, step);
+  settings.step = step;
   settings.lasts = about.lasts;
   return settings;
 }

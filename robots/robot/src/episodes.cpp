@@ -15,6 +15,7 @@ namespace spikeloop::robot {
 
 Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder)
     : settings_(settings) {
+  settings_.hold = std::max(settings_.hold, settings_.step);
   if (folder.empty()) {
     return;
   }
@@ -52,7 +53,7 @@ void Episodes::end(TimeNs time, const StepResult& result) {
     told_reward_ = *settings_.failure_reward;
   }
   const bool success = result.success || (settings_.lasts && !result.terminated);
-  ended_.push_back({return_, success});
+  ended_.push_back({return_, success, result.terminated});
   if (!path_.empty()) {
     file_ << fmt::format("{},{:.9g},{:.9g},{},{},{},{}\n", number_, to_seconds(began_),
                          to_seconds(time), steps_, return_, success ? 1 : 0,

@@ -62,7 +62,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
   }
   if (options.episodes) {
     EpisodeSettings settings = *options.episodes;
-    settings.hold = std::max(settings.hold, kRowPeriod);
+    settings.step = kRowPeriod;
     episodes_.emplace(settings, options.folder);
     episodes_->begin(0);
     sensors_.add_numbers("reward", kRowPeriod,

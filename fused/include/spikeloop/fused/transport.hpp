@@ -8,6 +8,7 @@
 #include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/experiment.hpp"
+#include "spikeloop/robot/episodes.hpp"
 #include "spikeloop/ros_command/command_endpoint.hpp"
 #include "spikeloop/topics/session.hpp"
 #include "spikeloop/topics/topic_source.hpp"
@@ -40,10 +41,8 @@ class Transport {
   virtual void begin(TimeNs /*time*/) {}
   /// The graph has stepped to `time`.
   virtual void end(TimeNs /*time*/) {}
-  /// As robot::Robot.
-  virtual std::uint64_t episode() const { return 0; }
-  /// The robot has done all of its episodes.
-  virtual bool over() const { return false; }
+  /// Of a robot in this process that has a task.
+  virtual const robot::Episodes* episodes() const { return nullptr; }
   /// Nothing more comes; files are closed.
   virtual void finish() {}
   /// collisions, distance_m, ... of a robot that it knows.

@@ -16,7 +16,6 @@
 
 #include "spikeloop/environments/environment.hpp"
 #include "spikeloop/messages/dialect.hpp"
-#include "spikeloop/robot/episodes.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/robot/robot.hpp"
 
@@ -46,8 +45,7 @@ class EnvironmentRobot : public Robot {
   void command(std::span<const std::byte> message) override;
   /// @throws Error for an action that the environment does not have.
   void advance(TimeNs time) override;
-  std::uint64_t episode() const override { return episodes_.number(); }
-  bool over() const override { return episodes_.over(); }
+  const Episodes* episodes() const override { return &episodes_; }
   void finish() override { episodes_.finish(); }
   nlohmann::json summary() const override;
 

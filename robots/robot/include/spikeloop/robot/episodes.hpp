@@ -17,6 +17,7 @@ namespace spikeloop::robot {
 inline constexpr const char* kEpisodesFile = "episodes.csv";
 
 struct EpisodeSettings {
+  TimeNs step = 0;                       ///< simulated time of a step
   std::optional<std::uint64_t> count{};  ///< after which the run is over; none: never
   TimeNs time_limit = kNever;            ///< an episode ends at the first step not before it
   TimeNs hold = 0;                       ///< at least a step
@@ -55,7 +56,12 @@ class Episodes {
   /// The pause after the last episode has begun.
   bool over() const { return in_pause() && settings_.count && ended_.size() >= *settings_.count; }
 
+  TimeNs step_time() const { return settings_.step; }
   std::uint64_t number() const { return number_; }  ///< of the newest episode, from 1
+  /// The newest episode has ended, before its time limit.
+  bool terminated() const { return !running() && !ended_.empty() && ended_.back().terminated; }
+  /// The newest episode has ended with success.
+  bool success() const { return !running() && !ended_.empty() && ended_.back().success; }
   /// What the topic `reward` tells.
   double told_reward() const { return told_reward_; }
   /// What the topic `episode` tells: number, 1 while it runs and 0 after its end, steps, return.
@@ -69,6 +75,7 @@ class Episodes {
   struct Ended {
     double total;
     bool success;
+    bool terminated;
   };
   void end(TimeNs time, const StepResult& result);
   void check_file() const;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/robot/episodes.hpp"
 #include "spikeloop/robot/sensors.hpp"
 
 namespace spikeloop::robot {
@@ -42,10 +43,8 @@ class Robot {
   virtual void command(std::span<const std::byte> message) = 0;
   /// Advances to `time` on the command before; from there on the newest one holds.
   virtual void advance(TimeNs time) = 0;
-  /// Number of the newest episode, from 1; 0: it has none.
-  virtual std::uint64_t episode() const { return 0; }
-  /// The last episode has ended.
-  virtual bool over() const { return false; }
+  /// Of a robot that has a task; of any other none.
+  virtual const Episodes* episodes() const { return nullptr; }
   /// Ends its files. @throws FileError.
   virtual void finish() {}
   /// What it measured, for summary.json.

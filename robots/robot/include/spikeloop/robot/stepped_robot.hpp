@@ -7,7 +7,6 @@
 
 #include "spikeloop/pictures/film.hpp"
 #include "spikeloop/robot/command_topic.hpp"
-#include "spikeloop/robot/episodes.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/messages.hpp"
 #include "spikeloop/robot/robot.hpp"
@@ -52,8 +51,7 @@ class SteppedRobot : public Robot {
   void advance(TimeNs time) override;
   /// Ends the trajectory and the film. @throws FileError.
   void finish() override;
-  std::uint64_t episode() const override { return episodes_ ? episodes_->number() : 0; }
-  bool over() const override { return episodes_ && episodes_->over(); }
+  const Episodes* episodes() const override { return episodes_ ? &*episodes_ : nullptr; }
   nlohmann::json summary() const override;
 
   TimeNs time() const { return robot_->time(); }
