@@ -125,7 +125,8 @@ std::vector<ParameterDescription> robot_parameters() {
            .type = ParameterType::text,
            .default_value = "",
            .text = "Environment of reinforcement learning, which replaces the robot: "
-                   "cart_pole, frozen_lake, mountain_car or water_maze"},
+                   "cart_pole, frozen_lake, mountain_car or water_maze; FILE.py:FUNCTION or "
+                   "gymnasium:NAME for one in Python"},
           {.name = "step",
            .unit = "s",
            .default_value = "",

@@ -14,6 +14,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/plugin_path.hpp"
+#include "spikeloop/core/python_library.hpp"
 
 namespace spikeloop {
 
@@ -51,22 +52,26 @@ std::vector<std::string> directories() {
   return all;
 }
 
-const spikeloop_loader& open_loader(const Loader& loader, const std::string& path) {
+SharedLibrary open_library(const Loader& loader, const std::string& for_what) {
   const auto searched = directories();
   for (const std::string& directory : searched) {
     const fs::path library = fs::path(directory) / loader.library;
     std::error_code error;
     if (fs::exists(library, error)) {
-      // Its entry outlives the handle: the library stays.
-      return SharedLibrary(library.string(), true).checked_loader();
+      // What it gives outlives the handle: the library stays.
+      return SharedLibrary(library.string(), true);
     }
   }
   throw ConfigurationError(
       with_code(Code::plug_in,
-                "plug-in '{}': *{} files need {}, which is not in {}; install Spikeloop with it, "
-                "or write its "
-                "directory into SPIKELOOP_LIBRARY_PATH",
-                path, loader.extension, loader.library, fmt::join(searched, ", ")));
+                "{} need {}, which is not in {}; install Spikeloop with it, or write its directory "
+                "into SPIKELOOP_LIBRARY_PATH",
+                for_what, loader.library, fmt::join(searched, ", ")));
+}
+
+const spikeloop_loader& open_loader(const Loader& loader, const std::string& path) {
+  return open_library(loader, fmt::format("plug-in '{}': *{} files", path, loader.extension))
+      .checked_loader();
 }
 
 void log_line(std::uint32_t level, const char* line) {
@@ -95,6 +100,16 @@ const spikeloop_plugin& load_by_loader(const std::string& path) {
     throw ConfigurationError(with_code(Code::plug_in, message.data()));
   }
   return *plugin;
+}
+
+void* python_function(const char* name, const std::string& for_what) {
+  const SharedLibrary library = open_library(kLoaders[0], for_what + ": environments in Python");
+  library.checked_loader();
+  return library.symbol(name, "install it again");
+}
+
+const spikeloop_host& python_host() {
+  return kHost;
 }
 
 std::vector<std::string> plugin_files(const std::string& directory, std::error_code& error) {

@@ -33,13 +33,17 @@ SharedLibrary::~SharedLibrary() {
   }
 }
 
-template <typename Entry>
-const Entry& SharedLibrary::checked_entry(const char* name, const char* remedy) const {
-  void* symbol = dlsym(handle_, name);
-  if (symbol == nullptr) {
+void* SharedLibrary::symbol(const char* name, const char* remedy) const {
+  void* found = dlsym(handle_, name);
+  if (found == nullptr) {
     refuse(path_, fmt::format("is not a Spikeloop plug-in (it has no {}); {}", name, remedy));
   }
-  const Entry* entry = reinterpret_cast<const Entry* (*)()>(symbol)();
+  return found;
+}
+
+template <typename Entry>
+const Entry& SharedLibrary::checked_entry(const char* name, const char* remedy) const {
+  const Entry* entry = reinterpret_cast<const Entry* (*)()>(symbol(name, remedy))();
   if (entry == nullptr) {
     refuse(path_, "its entry function returned nothing");
   }

@@ -24,6 +24,8 @@ class SharedLibrary {
   const spikeloop_plugin& checked_plugin() const;
   /// The same of a loader.
   const spikeloop_loader& checked_loader() const;
+  /// @throws ConfigurationError, which ends with the remedy, when it has none of this name.
+  void* symbol(const char* name, const char* remedy) const;
 
  private:
   template <typename Entry>

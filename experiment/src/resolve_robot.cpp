@@ -8,7 +8,9 @@
 
 #include "faults.hpp"
 #include "spikeloop/config/experiment_file.hpp"
+#include "spikeloop/config/network_script.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 
 namespace spikeloop::experiment {
@@ -70,11 +72,23 @@ std::optional<RobotModel> model_of(const Parameters& keys, const std::string& di
                     keys.number("rate")};
 }
 
-std::optional<Environment> environment_of(const Parameters& keys) {
+std::optional<Environment> environment_of(const Parameters& keys, const std::string& directory,
+                                          Faults& faults) {
   if (!keys.given("environment")) {
     return std::nullopt;
   }
   Environment environment{keys.text("environment"), keys.boolean("slippery")};
+  if (is_network_script(environment.name)) {
+    environment.name = in_directory(directory, environment.name);
+    const std::string file = network_source(environment.name);
+    if (std::filesystem::exists(file)) {
+      FilesRead::note(file);
+    } else {
+      faults.attempt(keys.where("environment"), [&] {
+        refuse_file("environment", keys.where("environment"), "Python file", file);
+      });
+    }
+  }
   if (keys.given("step")) {
     environment.step = from_seconds(keys.number("step"));
   }
@@ -135,7 +149,7 @@ RobotView read_robot(const ExperimentFile& file, const Overrides& overrides,
                       {},
                       camera_of(keys),
                       model_of(keys, directory),
-                      environment_of(keys)};
+                      environment_of(keys, directory, faults)};
   RobotView view;
   if (look_at_robot && faults.count() == before) {
     const char* const key = keys.given("environment") ? "environment"

@@ -93,6 +93,19 @@ void start_interpreter() {
   PyEval_SaveThread();
 }
 
+void start_package() {
+  start_interpreter();
+  const Lock lock;
+  try {
+    node_host();
+  } catch (const py::error_already_set& raised) {
+    const std::string text = raised.what();
+    throw std::runtime_error(
+        "nodes in Python need NumPy and the package spikeloop: " + text.substr(0, text.find('\n')) +
+        "; install python3-numpy, or Spikeloop again");
+  }
+}
+
 const py::module_& node_host() {
   auto*& host = imported_host();
   if (host == nullptr) {

@@ -27,6 +27,10 @@ class Lock {
 /// @throws std::runtime_error with the reason.
 void start_interpreter();
 
+/// The same, and imports the package.
+/// @throws std::runtime_error with what to install.
+void start_package();
+
 /// The package's module node_host. Needs the lock.
 /// @throws pybind11::error_already_set when it cannot be imported.
 const pybind11::module_& node_host();

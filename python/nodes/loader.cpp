@@ -42,16 +42,8 @@ const spikeloop_plugin* file_at(const std::string& path, const spikeloop_host& h
 const spikeloop_plugin* load(const char* path, const spikeloop_host* host, char* error,
                              std::uint64_t error_size) {
   try {
-    start_interpreter();
+    start_package();
     const Lock lock;
-    try {
-      node_host();
-    } catch (const py::error_already_set& raised) {
-      const std::string text = raised.what();
-      throw std::runtime_error("nodes in Python need NumPy and the package spikeloop: " +
-                               text.substr(0, text.find('\n')) +
-                               "; install python3-numpy, or Spikeloop again");
-    }
     try {
       return file_at(path, *host);
     } catch (const py::error_already_set& raised) {

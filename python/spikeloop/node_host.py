@@ -31,6 +31,19 @@ def begin():
 
 def load(path):
     """Runs the file; gives the Definitions of its nodes, in the order in which they stand there."""
+    found = []
+
+    def check(module, new):
+        found.extend(each for each in new if each.module == module.__name__)
+        _check_names(path, found)
+
+    run(path, check)
+    return found
+
+
+def run(path, check=lambda module, new: None):
+    """Runs the file; gives its module. check: called with it, and with what it has declared; if that raises, the
+    module goes again."""
     name = os.path.splitext(os.path.basename(path))[0]
     if name in sys.stdlib_module_names or name in ("numpy", "spikeloop"):
         raise LoadError(f"plug-in '{path}': has the name of Python's own module '{name}', which it "
@@ -45,12 +58,11 @@ def load(path):
     first = len(defined)
     try:
         exec(code, module.__dict__)
-        found = [each for each in defined[first:] if each.module == module.__name__]
-        _check_names(path, found)
+        check(module, defined[first:])
     except BaseException:
         del sys.modules[module.__name__]
         raise
-    return found
+    return module
 
 
 def create(definition, name, seed, widths, parameters):

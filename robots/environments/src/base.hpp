@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "spikeloop/core/random.hpp"
@@ -65,5 +66,7 @@ std::unique_ptr<Environment> make_cart_pole(const Options& options);
 std::unique_ptr<Environment> make_frozen_lake(const Options& options);
 std::unique_ptr<Environment> make_mountain_car(const Options& options);
 std::unique_ptr<Environment> make_water_maze(const Options& options);
+/// One in Python.
+std::unique_ptr<Environment> make_script(const std::string& source);
 
 }  // namespace spikeloop::environments

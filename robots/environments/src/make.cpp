@@ -43,6 +43,9 @@ std::vector<Description> descriptions() {
 }
 
 std::unique_ptr<Environment> make(std::string_view name, const Options& options) {
+  if (name.find(':') != std::string_view::npos || name.ends_with(".py")) {
+    return make_script(std::string(name));
+  }
   std::vector<std::string> names;
   for (const auto& maker : kMakers) {
     auto environment = maker(options);

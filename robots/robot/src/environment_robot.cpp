@@ -1,11 +1,13 @@
 #include "spikeloop/robot/environment_robot.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace spikeloop::robot {
 namespace {
 
-enum Topic : std::size_t { kObservation, kScaledObservation, kReward, kEpisode };
+enum Topic : std::size_t { kObservation, kReward, kEpisode };
 
 EpisodeSettings with_defaults(EpisodeSettings settings, const environments::Description& about,
                               TimeNs step) {
@@ -28,8 +30,15 @@ EnvironmentRobot::EnvironmentRobot(const EnvironmentOptions& options)
                 options.folder),
       message_(options.dialect),
       action_reader_(messages::Catalog::builtin(options.dialect), kNumbersType, "data[0]") {
-  for (const char* const name : {"observation", "scaled_observation", "reward", "episode"}) {
+  const bool bounded = std::ranges::all_of(
+      environment_->description().observation, [](const environments::Quantity& quantity) {
+        return std::isfinite(quantity.high - quantity.low) && quantity.high > quantity.low;
+      });
+  for (const char* const name : {"observation", "reward", "episode", "scaled_observation"}) {
     topics_.push_back({name, kNumbersType, step_});
+  }
+  if (!bounded) {
+    topics_.pop_back();  // there is nothing to scale by
   }
   begin(0);
 }
@@ -71,7 +80,7 @@ void EnvironmentRobot::advance(TimeNs time) {
       episodes_.postpone(end);
     } else {
       const environments::Outcome outcome = environment_->step(*action_);
-      episodes_.step(end, {outcome.reward, outcome.terminated, outcome.success});
+      episodes_.step(end, {outcome.reward, outcome.terminated, outcome.success, outcome.truncated});
     }
   }
   now_ = time;
@@ -103,12 +112,12 @@ std::span<const std::byte> EnvironmentRobot::write(std::size_t topic) {
   switch (topic) {
     case kObservation:
       return message_.write(observation());
-    case kScaledObservation:
-      return message_.write(scaled(observation()));
     case kReward:
       return message_.write(std::vector{episodes_.told_reward()});
-    default:
+    case kEpisode:
       return message_.write(episodes_.state());
+    default:
+      return message_.write(scaled(observation()));
   }
 }
 

@@ -39,7 +39,7 @@ void Episodes::step(TimeNs time, const StepResult& result) {
   ++steps_;
   return_ += result.reward;
   told_reward_ = result.reward;
-  if (result.terminated || time - began_ >= settings_.time_limit) {
+  if (result.terminated || result.truncated || time - began_ >= settings_.time_limit) {
     end(time, result);
   }
 }

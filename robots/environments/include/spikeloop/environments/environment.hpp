@@ -14,8 +14,8 @@
 namespace spikeloop::environments {
 
 /// A number of an observation or an action: its name, with the unit where there is one (`x_m`,
-/// `velocity_m_s`), and its range, which is finite: what is scaled to [-1, 1]. A value of an
-/// observation can be outside of it (cart_pole).
+/// `velocity_m_s`), and its range: what is scaled to [-1, 1]. It is finite, but for those in
+/// Python. A value of an observation can be outside of it (cart_pole).
 struct Quantity {
   std::string name;
   double low = 0;
@@ -41,6 +41,7 @@ struct Outcome {
   bool terminated = false;  ///< the episode is over, before max_steps
   /// The goal was reached. Never where Description::lasts.
   bool success = false;
+  bool truncated = false;  ///< the episode is over by a time limit of the environment's own
 };
 
 class Environment {
@@ -69,7 +70,9 @@ struct Options {
 };
 
 /// In episode 0 of seed 0. Options of other environments are ignored.
-/// @throws ConfigurationError for an unknown name (did you mean).
+/// @param name of one that there is; or one in Python, with Gymnasium's interface:
+/// FILE.py:FUNCTION, which makes it, or gymnasium:NAME
+/// @throws ConfigurationError for an unknown name (did you mean), and when the function fails.
 std::unique_ptr<Environment> make(std::string_view name, const Options& options = {});
 
 }  // namespace spikeloop::environments

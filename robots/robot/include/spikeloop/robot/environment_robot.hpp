@@ -4,7 +4,7 @@
 // | topic              | carries                    | values                                     |
 // |--------------------|----------------------------|--------------------------------------------|
 // | observation        | std_msgs/Float64MultiArray | in the units of the environment            |
-// | scaled_observation | std_msgs/Float64MultiArray | each from -1 to 1 over its range           |
+// | scaled_observation | std_msgs/Float64MultiArray | each from -1 to 1 over its range, if finite |
 // | reward             | std_msgs/Float64MultiArray | 1                                          |
 // | episode            | std_msgs/Float64MultiArray | Episodes::state                            |
 // | action             | std_msgs/Float64MultiArray | 1, for the environment                     |

@@ -33,6 +33,7 @@ struct StepResult {
   double reward = 0;
   bool terminated = false;  ///< the episode is over
   bool success = false;
+  bool truncated = false;  ///< the same, by a time limit of the task's own
 };
 
 class Episodes {
