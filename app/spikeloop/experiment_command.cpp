@@ -264,6 +264,20 @@ std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file
   return loaded;
 }
 
+/// Episodes that end a run, or begin a network anew, would have to tell other processes. Python,
+/// which can stand for a simulator, is none.
+void refuse_episodes_of_several_processes(const Experiment& experiment) {
+  const auto& episodes = experiment.episodes;
+  if (episodes && (episodes->count || !episodes->reset.empty()) &&
+      experiment::needs_music(experiment)) {
+    throw ConfigurationError(
+        experiment.robot->where,
+        with_code(Code::conflicting_keys,
+                  "key 'episodes': count and reset are for a run of one process, and this one has "
+                  "several; leave them out, and write a duration"));
+  }
+}
+
 /// What MUSIC asks of an experiment in several processes.
 void check_layout(experiment::Loaded& loaded) {
   if (!loaded.diagnostics.empty()) {
@@ -370,6 +384,7 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
   if (const auto& replay = arguments.overrides.replay) {
     keys["replay_bag"] = replay->bag.empty() ? "" : std::filesystem::absolute(replay->bag).string();
   }
+  refuse_episodes_of_several_processes(experiment);
   const WrittenJob music =
       write_job(experiment::process_job(experiment, folder.path(), keys), folder.path());
   return run_music_job(arguments, experiment, folder, music);
@@ -398,6 +413,9 @@ int check_experiment(const std::string& file, const Settings& settings,
                      const CheckOptions& options) {
   const auto loaded = load_with_simulators(file, {.settings = settings});
   check_layout(*loaded);
+  if (!options.json && loaded->diagnostics.empty()) {
+    refuse_episodes_of_several_processes(*loaded->experiment);
+  }
   if (!loaded->diagnostics.empty()) {
     const int exit_code = print_diagnostics(file, loaded->diagnostics);
     return exit_code == 0 && options.strict ? kWarningsOnly : exit_code;

@@ -11,7 +11,6 @@
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/experiment.hpp"
-#include "spikeloop/experiment/layout.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -164,11 +163,6 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
     faults.add(where, with_code(Code::conflicting_keys,
                                 "key 'episodes': pause_observation is for an environment; leave it "
                                 "out"));
-  } else if ((experiment.episodes->count || !experiment.episodes->reset.empty()) &&
-             needs_music(experiment)) {
-    faults.add(where, with_code(Code::conflicting_keys,
-                                "key 'episodes': count and reset are for a run of one process, and "
-                                "this one has several; leave them out, and write a duration"));
   }
 }
 

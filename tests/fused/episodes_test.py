@@ -111,7 +111,7 @@ def drive(position):
 
 def check_car(spikeloop, folder):
     (folder / "car.yaml").write_text(CAR)
-    (folder / "push.py").write_text("")
+    (folder / "push.py").write_text("import spikeloop\n")
     summary, _ = runs.run(spikeloop, folder / "car.yaml", folder / "one")
     found = rows(folder / "one")
     assert len(found) == 4 == summary["episodes"] and summary["exit_reason"] == "finished", summary
