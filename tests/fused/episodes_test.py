@@ -170,9 +170,13 @@ def check_maze(spikeloop, folder):
     # Every episode begins at the same place, with the same scan where the lamp is on the same side.
     times, where = signal(folder / "maze", "where")
     _, rewards = signal(folder / "maze", "reward")
+    scanned, _ = signal(folder / "maze", "scan")
     for row in found[1:]:
         begin = np.searchsorted(times, float(row["begin_s"]) + 0.002)
         assert np.allclose(where[begin], [0, -2.15], atol=1e-9), where[begin]
+        # What is seen is the new world, also between two periods of the laser.
+        first = np.searchsorted(scanned, float(row["begin_s"]) + 0.002)
+        assert scanned[first] - float(row["begin_s"]) < 0.003, scanned[first]
     assert set(rewards[:, 0]) == {-1, 0, 1}
     # A command that nobody repeats holds in the next episode, too.
     once, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "once", "--set", "wheels.command_rate=0 Hz")

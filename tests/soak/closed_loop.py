@@ -55,9 +55,11 @@ class Witness:
         self.process.stdin.flush()
 
     def knows_the_run(self):
-        """The publishers of commands, process and guard, and the subscriber of pictures."""
+        """The publishers of commands, process and guard, and a subscriber of pictures: a second one, which is
+        reliable, comes when it has met the publisher."""
         self._ask("known")
-        return self._line() == ["known", "2", "1"]
+        _, publishers, subscribers = self._line()
+        return publishers == "2" and int(subscribers) >= 1
 
     def send(self, pictures):
         self._ask(f"send {pictures}")

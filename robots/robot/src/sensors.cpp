@@ -65,6 +65,12 @@ class Sensors::Impl {
     return true;
   }
 
+  void begin_anew() {
+    for (std::size_t i = 0; i < topics_.size(); ++i) {
+      if (topics_[i].period != 0) next_[i] = 0;
+    }
+  }
+
  private:
   using Bytes = std::span<const std::byte>;
   using Write = std::function<Bytes(const Simulation&)>;
@@ -192,6 +198,9 @@ std::span<const std::byte> Sensors::write(std::size_t index, const Simulation& r
 }
 bool Sensors::due(std::size_t index, TimeNs time) {
   return impl_->due(index, time);
+}
+void Sensors::begin_anew() {
+  impl_->begin_anew();
 }
 
 }  // namespace spikeloop::robot

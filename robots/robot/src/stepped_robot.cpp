@@ -89,6 +89,7 @@ void SteppedRobot::look_at_goals() {
   } else if (episodes_->wait(now)) {
     episodes_->begin(now);
     vehicle().reset(seed_of(seed_, episodes_->number()));
+    sensors_.begin_anew();
     if (newest_) act(*newest_);  // which nobody may send again
   }
 }

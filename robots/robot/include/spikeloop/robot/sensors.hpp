@@ -72,6 +72,8 @@ class Sensors {
   /// Whether a message has become due since the last call, each multiple of the period at most
   /// once; time 0 is one. Of a topic without a period at the first call.
   bool due(std::size_t index, TimeNs time);
+  /// All messages but those without a period are due now: the robot has begun anew.
+  void begin_anew();
 
  private:
   class Impl;
