@@ -78,13 +78,15 @@ TEST(OneMessageTest, is_heard_of_a_program_that_ends_with_it) {
       "<CycloneDDS><Domain><Internal><Test><XmitLossiness>250</XmitLossiness></Test></Internal>"
       "</Domain></CycloneDDS>";  // per mille
   Robot robot(domain);
-  for (std::size_t presses = 1; presses <= 20; ++presses) {
+  for (int press = 1; press <= 20; ++press) {
+    const std::size_t before = robot.heard();
     Child button({.arguments = {ROS2_BUTTON, domain.text(), "once"}, .environment = lossy});
-    ASSERT_TRUE(robot.has_heard(presses, kPatience))
-        << "press " << presses << ": " << button.output();
+    ASSERT_TRUE(robot.has_heard(before + 1, kPatience))
+        << "press " << press << ": " << button.output();
     EXPECT_EQ(button.wait().exit_code, 0);
+    // Once; perhaps twice, if the program had ended when its message came (ros2::Reader).
+    EXPECT_LE(robot.heard(), before + 2);
   }
-  EXPECT_EQ(robot.heard(), 20U);
 }
 
 }  // namespace
