@@ -92,7 +92,7 @@ class Loop {
     const auto pace = pacer_->report();
     auto counters = counters_of(robot_.robot(), ros_.commands(), scans_);
     counters["overruns"] = pace.overruns;
-    status_.report(counters, summary_of(robot_.robot()));
+    status_.report(counters, robot_.summary());
     fmt::print("{} simulated in {:.1f} s: {}commands {}, overruns {}\n", format_time(robot_.time()),
                to_seconds(pace.wall_time), drive_text(robot_.robot()), ros_.commands(),
                pace.overruns);

@@ -106,8 +106,7 @@ class SteppedRun {
 };
 
 void report(const SteppedRobot& robot, const StepLink& link, const status::Sender& status) {
-  status.report(counters_of(robot.robot(), link.commands(), link.scans()),
-                summary_of(robot.robot()));
+  status.report(counters_of(robot.robot(), link.commands(), link.scans()), robot.summary());
   fmt::print("stepped to {}: {}commands {}\n", format_time(robot.time()), drive_text(robot.robot()),
              link.commands());
 }

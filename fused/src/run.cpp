@@ -27,8 +27,7 @@ using experiment::Experiment;
 using experiment::Sync;
 using nlohmann::json;
 
-constexpr int kFileFault = 4;         // the exit code of a FileError
-constexpr int kBadConfiguration = 2;  // of a ConfigurationError
+constexpr int kFileFault = 4;  // the exit code of a FileError
 constexpr TimeNs kProgressPeriod = kNsPerSecond / 10;
 constexpr std::uint64_t kTicksPerOverrun = 100;  // more overruns are worth a warning
 
@@ -95,7 +94,6 @@ class Loop {
         view_(surroundings.view),
         events_(events),
         changes_(experiment, assembly.graph(), folder),
-        networks_(experiment.episodes ? experiment.episodes->reset : std::vector<std::string>{}),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
   /// Whether there was a tick.
@@ -166,11 +164,11 @@ class Loop {
 
   void reset_networks() {
     const robot::Episodes* const episodes = transport_.episodes();
-    if (episodes == nullptr || episodes->number() <= episode_) {
+    if (!experiment_.episodes || episodes == nullptr || episodes->number() <= episode_) {
       return;
     }
     episode_ = episodes->number();
-    for (const std::string& node : networks_) {
+    for (const std::string& node : experiment_.episodes->reset) {
       assembly_.graph().reset(node);
     }
   }
@@ -182,7 +180,6 @@ class Loop {
   LiveView* view_;
   const RunEvents& events_;
   Changes changes_;
-  const std::vector<std::string> networks_;  ///< that begin anew with every episode
   std::unique_ptr<Pacer> pacer_;
   bool begun_ = false;
   std::uint64_t episode_ = 1;
@@ -402,9 +399,7 @@ struct Run::Impl {
     attempt(result, [&] { surroundings.transport.finish(); });
     attempt(result,
             [&] { result.summary = summary_of(experiment, surroundings, *assembly, progress); });
-    if (result.exit_code != kBadConfiguration) {  // a message of the wrong width has come
-      warn_of_silence(experiment, surroundings.transport, result.summary);
-    }
+    warn_of_silence(experiment, surroundings.transport, result.summary);
     warn_of_overruns(experiment, progress, loop->computing());
     std::string lost;
     result.summary.update(assembly->close_recordings(lost));

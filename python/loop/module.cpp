@@ -230,12 +230,11 @@ py::object episode(Loop& loop) {
   if (episodes == nullptr) {
     return py::none();
   }
-  const std::vector<double> state = episodes->state();
   py::dict result;
   result["number"] = episodes->number();
   result["running"] = episodes->running();
-  result["steps"] = static_cast<std::uint64_t>(state[2]);
-  result["return"] = state[3];
+  result["steps"] = episodes->steps();
+  result["return"] = episodes->total();
   result["terminated"] = episodes->terminated();
   result["success"] = episodes->success();
   result["step_ns"] = episodes->step_time();

@@ -46,14 +46,16 @@ std::unique_ptr<Environment> make(std::string_view name, const Options& options)
   if (name.find(':') != std::string_view::npos || name.ends_with(".py")) {
     return make_script(std::string(name));
   }
-  std::vector<std::string> names;
   for (const auto& maker : kMakers) {
     auto environment = maker(options);
     if (environment->description().name == name) {
       environment->reset(0, 0);
       return environment;
     }
-    names.push_back(environment->description().name);
+  }
+  std::vector<std::string> names;
+  for (const Description& description : descriptions()) {
+    names.push_back(description.name);
   }
   throw ConfigurationError(with_code(Code::unknown_choice, "there is no environment '{}'{}", name,
                                      did_you_mean(name, names)));

@@ -42,16 +42,15 @@ SpectatorOptions spectators_of(const RobotOptions& options) {
   return spectators;
 }
 
-}  // namespace
-
-std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
-                                                const std::optional<vehicle::ModelOptions>& model) {
-  if (model) return std::make_unique<vehicle::Simulation>(*model);
-  return std::make_unique<vehicle::Vehicle>(vehicle);
+std::unique_ptr<vehicle::Simulation> simulation_of(const RobotOptions& options) {
+  if (options.model) return std::make_unique<vehicle::Simulation>(*options.model);
+  return std::make_unique<vehicle::Vehicle>(options.vehicle);
 }
 
+}  // namespace
+
 SteppedRobot::SteppedRobot(const RobotOptions& options)
-    : robot_(make_robot(options.vehicle, options.model)),
+    : robot_(simulation_of(options)),
       seed_(options.vehicle.seed),
       sensors_(*robot_, options.sensors),
       spectators_(*robot_, spectators_of(options)),

@@ -58,12 +58,10 @@ bool have_announced_subscribers(const struct ddsi_sertype* any, const dds_guid_t
                                 const dds_guid_t* other) {
   const ddsi_guid_t writer_guid = entity_of(ours, NN_ENTITYID_SEDP_BUILTIN_SUBSCRIPTIONS_WRITER);
   const ddsi_guid_t reader_guid = entity_of(other, NN_ENTITYID_SEDP_BUILTIN_SUBSCRIPTIONS_READER);
-  const struct ddsi_domaingv* domain = ddsrt_atomic_ldvoidp(&any->gv);
-  struct thread_state* thread = lookup_thread_state();
-  thread_state_awake(thread, domain);  // until it sleeps, nothing that it may see is freed
-  struct ddsi_writer* writer = entidx_lookup_writer_guid(domain->entity_index, &writer_guid);
+  struct ddsi_writer* writer =
+      entidx_lookup_writer_guid(wake(any)->entity_index, &writer_guid);
   const bool acknowledged = writer != NULL && has_acknowledged_all(writer, &reader_guid);
-  thread_state_asleep(thread);
+  sleep_again();
   return acknowledged;
 }
 

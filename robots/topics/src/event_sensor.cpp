@@ -44,7 +44,13 @@ struct EventSensor::Impl {
       restarted = true;
     }
     Arrival arrival{.at = now};
-    arrival.good = conversion.convert(bytes, arrival.events);
+    try {
+      arrival.good = conversion.convert(bytes, arrival.events);
+    } catch (...) {  // a message of another camera has come, too
+      const std::lock_guard lock(mutex);
+      counts = conversion.counts();
+      throw;
+    }
     if (settings.keep) {
       arrival.bytes.assign(bytes.begin(), bytes.end());
     }

@@ -42,7 +42,7 @@ struct Sensor::Impl {
 
   /// In the session's thread, the moment a message has arrived.
   void take(std::span<const std::byte> bytes, TimeNs now) {
-    const bool good = conversion.convert(bytes);
+    const bool good = convert(bytes);
     const std::string warning = conversion.take_warning();
     publish(bytes, good, now);
     ++received;
@@ -51,6 +51,17 @@ struct Sensor::Impl {
     }
     if (!warning.empty()) {
       log::warning("topic '{}': {}", settings.topic, warning);
+    }
+  }
+
+  /// A message of the wrong width has come, too. @throws as SensorConversion::convert
+  bool convert(std::span<const std::byte> bytes) {
+    try {
+      return conversion.convert(bytes);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      counts = conversion.counts();
+      throw;
     }
   }
 

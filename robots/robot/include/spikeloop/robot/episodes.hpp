@@ -59,6 +59,8 @@ class Episodes {
 
   TimeNs step_time() const { return settings_.step; }
   std::uint64_t number() const { return number_; }  ///< of the newest episode, from 1
+  std::uint64_t steps() const { return steps_; }    ///< of the newest episode
+  double total() const { return return_; }          ///< its return
   /// The newest episode has ended, before its time limit.
   bool terminated() const { return !running() && !ended_.empty() && ended_.back().terminated; }
   /// The newest episode has ended with success.

@@ -29,14 +29,10 @@ struct RobotOptions {
   std::string folder{};
 };
 
-/// @throws Error as vehicle::Vehicle and vehicle::Simulation.
-std::unique_ptr<vehicle::Simulation> make_robot(const vehicle::Options& vehicle,
-                                                const std::optional<vehicle::ModelOptions>& model);
-
 class SteppedRobot : public Robot {
  public:
-  /// @throws Error as make_robot, Sensors, Spectators; FileError when the folder cannot be
-  /// written.
+  /// @throws Error as vehicle::Vehicle, vehicle::Simulation, Sensors, Spectators; FileError when
+  /// the folder cannot be written.
   explicit SteppedRobot(const RobotOptions& options);
 
   const std::vector<SensorTopic>& topics() const override { return sensors_.topics(); }
