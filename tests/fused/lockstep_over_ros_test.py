@@ -9,7 +9,7 @@ import tempfile
 import ros
 import runs
 
-RUNS = (("short", ["--duration", "5"]), ("long", ["--duration", "15", "--seed", "4"]))
+RUNS = (("short", ["--duration", "3"]), ("long", ["--duration", "8", "--seed", "4"]))
 
 
 def main():
@@ -57,7 +57,7 @@ def coarse(spikeloop, scratch, version):
     prints = []
     for name, over in (("one", "none"), (f"two{version}", version)):
         file = runs.new_experiment(spikeloop, scratch / f"{name}.yaml", sync="lockstep", ros=over,
-                                   tick="130 ms", duration="6.5 s")
+                                   tick="130 ms", duration="2.6 s")
         runs.run(spikeloop, file, scratch / name)
         prints.append(runs.fingerprint(scratch / name))
     assert prints[0] == prints[1]

@@ -126,16 +126,16 @@ class Brian2(Case):
     """Exact integration on one grid has no error but rounding: every spike is the same."""
 
     def check(self, model, least):
-        drive = hundred_neurons.driving_spikes(1.0)
-        own = self.own(model, drive, 1.0)
+        drive = hundred_neurons.driving_spikes(0.5)
+        own = self.own(model, drive, 0.5)
         np.save(self.folder / "spikes.npy", np.stack(drive))
-        self.same(own, self.elsewhere("hundred_in_brian.py", model, "spikes.npy", "1000"), least)
+        self.same(own, self.elsewhere("hundred_in_brian.py", model, "spikes.npy", "500"), least)
 
     def test_exponential_currents(self):
-        self.check("iaf_psc_exp", 2500)
+        self.check("iaf_psc_exp", 1200)
 
     def test_jumps_of_the_potential(self):
-        self.check("iaf_psc_delta", 5000)
+        self.check("iaf_psc_delta", 2400)
 
 
 class WithoutAGrid(Case):
@@ -149,7 +149,7 @@ class WithoutAGrid(Case):
         return {**hundred_neurons.PARAMETERS["iaf_psc_delta"], "I_e": 0.0, "V_reset": -70.0}
 
     def test_NEURON_and_the_event_driven_solution(self):
-        drive = hundred_neurons.driving_spikes(1.0)
+        drive = hundred_neurons.driving_spikes(0.5)
         # NEURON takes what comes at one time one by one: with odd delays, excitation and inhibition
         # do not meet.
         odd = [(pre, post, round(delay_ms + more, 6)) for (pre, post, delay_ms), more in
@@ -158,15 +158,15 @@ class WithoutAGrid(Case):
         changes = tuple((f"from: {pre}, to: {post}, rule: {pre}_{post}.npy, weight: 3, delay: {old} ms",
                          f"from: {pre}, to: {post}, rule: {pre}_{post}.npy, weight: 3, delay: {new} ms")
                         for (pre, post, old), (_, _, new) in zip(hundred_neurons.PROJECTIONS, odd))
-        own = self.own("iaf_psc_delta", drive, 1.0, self.QUIET + changes + self.OFF)
-        self.same(own, solve(self.quiet(), self.FACTOR, *drive, 1000, odd), 1000)
+        own = self.own("iaf_psc_delta", drive, 0.5, self.QUIET + changes + self.OFF)
+        self.same(own, solve(self.quiet(), self.FACTOR, *drive, 500, odd), 500)
         np.save(self.folder / "spikes.npy", np.stack(drive))
         for variable in (False, True):
             (self.folder / "task.json").write_text(json.dumps(
                 {"parameters": self.quiet(), "factor": self.FACTOR, "variable": variable,
                  "projections": odd}))
             self.same(own, self.elsewhere("hundred_in_neuron.py", "task.json", "spikes.npy",
-                                          "1000"), 1000)
+                                          "500"), 500)
 
     def test_a_grid_that_holds_every_event(self):
         # Driving spikes are in whole microseconds, delays in tenths of a millisecond.

@@ -9,7 +9,7 @@ import numpy as np
 import jobs
 
 WIDTH = 1000
-DURATION_S = 2
+DURATION_S = 1
 END = DURATION_S * 10**9
 
 

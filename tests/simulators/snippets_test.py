@@ -47,6 +47,8 @@ class Snippets(unittest.TestCase):
         """(spikes that were sent, (times, channels) that came back)"""
         with jobs.Job("brain.py", width, text=text, encoder="rate_encoder", rate_max=40,
                       duration_s=1, keys=keys) as job:
+            # Brian2 reads it; compilation would take most of the test's time.
+            (job.folder / "brian_preferences").write_text("[codegen]\ntarget = 'numpy'\n")
             job.run("--quiet")
             times, channels, _ = job.received()
             return len(job.sent()[0]), (times, channels)

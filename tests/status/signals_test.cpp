@@ -96,7 +96,7 @@ TEST(Signals, TheEndOfTheParentIsATermination) {
   if (parent == 0) {
     const pid_t child = fork();
     if (child == 0) {
-      alarm(20);
+      alarm(120);
       const SignalThread thread;
       const TerminationHook hook([&] {
         if (write(pipe_ends[1], "t", 1) != 1) {
@@ -106,12 +106,13 @@ TEST(Signals, TheEndOfTheParentIsATermination) {
       if (write(pipe_ends[1], "r", 1) != 1) {
         _exit(1);
       }
-      std::this_thread::sleep_for(std::chrono::seconds(10));
+      std::this_thread::sleep_for(std::chrono::seconds(100));
       _exit(0);
     }
-    std::this_thread::sleep_for(std::chrono::seconds(10));
+    std::this_thread::sleep_for(std::chrono::seconds(100));
     _exit(0);
   }
+  close(pipe_ends[1]);  // when both processes have ended, read() returns 0
   char letter = 0;
   EXPECT_EQ(read(pipe_ends[0], &letter, 1), 1);
   EXPECT_EQ(letter, 'r');
@@ -120,7 +121,6 @@ TEST(Signals, TheEndOfTheParentIsATermination) {
   EXPECT_EQ(read(pipe_ends[0], &letter, 1), 1);
   EXPECT_EQ(letter, 't');
   close(pipe_ends[0]);
-  close(pipe_ends[1]);
 }
 
 TEST(Signals, AHangupWhileTheParentLivesIsNone) {
