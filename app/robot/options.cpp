@@ -12,8 +12,10 @@ namespace {
 constexpr const char* kDescription =
     "Simulates a skid-steered vehicle (MuJoCo) as a node of ROS 1 or 2. Publishes laser scans\n"
     "(20 Hz), odometry, joint states, /tf (50 Hz), inertial data (100 Hz), light in a world with\n"
-    "lamps (50 Hz), optional camera images, and the clock, all in simulated time. Follows\n"
-    "geometry_msgs/Twist (linear.x, angular.z). Topics, frames and worlds: docs/robot.md.";
+    "lamps and the place on a lane (50 Hz), optional camera images, and the clock, all in "
+    "simulated\n"
+    "time. Follows geometry_msgs/Twist (linear.x, angular.z). Topics, frames and worlds: "
+    "docs/robot.md.";
 
 constexpr const char* kExamples =
     "Examples:\n"

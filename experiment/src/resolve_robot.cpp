@@ -181,13 +181,15 @@ constexpr const char* kInfoTopic = "/camera/camera_info";
                          "{{simulator: mujoco, camera: {{width: 64, height: 48}}}}",
                          topic));
   }
-  if (node.kind == kRosSensor && topic == "/light" && !robot.model) {
+  if (node.kind == kRosSensor && (topic == "/light" || topic == "/lane") && !robot.model) {
+    const bool light = topic == "/light";
     throw ConfigurationError(
-        where, with_code(Code::no_such_topic,
-                         "key 'topic': the robot sends nothing on {} in this world, which has no "
-                         "lamps; write  world: phototaxis  or  t_maze, or give yours sites lamp_* "
-                         "(docs/robot.md)",
-                         topic));
+        where,
+        with_code(Code::no_such_topic,
+                  "key 'topic': the robot sends nothing on {} in this world, which has no "
+                  "{}; write  world: {}, or give yours {} (docs/robot.md)",
+                  topic, light ? "lamps" : "lanes", light ? "phototaxis  or  t_maze" : "lane",
+                  light ? "sites lamp_*" : "boxes lane_*"));
   }
   throw ConfigurationError(
       where, with_code(Code::no_such_topic,

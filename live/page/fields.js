@@ -64,8 +64,11 @@ export function sensorFields(node, width, world) {
     const range = { quantity: "range", unit: "−1 near, 1 far" };
     return Array.from({ length: width }, (_, i) => ({ path: `beam ${i}`, ...range }));
   }
-  if (type === "float64multiarray" && world?.lamps?.length && node.topic === "/light" && width === 2) {
+  if (type === "float64multiarray" && width === 2 && node.topic === "/light" && world?.lamps?.length) {
     return ["left", "right"].map((path) => ({ path, quantity: "illuminance", unit: "lux" }));
+  }
+  if (type === "float64multiarray" && width === 2 && node.topic === "/lane" && world?.lanes?.length) {
+    return [["distance", "m"], ["angle", "rad"]].map(([path, unit]) => ({ path, quantity: path, unit }));
   }
   const channels = entries.flatMap((entry) => slice(entry.path).map((path) => {
     const converted = ["scale", "offset", "range"].some((key) => key in entry);

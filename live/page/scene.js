@@ -61,6 +61,9 @@ export function enter(context, view, width, height) {
 
 export function drawWorld(context, view, world) {
   const line = 1 / view.scale;
+  for (const lane of world.lanes ?? []) {
+    footprint(context, lane, palette.none, palette.none, 0);
+  }
   for (const goal of world.goals ?? []) {
     context.setLineDash([5 * line, 3 * line]);
     footprint(context, goal, palette.goal, palette.goalEdge, 1.2 * line);

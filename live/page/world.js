@@ -1,4 +1,4 @@
-// The world from above: arena, obstacles, goals, lamps, the robot and its path, the laser's beams.
+// The world from above: arena, obstacles, lanes, goals, lamps, the robot and its path, the laser's beams.
 
 import { Surface } from "./axes.js";
 import { palette } from "./palette.js";

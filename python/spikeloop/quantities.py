@@ -24,6 +24,9 @@ FIELDS = {
     "fluid_pressure": ("pressure", "Pa"),
     "magnetic_field": ("magnetic field", "T"),
 }
+# Arrays of the simulated robot, which have no fields that say it: what its world has, and their channels.
+ARRAYS = {"/light": ("lamps", {"left": FIELDS["illuminance"], "right": FIELDS["illuminance"]}),
+          "/lane": ("lanes", {"distance": ("distance", "m"), "angle": ("angle", "rad")})}
 UNKNOWN = ("value", "")
 POTENTIAL = ("membrane\npotential", "mV")
 NORMALISED_RANGE = ("range\n(−1: near, 1: far)", "")
@@ -57,14 +60,10 @@ def describe(signal, message, keys, world):
         signal.quantities = [(quantity, "" if converted else unit)
                              for (quantity, unit), (_, converted) in zip(found, fields)]
         signal.channels = [path.removeprefix("pose.pose.position.") for path, _ in fields]
-    elif _is_light(message, keys, world):
-        signal.quantities, signal.channels = [FIELDS["illuminance"]] * 2, ["left", "right"]
-
-
-def _is_light(message, keys, world):
-    """Of the simulated robot: its array has no field that says so."""
-    return (message == "float64multiarray" and bool(world.get("lamps"))
-            and (keys.get("topic") or keys.get("ros_topic")) == "/light")
+    elif message == "float64multiarray":
+        needed, channels = ARRAYS.get(keys.get("topic") or keys.get("ros_topic"), ("", {}))
+        if world.get(needed):
+            signal.quantities, signal.channels = list(channels.values()), list(channels)
 
 
 def _fields(written):

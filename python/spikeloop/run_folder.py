@@ -9,7 +9,7 @@ Files (docs/run-folder.md):
     LABEL.h5        spikes and signals of the process LABEL
     episodes.csv    episode, begin_s, end_s, steps, return, success (1 or 0), end
     trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
-    world.json      the robot's arena, obstacles, lamps and goals
+    world.json      the robot's arena, obstacles, lamps, goals and lanes
     summary.json    results of the run
     resolved.json   an experiment with every default
 """
@@ -226,7 +226,7 @@ class RunFolder:
             raise RunFolderError(f"'{file}' is damaged: {error}") from None
 
     def world(self):
-        """The robot's world as written by the robot: arena, obstacles, lamps, goals, in metres."""
+        """The robot's world as written by the robot: arena, obstacles, lamps, goals, lanes, in metres."""
         return self._json("world.json", "arena and obstacles are not drawn")
 
     def summary(self):

@@ -12,6 +12,7 @@ from .run_folder import RunFolderError
 MOST_SEGMENTS = 20_000
 JUMP_M = 0.5  # longer than a way between two rows: another episode begins
 GOAL = {"facecolor": "#d5efe6", "edgecolor": style.GREEN, "linestyle": (0, (4, 2))}
+LANE = {"facecolor": "#e9e9e9", "edgecolor": "none"}
 LAMP = {"linestyle": "none", "marker": "*", "markersize": 15, "markerfacecolor": style.YELLOW,
         "markeredgecolor": style.INK, "markeredgewidth": 1.0}
 COLLISION = {"linestyle": "none", "marker": "X", "markersize": 8, "markerfacecolor": style.VERMILLION,
@@ -67,7 +68,7 @@ def _optional(read, missing):
 
 
 def draw_world(axes, world):
-    """Walls, obstacles, goals and lamps of RunFolder.world(), into matplotlib axes in metres."""
+    """Walls, obstacles, lanes, goals and lamps of RunFolder.world(), into matplotlib axes in metres."""
     arena = world.get("arena")
     if arena:
         axes.add_patch(Rectangle((arena["min_x_m"], arena["min_y_m"]),
@@ -76,6 +77,8 @@ def draw_world(axes, world):
                                  facecolor="none", edgecolor=style.INK, linewidth=2.5, zorder=1))
     for obstacle in world.get("obstacles", []):
         axes.add_patch(_footprint(obstacle, facecolor=style.FILL, edgecolor=style.SOFT, zorder=2))
+    for lane in world.get("lanes", []):
+        axes.add_patch(_footprint(lane, **LANE, zorder=0.5))
     for goal in world.get("goals", []):
         axes.add_patch(_footprint(goal, **GOAL, zorder=1.5))
     for lamp in world.get("lamps", []):
@@ -175,6 +178,8 @@ def _legend(figure, axes, world, collided):
                (point("s", style.INK, style.INK, 8), "end")]
     if world.get("obstacles"):
         entries.append((Patch(facecolor=style.FILL, edgecolor=style.SOFT), "obstacle"))
+    if world.get("lanes"):
+        entries.append((Patch(**LANE), "lane"))
     if world.get("goals"):
         entries.append((Patch(**GOAL), "goal"))
     if world.get("lamps"):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Episodes of a run: an environment against the published equations, step by step, from what the run recorded;
-rewards, pauses and ends; the vehicle in a T-maze. The same seed gives the same bits; a run folder is replayed."""
+rewards, pauses and ends; the vehicle in a T-maze and on a lane. The same seed gives the same bits; a run folder is replayed."""
 
 import csv
 import json
@@ -46,6 +46,33 @@ nodes:
   wheels: {node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, fields: {linear.x: 0, angular.z: 1}}
 connections:
   - where -> right [2] -> wheels [2]
+"""
+# Straight on, until the lane ends, or for 3 s.
+LANE = """experiment: lane
+tick: 2 ms
+sync: lockstep
+robot: {simulator: mujoco, world: lane.xml}
+episodes: {count: 5, time_limit: 3 s, pause: 100 ms}
+nodes:
+  where: {node: ros_sensor, topic: /odom, message: nav_msgs/Odometry,
+          fields: [pose.pose.position.x, pose.pose.position.y, pose.pose.orientation.z, pose.pose.orientation.w]}
+  lane: {node: ros_sensor, topic: /lane, message: std_msgs/Float64MultiArray}
+  reward: {node: ros_sensor, topic: /reward, message: std_msgs/Float64MultiArray}
+  episode: {node: ros_sensor, topic: /episode, message: std_msgs/Float64MultiArray}
+  on: {node: function, function: "0.5; 0"}
+  wheels: {node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, fields: {linear.x: 0, angular.z: 1}}
+connections:
+  - where -> on [4] -> wheels [2]
+"""
+LANE_BOXES = [(0, -1.5, 1.2, 0.2, 0), (1.7, -1.0, 0.7, 0.2, 45), (-1.7, -1.0, 0.2, 0.7, 45), (0, 0.5, 0.25, 1.9, 100)]
+LANE_WORLD = """<mujoco>
+  <include file="spikeloop_vehicle.xml"/>
+  <custom><numeric name="arena" data="-4 -4 4 4"/></custom>
+  <worldbody>
+    <geom name="floor" type="plane" size="9 9 0.1"/>
+    BOXES
+  </worldbody>
+</mujoco>
 """
 # Down from the start of the lake: 4, 8, and a hole.
 LAKE = """experiment: lake
@@ -186,6 +213,53 @@ def check_maze(spikeloop, folder):
     assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
 
 
+def lane_of(position, heading):
+    """Distance, angle and half width at a point and a heading, complex numbers, of the nearest box of LANE_BOXES."""
+    found = []
+    for x, y, half_x, half_y, degrees in LANE_BOXES:
+        along = np.exp(1j * np.radians(degrees)) * (1 if half_x > half_y else 1j)
+        along *= 1 if (heading / along).real >= 0 else -1
+        at = (position - complex(x, y)) / along
+        beside = at - np.clip(at.real, -max(half_x, half_y), max(half_x, half_y))
+        side = 1 if at.imag > 0 else -1
+        found.append((abs(beside), side * abs(beside), np.angle(heading / along), min(half_x, half_y)))
+    return min(found)[1:]
+
+
+def check_lane(spikeloop, folder):
+    """A vehicle that drives straight on: distance, reward and end of every step from its odometry."""
+    boxes = [f'<geom name="lane_{i}" type="box" size="{a} {b} 0.002" pos="{x} {y} 0.002" euler="0 0 {turn}" '
+             'contype="0" conaffinity="0"/>' for i, (x, y, a, b, turn) in enumerate(LANE_BOXES)]
+    (folder / "lane.xml").write_text(LANE_WORLD.replace("BOXES", "\n".join(boxes)))
+    (folder / "lane.yaml").write_text(LANE)
+    summary, _ = runs.run(spikeloop, folder / "lane.yaml", folder / "lane")
+    found = rows(folder / "lane")
+    assert len(found) == 5 == summary["episodes"], summary
+    times, where = signal(folder / "lane", "where")
+    lane_times, lane = signal(folder / "lane", "lane")
+    _, rewards = signal(folder / "lane", "reward")
+    _, states = signal(folder / "lane", "episode")
+    assert np.array_equal(times, lane_times) and len(lane) == len(rewards) == len(states)
+    expected = np.array([lane_of(complex(*row[:2]), complex(row[3], row[2]) ** 2) for row in where])
+    np.testing.assert_allclose(lane, expected[:, :2], rtol=0, atol=1e-9)
+    part = np.abs(expected[:, 0]) / expected[:, 2]
+    stepped = (states[:, 1] == 1) & (states[:, 2] > 0)
+    np.testing.assert_allclose(rewards[stepped, 0], 1 - part[stepped], rtol=0, atol=1e-9)
+    assert np.all(part[stepped] <= 1)
+    ends = set()
+    for number, row in enumerate(found, 1):
+        mine = (states[:, 0] == number) & (states[:, 2] > 0)
+        last = np.flatnonzero(mine & (states[:, 1] == 0))[0]
+        assert row["end"] == ("terminated" if part[last] > 1 else "time_limit"), (row, part[last])
+        assert row["success"] == ("0" if part[last] > 1 else "1"), row
+        total = rewards[mine & stepped, 0].sum() + max(0, 1 - part[last])
+        assert abs(float(row["return"]) - total) < 1e-6, (row, total)
+        ends.add(row["end"])
+    assert ends == {"terminated", "time_limit"}, found
+    starts = {tuple(where[np.searchsorted(times, float(row["begin_s"]))]) for row in found}
+    assert len(starts) == 5, starts
+
+
 def spikes(folder, node):
     with h5py.File(folder / f"{node}.h5") as file:
         group = file["spikes/out"]
@@ -268,7 +342,7 @@ def check_errors(spikeloop, folder):
 def main():
     spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
-        for check in (check_car, check_repetition, check_maze, check_reset, check_errors):
+        for check in (check_car, check_repetition, check_maze, check_lane, check_reset, check_errors):
             check(spikeloop, pathlib.Path(temporary))
             print(f"{check.__name__}: good")
     return 0

@@ -74,6 +74,11 @@ def refused(spikeloop, scratch):
     assert done.returncode == 2 and (
         "key 'topic': the robot sends nothing on /light in this world, which has no lamps; write  "
         "world: phototaxis  or  t_maze, or give yours sites lamp_* (docs/robot.md)") in done.stderr, done
+    done = subprocess.run([spikeloop, "check", written(scratch, "no_lane.yaml"), "--set", "light.topic=/lane"],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and (
+        "key 'topic': the robot sends nothing on /lane in this world, which has no lanes; write  "
+        "world: lane, or give yours boxes lane_* (docs/robot.md)") in done.stderr, done
     near = str(written(scratch, "near.yaml"))
     without = {key: value for key, value in os.environ.items() if "DISPLAY" not in key}
     done = subprocess.run([spikeloop, "run", near, "--view", "--out", str(scratch / "view")],

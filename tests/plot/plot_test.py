@@ -7,10 +7,11 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import types
 
 import h5py
 import numpy as np
-from spikeloop import parts, spikes_plot
+from spikeloop import parts, quantities, spikes_plot
 from spikeloop.run_folder import RunFolder
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "fused"))
@@ -95,6 +96,9 @@ def what_the_pictures_need(spikeloop, folder):
     assert potential.unit == "mV" and -75 < potential.values.min() < potential.values.max() < -50, potential
     light, = (signal for signal in found.sensors if signal.label == "light")
     assert (light.channels, light.quantities) == (["left", "right"], [("illuminance", "lux")] * 2), light
+    lane = types.SimpleNamespace(channels=[], width=2)
+    quantities.describe(lane, "std_msgs/Float64MultiArray", {"topic": "/lane"}, {"lanes": [{"name": "lane_1"}]})
+    assert (lane.channels, lane.quantities) == (["distance", "angle"], [("distance", "m"), ("angle", "rad")]), lane
     world = RunFolder(out).world()
     assert [(lamp["name"], abs(lamp["x_m"]), lamp["y_m"]) for lamp in world["lamps"]] == [("lamp_1", 0.46, -1.2)]
     assert [(goal["name"], goal["x_m"], goal["half_y_m"]) for goal in world["goals"]] == [

@@ -64,8 +64,8 @@ TEST(WorldErrors, MissingFile) {
   EXPECT_THAT(message<FileError>("arenna.xml"),
               AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
                     HasSubstr("share/spikeloop/worlds"),
-                    EndsWith("; write the path of an MJCF file, or arena, phototaxis or t_maze for "
-                             "a shipped world [SL0108]")));
+                    EndsWith("; write the path of an MJCF file, or arena, phototaxis, t_maze or "
+                             "lane for a shipped world [SL0108]")));
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {
@@ -79,9 +79,9 @@ TEST(WorldErrors, BadXml) {
 
 TEST(WorldErrors, BadMjcfNamesTheLine) {
   const World world("<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody></mujoco>");
-  EXPECT_THAT(message<ConfigurationError>(world.path()),
-              AllOf(StartsWith(world.path() + ":3: MuJoCo 2.2.2 cannot read it: "),
-                    HasSubstr("tipe")));
+  EXPECT_THAT(
+      message<ConfigurationError>(world.path()),
+      AllOf(StartsWith(world.path() + ":3: MuJoCo 2.2.2 cannot read it: "), HasSubstr("tipe")));
 }
 
 TEST(WorldErrors, WithoutARobot) {
@@ -212,8 +212,8 @@ TEST(WorldErrors, TooManyObstacles) {
 
 TEST(WorldErrors, NoRoomToStart) {
   EXPECT_EQ(complaint(kArena + R"(<numeric name="start_clearance" data="3.5"/>)", kFloor),
-            "has no place that is 3.5 m away from every wall and obstacle (seed 1); write a "
-            "smaller numeric 'start_clearance' or fewer obstacles [SL0801]");
+            "has no place that is 3.5 m away from every wall, obstacle and end of a lane (seed 1); "
+            "write a smaller numeric 'start_clearance' or fewer obstacles [SL0801]");
   EXPECT_EQ(complaint(kArena + R"(<numeric name="start" data="2.9 0 0"/>)", kFloor),
             "numeric 'start' = (2.9, 0) is nearer than the vehicle's radius of 0.234 m to a wall "
             "or an obstacle; write a free place [SL0801]");

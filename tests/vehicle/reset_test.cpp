@@ -23,7 +23,7 @@ void expect_same(const Vehicle& one, const Vehicle& other, int step) {
 
 /// After a drive into a wall, in the middle of a physics step.
 TEST(Reset, LeavesNoTraceOfWhatWasBefore) {
-  for (const char* const world : {"arena", "phototaxis", "t_maze"}) {
+  for (const char* const world : {"arena", "phototaxis", "t_maze", "lane"}) {
     Vehicle used({world, 1});
     used.command(1, 0.2);
     used.step(4001 * kMs);

@@ -207,7 +207,7 @@ TEST(Cue, StandsWhereTheSeedHasDrawn) {
 }
 
 TEST(ShippedWorlds, HaveShortNames) {
-  for (const char* name : {"arena", "phototaxis", "t_maze"}) {
+  for (const char* name : {"arena", "phototaxis", "t_maze", "lane"}) {
     const Vehicle vehicle({name, 2});
     EXPECT_THAT(vehicle.world(), testing::EndsWith(std::string("worlds/") + name + ".xml"));
     EXPECT_TRUE(vehicle.camera_mount());

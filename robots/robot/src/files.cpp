@@ -112,6 +112,7 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
         {"angle_increment_rad", scan.angle_increment_rad}}},
       {"lamps", lamps_of(vehicle.model(), vehicle.data())},
       {"goals", describe(vehicle.goals())},
+      {"lanes", describe(vehicle.lanes())},
       {"obstacles", describe(vehicle.obstacles())}};
   if (vehicle.cue_place() > 0) world["cue_place"] = vehicle.cue_place();
   write_file(in_directory(directory, "world.json"), world.dump(2) + "\n");

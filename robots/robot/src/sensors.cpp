@@ -104,6 +104,7 @@ class Sensors::Impl {
     add_joints(vehicle, 20 * kMillisecond);
     add_transforms(vehicle);
     if (vehicle.light()) add_light();
+    if (!vehicle.lanes().empty()) add_lane();
   }
 
   void add_model(const Simulation& robot, TimeNs period) {
@@ -149,6 +150,14 @@ class Sensors::Impl {
     add("light", kNumbersType, 20 * kMillisecond, [message](const Simulation& now) -> Bytes {
       const vehicle::Light light = *now.vehicle()->light();
       return message->write(std::array{light.left_lux, light.right_lux});
+    });
+  }
+
+  void add_lane() {
+    const auto message = std::make_shared<NumbersMessage>(dialect_);
+    add("lane", kNumbersType, 20 * kMillisecond, [message](const Simulation& now) -> Bytes {
+      const vehicle::LanePosition position = *now.vehicle()->lane_position();
+      return message->write(std::array{position.distance_m, position.angle_rad});
     });
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "spikeloop/core/random.hpp"
@@ -21,14 +22,19 @@ std::uint64_t seed_of(std::uint64_t run, std::uint64_t episode) {
 }
 
 /// In a world with a cue, goal i belongs to place i of the cue. +1 for the right goal, -1 for
-/// another.
+/// another. On a lane 1 in the middle, down to 0 at its edges, where the episode ends.
 StepResult result_of(const vehicle::Vehicle& vehicle) {
   const vehicle::Pose pose = vehicle.pose();
   const auto& goals = vehicle.goals();
   const auto goal = std::ranges::find_if(goals, [&](const vehicle::Obstacle& candidate) {
     return candidate.distance_m(pose.x_m, pose.y_m) == 0;
   });
-  if (goal == goals.end()) return {};
+  if (goal == goals.end()) {
+    const auto lane = vehicle.lane_position();
+    if (!lane) return {};
+    const double part = std::abs(lane->distance_m) / lane->half_width_m;
+    return {std::max(0.0, 1 - part), !lane->is_inside(), false};
+  }
   const bool right = vehicle.cue_place() == 0 || goal - goals.begin() == vehicle.cue_place() - 1;
   return {right ? 1.0 : -1.0, true, right};
 }
@@ -62,6 +68,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
   if (options.episodes) {
     EpisodeSettings settings = *options.episodes;
     settings.step = kRowPeriod;
+    settings.lasts = vehicle().goals().empty() && !vehicle().lanes().empty();
     episodes_.emplace(settings, options.folder);
     episodes_->begin(0);
     sensors_.add_numbers("reward", kRowPeriod,
@@ -80,7 +87,7 @@ nlohmann::json SteppedRobot::summary() const {
   return summary;
 }
 
-void SteppedRobot::look_at_goals() {
+void SteppedRobot::step_episode() {
   const TimeNs now = robot_->time();
   if (episodes_->running()) {
     episodes_->step(now, result_of(vehicle()));
@@ -114,7 +121,7 @@ void SteppedRobot::advance(TimeNs time) {
     robot_->step(next - now);
     spectators_.look(*robot_);
     now = next;
-    if (episodes_ && now % kRowPeriod == 0) look_at_goals();
+    if (episodes_ && now % kRowPeriod == 0) step_episode();
   }
   if (command_) {
     if (!episodes_ || episodes_->running()) act(*command_);

@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "marks.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/random.hpp"
@@ -188,26 +191,62 @@ void append_footprints(const ObstacleBody& body, const mjModel& model, const Nam
   }
 }
 
-Pose draw_start(const Arena& arena, const std::vector<Obstacle>& obstacles, double clearance,
-                std::uint64_t seed, const Names& names) {
+Pose draw_anywhere(const Arena& arena, Draws& draws) {
+  Pose pose;
+  pose.x_m = draws.between(arena.min_x_m, arena.max_x_m);
+  pose.y_m = draws.between(arena.min_y_m, arena.max_y_m);
+  pose.theta_rad = draws.between(-std::numbers::pi, std::numbers::pi);
+  return pose;
+}
+
+// On a centre line, in one of its two directions.
+Pose draw_on_lane(const std::vector<Obstacle>& lanes, Draws& draws) {
+  const double half_length = std::accumulate(
+      lanes.begin(), lanes.end(), 0.0,
+      [](double sum, const Obstacle& lane) { return sum + CentreLine(lane).half_length_m; });
+  double along = draws.between(0, 2 * half_length);
+  auto lane = lanes.begin();
+  while (along > 2 * CentreLine(*lane).half_length_m && lane + 1 != lanes.end()) {
+    along -= 2 * CentreLine(*lane++).half_length_m;
+  }
+  const CentreLine line(*lane);
+  Pose pose = line.at(along - line.half_length_m);
+  if (draws.between(-1, 1) < 0) pose.theta_rad += std::numbers::pi;
+  return pose;
+}
+
+// Whether the lane goes on for this way, ahead and behind.
+bool far_from_ends(const std::vector<Obstacle>& lanes, const Pose& pose, double way) {
+  return std::ranges::all_of(std::array{-way, way}, [&](double ahead) {
+    const Pose there{pose.x_m + ahead * std::cos(pose.theta_rad),
+                     pose.y_m + ahead * std::sin(pose.theta_rad), pose.theta_rad};
+    return find_lane_position(lanes, there)->is_inside();
+  });
+}
+
+Pose draw_start(const Arena& arena, const std::vector<Obstacle>& obstacles,
+                const std::vector<Obstacle>& lanes, double clearance, std::uint64_t seed,
+                const Names& names) {
   Draws draws(seed, kStart);
   for (int i = 0; i < kTriesForStart; ++i) {
-    Pose pose;
-    pose.x_m = draws.between(arena.min_x_m, arena.max_x_m);
-    pose.y_m = draws.between(arena.min_y_m, arena.max_y_m);
-    pose.theta_rad = draws.between(-std::numbers::pi, std::numbers::pi);
-    if (clearance_m(arena, obstacles, pose.x_m, pose.y_m) >= clearance) return pose;
+    const Pose pose = lanes.empty() ? draw_anywhere(arena, draws) : draw_on_lane(lanes, draws);
+    if (clearance_m(arena, obstacles, pose.x_m, pose.y_m) >= clearance &&
+        (lanes.empty() || far_from_ends(lanes, pose, clearance))) {
+      return pose;
+    }
   }
   throw ConfigurationError(
       Location{names.path()},
-      with_code(Code::world,
-                "has no place that is {} m away from every wall and obstacle (seed {}); write a "
-                "smaller numeric 'start_clearance' or fewer obstacles",
-                clearance, seed));
+      with_code(
+          Code::world,
+          "has no place that is {} m away from every wall, obstacle and end of a lane (seed {}); "
+          "write a smaller numeric 'start_clearance' or fewer obstacles",
+          clearance, seed));
 }
 
-Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles, const Parts& parts,
-                std::uint64_t seed, const Names& names) {
+Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles,
+                const std::vector<Obstacle>& lanes, const Parts& parts, std::uint64_t seed,
+                const Names& names) {
   if (const auto fixed = names.numeric("start", 3, "x, y (m) and heading (rad)")) {
     const Pose pose{(*fixed)[0], (*fixed)[1], (*fixed)[2]};
     if (clearance_m(arena, obstacles, pose.x_m, pose.y_m) < parts.radius_m) {
@@ -222,7 +261,7 @@ Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles, cons
   }
   const double clearance =
       names.number("start_clearance", 0.45, "metres from the vehicle's centre to the next thing");
-  return draw_start(arena, obstacles, std::max(clearance, parts.radius_m), seed, names);
+  return draw_start(arena, obstacles, lanes, std::max(clearance, parts.radius_m), seed, names);
 }
 
 }  // namespace
@@ -247,8 +286,8 @@ double clearance_m(const Arena& arena, const std::vector<Obstacle>& obstacles, d
   return nearest;
 }
 
-std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& names,
-                              const Parts& parts, const Arena& arena, std::uint64_t seed) {
+std::vector<Obstacle> place_obstacles(const mjModel& model, mjData& data, const Names& names,
+                                      const Arena& arena, std::uint64_t seed) {
   auto bodies = find_obstacles(model, names);
   const double passage = names.number("passage", 0.9, "metres between obstacles");
   place(bodies, arena, passage, seed, names);
@@ -259,32 +298,19 @@ std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& n
     }
     append_footprints(body, model, names, footprints);
   }
-  const Pose start = start_pose(arena, footprints, parts, seed, names);
+  return footprints;
+}
+
+void place_vehicle(mjData& data, const Names& names, const Parts& parts, const Arena& arena,
+                   const std::vector<Obstacle>& obstacles, const std::vector<Obstacle>& lanes,
+                   std::uint64_t seed) {
+  const Pose start = start_pose(arena, obstacles, lanes, parts, seed, names);
   mjtNum* position = data.qpos + parts.qpos;
   position[0] = start.x_m;
   position[1] = start.y_m;
   position[3] = std::cos(start.theta_rad / 2);
   position[4] = position[5] = 0;
   position[6] = std::sin(start.theta_rad / 2);
-  return footprints;
-}
-
-std::vector<Obstacle> find_goals(const mjModel& model, const mjData& data) {
-  std::vector<Obstacle> goals;
-  for (int geom = 0; geom < model.ngeom; ++geom) {
-    const std::string name = model.names + model.name_geomadr[geom];
-    if (name.starts_with("goal_") && model.geom_type[geom] == mjGEOM_BOX) {
-      const mjtNum* at = data.geom_xpos + 3 * geom;
-      const mjtNum* axes = data.geom_xmat + 9 * geom;
-      goals.push_back({.name = name,
-                       .x_m = at[0],
-                       .y_m = at[1],
-                       .theta_rad = std::atan2(axes[3], axes[0]),
-                       .half_x_m = model.geom_size[3 * geom],
-                       .half_y_m = model.geom_size[3 * geom + 1]});
-    }
-  }
-  return goals;
 }
 
 int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed) {

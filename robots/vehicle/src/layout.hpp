@@ -8,19 +8,23 @@
 
 namespace spikeloop::vehicle {
 
-/// Puts the mocap obstacles and the vehicle in place and returns every obstacle's footprint.
-/// @throws ConfigurationError when an obstacle is of another shape than box or cylinder, when they
-/// cannot be placed, or when the vehicle's start is not free.
-std::vector<Obstacle> lay_out(const mjModel& model, mjData& data, const Names& names,
-                              const Parts& parts, const Arena& arena, std::uint64_t seed);
+/// Puts the mocap obstacles in place and returns every obstacle's footprint.
+/// @throws ConfigurationError when an obstacle is of another shape than box or cylinder, or when
+/// they cannot be placed.
+std::vector<Obstacle> place_obstacles(const mjModel& model, mjData& data, const Names& names,
+                                      const Arena& arena, std::uint64_t seed);
+
+/// Puts the vehicle at the numeric `start`, or where the seed draws it: on the centre line of a
+/// lane, if there are lanes.
+/// @throws ConfigurationError when the start is not free, or when there is no free place.
+void place_vehicle(mjData& data, const Names& names, const Parts& parts, const Arena& arena,
+                   const std::vector<Obstacle>& obstacles, const std::vector<Obstacle>& lanes,
+                   std::uint64_t seed);
 
 /// Puts the mocap body `cue` at the one of the numerics `cue_place_1`, `cue_place_2`, ... (x, y,
 /// heading) that the seed draws, and says which; 0: there is no cue.
 /// @throws ConfigurationError: a cue without places, or one that is not a mocap body.
 int place_cue(const mjModel& model, mjData& data, const Names& names, std::uint64_t seed);
-
-/// The boxes `goal_*` on the floor, seen from above, where mj_forward() has put them.
-std::vector<Obstacle> find_goals(const mjModel& model, const mjData& data);
 
 /// Reads numeric `arena`.
 Arena read_arena(const Names& names);

@@ -12,6 +12,7 @@
 #include "journey.hpp"
 #include "laser.hpp"
 #include "layout.hpp"
+#include "marks.hpp"
 #include "model.hpp"
 #include "photodiodes.hpp"
 #include "spikeloop/core/code.hpp"
@@ -63,11 +64,14 @@ class Vehicle::Impl {
         photodiodes_(model, names_),
         inertia_(timestep),
         arena_(read_arena(names_)),
-        obstacles_(lay_out(*model_, *data_, names_, parts_, arena_, seed)),
+        obstacles_(place_obstacles(*model_, *data_, names_, arena_, seed)),
         cue_place_(place_cue(*model_, *data_, names_, seed)),
         coverage_(arena_, obstacles_, parts_.radius_m) {
+    mj_kinematics(model_, data_);
+    goals_ = find_marks(*model_, *data_, kGoalPrefix);
+    lanes_ = find_marks(*model_, *data_, kLanePrefix);
+    place_vehicle(*data_, names_, parts_, arena_, obstacles_, lanes_, seed);
     mj_forward(model_, data_);
-    goals_ = find_goals(*model_, *data_);
     inertia_.look(*data_, parts_);
     visit_here();
   }
@@ -147,6 +151,7 @@ class Vehicle::Impl {
   const Parts& parts() const { return parts_; }
   int cue_place() const { return cue_place_; }
   const std::vector<Obstacle>& goals() const { return goals_; }
+  const std::vector<Obstacle>& lanes() const { return lanes_; }
 
   void turn_wheels() {
     before_ = pose();
@@ -202,6 +207,7 @@ class Vehicle::Impl {
   Arena arena_;
   std::vector<Obstacle> obstacles_;
   std::vector<Obstacle> goals_;
+  std::vector<Obstacle> lanes_;
   int cue_place_ = 0;
   Coverage coverage_;
   Collisions collisions_;
@@ -285,6 +291,12 @@ int Vehicle::cue_place() const {
 }
 const std::vector<Obstacle>& Vehicle::goals() const {
   return impl_->goals();
+}
+const std::vector<Obstacle>& Vehicle::lanes() const {
+  return impl_->lanes();
+}
+std::optional<LanePosition> Vehicle::lane_position() const {
+  return find_lane_position(lanes(), pose());
 }
 
 }  // namespace spikeloop::vehicle

@@ -49,7 +49,7 @@ std::string find_world(const std::string& name) {
   throw FileError(
       with_code(Code::missing_file,
                 "cannot find world '{}': no such file here, nor in {}; write the path of an MJCF "
-                "file, or arena, phototaxis or t_maze for a shipped world",
+                "file, or arena, phototaxis, t_maze or lane for a shipped world",
                 name, fmt::join(directories, ", ")));
 }
 

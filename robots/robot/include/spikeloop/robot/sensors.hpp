@@ -43,6 +43,7 @@ struct SensorTopic {
 /// | /tf               | tf2_msgs/TFMessage         | 20 ms                     |
 /// | /tf_static        | tf2_msgs/TFMessage         | once, latched             |
 /// | light             | std_msgs/Float64MultiArray | 20 ms, in a world with lamps |
+/// | lane              | std_msgs/Float64MultiArray | 20 ms, in a world with lanes |
 /// | camera/image_raw  | sensor_msgs/Image          | as its options say        |
 /// | camera/camera_info | sensor_msgs/CameraInfo    | with the image            |
 ///

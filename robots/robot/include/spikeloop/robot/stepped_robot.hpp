@@ -22,8 +22,8 @@ struct RobotOptions {
   std::optional<vehicle::ModelOptions> model{};
   SensorOptions sensors{};
   SpectatorOptions spectators{};
-  /// Of the vehicle: an episode ends in a goal of the world. It has two more topics, `reward` and
-  /// `episode`, of std_msgs/Float64MultiArray, every 20 ms.
+  /// Of the vehicle: an episode ends in a goal of the world, or off its lanes. It has two more
+  /// topics, `reward` and `episode`, of std_msgs/Float64MultiArray, every 20 ms.
   std::optional<EpisodeSettings> episodes{};
   /// Where the vehicle's trajectory.csv, world.json and episodes.csv are written; empty: nowhere.
   std::string folder{};
@@ -56,7 +56,7 @@ class SteppedRobot : public Robot {
  private:
   void write_row();
   /// An episode may end, or begin, now.
-  void look_at_goals();
+  void step_episode();
 
   /// The vehicle of a robot with episodes.
   vehicle::Vehicle& vehicle() { return static_cast<vehicle::Vehicle&>(*robot_); }

@@ -1,6 +1,7 @@
 // The vehicle: four wheels, steered by skidding, with a laser, in a MuJoCo world.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -77,6 +78,15 @@ struct Obstacle {
   double distance_m(double x, double y) const;
 };
 
+/// Of the vehicle's centre relative to the nearest centre line of a lane, as seen along the one of
+/// the line's two directions that is nearer to the vehicle's heading.
+struct LanePosition {
+  double distance_m = 0;    ///< above 0: the vehicle is to the left of the line
+  double angle_rad = 0;     ///< from -pi/2 to pi/2; above 0: the vehicle is turned to the left
+  double half_width_m = 0;  ///< of the lane
+  bool is_inside() const { return std::abs(distance_m) <= half_width_m; }
+};
+
 /// Inner faces of the arena's walls.
 struct Arena {
   double min_x_m = 0;
@@ -112,6 +122,10 @@ struct Options {
 ///     vehicle are the photodiodes, x along their normals;
 ///   camera `camera` on the vehicle;
 ///   boxes `goal_*` on the floor: goals of an episode;
+///   boxes `lane_*` on the floor: parts of a lane, whose centre line is parallel to the longer
+///   sides.
+///     Without numeric `start` the vehicle starts on it, in one of the two directions, and at least
+///     numeric `start_clearance` away from its ends;
 ///   mocap body `cue`, which the seed puts at one of the numerics `cue_place_1`, `cue_place_2`, ...
 ///     (x, y, heading).
 /// The draws come from RandomStream(seed, "arena"): the same seed gives the same world.
@@ -158,6 +172,9 @@ class Vehicle : public Simulation {
   /// Where the seed has put the cue, from 1; 0: the world has none.
   int cue_place() const;
   const std::vector<Obstacle>& goals() const;
+  const std::vector<Obstacle>& lanes() const;
+  /// Nothing when the world has no lanes.
+  std::optional<LanePosition> lane_position() const;
 
  private:
   void before_physics() override;
