@@ -4,9 +4,10 @@
     benchmarks/learning/learning.py --seeds 100 --out FOLDER
 
 runs `spikeloop new --environment` for the mountain car, the frozen lake (Jordan, Weidel & Morrison 2019,
-Front. Comput. Neurosci. 13:46, one published run each) and the T-maze with and without reward, and prints
+Front. Comput. Neurosci. 13:46, one published run each), the T-maze and the lane with and without reward, and prints
 medians and quartiles of the seeds. FOLDER keeps the sweeps with their learning curves, episodes.png; a
-second call continues. 100 seeds take half an hour on two cores, most of it in the T-maze.
+second call continues. 100 seeds take three quarters of an hour on two cores, most of it in the T-maze and on
+the lane.
 """
 
 import argparse
@@ -75,8 +76,16 @@ def t_maze(folder, seeds):
                 [100 * table["success"][part].mean() for table in tables])
 
 
+def lane(folder, seeds):
+    for name, settings in (("with", ()), ("without", ("--set", "reward.function=0; 0"))):
+        tables = runs("lane", folder.with_name(f"lane_{name}"), seeds, settings)
+        row(f"lane {name} reward, success of the last 10 (%)", "-",
+            [100 * table["success"][-10:].mean() for table in tables])
+
+
 def main():
-    tasks = {"mountain_car": mountain_car, "frozen_lake": frozen_lake, "t_maze": t_maze}
+    tasks = {"mountain_car": mountain_car, "frozen_lake": frozen_lake, "t_maze": t_maze,
+             "lane": lane}
     parser = argparse.ArgumentParser(description="Learning over many seeds, beside what was published.")
     parser.add_argument("--seeds", type=int, default=20, help="runs of each task (default: 20)")
     parser.add_argument("--out", type=pathlib.Path, help="folder of the sweeps (default: a temporary one)")
