@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,11 @@ namespace {
 constexpr TimeNs kTick = 1'000'000;
 constexpr TimeNs kProgressPeriod = 250'000'000;  // wall time
 
+/// Since 1970: what a clock on the wall shows.
+TimeNs wall_time() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 class Loop {
  public:
   Loop(const RunOptions& options, const status::Sender& status, SteppedRobot& robot,
@@ -34,6 +40,10 @@ class Loop {
   void run(const std::atomic<bool>& stop) {
     const TimeNs end = options_.duration_s > 0 ? from_seconds(options_.duration_s)
                                                : std::numeric_limits<TimeNs>::max();
+    if (options_.real_time_factor == 1) {
+      begin_ = wall_time();
+      robot_.begin_stamps(begin_);
+    }
     pacer_->start();
     status_.first_tick();
     for (TimeNs t = 0; t < end && !stop; t += kTick) {
@@ -72,7 +82,7 @@ class Loop {
         },
         [this](std::size_t sensor, auto message) { ros_.publish(sensor, message); });
     if (t == 0) return;
-    if (t % clock_period_ == 0) ros_.publish_clock(t);  // after what is of that time
+    if (t % clock_period_ == 0) ros_.publish_clock(begin_ + t);  // after what is of that time
   }
 
   void report_progress() {
@@ -104,6 +114,7 @@ class Loop {
   RosLink ros_;
   std::unique_ptr<Pacer> pacer_;
   TimeNs clock_period_;
+  TimeNs begin_ = 0;  ///< stamp of simulated time 0
   std::uint64_t scans_ = 0;
   TimeNs reported_ = 0;
 };

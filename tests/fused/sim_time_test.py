@@ -219,8 +219,9 @@ def shipped_robot(spikeloop, scratch, version):
 
 
 def followed_in_ros2(spikeloop, scratch):
-    """The clock of the shipped robot, which is paused, goes on, and begins again."""
-    robot = [runs.programs() / "spikeloop-robot", "--ros", "2"]
+    """The clock of the shipped robot, which is paused, goes on, and begins again. (Only in real time it is
+    wall time, which does not begin again.)"""
+    robot = [runs.programs() / "spikeloop-robot", "--ros", "2", "--real-time-factor", "0.9"]
     file = runs.new_experiment(spikeloop, scratch / "follower.yaml", sync="sim_time", ros="2",
                                duration="60 s")
     text = file.read_text()

@@ -88,6 +88,24 @@ TEST_P(RobotSensors, EveryMessageHasItsTime) {
   }
 }
 
+TEST_P(RobotSensors, StampsBeginWhereTheyAreTold) {
+  sensors_->begin_stamps(1'800'000'000 * kNsPerSecond + 900 * kMs);
+  for (const char* path :
+       {"scan header.stamp", "odom header.stamp", "imu header.stamp", "joint_states header.stamp",
+        "camera/image_raw header.stamp", "camera/camera_info header.stamp",
+        "/tf transforms[0].header.stamp", "/tf_static transforms[0].header.stamp"}) {
+    const std::string text = path;
+    const auto space = text.find(' ');
+    const std::string topic = text.substr(0, space);
+    const std::string stamp = text.substr(space + 1);
+    EXPECT_EQ(one(topic, stamp + ".secs"), 1'800'000'002) << path;
+    EXPECT_EQ(one(topic, stamp + ".nsecs"), 134e6) << path;
+  }
+  EXPECT_TRUE(sensors_->due(index("scan"), 0)) << "what is due goes by simulated time";
+  EXPECT_FALSE(sensors_->due(index("scan"), 49 * kMs));
+  EXPECT_TRUE(sensors_->due(index("scan"), 50 * kMs));
+}
+
 TEST_P(RobotSensors, TheInertialUnitsNumbersAreTheVehicles) {
   const vehicle::Imu imu = vehicle_.imu();
   EXPECT_EQ(one("imu", "orientation.w"), imu.orientation[0]);

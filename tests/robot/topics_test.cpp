@@ -1,6 +1,7 @@
 // spikeloop-robot on a real ROS: what rospy hears and how the robot obeys.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -38,6 +39,26 @@ class Robot : public testing::Test {
   }
   RobotJob job_;
 };
+
+/// The clock on the wall, since 1970.
+std::int64_t wall_ns() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+TEST_F(Robot, InRealTimeStampsAreWallTime) {
+  const std::int64_t before = wall_ns();
+  test::Child robot(job_.robot({}));
+  const json heard = drive("0", "0");
+  for (const char* stamps : {"clock_ns", "scan_ns", "odometry_ns"}) {
+    EXPECT_GE(heard[stamps].front().get<std::int64_t>(), before) << stamps;
+    EXPECT_LE(heard[stamps].back().get<std::int64_t>(), wall_ns()) << stamps;
+  }
+}
+
+TEST_F(Robot, AtAnotherSpeedStampsAreSimulatedTime) {
+  test::Child robot(job_.robot({"--real-time-factor", "2"}));
+  EXPECT_LT(drive("0", "0")["clock_ns"].front().get<std::int64_t>(), 1000 * kNsPerSecond);
+}
 
 TEST_F(Robot, PublishesScanOdometryAndClockAtTheirRates) {
   test::Child robot(job_.robot({}));

@@ -4,8 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "meeting.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/topics/memory_session.hpp"
 #include "tests/ros2/domain.hpp"
 
 namespace {
@@ -42,6 +47,34 @@ TEST_P(PublisherTest, array_of_all_values) {
     return !robot_.arrays().empty();
   }));
   EXPECT_THAT(robot_.arrays().front(), ElementsAre(1, 2, 3));
+}
+
+/// The stamp of a message of TwistStamped, and that of the message which stops a robot.
+std::pair<double, double> stamps(const std::vector<std::string>& fields, bool stamped) {
+  constexpr const char* kType = "geometry_msgs/TwistStamped";
+  MemorySession session(messages::Dialect::ros2);
+  Publisher publisher(session, "/cmd_vel", kType, fields, stamped);
+  const std::vector<double> values(fields.size(), 0.5);
+  const messages::FieldReader reader(messages::Catalog::builtin(session.dialect()), kType,
+                                     "header.stamp");
+  std::vector<double> read;
+  reader.read(publisher.publish(values), read);
+  reader.read(publisher.message(values), read);
+  return {read.at(0), read.at(1)};
+}
+
+TEST(Publisher, stamps_by_the_wall) {
+  const auto now = [] {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
+  const double before = now() - 1e-6;  // a number of seconds since 1970 is as exact as that
+  const auto [sent, stop] = stamps({"twist.linear.x"}, true);
+  EXPECT_GE(sent, before);
+  EXPECT_LE(sent, now() + 1e-6);
+  EXPECT_EQ(stop, 0) << "it is sent later";
+  EXPECT_EQ(stamps({"twist.linear.x"}, false).first, 0);
+  EXPECT_EQ(stamps({"header.stamp"}, true).first, 0.5) << "a field of the user's";
 }
 
 TEST_P(PublisherTest, errors) {

@@ -46,6 +46,7 @@ class Sensors::Impl {
     if (options.camera) add_camera(robot, *options.camera, options.blind);
   }
 
+  void begin_stamps(TimeNs stamp) { begin_ = stamp; }
   const std::vector<SensorTopic>& topics() const { return topics_; }
   std::span<const std::byte> write(std::size_t index, const Simulation& robot) {
     return writers_[index](robot);
@@ -88,11 +89,17 @@ class Sensors::Impl {
     next_.push_back(0);
   }
 
+  template <typename Measurement>
+  Measurement stamped(Measurement measurement) const {
+    measurement.stamp += begin_;
+    return measurement;
+  }
+
   template <typename Message, typename Value>
   Write writer(Value (Vehicle::*value)() const) const {
     const auto message = std::make_shared<Message>(dialect_);
-    return [message, value](const Simulation& robot) -> Bytes {
-      return message->write((robot.vehicle()->*value)());
+    return [this, message, value](const Simulation& robot) -> Bytes {
+      return message->write(stamped((robot.vehicle()->*value)()));
     };
   }
 
@@ -124,8 +131,8 @@ class Sensors::Impl {
     for (std::size_t i = 0; i < units.size(); ++i) {
       const auto message = std::make_shared<ImuMessage>(dialect_, units[i].site);
       add(units.size() == 1 ? "imu" : "imu/" + topic_part(units[i].site), kImuType, period,
-          [message, i](const Simulation& now) -> Bytes {
-            return message->write(now.read_inertial_unit(i));
+          [this, message, i](const Simulation& now) -> Bytes {
+            return message->write(stamped(now.read_inertial_unit(i)));
           });
     }
   }
@@ -133,16 +140,18 @@ class Sensors::Impl {
   void add_joints(const Simulation& robot, TimeNs period) {
     const auto message =
         std::make_shared<JointStateMessage>(dialect_, robot.joint_states().names.size());
-    add("joint_states", kJointStateType, period,
-        [message](const Simulation& now) -> Bytes { return message->write(now.joint_states()); });
+    add("joint_states", kJointStateType, period, [this, message](const Simulation& now) -> Bytes {
+      return message->write(stamped(now.joint_states()));
+    });
   }
 
   void add_transforms(const Vehicle& vehicle) {
     add("/tf", kTransformType, 20 * kMillisecond, writer<TransformMessage>(&Vehicle::odometry));
     const auto fixed = std::make_shared<StaticTransformMessage>(dialect_, vehicle.laser_mount(),
                                                                 vehicle.camera_mount());
-    add("/tf_static", kTransformType, 0,
-        [fixed](const Simulation& now) -> Bytes { return fixed->write(now.time()); });
+    add("/tf_static", kTransformType, 0, [this, fixed](const Simulation& now) -> Bytes {
+      return fixed->write(begin_ + now.time());
+    });
   }
 
   void add_light() {
@@ -168,22 +177,24 @@ class Sensors::Impl {
     if (blind) {
       const auto size = static_cast<std::size_t>(options.size.width) * options.size.height;
       add("camera/image_raw", kImageType, period,
-          [image, black = pictures::Image{options.size, std::vector<std::uint8_t>(3 * size)}](
-              const Simulation& now) -> Bytes { return image->write(now.time(), black); });
+          [this, image, black = pictures::Image{options.size, std::vector<std::uint8_t>(3 * size)}](
+              const Simulation& now) -> Bytes { return image->write(begin_ + now.time(), black); });
     } else {
       const auto camera = std::make_shared<pictures::Camera>(robot, options);
-      add("camera/image_raw", kImageType, period, [image, camera](const Simulation& now) -> Bytes {
-        return image->write(now.time(), camera->look(now));
-      });
+      add("camera/image_raw", kImageType, period,
+          [this, image, camera](const Simulation& now) -> Bytes {
+            return image->write(begin_ + now.time(), camera->look(now));
+          });
     }
     const auto info = std::make_shared<CameraInfoMessage>(dialect_);
     add("camera/camera_info", kCameraInfoType, period,
-        [info, options](const Simulation& now) -> Bytes {
-          return info->write(now.time(), options);
+        [this, info, options](const Simulation& now) -> Bytes {
+          return info->write(begin_ + now.time(), options);
         });
   }
 
   messages::Dialect dialect_;
+  TimeNs begin_ = 0;
   std::vector<SensorTopic> topics_;
   std::vector<Write> writers_;  // of each topic
   std::vector<TimeNs> next_;
@@ -195,6 +206,9 @@ Sensors::~Sensors() = default;
 Sensors::Sensors(Sensors&&) noexcept = default;
 Sensors& Sensors::operator=(Sensors&&) noexcept = default;
 
+void Sensors::begin_stamps(TimeNs stamp) {
+  impl_->begin_stamps(stamp);
+}
 const std::vector<SensorTopic>& Sensors::topics() const {
   return impl_->topics();
 }

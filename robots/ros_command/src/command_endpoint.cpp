@@ -81,7 +81,8 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
     : session_(session),
       address_(as_in_ros(session, address)),
       waits_for_guard_(!session.local()),
-      publisher_(session, address.topic, address.message_type, address.fields),
+      publisher_(session, address.topic, address.message_type, address.fields,
+                 settings.clock == command::CommandClock::wall),
       keep_(std::move(keep)),
       guard_(session.local() ? nullptr
                              : std::make_unique<guard::Link>(

@@ -62,6 +62,8 @@ class Sensors {
   Sensors(Sensors&&) noexcept;
   Sensors& operator=(Sensors&&) noexcept;
 
+  /// The stamp of simulated time 0, from now on; 0 unless it is set.
+  void begin_stamps(TimeNs stamp);
   const std::vector<SensorTopic>& topics() const;
   /// Adds a std_msgs/Float64MultiArray of what `numbers` returns.
   void add_numbers(const std::string& name, TimeNs period,

@@ -36,6 +36,8 @@ class SteppedRobot : public Robot {
   explicit SteppedRobot(const RobotOptions& options);
 
   const std::vector<SensorTopic>& topics() const override { return sensors_.topics(); }
+  /// As Sensors::begin_stamps; of everything that is published.
+  void begin_stamps(TimeNs stamp) { sensors_.begin_stamps(stamp); }
   const CommandTopic& command_topic() const { return command_topic_; }
   CommandDescription command_description() const override;
   void publish(TimeNs time, const Wanted& wanted, const Publish& publish) override;

@@ -15,9 +15,11 @@ namespace spikeloop::topics {
 class Publisher {
  public:
   /// @param fields a path a value; a single path to a variable array, like `data`, takes all values
+  /// @param stamped publish() writes the wall time into `header.stamp` of a type that has it,
+  /// unless one of the fields is in the header
   /// @throws ConfigurationError: unknown type or fields, an impossible topic.
   Publisher(Session& session, const std::string& topic, const std::string& message_type,
-            const std::vector<std::string>& fields);
+            const std::vector<std::string>& fields, bool stamped = false);
   ~Publisher();
   /// Throws what the constructor would, without ROS.
   static void check(messages::Dialect ros, const std::string& topic,
@@ -25,7 +27,7 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// The bytes of a message with these values, all other fields zero.
+  /// The bytes of a message with these values, all other fields zero, also the stamp.
   std::vector<std::byte> message(std::span<const double> values) const;
   /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
   std::span<const std::byte> publish(std::span<const double> values);
