@@ -210,6 +210,33 @@ void check_fields(const Node& node, const RobotTopic& topic) {
   }
 }
 
+/// Null when the robot does not have it.
+const RobotTopic* topic_of(const Node& node, const std::vector<RobotTopic>& topics) {
+  const auto topic = std::ranges::find_if(topics, [&](const RobotTopic& candidate) {
+    return candidate.name == node.parameters.text("topic") &&
+           candidate.takes_commands() == (node.kind == kRosCommand);
+  });
+  return topic == topics.end() ? nullptr : &*topic;
+}
+
+void check_message(const Node& node, const RobotTopic& topic) {
+  const std::string& message = node.parameters.text("message");
+  if (message != topic.message) {
+    throw ConfigurationError(
+        node.parameters.where("message"),
+        with_code(Code::wrong_message,
+                  "key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
+                  topic.name, topic.message, message, topic.message));
+  }
+}
+
+/// Over ROS other topics may belong to other nodes.
+void check_topic_over_ros(const Node& node, const std::vector<RobotTopic>& topics) {
+  if (const RobotTopic* const topic = topic_of(node, topics)) {
+    check_message(node, *topic);
+  }
+}
+
 void check_robot_topic(const Node& node, const Experiment& experiment,
                        const std::vector<RobotTopic>& topics) {
   if (!experiment.robot) {
@@ -238,20 +265,11 @@ void check_robot_topic(const Node& node, const Experiment& experiment,
       known.push_back(topic.name);
     }
   }
-  const auto topic = std::ranges::find_if(topics, [&](const RobotTopic& candidate) {
-    return candidate.name == name && std::ranges::find(known, name) != known.end();
-  });
-  if (topic == topics.end()) {
+  const RobotTopic* const topic = topic_of(node, topics);
+  if (topic == nullptr) {
     refuse_topic(node, *experiment.robot, known);
   }
-  const std::string& message = node.parameters.text("message");
-  if (message != topic->message) {
-    throw ConfigurationError(
-        node.parameters.where("message"),
-        with_code(Code::wrong_message,
-                  "key 'message': the robot's topic {} carries {}, not {}; write  message: {}",
-                  name, topic->message, message, topic->message));
-  }
+  check_message(node, *topic);
   if (topic->takes_commands() && experiment.robot->model) {
     check_fields(node, *topic);
   }
@@ -283,8 +301,17 @@ void check_topics(const Experiment& experiment, const std::vector<RobotTopic>& t
                   std::set<std::string>& whole, Faults& faults) {
   check_one_sender_a_topic(experiment, whole, faults);
   for (const Node& node : experiment.nodes) {
-    if (has_topic(node.kind) && whole.contains(node.name) && experiment.ros == Ros::none &&
-        !faults.attempt(node.where, [&] { check_robot_topic(node, experiment, topics); })) {
+    if (!has_topic(node.kind) || !whole.contains(node.name)) {
+      continue;
+    }
+    const auto check = [&] {
+      if (experiment.ros == Ros::none) {
+        check_robot_topic(node, experiment, topics);
+      } else {
+        check_topic_over_ros(node, topics);
+      }
+    };
+    if (!faults.attempt(node.where, check)) {
       whole.erase(node.name);
     }
   }

@@ -79,6 +79,16 @@ INSTANTIATE_TEST_SUITE_P(
             {{"message: LaserScan", "message: Odometry"}},
             {"x.yaml:6:51: key 'message': the robot's topic /scan carries sensor_msgs/LaserScan, "
              "not nav_msgs/Odometry; write  message: sensor_msgs/LaserScan [SL0508]"}},
+        WrongFile{
+            "wrong message types over ROS",
+            {{"robot: {simulator: mujoco}", "robot: {simulator: mujoco}\nros: 2"},
+             {"message: LaserScan", "message: Odometry, fields: [pose.pose.position.x]"},
+             {"message: Twist, fields: {linear.x: 0, angular.z: 1}",
+              "message: TwistStamped, fields: {twist.linear.x: 0, twist.angular.z: 1}"}},
+            {"x.yaml:7:51: key 'message': the robot's topic /scan carries sensor_msgs/LaserScan, "
+             "not nav_msgs/Odometry; write  message: sensor_msgs/LaserScan [SL0508]",
+             "x.yaml:11:57: key 'message': the robot's topic /cmd_vel carries geometry_msgs/Twist, "
+             "not geometry_msgs/TwistStamped; write  message: geometry_msgs/Twist [SL0508]"}},
         WrongFile{"unknown field of a message",
                   {{"linear.x: 0", "liner.x: 0"}},
                   {"x.yaml:10:82: field path 'liner.x' of geometry_msgs/Twist: geometry_msgs/Twist "
