@@ -101,12 +101,18 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
   };
   const bool first = first_at_robot(experiment) == process.label();
-  RosTransport transport(experiment, keys.text("ros_arguments"), first ? options.folder : "",
+  RosTransport transport(experiment, process.label(), keys.text("ros_arguments"),
+                         first ? options.folder : "",
                          {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }
-  return fused::run(experiment, transport, options, events, &others);
+  const fused::RunResult result = transport.rosout().during(
+      [&] { return fused::run(experiment, transport, options, events, &others); });
+  if (result.exit_code != 0) {
+    transport.rosout().error(result.reason);
+  }
+  return result;
 }
 
 int run(music::Process& process) {

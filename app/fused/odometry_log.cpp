@@ -10,7 +10,7 @@
 namespace spikeloop {
 namespace {
 
-constexpr const char* kOdometryTopic = "/odom";
+constexpr const char* kOdometryTopic = "odom";
 constexpr const char* kOdometryType = "nav_msgs/Odometry";
 constexpr double kSquare_m = 0.5;          // as free cells of a world of ours
 constexpr TimeNs kRowPeriod = 20'000'000;  // as of a robot of ours

@@ -6,19 +6,31 @@
 #include "clock_pacer.hpp"
 #include "spikeloop/session/open.hpp"
 #include "spikeloop/topics/arguments.hpp"
+#include "spikeloop/topics/names.hpp"
 
 namespace spikeloop {
 
 using experiment::Sync;
 
-RosTransport::RosTransport(const experiment::Experiment& experiment,
+namespace {
+
+/// Of several processes each is a node of its own.
+std::string node_name(const experiment::Experiment& experiment, const std::string& process) {
+  const std::string name = "spikeloop_" + experiment.name;
+  return topics::as_node_name(experiment.layout.processes.size() > 1 ? name + "_" + process : name);
+}
+
+}  // namespace
+
+RosTransport::RosTransport(const experiment::Experiment& experiment, const std::string& process,
                            const std::string& ros_arguments, const std::string& folder,
                            const LoopSurroundings& surroundings)
     : experiment_(experiment),
-      session_(session::open({{.node_name = "spikeloop_" + experiment.name,
+      session_(session::open({{.node_name = node_name(experiment, process),
                                .unique_name = true,
                                .arguments = topics::read_ros_arguments(ros_arguments)},
                               experiment.dialect})),
+      rosout_(*session_),
       waiting_(surroundings) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);

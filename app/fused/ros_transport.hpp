@@ -8,6 +8,8 @@
 
 #include "odometry_log.hpp"
 #include "spikeloop/fused/transport.hpp"
+#include "spikeloop/status/signals.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "spikeloop/topics/session.hpp"
 #include "stepping_link.hpp"
 #include "waiting.hpp"
@@ -16,11 +18,13 @@ namespace spikeloop {
 
 class RosTransport : public fused::Transport {
  public:
+  /// @param process whose node this is
   /// @param ros_arguments as read_ros_arguments() takes them
   /// @param folder where the path of a robot that is not ours is written; empty: nowhere
   /// @throws TransportError without a ROS master.
-  RosTransport(const experiment::Experiment& experiment, const std::string& ros_arguments,
-               const std::string& folder, const LoopSurroundings& surroundings);
+  RosTransport(const experiment::Experiment& experiment, const std::string& process,
+               const std::string& ros_arguments, const std::string& folder,
+               const LoopSurroundings& surroundings);
 
   topics::Session& session(const experiment::Node& /*node*/) override { return *session_; }
   std::string whole_topic(const std::string& topic) const override {
@@ -35,10 +39,13 @@ class RosTransport : public fused::Transport {
   void end(TimeNs time) override;
   void finish() override;
   nlohmann::json summary() const override;
+  topics::Rosout& rosout() { return rosout_; }
 
  private:
   const experiment::Experiment& experiment_;
   std::unique_ptr<topics::Session> session_;
+  status::TerminationHook on_termination_{[this] { session_->leave(); }};  // the last of all
+  topics::Rosout rosout_;
   Waiting waiting_;
   std::optional<OdometryLog> odometry_;
   std::optional<SteppingLink> robot_;  ///< with sync: lockstep

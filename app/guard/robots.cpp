@@ -25,6 +25,15 @@ std::string to_text(const topics::Place& place) {
   return fmt::format("{}", fmt::join(variables, " "));
 }
 
+/// In the namespace of the robot's topic, so that guards of several robots have different names:
+/// "/left" of "/left/cmd_vel".
+topics::RosArguments arguments_for(const std::string& topic) {
+  const auto end = topic.rfind('/');
+  return end == std::string::npos || end == 0
+             ? topics::RosArguments{}
+             : topics::RosArguments{{"__ns", topic.substr(0, end)}};
+}
+
 }  // namespace
 
 std::unique_ptr<topics::RawPublisher> Robots::advertise(const Hello& hello) {
@@ -34,10 +43,12 @@ std::unique_ptr<topics::RawPublisher> Robots::advertise(const Hello& hello) {
     session::Settings settings;
     settings.node_name = "spikeloop_guard";
     settings.unique_name = true;
+    settings.arguments = arguments_for(hello.topic);
     settings.place = hello.place;
     settings.ros = topics::dialect_of(hello.ros);
     settings.master_timeout = kMasterTimeout;
-    entered = {hello.place, session::open(settings)};
+    entered = {hello.place, session::open(settings), nullptr};
+    entered.rosout = std::make_unique<topics::Rosout>(*entered.session);
   }
   if (hello.place != entered.place) {
     throw ConfigurationError(

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "spikeloop/guard/protocol.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::guard {
@@ -22,6 +23,7 @@ class Robots {
   struct Entered {
     topics::Place place;
     std::unique_ptr<topics::Session> session;
+    std::unique_ptr<topics::Rosout> rosout;
   };
 
   std::mutex mutex_;

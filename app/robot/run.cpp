@@ -14,6 +14,7 @@
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/topics/rosout.hpp"
 
 namespace spikeloop::robot {
 namespace {
@@ -126,9 +127,10 @@ void run(const RunOptions& options, const topics::RosArguments& arguments,
   SteppedRobot robot(options.robot());
   auto session = open_session(options, arguments, stop);
   if (session == nullptr) return;
+  topics::Rosout rosout(*session);
   Loop loop(options, status, robot, *session);
   status.started();
-  loop.run(stop);
+  rosout.during([&] { loop.run(stop); });
 }
 
 }  // namespace spikeloop::robot

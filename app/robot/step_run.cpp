@@ -7,6 +7,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "step_link.hpp"
 
 namespace spikeloop::robot {
@@ -119,10 +120,11 @@ void run_stepped(const RunOptions& options, const topics::RosArguments& argument
   if (session == nullptr) {
     return;
   }
+  topics::Rosout rosout(*session);
   SteppedRun loop(options, *session, stop);
   status.started();
   status.first_tick();
-  loop.run();
+  rosout.during([&] { loop.run(); });
   loop.robot().finish();
   report(loop.robot(), loop.link(), status);
 }

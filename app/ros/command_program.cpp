@@ -17,6 +17,8 @@
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/ros_command/arrivals.hpp"
 #include "spikeloop/ros_command/command_endpoint.hpp"
+#include "spikeloop/status/signals.hpp"
+#include "spikeloop/topics/rosout.hpp"
 
 namespace spikeloop {
 namespace {
@@ -190,6 +192,8 @@ int run_command(music::Process& process, const RosProgram& program) {
     return 0;
   }
   const auto session = session::open(section.ros);
+  const status::TerminationHook on_termination([&] { session->leave(); });  // the last of all
+  topics::Rosout rosout(*session);
   const NodeClass fields = command::command_map_class(std::move(map));
   ros_command::CommandEndpoint sink(
       *session,
@@ -223,7 +227,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
   hooks.summary = [&] { return sink.summary(); };
-  return process.run(graph, hooks);
+  return rosout.during([&] { return process.run(graph, hooks); });
 }
 
 }  // namespace spikeloop

@@ -4,7 +4,9 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/status/signals.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
+#include "spikeloop/topics/rosout.hpp"
 
 namespace spikeloop {
 namespace {
@@ -58,8 +60,10 @@ int run_events(music::Process& process, const RosProgram& program) {
     return 0;
   }
   const auto session = session::open(section.ros);
+  const status::TerminationHook on_termination([&] { session->leave(); });  // the last of all
+  topics::Rosout rosout(*session);
   topics::EventSensor sensor(*session, settings);
-  return run_topic(process, section, sensor, *out);
+  return rosout.during([&] { return run_topic(process, section, sensor, *out); });
 }
 
 }  // namespace spikeloop

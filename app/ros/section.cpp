@@ -13,7 +13,7 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
   return {{.name = "ros_node_name",
            .type = ParameterType::text,
            .default_value = program.node_name,
-           .text = "Name of the ROS node; the default has a unique suffix"},
+           .text = "Name of the ROS node; over ROS 1 the default gets a unique suffix"},
           {.name = "ros",
            .type = ParameterType::choice,
            .default_value = "1",
@@ -31,8 +31,8 @@ std::vector<ParameterDescription> connection_parameters(const RosProgram& progra
            .text = "Time to wait for the ROS 1 master (ROS_MASTER_URI)"}};
 }
 
-/// A name that the file gives is taken as it is; the default gets a suffix of its own, so that a
-/// second adapter does not end the first one.
+/// A name that the file gives is taken as it is; the default gets a suffix of its own over ROS 1,
+/// so that a second adapter does not end the first one.
 session::Settings session_settings(const Parameters& keys) {
   session::Settings settings;
   settings.ros = topics::dialect_of(keys.text("ros") == "2" ? 2 : 1);

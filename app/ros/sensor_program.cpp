@@ -9,6 +9,8 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
+#include "spikeloop/status/signals.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "spikeloop/topics/sensor.hpp"
 
 namespace spikeloop {
@@ -107,6 +109,8 @@ int run_sensor(music::Process& process, const RosProgram& program) {
     return 0;
   }
   const auto session = session::open(section.ros);
+  const status::TerminationHook on_termination([&] { session->leave(); });  // the last of all
+  topics::Rosout rosout(*session);
   topics::Sensor sensor(*session, settings);
 
   GraphDescription more;
@@ -116,7 +120,8 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   }
   music::Process::LoopHooks hooks;
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
-  return run_topic(process, section, sensor, *out, std::move(more), std::move(hooks));
+  return rosout.during(
+      [&] { return run_topic(process, section, sensor, *out, std::move(more), std::move(hooks)); });
 }
 
 }  // namespace spikeloop

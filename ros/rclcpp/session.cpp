@@ -51,7 +51,7 @@ std::shared_ptr<rclcpp::Node> node_of(const topics::SessionSettings& settings,
   }
   rclcpp::NodeOptions options;
   options.context(context).use_global_arguments(false).arguments(words);
-  return std::make_shared<rclcpp::Node>(topics::ros2_node_name(settings), options);
+  return std::make_shared<rclcpp::Node>(settings.node_name, options);
 }
 
 rclcpp::ExecutorOptions executor_options(const std::shared_ptr<rclcpp::Context>& context) {
@@ -183,7 +183,7 @@ class Session final : public topics::Session {
 }  // namespace
 }  // namespace spikeloop::ros
 
-extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_2(
+extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_3(
     const spikeloop::topics::SessionSettings& settings, spikeloop::session::FullType full_type) {
   const spikeloop::topics::BlockedSignals blocked;
   return spikeloop::ros::translated(

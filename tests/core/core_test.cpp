@@ -76,6 +76,22 @@ TEST(Errors, AreOneLine) {
   EXPECT_EQ(seen, "'x  y'");
 }
 
+TEST(Log, AListenerGetsWhatTheSinkGets) {
+  std::vector<std::string> heard;
+  log::warning("nobody");
+  {
+    const log::Listener listener(
+        [&](log::Level, std::string_view message) { heard.emplace_back(message); });
+    log::warning("without a sink");
+    log::set_sink([](log::Level, std::string_view) {});
+    log::info("with one");
+    log::debug("below the level");
+  }
+  log::warning("too late");
+  log::set_sink({});
+  EXPECT_EQ(heard, (std::vector<std::string>{"without a sink", "with one"}));
+}
+
 TEST(DidYouMean, FindsSlipsAndListsOtherwise) {
   const std::vector<std::string> names = {"rate_encoder", "poisson_encoder", "connect"};
   EXPECT_EQ(did_you_mean("rate_encodre", names), "; did you mean 'rate_encoder'?");

@@ -21,6 +21,11 @@ AS_WRITTEN = {"1": NAMES, "2": ("--ros-args", "-r", NAMES[0], "--remap", NAMES[1
 NODE = {"1": ("__name:=brain",), "2": ("--ros-args", "-r", "__node:=brain")}
 
 
+def path_in(folder):
+    with open(folder / "trajectory.csv", encoding="utf-8") as table:
+        return [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(table)]
+
+
 @contextlib.contextmanager
 def other_robot(version, folder):
     """Gives its path once it is over, as (x, y)."""
@@ -39,8 +44,7 @@ def other_robot(version, folder):
         words = said.read()
         assert "warning: '--log-level info' (behind --ros-args) means nothing to this robot" in words, words
         assert "use_sim_time" not in words, words
-    with open(folder / "trajectory.csv", encoding="utf-8") as table:
-        path += [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(table)]
+    path += path_in(folder)
 
 
 def drive(spikeloop, scratch, version, layout, names):
@@ -97,6 +101,41 @@ def time_of_ros(spikeloop, scratch):
         assert json.loads((folder / "resolved.json").read_text())["sync"] == sync
 
 
+def two_pairs(spikeloop, scratch):
+    """Two robots with two loops, at once, as the launch file of docs/ros2.md starts them: nothing is shared."""
+    file = runs.new_experiment(spikeloop, scratch / "pair.yaml", ros="2", duration="4 s")
+    lines = [line for line in file.read_text().splitlines() if not line.startswith("robot:")]
+    file.write_text("\n".join(lines).replace("/scan", "scan").replace("/cmd_vel", "cmd_vel") + "\n")
+    robots, loops = [], []
+    try:
+        for seed, name in ((1, "left"), (2, "right")):
+            names = ["--ros-args", "-r", f"__ns:=/{name}", "-r", "/clock:=clock", "-r", "/tf:=tf", "-r",
+                     "/tf_static:=tf_static"]
+            robots.append(subprocess.Popen([runs.programs() / "spikeloop-robot", "--ros", "2", "--seed", str(seed),
+                                            "--out", scratch / f"robot-{name}", *names]))
+            loops.append(subprocess.Popen([spikeloop, "run", file, "--out", scratch / f"loop-{name}", *names, "-p",
+                                           "use_sim_time:=true"], stderr=subprocess.PIPE, text=True))
+        for loop in loops:
+            said = loop.communicate(timeout=240)[1]
+            assert loop.returncode == 0, said
+    finally:
+        for loop in loops:
+            if loop.poll() is None:
+                loop.send_signal(signal.SIGINT)
+                loop.wait(60)
+        for robot in robots:
+            robot.send_signal(signal.SIGINT)
+            robot.wait(60)
+    paths = {name: path_in(scratch / f"robot-{name}") for name in ("left", "right")}
+    for name, path in paths.items():
+        summary = json.loads((scratch / f"loop-{name}" / "summary.json").read_text())
+        assert summary["distance_m"] > 0.1, summary
+        for x, y in path_in(scratch / f"loop-{name}"):
+            assert min((x - a) ** 2 + (y - b) ** 2 for a, b in path) < 0.05 ** 2, (name, x, y)
+    (x, y), (a, b) = paths["left"][0], paths["right"][0]
+    assert (x - a) ** 2 + (y - b) ** 2 > 0.5 ** 2, "the two robots begin in different places"
+
+
 def main():
     spikeloop = str(runs.programs() / "spikeloop")
     for version in "12":
@@ -108,6 +147,7 @@ def main():
             assert len(path) > 10 and max(abs(x - path[0][0]) + abs(y - path[0][1]) for x, y in path) < 1e-3, path[-1]
             if version == "2":
                 time_of_ros(spikeloop, scratch)
+                two_pairs(spikeloop, scratch)
         print(f"over ROS {version} robots are driven by the names that the command line gives their topics")
     with tempfile.TemporaryDirectory() as scratch:
         refused(spikeloop, pathlib.Path(scratch))

@@ -349,6 +349,22 @@ TEST(EffectiveFile, TheCommandLineHoldsOverTheFile) {
   EXPECT_EQ(total_time(file), 2.5);
 }
 
+TEST(EffectiveFile, NodesOfRos2WithOneNameGetTheirSectionsNames) {
+  const auto file_of = [](const char* ros) {
+    const std::string sensor =
+        fmt::format("np=1\nbinary=ros_sensor_adapter\nros_topic=/s\nros={}\n", ros);
+    return effective("stoptime=1\n[left]\n" + sensor + "[right]\n" + sensor + "[named]\n" + sensor +
+                     "ros_node_name=front\n[wheels]\nnp=1\nbinary=ros_command_adapter\n" +
+                     fmt::format("ros={}\n", ros) + "left.out -> wheels.in [2]\n");
+  };
+  const MusicFile ros2 = file_of("2");
+  EXPECT_EQ(value(ros2, "left", "ros_node_name"), "ros_sensor_node_left");
+  EXPECT_EQ(value(ros2, "right", "ros_node_name"), "ros_sensor_node_right");
+  EXPECT_EQ(value(ros2, "named", "ros_node_name"), "front");
+  EXPECT_EQ(value(ros2, "wheels", "ros_node_name"), "-") << "the only one";
+  EXPECT_EQ(value(file_of("1"), "left", "ros_node_name"), "-") << "gets a suffix";
+}
+
 TEST(EffectiveFile, ChangesNothingElse) {
   MusicFile file = effective(kLoop);
   for (const auto& section : parse_music(kLoop, "loop.music").sections) {

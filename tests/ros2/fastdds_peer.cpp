@@ -1,6 +1,6 @@
 // A robot on another vendor's DDS, configured as rmw_fastrtps does: publishes LaserScan on rt/scan
 // twenty times a second, and says which Twists come on rt/cmd_vel and how many publishers it has,
-// until SIGTERM.
+// and what is logged on rt/rosout, until SIGTERM.
 //
 //     fastdds_peer DOMAIN MODE [GID_BYTES]
 //
@@ -97,6 +97,11 @@ int run(int argc, char** argv) {
     twist_qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
   }
   peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), twist_qos, &twists);
+  Listener<Log> logs([](const Log& log, const SampleInfo&) {
+    std::printf("log %d %s: %s\n", log.level, log.name.c_str(), log.text.c_str());
+  });
+  peer.subscriber()->create_datareader(peer.topic<Log>("rt/rosout"),
+                                       node_qos(every_message_qos(), 0), &logs);
   if (argc > 3) {
     nodes = std::string(argv[3]) == "24" ? tell_nodes<24>(peer) : tell_nodes<16>(peer);
   }

@@ -8,7 +8,9 @@
 #include <thread>
 #include <vector>
 
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/ros2/session.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "tests/ros2/domain.hpp"
 #include "tests/ros2/heard.hpp"
 #include "tests/support/child.hpp"
@@ -136,6 +138,15 @@ TEST_F(FastDdsTest, gets_what_was_latched_before) {
   EXPECT_EQ(other->output().find("0.125"), std::string::npos);
 }
 
+TEST_F(FastDdsTest, gets_what_was_logged_before) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  const topics::Rosout rosout(session);
+  log::warning("no subscriber");
+  const auto other = robot("udp");
+  EXPECT_TRUE(other->wait_for("log 30 brain: no subscriber\n", kLongMilliseconds))
+      << other->output();
+}
+
 /// Of publishers of both kinds.
 class EveryMessageTest : public FastDdsTest, public testing::WithParamInterface<const char*> {};
 
@@ -237,6 +248,15 @@ TEST_F(FastDdsTest, sees_at_once_that_a_brain_has_left) {
   scan_.reset();
   command_.reset();
   brain_.reset();
+  EXPECT_TRUE(other->wait_for("publishers 0", std::chrono::seconds(5))) << other->output();
+}
+
+/// As a process does that has no time to end.
+TEST_F(FastDdsTest, sees_at_once_that_a_brain_takes_leave) {
+  start_brain(domain_.place());
+  const auto other = robot("udp");
+  ASSERT_TRUE(other->wait_for("publishers 1", kLongMilliseconds)) << other->output();
+  brain_->leave();
   EXPECT_TRUE(other->wait_for("publishers 0", std::chrono::seconds(5))) << other->output();
 }
 

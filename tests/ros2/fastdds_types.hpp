@@ -67,6 +67,23 @@ struct Image {
   }
 };
 
+struct Log {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+  std::uint8_t level = 0;
+  std::string name, text, file, function;
+  std::uint32_t line = 0;
+
+  static const char* type() { return "rcl_interfaces::msg::dds_::Log_"; }
+  std::size_t most_bytes() const { return 1000; }
+  void write(Cdr& cdr) const {
+    cdr << sec << nanosec << level << name << text << file << function << line;
+  }
+  void read(Cdr& cdr) {
+    cdr >> sec >> nanosec >> level >> name >> text >> file >> function >> line;
+  }
+};
+
 /// All numbers are 0 when it is sent, and none is looked at when it comes.
 struct Odometry {
   std::string frame_id = "odom", child_frame_id = "base_link";

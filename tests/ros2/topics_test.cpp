@@ -353,11 +353,9 @@ TEST(Ros2Session, goes_into_the_highest_domain) {
 
 TEST(Ros2Session, has_a_place_where_another_one_meets_it) {
   const test::FreeDomain domain;
-  const Session robot({.node_name = "robot",
-                       .unique_name = true,
-                       .arguments = {{"__ns", "/arena"}},
-                       .place = domain.place()});
-  EXPECT_THAT(robot.node_name(), testing::StartsWith("/arena/robot_"));
+  const Session robot(
+      {.node_name = "robot", .arguments = {{"__ns", "/arena"}}, .place = domain.place()});
+  EXPECT_EQ(robot.node_name(), "/arena/robot");
   EXPECT_EQ(robot.place(), domain.place());
   EXPECT_EQ(robot.whole_topic("scan"), "/arena/scan");
   EXPECT_TRUE(robot.alive());

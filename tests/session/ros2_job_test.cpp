@@ -18,6 +18,7 @@
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
+#include "tests/ros2/log_lines.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/deadline.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -205,6 +206,16 @@ TEST_F(Ros2Job, adapter_killed_whose_topic_has_another_name) {
   EXPECT_THAT(child_->wait().text(), HasSubstr("the robot on /cmd_vel is stopped"));
 }
 
+/// Other nodes would miss those that end without a word after ten seconds.
+TEST_F(Ros2Job, a_process_that_is_terminated_takes_leave) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
+  ros2::Session session({.node_name = "looker", .place = domain_.place()});
+  ASSERT_TRUE(eventually(20, [&] { return session.has_publishers("/diagnostics"); }));
+  kill(named("ros_command_ada"), SIGTERM);
+  EXPECT_TRUE(eventually(7, [&] { return !session.has_publishers("/diagnostics"); }));
+  child_->wait();
+}
+
 TEST_F(Ros2Job, adapter_stopped) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives());
   const pid_t adapter = named("ros_command_ada");
@@ -246,8 +257,13 @@ TEST_F(Ros2Job, interrupted) {
 }
 
 TEST_F(Ros2Job, a_topic_of_another_type) {
+  ros2::Session session({.node_name = "console", .place = domain_.place()});
+  const LogLines console(session);
   const auto outcome = run(launched(scan_to_twist("stoptime=20", "", "/cmd_vel")));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_TRUE(eventually(10, [&] {
+    return console.has(40, "ros_sensor_node", "topic '/cmd_vel' carries geometry_msgs/Twist");
+  }));
   EXPECT_THAT(outcome.text(),
               HasSubstr("topic '/cmd_vel' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; "
                         "write geometry_msgs/Twist as the type of the messages, or another topic"));
@@ -256,8 +272,14 @@ TEST_F(Ros2Job, a_topic_of_another_type) {
 TEST_F(Ros2Job, commands_that_nobody_takes) {
   std::string job = scan_to_twist("stoptime=4");
   job.replace(job.find("ros_topic=/cmd_vel"), 18, "ros_topic=/cmd");
+  ros2::Session session({.node_name = "console", .place = domain_.place()});
+  const LogLines console(session);
   const auto outcome = run(launched(job));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
+  EXPECT_TRUE(eventually(10, [&] {
+    return console.has(30, "ros_command_node",
+                       "no subscriber of geometry_msgs/Twist on topic '/cmd'");
+  }));
   EXPECT_THAT(
       outcome.text(),
       HasSubstr("no subscriber of geometry_msgs/Twist on topic '/cmd'; the robot will not move. "

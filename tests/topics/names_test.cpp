@@ -44,6 +44,10 @@ TEST(Names, topics_of_ros2) {
   }
 }
 
+TEST(Names, node_of_any_text) {
+  EXPECT_EQ(as_node_name("spikeloop_my-loop 2"), "spikeloop_my_loop_2");
+}
+
 TEST(Names, nodes) {
   EXPECT_EQ(error_of([] { check_node_name(Dialect::ros1, "a_1"); }), "no error");
   EXPECT_EQ(error_of([] { check_node_name(Dialect::ros2, "_a"); }), "no error");

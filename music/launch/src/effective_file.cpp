@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 
 #include "cycles.hpp"
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/order.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/core/time.hpp"
@@ -61,6 +64,34 @@ void apply_options(MusicFile& file, const RunOptions& options) {
     }
     if (options.record && find_program(file, section) != nullptr) {
       set_key(section.keys, "record", "true");
+    }
+  }
+}
+
+bool is_word(const std::string& text) {
+  return std::ranges::all_of(text,
+                             [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+}
+
+/// Nodes of ROS 2 with the same default name get their sections' names, too, where a name may have
+/// them. Over ROS 1 every default name gets a suffix anyway.
+void set_node_names(MusicFile& file) {
+  constexpr const char* kNodeName = "ros_node_name";
+  std::map<std::string, std::vector<MusicSection*>> nodes;  // by their names
+  for (MusicSection& section : file.sections) {
+    const Program* program = find_program(file, section);
+    if (program != nullptr && ros_version(file, section) == 2 &&
+        file.find_key(section, kNodeName) == nullptr) {
+      if (const RosProgram* ros = find_ros_program(program->name)) {
+        nodes[ros->node_name].push_back(&section);
+      }
+    }
+  }
+  for (const auto& [name, sections] : nodes) {
+    for (MusicSection* section : sections) {
+      if (sections.size() > 1 && is_word(section->label)) {
+        set_key(section->keys, kNodeName, fmt::format("{}_{}", name, section->label));
+      }
     }
   }
 }
@@ -319,6 +350,7 @@ std::vector<const MusicSection*> in_written_order(const MusicFile& file) {
 
 EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   apply_options(file, options);
+  set_node_names(file);
   set_stoptimes(file);
   if (options.pace) {
     add_pace_connections(file);

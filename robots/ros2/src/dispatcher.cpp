@@ -12,10 +12,16 @@ Dispatcher::Dispatcher(dds_entity_t participant)
   thread_ = std::thread([this] { run(); });
 }
 
-Dispatcher::~Dispatcher() {
+void Dispatcher::stop() {
   ending_.store(true);
   dds_set_guardcondition(end_, true);
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+Dispatcher::~Dispatcher() {
+  stop();
   dds_delete(waitset_);
   dds_delete(end_);
 }

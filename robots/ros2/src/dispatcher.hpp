@@ -25,6 +25,8 @@ class Dispatcher {
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
 
+  /// Ends the thread: nothing is done any more.
+  void stop();
   /// From now on `work` is done whenever `condition` holds; it has to end that.
   Ticket add(dds_entity_t condition, std::function<void()> work);
   /// Waits while the work is being done; it is not done any more afterwards.

@@ -43,7 +43,7 @@ void Publisher::publish(std::span<const std::byte> message) {
                     topic_name_));
   }
   const dds_return_t written = write_raw(writer_, topic_, message);
-  if (written < 0 && !complained_.exchange(true)) {
+  if (written < 0 && !session_.left && !complained_.exchange(true)) {
     log::warning("a message on '{}' was not sent: {}; this is said once", topic_name_,
                  dds_strretcode(written));
   }

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <future>
+#include <memory>
+#include <thread>
 #include <utility>
 
 #include "publisher.hpp"
@@ -13,6 +17,8 @@
 namespace spikeloop::ros2 {
 namespace {
 
+constexpr std::chrono::milliseconds kLongestLeave{300};
+
 discovery::Variables place_of(const topics::SessionSettings& settings) {
   return settings.place.empty() ? discovery::environment() : settings.place;
 }
@@ -22,7 +28,7 @@ discovery::Variables place_of(const topics::SessionSettings& settings) {
 Session::Impl::Impl(const topics::SessionSettings& settings)
     : place(place_of(settings)),
       found(discovery::parse(place)),
-      node(node_identity(topics::ros2_node_name(settings), settings.arguments)),
+      node(node_identity(settings.node_name, settings.arguments)),
       names(node, settings.arguments),
       domain(found),
       participant(domain, found),
@@ -55,6 +61,19 @@ Session::~Session() = default;
 
 std::string Session::node_name() const {
   return impl_->node.whole();
+}
+
+/// In a thread of its own: a writer waits for its subscribers when it is deleted.
+void Session::leave() {
+  impl_->left = true;
+  const auto done = std::make_shared<std::promise<void>>();
+  const auto end = done->get_future();
+  std::thread([this, done] {
+    impl_->dispatcher.stop();
+    dds_delete(impl_->participant.entity());
+    done->set_value();
+  }).detach();
+  end.wait_for(kLongestLeave);
 }
 
 topics::Place Session::place() const {

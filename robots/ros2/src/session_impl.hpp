@@ -1,6 +1,7 @@
 // What the parts of this module share of a session.
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "acquaintance.hpp"
@@ -29,6 +30,7 @@ struct Session::Impl {
   RawTopic node_topic;
   NodeList nodes;
   Acquaintance acquaintance;
+  std::atomic<bool> left{false};  ///< see Session::leave
 };
 
 /// A topic's names and type as DDS knows them, and what its endpoints say to ROS 2.

@@ -1,10 +1,8 @@
 #include "spikeloop/topics/names.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <string_view>
 
 #include "spikeloop/core/code.hpp"
@@ -103,6 +101,16 @@ void check_topic(Dialect ros, const std::string& topic) {
   }
 }
 
+std::string as_node_name(std::string text) {
+  std::ranges::replace_if(
+      text,
+      [](char c) {
+        return !is_word({&c, 1});
+      },
+      '_');
+  return text;
+}
+
 void check_node_name(Dialect ros, const std::string& name) {
   if (!is_node_name(ros, name)) {
     throw ConfigurationError(with_code(
@@ -114,15 +122,6 @@ void check_node_name(Dialect ros, const std::string& name) {
 
 OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted) {
   return {type, fmt::format("topic '{}' carries {}, not {}", topic, type, wanted)};
-}
-
-std::string ros2_node_name(const SessionSettings& settings) {
-  if (!settings.unique_name) {
-    return settings.node_name;
-  }
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return fmt::format("{}_{}_{}", settings.node_name, ::getpid(),
-                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
 }
 
 }  // namespace spikeloop::topics

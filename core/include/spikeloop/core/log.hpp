@@ -14,6 +14,19 @@ using Sink = std::function<void(Level, std::string_view message)>;
 
 /// Where messages go; nowhere until it is set. Safe to call from any thread.
 void set_sink(Sink sink);
+
+/// Gets every message beside the sink, as long as it lives. Safe to make in any thread.
+class Listener {
+ public:
+  explicit Listener(Sink take);
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+ private:
+  Sink take_;
+};
+
 /// Messages below are dropped before they are formatted; info by default.
 void set_level(Level level);
 bool enabled(Level level);

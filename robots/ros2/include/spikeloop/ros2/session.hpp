@@ -30,6 +30,7 @@ class Session final : public topics::Session {
   std::string node_name() const override;
   bool alive() const override { return true; }  ///< nobody but this process ends a node of ROS 2
   void require_alive() const override {}
+  void leave() override;
   topics::Place place() const override;
   std::string whole_topic(const std::string& topic) const override;
 

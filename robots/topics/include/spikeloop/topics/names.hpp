@@ -19,6 +19,8 @@ const char* topic_command(messages::Dialect ros);
 
 /// @throws ConfigurationError when ROS would refuse the name of a topic.
 void check_topic(messages::Dialect ros, const std::string& topic);
+/// A node's name of any text: what ROS does not accept is '_'.
+std::string as_node_name(std::string text);
 /// @throws ConfigurationError when ROS would refuse the name of a node.
 void check_node_name(messages::Dialect ros, const std::string& name);
 

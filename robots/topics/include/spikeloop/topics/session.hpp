@@ -88,14 +88,11 @@ using Place = std::map<std::string, std::string>;
 
 struct SessionSettings {
   std::string node_name;
-  bool unique_name = false;  ///< adds a suffix of its own to the name
+  /// ROS 1, whose master ends the first of two nodes with a name: adds a suffix of its own to it.
+  bool unique_name = false;
   RosArguments arguments{};  ///< `__name` wins over `node_name`
   Place place{};             ///< another session's; empty: what this process's environment says
 };
-
-/// `node_name`, with process number and time behind it where it is to be unique. ROS 1 does that
-/// itself.
-std::string ros2_node_name(const SessionSettings& settings);
 
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
 class Session {
@@ -111,6 +108,10 @@ class Session {
   virtual bool alive() const = 0;
   /// @throws TransportError that says why when it is not alive.
   virtual void require_alive() const = 0;
+  /// Takes leave of the other nodes, for a process that ends without coming to its end: they need
+  /// not wait until they miss it. From any thread; nothing comes and nothing leaves any more. Takes
+  /// 300 ms at most. Does nothing over ROS 1 and by rclcpp.
+  virtual void leave() {}
   /// Whether its topics stay inside this process: no other program hears or stops a robot on them.
   virtual bool local() const { return false; }
   /// With it another process meets the nodes that this one meets.
