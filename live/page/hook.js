@@ -10,6 +10,7 @@
 // signals          by output: rows that came, width, newest values
 // sent             by command node: the newest values that were sent, by field
 // pose             {t, x, y, theta} of the robot that is drawn, or null
+// world            how it is drawn: {oblique, width, height, view}; view as in camera.js, in pixels of the page
 // trajectoryRows   rows of the path
 // scans, pictures  laser scans that came (at most 64 are kept), pictures that were drawn
 // parameters       by name, as the server told them
@@ -47,6 +48,10 @@ export function exposeHook({ model, connection, timePanel, world, pictures, stat
       }));
     },
     get pose() { return world.pose ?? null; },
+    get world() {
+      const { oblique, surface: { width, height } } = world;
+      return { oblique, width, height, view: world.current() };
+    },
     get trajectoryRows() { return trajectory.count; },
     get scans() { return model.scans.length; },
     get pictures() { return pictures.shown; },

@@ -240,7 +240,7 @@ document.getElementById("theme").addEventListener("click", switchTheme);
 onTheme(touch);
 model.timeline.onChange(touch);
 addEventListener("resize", touch);
-trajectory.start(hasMoved);
+trajectory.table.start(hasMoved);
 exposeHook({ model, connection, timePanel, world, pictures, status, controls, trajectory, frames });
 requestAnimationFrame(frame);
 connection.start();

@@ -1,15 +1,17 @@
 // Colours of the page: those of `spikeloop plot`, and lighter ones of the same hue on a dark page.
 
+import { keep, kept } from "./choices.js";
+
 const LIGHT = {
   groups: ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"],
   ink: "#222222", soft: "#6b6b6b", grid: "#e6e6e6", axis: "#8c8c8c", fill: "#d9d9d9", plot: "#ffffff",
-  wall: "#222222", goal: "#d5efe6", goalEdge: "#009E73", lamp: "#F0E442", beam: "#E69F00",
+  wall: "#222222", wallTop: "#b4b8bd", goal: "#d5efe6", goalEdge: "#009E73", lamp: "#F0E442", beam: "#E69F00",
   path: "#0072B2", hit: "#D55E00", none: "#ececec",
 };
 const DARK = {
   groups: ["#4FB0EA", "#F58A3C", "#2BC49A", "#E39BC4", "#9AD4F5", "#F2BC45"],
   ink: "#e8e8e6", soft: "#a0a3a8", grid: "#2d3138", axis: "#7b8088", fill: "#4a4f57", plot: "#16191d",
-  wall: "#d0d2d4", goal: "#173d33", goalEdge: "#2BC49A", lamp: "#F0E442", beam: "#F2BC45",
+  wall: "#d0d2d4", wallTop: "#666c75", goal: "#173d33", goalEdge: "#2BC49A", lamp: "#F0E442", beam: "#F2BC45",
   path: "#4FB0EA", hit: "#F58A3C", none: "#2a2e34",
 };
 
@@ -33,20 +35,12 @@ export function onTheme(listener) {
 /// Changes between dark and light; the choice stays in this browser.
 export function switchTheme() {
   chosen = palette.dark ? "light" : "dark";
-  try {
-    localStorage.setItem("spikeloop.theme", chosen);
-  } catch {
-    // a browser without storage forgets it
-  }
+  keep("theme", chosen);
   apply();
 }
 
 export function startTheme() {
-  try {
-    chosen = localStorage.getItem("spikeloop.theme");
-  } catch {
-    chosen = null;
-  }
+  chosen = kept("theme");
   preferred.addEventListener("change", apply);
   apply();
 }
@@ -64,6 +58,11 @@ export function groupColour(number) {
 
 export function rgb(hex) {
   return [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+}
+
+/// The colour with a part of its light: 0 is black.
+export function shade(hex, part) {
+  return `rgb(${rgb(hex).map((each) => Math.round(part * each)).join(", ")})`;
 }
 
 /// 256 colours (little-endian RGBA) of one hue, from transparent to full.

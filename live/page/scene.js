@@ -1,4 +1,4 @@
-// Draws what the world has in it, in metres: x to the right, y up.
+// Draws what the world has on its floor, and all of it as a plan, in metres: x to the right, y up.
 
 import { FONT } from "./axes.js";
 import { palette } from "./palette.js";
@@ -6,6 +6,7 @@ import { short } from "./text.js";
 
 const TAU = 2 * Math.PI;
 const LASER_X_M = 0.1;  // of Spikeloop's robot, in front of its centre (docs/robot.md)
+const MOST_LINES = 50;  // of the floor, in a direction
 const SCALE_X = 18, SCALE_MOST = 110;  // pixels: the bar's place and longest length
 
 /// Pose of the laser on the robot.
@@ -52,14 +53,8 @@ export function drawBeams(context, view, scan, at) {
   ends.forEach(([x, y, far]) => far || context.fillRect(x - size / 2, y - size / 2, size, size));
 }
 
-/// From here on the drawing unit is the metre, y points up.
-export function enter(context, view, width, height) {
-  context.translate(width / 2, height / 2);
-  context.scale(view.scale, -view.scale);
-  context.translate(-view.x, -view.y);
-}
-
-export function drawWorld(context, view, world) {
+/// Goals.
+export function drawFloor(context, view, world) {
   const line = 1 / view.scale;
   for (const lane of world.lanes ?? []) {
     footprint(context, lane, palette.none, palette.none, 0);
@@ -69,6 +64,28 @@ export function drawWorld(context, view, world) {
     footprint(context, goal, palette.goal, palette.goalEdge, 1.2 * line);
     context.setLineDash([]);
   }
+}
+
+/// Lines a metre apart: what lies obliquely is seen as a floor.
+export function drawGrid(context, view, { min_x_m: left, min_y_m: low, max_x_m: right, max_y_m: top }) {
+  const step = Math.max(1, Math.ceil(Math.max(right - left, top - low) / MOST_LINES));
+  context.strokeStyle = palette.grid;
+  context.lineWidth = 1 / view.scale;
+  context.beginPath();
+  for (let x = Math.ceil(left / step) * step; x <= right; x += step) {
+    context.moveTo(x, low);
+    context.lineTo(x, top);
+  }
+  for (let y = Math.ceil(low / step) * step; y <= top; y += step) {
+    context.moveTo(left, y);
+    context.lineTo(right, y);
+  }
+  context.stroke();
+}
+
+/// Obstacles, lamps and walls from above.
+export function drawPlan(context, view, world) {
+  const line = 1 / view.scale;
   for (const obstacle of world.obstacles ?? []) {
     footprint(context, obstacle, palette.fill, palette.soft, line);
   }
@@ -101,7 +118,7 @@ function footprint(context, { shape, x_m: x, y_m: y, ...size }, fill, edge, widt
   context.restore();
 }
 
-function star(context, x, y, size) {
+export function star(context, x, y, size) {
   context.beginPath();
   for (let i = 0; i < 10; ++i) {
     const angle = Math.PI / 2 + (i * Math.PI) / 5, radius = i % 2 ? 0.45 * size : size;

@@ -1,81 +1,38 @@
-// The robot's path: trajectory.csv, which grows while the robot moves, read piece by piece.
+// The robot's path: trajectory.csv, which grows while the robot moves.
 
+import { GrowingTable } from "./growing.js";
 import { lastAtOrBefore } from "./search.js";
 
-const POLL_MS = 100;
-const IDLE_MS = 2000;
 const MOST_ROWS = 200_000;
 const COLUMNS = 4;  // t, x, y, theta
 
 export class Trajectory {
   constructor() {
-    this.reset();
+    this.table = new GrowingTable("/run/trajectory.csv", { add: (row) => this.add(row), clear: () => this.clear() });
   }
 
   reset() {
-    this.generation = (this.generation ?? 0) + 1;
-    this.position = 0;  // bytes that were read
-    this.rest = "";
+    this.table.restart();
+  }
+
+  clear() {
     this.rows = new Float64Array(COLUMNS * 1024);
     this.count = 0;
     this.collisions = NaN;
     this.thinned = (this.thinned ?? 0) + 1;  // grows when rows were replaced
   }
 
-  /// `moving()` tells whether there can be something new in the file.
-  start(moving) {
-    const poll = async () => {
-      let wait = POLL_MS;
-      try {
-        if (moving() && !await this.read()) {
-          wait = IDLE_MS;
-        }
-      } catch {
-        // no server: the connection says so
-      }
-      setTimeout(poll, wait);
-    };
-    poll();
-  }
-
-  /// False if there is no file.
-  async read() {
-    const generation = this.generation;
-    const headers = this.position > 0 ? { Range: `bytes=${this.position}-` } : {};
-    const answer = await fetch("/run/trajectory.csv", { headers, cache: "no-store" });
-    if (answer.status === 416 || answer.status === 204) {
-      return true;
+  add(row) {
+    const cells = row.map(Number);
+    if (cells.length < COLUMNS || cells.slice(0, COLUMNS).some(Number.isNaN)) {
+      return;  // the header
     }
-    if (!answer.ok) {
-      return false;
+    if (COLUMNS * (this.count + 1) > this.rows.length) {
+      this.makeRoom();
     }
-    const bytes = new Uint8Array(await answer.arrayBuffer());
-    if (generation !== this.generation) {
-      return true;  // of the run before
-    }
-    if (answer.status === 200 && this.position > 0) {
-      this.reset();
-    }
-    this.position += bytes.length;
-    this.add(new TextDecoder().decode(bytes));
-    return true;
-  }
-
-  add(text) {
-    const lines = (this.rest + text).split("\n");
-    this.rest = lines.pop();
-    for (const line of lines) {
-      const cells = line.split(",").map(Number);
-      if (cells.length < COLUMNS || cells.slice(0, COLUMNS).some(Number.isNaN)) {
-        continue;  // the header
-      }
-      if (COLUMNS * (this.count + 1) > this.rows.length) {
-        this.makeRoom();
-      }
-      this.rows.set(cells.slice(0, COLUMNS), COLUMNS * this.count);
-      this.count += 1;
-      this.collisions = cells[6] ?? NaN;
-    }
+    this.rows.set(cells.slice(0, COLUMNS), COLUMNS * this.count);
+    this.count += 1;
+    this.collisions = cells[6] ?? NaN;
   }
 
   makeRoom() {

@@ -1,11 +1,19 @@
-// The world from above: arena, obstacles, lanes, goals, lamps, the robot and its path, the laser's beams.
+// The world from above or from the side: arena, obstacles, lanes, goals, lamps, the robot and its path, the laser's beams.
 
 import { Surface } from "./axes.js";
+import { FROM_ABOVE, enter, fitting, floorAt, project } from "./camera.js";
+import { keep, kept } from "./choices.js";
 import { palette } from "./palette.js";
-import { drawBeams, drawRobot, drawScale, drawWorld, enter, mounted, tracePath } from "./scene.js";
+import { drawBeams, drawFloor, drawGrid, drawPlan, drawRobot, drawScale, mounted, tracePath } from "./scene.js";
+import { drawSolids, robotPrism, standing } from "./solids.js";
 import { counted, fixed, setText } from "./text.js";
 
 const MARGIN = 18;
+const OBLIQUE = { azimuth: -0.5, elevation: 0.8 };  // rad
+const LOWEST = 0.2, HIGHEST = 1.5;  // elevation
+const TURN = 0.008;  // rad a pixel
+const LABELS = ["World from above: wheel zooms, drag moves, double click shows everything",
+                "World in three dimensions: wheel zooms, drag turns, Shift and drag moves, double click shows everything"];
 const START_S = 0.5;  // so long the robot is about where it started, while no path is known
 
 export class WorldPanel {
@@ -17,15 +25,34 @@ export class WorldPanel {
     this.note = document.getElementById("world-note");
     this.picture = document.getElementById("picture");
     this.fitButton = document.getElementById("world-fit");
+    this.obliqueButton = document.getElementById("world-3d");
     this.surface = new Surface(document.getElementById("world-canvas"), () => { this.layer = null; onChange(); });
     this.onChange = onChange;
+    this.angles = { ...OBLIQUE };
     this.reset();
     this.control(this.surface.canvas);
     this.fitButton.addEventListener("click", () => this.fit());
+    this.obliqueButton.addEventListener("click", () => this.setOblique(!this.oblique));
+    document.addEventListener("keydown", (event) => {
+      const other = event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input, select");
+      if (event.key === "3" && !other && !this.panel.hidden) {
+        this.setOblique(!this.oblique);
+      }
+    });
+    this.setOblique(kept("world") === "3d");
+  }
+
+  /// In three dimensions, or from above.
+  setOblique(oblique) {
+    this.oblique = oblique;
+    keep("world", oblique ? "3d" : "plan");
+    this.obliqueButton.setAttribute("aria-pressed", String(oblique));
+    this.surface.canvas.setAttribute("aria-label", LABELS[Number(oblique)]);
+    this.fit();
   }
 
   reset() {
-    this.view = null;  // {x, y, scale}: metres in the middle, pixels a metre; null: everything
+    this.view = null;  // {x, y, scale} as in camera.js; null: everything
     this.layer = null;  // what changes seldom: the world and the path so far
     this.box = null;
   }
@@ -36,8 +63,7 @@ export class WorldPanel {
 
   fit() {
     this.view = null;
-    this.layer = null;
-    this.onChange();
+    this.changed();
   }
 
   control(canvas) {
@@ -46,9 +72,9 @@ export class WorldPanel {
       event.preventDefault();
       const [x, y] = [event.offsetX, event.offsetY], old = this.current();
       const scale = Math.max(2, Math.min(5000, old.scale * Math.exp(-event.deltaY * 0.0015)));
-      const [left, top] = [x - this.surface.width / 2, this.surface.height / 2 - y];
-      const part = 1 / old.scale - 1 / scale;
-      this.view = { scale, x: old.x + left * part, y: old.y + top * part };
+      const place = [x - this.surface.width / 2, this.surface.height / 2 - y];
+      const from = floorAt(old, ...place), to = floorAt({ ...old, scale }, ...place);
+      this.view = { scale, x: old.x + from[0] - to[0], y: old.y + from[1] - to[1] };
       this.changed();
     }, { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
@@ -57,7 +83,7 @@ export class WorldPanel {
     });
     canvas.addEventListener("pointermove", (event) => {
       if (last) {
-        this.pan(event.clientX - last[0], event.clientY - last[1]);
+        this.move(event.clientX - last[0], event.clientY - last[1], event);
         last = [event.clientX, event.clientY];
       }
     });
@@ -65,8 +91,8 @@ export class WorldPanel {
     canvas.addEventListener("dblclick", () => this.fit());
     canvas.addEventListener("keydown", (event) => {
       const act = {
-        ArrowLeft: () => this.pan(40, 0), ArrowRight: () => this.pan(-40, 0), ArrowUp: () => this.pan(0, 40),
-        ArrowDown: () => this.pan(0, -40), "+": () => this.zoom(1.25), "-": () => this.zoom(0.8),
+        ArrowLeft: () => this.move(40, 0, event), ArrowRight: () => this.move(-40, 0, event),
+        ArrowUp: () => this.move(0, 40, event), ArrowDown: () => this.move(0, -40, event), "+": () => this.zoom(1.25), "-": () => this.zoom(0.8),
         Home: () => this.fit(),
       }[event.key];
       if (act) {
@@ -76,17 +102,25 @@ export class WorldPanel {
     });
   }
 
-  pan(right, down) {
-    if (right || down) {
-      const old = this.current();
-      this.view = { ...old, x: old.x - right / old.scale, y: old.y + down / old.scale };
-      this.changed();
+  /// By pixels. In three dimensions this turns the view, with Shift it moves, too.
+  move(right, down, { shiftKey }) {
+    if (!right && !down) {
+      return;
     }
+    if (this.oblique && !shiftKey) {
+      const { azimuth, elevation } = this.angles;
+      this.angles = { azimuth: azimuth - TURN * right,
+                      elevation: Math.max(LOWEST, Math.min(HIGHEST, elevation + TURN * down)) };
+    } else {
+      const old = this.current(), [x, y] = floorAt(old, -right, down);
+      this.view = { scale: old.scale, x, y };
+    }
+    this.changed();
   }
 
   zoom(factor) {
-    const old = this.current();
-    this.view = { ...old, scale: old.scale * factor };
+    const { x, y, scale } = this.current();
+    this.view = { x, y, scale: scale * factor };
     this.changed();
   }
 
@@ -96,12 +130,12 @@ export class WorldPanel {
   }
 
   current() {
+    const angles = this.oblique ? this.angles : FROM_ABOVE;
     if (this.view) {
-      return this.view;
+      return { ...this.view, ...angles };
     }
-    const box = this.extent(), { width, height } = this.surface;
-    const scale = Math.min((width - 2 * MARGIN) / (box[2] - box[0]), (height - 2 * MARGIN) / (box[3] - box[1]));
-    return { scale: Math.max(1e-3, scale), x: (box[0] + box[2]) / 2, y: (box[1] + box[3]) / 2 };
+    const { width, height } = this.surface, high = this.model.world?.arena?.wall_height_m ?? 0;
+    return fitting(this.extent(), high, angles, width - 2 * MARGIN, height - 2 * MARGIN);
   }
 
   /// [left, bottom, right, top] of the arena, or of the path, which grows in steps.
@@ -145,13 +179,27 @@ export class WorldPanel {
     if (this.pose) {
       this.drawRecent(context, view, live ? this.pose.t - (range[1] - range[0]) : range[0], this.pose.t);
       this.drawScan(context, view);
-      drawRobot(context, view, this.pose, model.world?.vehicle_radius_m ?? 14 / view.scale);
+    }
+    const radius = model.world?.vehicle_radius_m ?? 14 / view.scale;
+    if (this.pose && !this.oblique) {
+      drawRobot(context, view, this.pose, radius);
     }
     this.placePicture(view);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    if (this.oblique) {
+      this.drawSolids(view, radius);
+    }
     drawScale(context, view, height);
     this.fitButton.hidden = !this.view;
     setText(this.note, this.pose && trajectory.count ? this.describe(live) : "");
+  }
+
+  drawSolids(view, radius) {
+    const world = this.model.world ?? {}, solids = standing(world);
+    if (this.pose) {
+      solids.push(robotPrism(view, this.pose, radius, world.vehicle_height_m ?? 0));
+    }
+    drawSolids(this.surface, view, world, solids);
   }
 
   describe(live) {
@@ -163,7 +211,7 @@ export class WorldPanel {
   /// The picture of the camera stands where the robot is not.
   placePicture(view) {
     if (this.pose) {
-      const right = (this.pose.x - view.x) * view.scale, below = -(this.pose.y - view.y) * view.scale;
+      const [right, up] = project(view, this.pose.x, this.pose.y), below = -up;
       const old = this.picture.dataset.corner, limit = 0.08 * this.surface.width;
       if (old === "right" ? right > limit && below > -limit : right < -limit || below < -3 * limit) {
         this.picture.dataset.corner = old === "right" ? "left" : "right";
@@ -188,7 +236,7 @@ export class WorldPanel {
       const context = this.layer.getContext("2d");
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       enter(context, view, width, height);
-      drawWorld(context, view, this.model.world ?? {});
+      this.drawGround(context, view, this.model.world ?? {});
     }
     if (trajectory.count > this.drawnRows) {
       const context = this.layer.getContext("2d");
@@ -197,6 +245,17 @@ export class WorldPanel {
       const rows = [Math.max(0, this.drawnRows - 1), trajectory.count - 1];
       tracePath(context, view, trajectory, rows, 1.5, palette.groups[4]);
       this.drawnRows = trajectory.count;
+    }
+  }
+
+  /// What the path lies on.
+  drawGround(context, view, world) {
+    if (this.oblique && world.arena) {
+      drawGrid(context, view, world.arena);
+    }
+    drawFloor(context, view, world);
+    if (!this.oblique) {
+      drawPlan(context, view, world);
     }
   }
 

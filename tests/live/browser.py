@@ -6,6 +6,7 @@ import time
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support import expected_conditions
 from selenium.webdriver.support.ui import WebDriverWait
@@ -31,6 +32,15 @@ class Page:
     def click(self, name):
         """A button, as soon as it can be clicked."""
         WebDriverWait(self.driver, 60).until(expected_conditions.element_to_be_clickable((By.ID, name))).click()
+
+    def press(self, key):
+        """A key, on nothing in particular."""
+        ActionChains(self.driver).send_keys(key).perform()
+
+    def drag(self, name, right, down):
+        """From the middle of an element, by pixels."""
+        element = self.driver.find_element(By.ID, name)
+        ActionChains(self.driver).drag_and_drop_by_offset(element, right, down).perform()
 
     def complaints(self):
         """Errors in the browser's console, but for what a run folder does not have yet."""

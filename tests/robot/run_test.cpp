@@ -56,7 +56,11 @@ TEST(RobotRun, LeavesItsPathAndItsWorldAndReports) {
   for (const auto& obstacle : world["obstacles"]) {
     EXPECT_TRUE(obstacle["shape"] == "cylinder" ? obstacle.contains("radius_m")
                                                 : obstacle.contains("half_x_m"));
+    EXPECT_NEAR(obstacle["height_m"].get<double>(), 0.5, 1e-12);  // arena.xml
   }
+  EXPECT_NEAR(world["arena"]["wall_height_m"].get<double>(), 0.5, 1e-12);
+  // spikeloop_vehicle.xml: the body, on it the mast, half its height.
+  EXPECT_NEAR(world["vehicle_height_m"].get<double>(), 0.08 + 0.095 + 0.015, 1e-12);
 
   std::set<std::string> kinds;
   json report;

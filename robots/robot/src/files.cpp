@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -29,6 +31,7 @@ nlohmann::json describe(const vehicle::Obstacle& obstacle) {
                         {"x_m", obstacle.x_m},
                         {"y_m", obstacle.y_m},
                         {"theta_rad", obstacle.theta_rad}};
+  if (obstacle.height_m > 0) result["height_m"] = obstacle.height_m;
   if (obstacle.shape == vehicle::Obstacle::Shape::box) {
     result["shape"] = "box";
     result["half_x_m"] = obstacle.half_x_m;
@@ -40,14 +43,61 @@ nlohmann::json describe(const vehicle::Obstacle& obstacle) {
   return result;
 }
 
-/// Sites "lamp_*", which shine.
+/// Where a geom ends above, in the world's frame; of other shapes than boxes and cylinders not
+/// less than that.
+double top_m(const mjModel& model, const mjData& data, int geom) {
+  const mjtNum* size = model.geom_size + 3 * geom;
+  const mjtNum* up = data.geom_xmat + 9 * geom + 6;  // the world's z in the geom's frame
+  double reach = model.geom_rbound[geom];
+  if (model.geom_type[geom] == mjGEOM_BOX) {
+    reach = std::abs(up[0]) * size[0] + std::abs(up[1]) * size[1] + std::abs(up[2]) * size[2];
+  } else if (model.geom_type[geom] == mjGEOM_CYLINDER) {
+    reach = std::hypot(up[0], up[1]) * size[0] + std::abs(up[2]) * size[1];
+  }
+  return data.geom_xpos[3 * geom + 2] + reach;
+}
+
+/// The top of the highest of the geoms that `picks` picks; 0 when it picks none.
+template <typename Picks>
+double height_m(const mjModel& model, const mjData& data, Picks&& picks) {
+  double height = 0;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (picks(geom)) height = std::max(height, top_m(model, data, geom));
+  }
+  return height;
+}
+
+/// Of what stands outside the walls' inner faces and can be collided with.
+double wall_height_m(const mjModel& model, const mjData& data, const vehicle::Arena& arena) {
+  return height_m(model, data, [&](int geom) {
+    const mjtNum* at = data.geom_xpos + 3 * geom;
+    const bool inside = at[0] > arena.min_x_m && at[0] < arena.max_x_m && at[1] > arena.min_y_m &&
+                        at[1] < arena.max_y_m;
+    const bool solid = model.geom_contype[geom] != 0 || model.geom_conaffinity[geom] != 0;
+    return solid && !inside && model.geom_type[geom] != mjGEOM_PLANE;
+  });
+}
+
+double vehicle_height_m(const mjModel& model, const mjData& data) {
+  const int vehicle = mj_name2id(&model, mjOBJ_BODY, "vehicle");
+  return height_m(model, data,
+                  [&](int geom) { return model.body_rootid[model.geom_bodyid[geom]] == vehicle; });
+}
+
+/// Sites "lamp_*", which shine. Their height is that of the bodies that hold them.
 nlohmann::json lamps_of(const mjModel& model, const mjData& data) {
   nlohmann::json lamps = nlohmann::json::array();
   for (int site = 0; site < model.nsite; ++site) {
     const std::string name = model.names + model.name_siteadr[site];
     if (name.starts_with("lamp_")) {
       const mjtNum* at = data.site_xpos + 3 * site;
-      lamps.push_back({{"name", name}, {"x_m", at[0]}, {"y_m", at[1]}});
+      const int body = model.site_bodyid[site];
+      const double height = height_m(
+          model, data, [&](int geom) { return body != 0 && model.geom_bodyid[geom] == body; });
+      lamps.push_back({{"name", name},
+                       {"x_m", at[0]},
+                       {"y_m", at[1]},
+                       {"height_m", std::max<double>(height, at[2])}});
     }
   }
   return lamps;
@@ -103,9 +153,11 @@ void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,
        {{"min_x_m", arena.min_x_m},
         {"min_y_m", arena.min_y_m},
         {"max_x_m", arena.max_x_m},
-        {"max_y_m", arena.max_y_m}}},
+        {"max_y_m", arena.max_y_m},
+        {"wall_height_m", wall_height_m(vehicle.model(), vehicle.data(), arena)}}},
       {"start", {{"x_m", start.x_m}, {"y_m", start.y_m}, {"theta_rad", start.theta_rad}}},
       {"vehicle_radius_m", vehicle.radius_m()},
+      {"vehicle_height_m", vehicle_height_m(vehicle.model(), vehicle.data())},
       {"laser",
        {{"beams", scan.ranges_m.size()},
         {"angle_min_rad", scan.angle_min_rad},

@@ -179,13 +179,16 @@ void append_footprints(const ObstacleBody& body, const mjModel& model, const Nam
     footprint.x_m = body.circle.x + c * offset[0] - s * offset[1];
     footprint.y_m = body.circle.y + s * offset[0] + c * offset[1];
     footprint.theta_rad = body.circle.heading + heading_of(model.geom_quat + 4 * geom);
+    footprint.height_m = model.body_pos[3 * body.id + 2] + offset[2];  // of its middle
     if (model.geom_type[geom] == mjGEOM_BOX) {
       footprint.shape = Obstacle::Shape::box;
       footprint.half_x_m = size[0];
       footprint.half_y_m = size[1];
+      footprint.height_m += size[2];
     } else {
       footprint.shape = Obstacle::Shape::cylinder;
       footprint.radius_m = size[0];
+      footprint.height_m += size[1];
     }
     footprints.push_back(footprint);
   }

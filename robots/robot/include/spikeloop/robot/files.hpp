@@ -29,8 +29,8 @@ class TrajectoryFile {
   TimeNs flushed_ = 0;  ///< wall time
 };
 
-/// world.json: file, seed, arena, obstacles, start pose and radius of the vehicle, in metres; where
-/// a cue stands.
+/// world.json: file, seed, arena, obstacles, start pose and size of the vehicle, in metres; where
+/// a cue stands. Heights are those of tops above z = 0, the floor.
 /// @throws FileError.
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle, std::uint64_t seed);
 

@@ -74,6 +74,7 @@ struct Obstacle {
   double half_x_m = 0;  ///< box
   double half_y_m = 0;  ///< box
   double radius_m = 0;  ///< cylinder
+  double height_m = 0;  ///< of its top above z = 0
   /// Distance of a point from the footprint; 0 inside.
   double distance_m(double x, double y) const;
 };
