@@ -16,7 +16,7 @@ constexpr std::uintmax_t kLargest = std::uintmax_t{16} << 20;
 
 // All that the page needs of the run folder.
 constexpr std::string_view kRunFiles[] = {"resolved.json", "world.json", "trajectory.csv",
-                                          "summary.json"};
+                                          "episodes.csv", "summary.json"};
 constexpr std::string_view kRun = "/run/";
 
 /// Of a folder without subfolders: no path leads out of it.

@@ -11,6 +11,7 @@
 // sent             by command node: the newest values that were sent, by field
 // pose             {t, x, y, theta} of the robot that is drawn, or null
 // world            how it is drawn: {oblique, width, height, view}; view as in camera.js, in pixels of the page
+// learning         {episodes, successes, returns} that are shown; weights: by topic {synapses, newest, rows}
 // trajectoryRows   rows of the path
 // scans, pictures  laser scans that came (at most 64 are kept), pictures that were drawn
 // parameters       by name, as the server told them
@@ -24,7 +25,7 @@
 // errors           texts
 // memoryBytes      of stored spikes, signals and rasters
 
-export function exposeHook({ model, connection, timePanel, world, pictures, status, controls, trajectory, frames }) {
+export function exposeHook({ model, connection, timePanel, world, pictures, learning, status, controls, trajectory, frames }) {
   const spikes = () => [...model.outputs.values()].filter((each) => each.kind === "spikes");
   const signals = () => [...model.outputs.values()].filter((each) => each.kind !== "spikes");
   const newest = (store) => Array.from({ length: store.head ? store.stored : 0 },
@@ -51,6 +52,13 @@ export function exposeHook({ model, connection, timePanel, world, pictures, stat
     get world() {
       const { oblique, surface: { width, height } } = world;
       return { oblique, width, height, view: world.current() };
+    },
+    get learning() {
+      const { ended } = learning, successes = ended.filter((each) => each.success).length;
+      const weights = [...model.weights].map(([topic, { synapses, newest, rows }]) =>
+        [topic, { synapses, newest: [...newest], rows: rows.length }]);
+      return { episodes: ended.length, successes, returns: ended.map((each) => each.total),
+               weights: Object.fromEntries(weights) };
     },
     get trajectoryRows() { return trajectory.count; },
     get scans() { return model.scans.length; },

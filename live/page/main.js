@@ -3,8 +3,10 @@
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { Details } from "./details.js";
+import { Episodes } from "./episodes.js";
 import { Graph } from "./graph.js";
 import { exposeHook } from "./hook.js";
+import { LearningPanel } from "./learning.js";
 import { Model } from "./model.js";
 import { onTheme, startTheme, switchTheme } from "./palette.js";
 import { Pictures } from "./pictures.js";
@@ -70,6 +72,7 @@ model.running = () => connection.state === "connected" && !model.summary().ended
 const timePanel = new TimePanel(model, subscribe);
 const world = new WorldPanel(model, trajectory, touch);
 const pictures = new Pictures(model);
+const learning = new LearningPanel(model, new Episodes(), touch);
 const details = new Details(model);
 const graph = new Graph(model, (kind, item) => details.open(kind, item));
 const status = new Status(model, connection);
@@ -81,7 +84,7 @@ function begin(info) {
   const same = model.session === undefined || model.session === info.sessionId;
   if (model.session !== undefined && model.session !== info.sessionId) {
     model.reset();
-    [trajectory, world, timePanel, pictures, controls].forEach((each) => each.reset());
+    [trajectory, world, timePanel, pictures, learning, controls].forEach((each) => each.reset());
     details.close();
     status.showResults(null);
     ended = false;
@@ -143,7 +146,7 @@ function subscribe() {
   const camera = [...connection.channels.values()].find((each) => each.role === "picture");
   connection.update((channel) => {
     switch (channel.role) {
-      case "status": case "view": case "latency": return true;
+      case "status": case "view": case "latency": case "weights": return true;
       case "output": return timePanel.shows(channel.output);
       case "scan": return first.get(channel.topic) === channel;
       case "picture": return channel === camera;
@@ -155,16 +158,18 @@ function subscribe() {
   touch();
 }
 
-/// Nothing is read while time stands still (but a few times more, for the last rows), or of a run without a robot.
-let pathTime = -1, more = 0;
-function hasMoved() {
-  const robot = model.resolved?.robot || (model.resolved?.ros ?? "none") !== "none";
-  if (connection.state !== "connected" || !robot) {
-    return false;
-  }
-  more = pathTime === model.timeline.newest ? more - 1 : MORE_READS;
-  pathTime = model.timeline.newest;
-  return more > 0;
+/// Whether a file may have new rows: not while time stands still (but a few times more, for the last rows), or of a run
+/// that does not write it.
+function growth(writes) {
+  let time = -1, more = 0;
+  return () => {
+    if (connection.state !== "connected" || !writes(model.resolved ?? {})) {
+      return false;
+    }
+    more = time === model.timeline.newest ? more - 1 : MORE_READS;
+    time = model.timeline.newest;
+    return more > 0;
+  };
 }
 
 let ended = false;
@@ -209,6 +214,7 @@ function frame(now) {
     world.draw();
   }
   pictures.draw();
+  learning.draw();
 }
 
 function drawTexts() {
@@ -219,6 +225,7 @@ function drawTexts() {
   document.getElementById("panels").dataset.world = shown ? "yes" : "no";
   status.draw();
   controls.draw();
+  learning.update();
   graph.update();
   graph.draw();
   noteEnd();
@@ -240,7 +247,8 @@ document.getElementById("theme").addEventListener("click", switchTheme);
 onTheme(touch);
 model.timeline.onChange(touch);
 addEventListener("resize", touch);
-trajectory.table.start(hasMoved);
-exposeHook({ model, connection, timePanel, world, pictures, status, controls, trajectory, frames });
+trajectory.table.start(growth(({ robot, ros = "none" }) => robot || ros !== "none"));
+learning.episodes.table.start(growth(({ episodes, robot }) => episodes || robot?.environment));
+exposeHook({ model, connection, timePanel, world, pictures, learning, status, controls, trajectory, frames });
 requestAnimationFrame(frame);
 connection.start();

@@ -5,6 +5,7 @@ import { commandFields, readField } from "./fields.js";
 import { SignalStore } from "./signals.js";
 import { SpikeStore, readSpikes } from "./spikes.js";
 import { Timeline } from "./timeline.js";
+import { WeightStore } from "./weights.js";
 
 const ALL_SPIKES = 1 << 24;  // kept of all outputs together: 128 MB
 const MOST_SPIKES = 1 << 22;  // of one output: 32 MB, four seconds of a million spikes a second
@@ -30,6 +31,7 @@ export class Model {
     this.latencies = [];
     this.scans = [];
     this.picture = null;
+    this.weights = new Map();  // of synapses that learn, by topic
     this.messages = {};  // counts by topic
     this.errors = [];
     this.losses = {};  // of the server: lost, bytes that it could not read in time; dropped, messages for this page
@@ -68,6 +70,10 @@ export class Model {
       this.spikes(channel, node, port);
     } else if (schema === "spikeloop/Signal") {
       this.signal(channel, node, port);
+    } else if (schema === "spikeloop/Weights") {
+      const store = this.weights.get(channel.topic) ?? new WeightStore(channel.topic);
+      this.weights.set(channel.topic, store);
+      this.role(channel, "weights", (seconds, bytes) => store.add(seconds, bytes));
     } else if (schema === "sensor_msgs/LaserScan") {
       this.decoded(channel, "scan", (seconds, message) => this.receiveScan(seconds, message));
     } else if (schema === "sensor_msgs/Image" || schema === "sensor_msgs/CompressedImage") {

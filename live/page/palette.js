@@ -5,7 +5,7 @@ import { keep, kept } from "./choices.js";
 const LIGHT = {
   groups: ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"],
   ink: "#222222", soft: "#6b6b6b", grid: "#e6e6e6", axis: "#8c8c8c", fill: "#d9d9d9", plot: "#ffffff",
-  wall: "#222222", wallTop: "#b4b8bd", goal: "#d5efe6", goalEdge: "#009E73", lamp: "#F0E442", beam: "#E69F00",
+  wall: "#222222", wallTop: "#c6cacf", goal: "#d5efe6", goalEdge: "#009E73", lamp: "#F0E442", beam: "#E69F00",
   path: "#0072B2", hit: "#D55E00", none: "#ececec",
 };
 const DARK = {
