@@ -166,6 +166,16 @@ class Input {
   std::vector<Spike> spikes_;
 };
 
+// Calls a node: what goes wrong in it ends the run with its name.
+template <typename Work>
+auto of_node(const std::string& name, Work&& work) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    throw NodeError(name, error.what());
+  }
+}
+
 // A source, node or sink with its ports in the order of the step data.
 struct Element {
   std::string name;
@@ -186,11 +196,7 @@ struct Element {
     if (sink != nullptr) {
       return sink->counters();
     }
-    try {
-      return node->counters();
-    } catch (const std::exception& error) {
-      throw NodeError(name, error.what());
-    }
+    return of_node(name, [&] { return node->counters(); });
   }
 };
 
@@ -232,6 +238,17 @@ struct Graph::Impl {
   SpikeSorter sorter;
 
   TimeNs time() const { return static_cast<TimeNs>(tick_index) * tick; }
+
+  /// Calls use(node) for a node. False: there is no such node.
+  template <typename Use>
+  bool with(std::string_view name, Use&& use) {
+    const auto found = std::ranges::find_if(
+        elements, [&](const Element& each) { return each.node && each.name == name; });
+    if (found != elements.end()) {
+      of_node(found->name, [&] { use(*found->node); });
+    }
+    return found != elements.end();
+  }
 
   void make_elements(const GraphDescription& description, const GraphPlan& plan);
   void wire(const GraphPlan& plan);
@@ -357,11 +374,7 @@ void Graph::Impl::run(Element& element, const Interval& interval) {
   } else if (element.sink != nullptr) {
     element.sink->send(step);
   } else {
-    try {
-      element.node->step(step);
-    } catch (const std::exception& error) {
-      throw NodeError(element.name, error.what());
-    }
+    of_node(element.name, [&] { element.node->step(step); });
   }
 }
 
@@ -443,29 +456,11 @@ std::vector<ConnectionReport> Graph::connections() const {
 }
 
 bool Graph::change(std::string_view node, std::string_view parameter, double value) {
-  for (Element& element : impl_->elements) {
-    if (element.node && element.name == node) {
-      try {
-        element.node->change(parameter, value);
-      } catch (const std::exception& error) {
-        throw NodeError(element.name, error.what());
-      }
-      return true;
-    }
-  }
-  return false;
+  return impl_->with(node, [&](Node& found) { found.change(parameter, value); });
 }
 
 void Graph::reset(std::string_view node) {
-  for (Element& element : impl_->elements) {
-    if (element.node && element.name == node) {
-      try {
-        element.node->reset(time());
-      } catch (const std::exception& error) {
-        throw NodeError(element.name, error.what());
-      }
-    }
-  }
+  impl_->with(node, [&](Node& found) { found.reset(time()); });
 }
 
 std::vector<Counter> Graph::counters() const {
@@ -473,6 +468,18 @@ std::vector<Counter> Graph::counters() const {
   for (const Element& element : impl_->elements) {
     for (Counter& counter : element.counters()) {
       all.push_back({fmt::format("{}.{}", element.name, counter.name), counter.value});
+    }
+  }
+  return all;
+}
+
+std::vector<LearningWeights> Graph::learning_weights() const {
+  std::vector<LearningWeights> all;
+  for (const Element& element : impl_->elements) {
+    if (element.node) {
+      for (const LearningWeights& each : element.node->learning_weights()) {
+        all.push_back({fmt::format("{}/{}", element.name, each.name), each.weights});
+      }
     }
   }
   return all;

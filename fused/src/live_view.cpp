@@ -29,6 +29,7 @@ using nlohmann::json;
 // Wall times.
 constexpr TimeNs kFlushPeriod = kNsPerSecond / 50;
 constexpr TimeNs kStatusPeriod = kNsPerSecond / 10;
+constexpr TimeNs kWeightsPeriod = kNsPerSecond / 4;
 constexpr std::chrono::milliseconds kLookPeriod{20};
 constexpr std::size_t kMostSpikes = 65'536;  // of one message
 
@@ -287,6 +288,10 @@ void LiveView::after_tick(const Progress& progress, TimeNs now) {
     next_flush_ = now + kFlushPeriod;
     flush();
   }
+  if (now >= next_weights_) {
+    next_weights_ = now + kWeightsPeriod;
+    weights_->publish(progress.simulated);
+  }
   if (now >= next_status_) {
     tell(progress, false);
   }
@@ -294,6 +299,7 @@ void LiveView::after_tick(const Progress& progress, TimeNs now) {
 
 void LiveView::finish(const Progress& progress) {
   flush();
+  weights_->publish(progress.simulated);
   tell(progress, true);
 }
 

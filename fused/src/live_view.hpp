@@ -5,10 +5,12 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "shown_weights.hpp"
 #include "spikeloop/core/endpoint.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/run.hpp"
@@ -43,6 +45,8 @@ class LiveView {
   void take_commands(std::vector<ros_command::CommandEndpoint*> commands) {
     commands_ = std::move(commands);
   }
+  /// Whose weights are shown while they are learned.
+  void take_graph(const Graph& graph) { weights_.emplace(feed_, graph); }
   const live::Feed& feed() const { return feed_; }
 
   // By the loop.
@@ -76,6 +80,8 @@ class LiveView {
   nlohmann::json changeable_ = nlohmann::json::array();
   TimeNs next_flush_ = 0;
   TimeNs next_status_ = 0;
+  std::optional<ShownWeights> weights_;
+  TimeNs next_weights_ = 0;
   Progress progress_{};
   std::uint64_t steps_ = 0;  // that were made while the run was paused
   double speed_ = 0;

@@ -372,6 +372,7 @@ struct Run::Impl {
     assembly.emplace(experiment, surroundings, options);
     if (view) {
       view->take_commands(assembly->commands());
+      view->take_graph(assembly->graph());
       stop_button.emplace(view->feed(), assembly->commands());
     }
     loop.emplace(experiment, surroundings, *assembly, options.folder, events);

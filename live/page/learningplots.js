@@ -5,6 +5,7 @@ import { groupColour, palette } from "./palette.js";
 import { short } from "./text.js";
 
 const MEAN_OF = 10;  // episodes
+const MOST = 2000;  // points; of more episodes evenly chosen ones are drawn
 const TOP = 7, RIGHT = 10;  // pixels
 const SIZE = 2.4;  // radius of a point
 
@@ -14,8 +15,9 @@ export function drawReturns(surface, episodes) {
   const first = episodes[0].number, last = episodes.at(-1).number;
   const whole = (values) => values.filter(Number.isInteger);
   const { x, y } = axes(surface, [first - 0.5, last + 0.5], extremes(totals), "return", "episode", whole);
+  const stride = Math.ceil(episodes.length / MOST);
   context.lineWidth = 1.2;
-  for (const { number, total, success } of episodes) {
+  for (const { number, total, success } of episodes.filter((_, i) => i % stride === 0)) {
     context.fillStyle = success ? palette.goalEdge : palette.plot;
     context.strokeStyle = success ? palette.goalEdge : palette.axis;
     context.beginPath();
@@ -29,7 +31,7 @@ export function drawReturns(surface, episodes) {
   let sum = 0;
   totals.forEach((total, i) => {
     sum += total - (totals[i - MEAN_OF] ?? 0);
-    if (i >= MEAN_OF - 1) {
+    if (i >= MEAN_OF - 1 && i % stride === 0) {
       context.lineTo(x(episodes[i].number), y(sum / MEAN_OF));
     }
   });

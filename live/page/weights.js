@@ -3,10 +3,10 @@
 const MOST_ROWS = 1024;
 
 export class WeightStore {
-  /// topic: "/NODE/weights/FROM.TO"
+  /// topic: "/NODE/FROM.TO"
   constructor(topic) {
-    const [, node, , projection] = topic.split("/");
-    this.name = `${node}: ${projection}`;
+    const [, node, projection] = topic.split("/");
+    this.name = `${node}: ${projection.replace(".", " → ")}`;
     this.synapses = 0;  // of all of the projection
     this.newest = new Float64Array(0);  // evenly chosen ones
     this.rows = [];  // {seconds, low, median, high}

@@ -42,6 +42,10 @@ Channel signal_channel(const std::string& topic) {
   return channel(topic, "spikeloop/msg/Signal", "float64[] values\n");
 }
 
+Channel weights_channel(const std::string& topic) {
+  return channel(topic, "spikeloop/msg/Weights", "uint64 synapses\nfloat64[] weights\n");
+}
+
 void write_spikes(std::span<const std::int64_t> times, std::span<const std::uint32_t> channels,
                   std::vector<std::byte>& message) {
   message.assign(kLittleEndianCdr.begin(), kLittleEndianCdr.end());
@@ -52,6 +56,14 @@ void write_spikes(std::span<const std::int64_t> times, std::span<const std::uint
 void write_signal(std::span<const double> values, std::vector<std::byte>& message) {
   message.assign(kLittleEndianCdr.begin(), kLittleEndianCdr.end());
   append(values, message);
+}
+
+void write_weights(std::uint64_t synapses, std::span<const double> weights,
+                   std::vector<std::byte>& message) {
+  message.assign(kLittleEndianCdr.begin(), kLittleEndianCdr.end());
+  const auto count = std::as_bytes(std::span(&synapses, 1));
+  message.insert(message.end(), count.begin(), count.end());
+  append(weights, message);
 }
 
 }  // namespace spikeloop::live

@@ -103,6 +103,13 @@ class GridSimulation final : public Simulation {
     return plasticity_[projection]->weights();
   }
 
+  std::span<const double> learned_so_far(std::size_t projection) const override {
+    if (plasticity_[projection]) {
+      return plasticity_[projection]->weights();
+    }
+    return rates_ ? rates_->learned(projection) : std::span<const double>();
+  }
+
  private:
   // Where the spikes of a population go.
   struct Route {

@@ -89,6 +89,21 @@ class NetworkNode final : public Node {
     }
   }
 
+  std::vector<LearningWeights> learning_weights() const override {
+    std::vector<LearningWeights> all;
+    for (std::size_t i = 0; i < network_.projections.size(); ++i) {
+      const NetworkProjection& projection = network_.projections[i];
+      if (const auto weights = simulation_->learned_so_far(i); !weights.empty()) {
+        const auto name = fmt::format("{}.{}", network_.populations[projection.from].name,
+                                      network_.populations[projection.to].name);
+        const auto same = std::ranges::count_if(
+            all, [&](const LearningWeights& other) { return other.name.starts_with(name); });
+        all.push_back({same == 0 ? name : fmt::format("{}_{}", name, same + 1), weights});
+      }
+    }
+    return all;
+  }
+
   std::vector<Result> results() override {
     std::vector<Result> all;
     for (std::size_t i = 0; i < network_.projections.size(); ++i) {

@@ -135,6 +135,7 @@ class OffgridSimulation final : public Simulation {
     return neurons_[population]->potential(member, now_);
   }
   std::span<const double> learned(std::size_t) override { return {}; }
+  std::span<const double> learned_so_far(std::size_t) const override { return {}; }
 
  private:
   struct Arrival {

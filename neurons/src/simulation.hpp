@@ -34,6 +34,8 @@ class Simulation {
   virtual double value(std::size_t population, std::uint32_t member) const = 0;
   /// The weights of a learning projection at the end of the last interval; empty for another.
   virtual std::span<const double> learned(std::size_t projection) = 0;
+  /// The same without computing: as they were when they were last brought up to date.
+  virtual std::span<const double> learned_so_far(std::size_t projection) const = 0;
 };
 
 /// @param begin of its first interval

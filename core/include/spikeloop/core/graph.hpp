@@ -119,6 +119,8 @@ class Graph {
   std::vector<ConnectionReport> connections() const;
   /// Counters of nodes and endpoints, named "node.counter".
   std::vector<Counter> counters() const;
+  /// As Node::learning_weights() of all nodes; the names are "NODE/FROM.TO".
+  std::vector<LearningWeights> learning_weights() const;
   /// What its nodes leave behind; the files are named NODE.FILE.
   std::vector<Result> results();
 

@@ -100,6 +100,12 @@ struct Result {
   WeightTable table;
 };
 
+/// Weights of synapses that learn, as they stand during the run.
+struct LearningWeights {
+  std::string name;                 ///< "FROM.TO", the projection's populations
+  std::span<const double> weights;  ///< of all synapses; valid until the next call
+};
+
 class Node {
  public:
   Node() = default;
@@ -121,6 +127,10 @@ class Node {
   /// Back to the state of the beginning, between two steps, of which the next one begins now; what
   /// was learned stays. Of nodes whose description says that they can.
   virtual void reset(TimeNs /*now*/) {}
+
+  /// Between two steps, for those who watch the run: changes nothing, and computes nothing. Weights
+  /// that are brought up to date only now and then may be a second of simulated time old.
+  virtual std::vector<LearningWeights> learning_weights() const { return {}; }
 
   /// Called once, when the run is over.
   virtual std::vector<Result> results() { return {}; }

@@ -15,10 +15,15 @@ namespace spikeloop::live {
 Channel spike_channel(const std::string& topic);
 /// Of spikeloop/msg/Signal: one value per channel; NaN: there is no value yet.
 Channel signal_channel(const std::string& topic);
+/// Of spikeloop/msg/Weights: how many synapses of a projection learn, and the weights of evenly
+/// chosen ones, weight k being that of synapse k * synapses / (number of weights).
+Channel weights_channel(const std::string& topic);
 
-/// Both append to `message`, which they empty first.
+/// All append to `message`, which they empty first.
 void write_spikes(std::span<const std::int64_t> times, std::span<const std::uint32_t> channels,
                   std::vector<std::byte>& message);
 void write_signal(std::span<const double> values, std::vector<std::byte>& message);
+void write_weights(std::uint64_t synapses, std::span<const double> weights,
+                   std::vector<std::byte>& message);
 
 }  // namespace spikeloop::live

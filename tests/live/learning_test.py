@@ -1,0 +1,129 @@
+"""What a run learns: episodes are those of episodes.csv, weights those that the run saves."""
+
+import csv
+import pathlib
+import struct
+import subprocess
+import tempfile
+import unittest
+
+import browser
+import numpy as np
+import viewing
+from runs import fingerprint, programs, run
+
+SPIKELOOP = programs() / "spikeloop"
+
+# 300 synapses that learn, of which 256 are shown.
+PAIRS = """
+experiment: pairs
+duration: 5 s
+tick: 1 ms
+sync: unpaced
+nodes:
+  brain:
+    simulator: builtin
+    network:
+      resolution: 0.1 ms
+      populations:
+        rain: {model: poisson, size: 300, parameters: {rate: 20 Hz}}
+        cell: {model: iaf_psc_exp, size: 1}
+      connections:
+        - {from: rain, to: cell, rule: all_to_all, weight: 50 pA, delay: 1 ms,
+           plasticity: {rule: stdp, lambda: 0.02, Wmax: 100 pA, save: learned.npy}}
+      output: [cell]
+  copy: {simulator: builtin, network: {populations: {in: {model: input, size: 1}, out: {model: repeater, size: 1}}, output: [out]}}
+connections:
+  - brain -> copy
+"""
+
+
+def weights_of(message):
+    """The number of synapses, and the weights that were sent."""
+    synapses, count = struct.unpack_from("<QI", message, 4)
+    assert len(message) == 20 + 8 * count  # the weights are aligned to 8
+    return synapses, np.array(struct.unpack_from(f"<{count}d", message, 20))
+
+
+class Learning(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def lake(self):
+        path = self.folder / "lake.yaml"
+        path.write_text(subprocess.run([SPIKELOOP, "new", "lake", "--environment", "frozen_lake"],
+                                       capture_output=True, text=True, check=True, timeout=60).stdout)
+        return path
+
+    def run_both(self, experiment, *arguments):
+        """With a viewer and without; the viewer's last weights by topic."""
+        with viewing.Run(self.folder / "live", *arguments, experiment=experiment) as job:
+            viewer = viewing.Viewer(job.socket_url())
+            viewer.until(lambda: "/spikeloop/status" in viewer.messages)
+            viewer.set("run.speed", 0)
+            viewer.until_closed()
+            code, printed = job.end()
+        self.assertEqual(code, 0, printed)
+        run(SPIKELOOP, experiment, self.folder / "alone", *arguments)
+        self.assertEqual(fingerprint(self.folder / "live"), fingerprint(self.folder / "alone"))
+        topics = [each["topic"] for each in viewer.channels.values() if each["schemaName"] == "spikeloop/msg/Weights"]
+        return {topic: weights_of(viewer.messages[topic][-1][1]) for topic in topics}
+
+    def saved(self, file):
+        """A row a target, a column a source; the same with a view and without."""
+        with_view, alone = (np.load(self.folder / run / file) for run in ("live", "alone"))
+        np.testing.assert_array_equal(with_view, alone)
+        return alone
+
+    def test_weights_of_rate_neurons_are_those_that_the_run_saves(self):
+        shown = self.run_both(self.lake(), "--duration", "40")
+        self.assertEqual(set(shown), {"/brain/input.actor", "/brain/input.critic"})
+        for topic, (synapses, weights) in shown.items():
+            saved = self.saved(f"brain.{topic.split('.')[1]}.npy")
+            self.assertEqual(synapses, saved.size)
+            np.testing.assert_array_equal(weights, saved.T.ravel())  # source by source
+            self.assertGreater(np.ptp(weights), 0)
+
+    def test_of_many_synapses_evenly_chosen_ones_are_shown(self):
+        experiment = self.folder / "pairs.yaml"
+        experiment.write_text(PAIRS)
+        (topic, (synapses, weights)), = self.run_both(experiment).items()
+        self.assertEqual(topic, "/brain/rain.cell")
+        self.assertEqual(synapses, 300)
+        saved = self.saved("brain.learned.npy").ravel()
+        np.testing.assert_array_equal(weights, saved[np.arange(256) * 300 // 256])
+        self.assertGreater(np.ptp(weights), 0)
+
+    def test_the_page_shows_the_episodes(self):
+        with viewing.Run(self.folder / "run", "--duration", "36000", experiment=self.lake()) as job:
+            with browser.page(job.url) as page:
+                page.until(lambda hook: hook.get("simulated_s", 0) > 0)
+                page.driver.execute_script("const speed = document.getElementById('speed'); speed.value = '0';"
+                                           "speed.dispatchEvent(new Event('change'));")
+                page.until(lambda hook: hook["learning"]["episodes"] > 12, 180)
+                page.click("pause")
+                page.until(lambda hook: hook["paused"])
+                with open(self.folder / "run/episodes.csv", encoding="utf-8") as file:
+                    rows = list(csv.DictReader(file))
+                learning = page.until(lambda hook: hook["learning"]["episodes"] == len(rows))["learning"]
+                self.assertEqual(learning["returns"], [float(row["return"]) for row in rows])
+                self.assertEqual(learning["successes"], sum(row["success"] == "1" for row in rows))
+                for name, synapses in (("actor", 64), ("critic", 16)):
+                    shown = learning["weights"][f"/brain/input.{name}"]
+                    self.assertEqual((shown["synapses"], len(shown["newest"])), (synapses, synapses))
+                    self.assertGreater(shown["rows"], 1)
+                drawn = page.driver.execute_script("""
+                  return ["returns", "weights"].map((name) => {
+                    const canvas = document.getElementById(name);
+                    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+                    return data.filter((value, i) => i % 4 === 3 && value).length;
+                  });""")
+                self.assertGreater(min(drawn), 200)
+                self.assertEqual(page.complaints(), [])
+            job.interrupt()
+
+
+if __name__ == "__main__":
+    unittest.main()
