@@ -33,7 +33,7 @@ export class LearningPanel {
     if (ended.length) {
       const successes = ended.filter((each) => each.success).length;
       setText(this.note, `${counted(ended.length, "episode")}   ${successes} with success   ` +
-        `last return ${short(ended.at(-1).total)}`);
+        `last ${short(ended.at(-1).total)}`);
     }
   }
 

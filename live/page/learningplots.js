@@ -6,7 +6,7 @@ import { short } from "./text.js";
 
 const MEAN_OF = 10;  // episodes
 const MOST = 2000;  // points; of more episodes evenly chosen ones are drawn
-const TOP = 7, RIGHT = 10;  // pixels
+const TOP = 7, RIGHT = 14, MORE_LEFT = 8;  // pixels
 const SIZE = 2.4;  // radius of a point
 
 /// A point for each episode, filled where it was a success, and the mean return of the last ten.
@@ -61,13 +61,18 @@ export function drawWeights(surface, projections) {
     context.stroke();
     context.textAlign = "left";
     context.textBaseline = "top";
-    context.fillText(fitText(context, name, width - LEFT - 24), LEFT + 8, TOP + i * 1.25 * TEXT);
+    context.strokeStyle = palette.plot;  // readable above lines
+    context.lineWidth = 3;
+    const place = [fitText(context, name, width - LEFT - 24), LEFT + 6, TOP + i * 1.25 * TEXT];
+    context.strokeText(...place);
+    context.fillText(...place);
   });
 }
 
 /// Draws both axes; {x, y}: where numbers lie. choose(ticks): those of the horizontal axis.
 function axes({ context, width, height }, [left, right], [least, most], name, below, choose) {
-  const bottom = height - 2.4 * TEXT, end = width - RIGHT;
+  const bottom = height - 2.9 * TEXT, end = width - RIGHT - MORE_LEFT;
+  context.translate(MORE_LEFT, 0);  // for returns like −2,000
   const span = most - least || Math.max(1e-3, 0.2 * Math.abs(most)), [low, high] = [least - 0.08 * span, least + 1.08 * span];
   const x = (value) => LEFT + ((value - left) / (right - left || 1)) * (end - LEFT);
   const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - TOP);
@@ -77,7 +82,7 @@ function axes({ context, width, height }, [left, right], [least, most], name, be
   context.beginPath();
   context.moveTo(LEFT, bottom + 0.5);
   context.lineTo(end, bottom + 0.5);
-  for (const mark of choose(ticks(left, right, Math.max(2, (end - LEFT) / 60)))) {
+  for (const mark of choose(ticks(left, right, Math.max(2, (end - LEFT) / 40)))) {
     context.moveTo(Math.round(x(mark)) + 0.5, bottom);
     context.lineTo(Math.round(x(mark)) + 0.5, bottom + 4);
     context.fillText(short(mark), x(mark), bottom + 5);
