@@ -118,9 +118,9 @@ class World(unittest.TestCase):
 
     def compare(self, page, world, colour):
         """The tops of obstacles are where rays meet them, and nowhere else."""
+        pixels = self.picture(page)
         drawn = page.hook()
         rays = Rays(drawn["world"])
-        pixels = self.picture(page)
         self.assertEqual(pixels.shape[:2], rays.begin.shape[:2])
         is_top = (pixels[..., :3] == colour).all(axis=-1) & (pixels[..., 3] == 255)
         robot = {"shape": "cylinder", "x_m": drawn["pose"]["x"], "y_m": drawn["pose"]["y"],
