@@ -53,7 +53,7 @@ export function drawBeams(context, view, scan, at) {
   ends.forEach(([x, y, far]) => far || context.fillRect(x - size / 2, y - size / 2, size, size));
 }
 
-/// Goals.
+/// Lanes and goals.
 export function drawFloor(context, view, world) {
   const line = 1 / view.scale;
   for (const lane of world.lanes ?? []) {
