@@ -68,20 +68,18 @@ class DopamineRule {
     }
     auto next = std::upper_bound(level_.begin(), level_.end(), t0,
                                  [](std::int64_t t, const Level& level) { return t < level.time; });
+    double eligible = c;
     for (std::int64_t from = t0; from < t1;) {
       const Level& level = *(next - 1);
       const std::int64_t to = next == level_.end() ? t1 : std::min(t1, next->time);
-      const double eligible = c * std::exp(static_cast<double>(t0 - from) * h_ / p_.tau_c);
-      const double dopamine =
-          level.n * std::exp(static_cast<double>(level.time - from) * h_ / p_.tau_n);
-      const double minus_dt = static_cast<double>(from - to) * h_;
-      weights_[k] -= eligible * (dopamine / both_ * std::expm1(both_ * minus_dt) -
-                                 level.baseline * p_.tau_c * std::expm1(minus_dt / p_.tau_c));
+      const bool whole = from == level.time && next != level_.end() && to == next->time;
+      weights_[k] += eligible * (whole ? level.change : change(level, from, to));
       weights_[k] = std::clamp(weights_[k], p_.Wmin, p_.Wmax);
+      eligible *= whole ? level.decay : decay(from, to);
       from = to;
       ++next;
     }
-    eligibility_[k] = c * std::exp(static_cast<double>(t0 - t1) * h_ / p_.tau_c);
+    eligibility_[k] = eligible;
   }
 
   void forget(std::int64_t time) {
@@ -107,19 +105,41 @@ class DopamineRule {
   std::span<const double> weights() const { return weights_; }
 
  private:
-  // The dopamine right after an event, and what is taken from it until the next one.
+  // The dopamine right after an event, and what is taken from it until the next one. `change` and
+  // `decay` are those of the time until then, so that a signal with a new value in every tick costs
+  // a synapse two multiplications a tick in place of exponentials.
   struct Level {
     std::int64_t time;
     double n;
     double baseline;
+    double change = 0.0;
+    double decay = 1.0;
   };
 
+  // Of an eligibility.
+  double decay(std::int64_t from, std::int64_t to) const {
+    return std::exp(static_cast<double>(from - to) * h_ / p_.tau_c);
+  }
+  // Of a weight between two times of a level, with an eligibility of 1 at `from`.
+  double change(const Level& level, std::int64_t from, std::int64_t to) const {
+    const double minus_dt = static_cast<double>(from - to) * h_;
+    const double steady = level.baseline * p_.tau_c * std::expm1(minus_dt / p_.tau_c);
+    if (level.n == 0.0) {
+      return steady;
+    }
+    const double dopamine =
+        level.n * std::exp(static_cast<double>(level.time - from) * h_ / p_.tau_n);
+    return steady - dopamine / both_ * std::expm1(both_ * minus_dt);
+  }
+
   void add(std::int64_t time, double jump, double baseline) {
-    const Level& last = level_.back();
+    Level& last = level_.back();
     const double before = last.n * std::exp(static_cast<double>(last.time - time) * h_ / p_.tau_n);
     if (last.time == time) {
-      level_.back() = {time, last.n + jump, baseline};
+      last = {time, last.n + jump, baseline};
     } else {
+      last.change = change(last, last.time, time);
+      last.decay = decay(last.time, time);
       level_.push_back({time, before + jump, baseline});
     }
   }

@@ -235,6 +235,11 @@ class Dopamine(Case):
         # a breakpoint of a tick of 1 ms is a tick's begin
         self.check("value", signal=[(50.0, 0.02), (700.0, -0.01), (1400.0, 0.03), (2000.0, 0.0)])
 
+    def test_a_signal_that_changes_in_every_tick(self):
+        values = np.random.default_rng(3).normal(0, 0.1, 2400)
+        self.check("value", signal=[(float(time), value) for time, value in enumerate(values, 10)],
+                   Wmax=70.0)
+
 
 class Kept(Case):
     def test_learned_weights_are_read_as_weights_again(self):
