@@ -4,14 +4,15 @@
     benchmarks/learning/learning.py --seeds 100 --out FOLDER
 
 runs `spikeloop new --environment` for the mountain car, the frozen lake (Jordan, Weidel & Morrison 2019,
-Front. Comput. Neurosci. 13:46, one published run each), the T-maze and the lane with and without reward, and prints
-medians and quartiles of the seeds. FOLDER keeps the sweeps with their learning curves, episodes.png; a
-second call continues. 100 seeds take three quarters of an hour on two cores, most of it in the T-maze and on
-the lane.
+Front. Comput. Neurosci. 13:46, one published run each), the T-maze and the lane with and without reward, and
+example 21, the water maze, with actors that learn and that do not. It prints medians and quartiles of the seeds.
+FOLDER keeps the sweeps with their learning curves, episodes.png; a second call continues. 100 seeds take more
+than an hour on two cores, most of it in the mazes and on the lane.
 """
 
 import argparse
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,16 +26,23 @@ sys.path.insert(0, str(ROOT / "python"))
 PUBLISHED_RATES = {"mountain_car": ("--set", "brain.network.connections.7.plasticity.A=0.25"),
                    "frozen_lake": ("--set", "brain.network.connections.6.plasticity.A=0.01")}
 WITHOUT_REWARD = ("--set", "brain.network.connections.3.weight=0")
+WITHOUT_LEARNING = ("--set", "brain.network.connections.4.plasticity.A_plus=0")
+WATER_MAZE = ROOT / "examples/21_water_maze"
+STEP_S = 0.1  # of the water maze
 
 
 def runs(environment, folder, seeds, settings=()):
-    """Episodes of every run of a sweep."""
-    from spikeloop import open_run
+    """Episodes of every run of a sweep of what `spikeloop new` prints."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder.parent / f"{environment}.yaml"
     file.write_text(subprocess.run([SPIKELOOP, "new", "--environment", environment], check=True,
                                    capture_output=True, text=True).stdout)
-    subprocess.run([SPIKELOOP, "sweep", file, "--set", f"seed=1..{seeds}", *settings, "--out", folder],
+    return sweep(file, folder, range(1, seeds + 1), settings)
+
+
+def sweep(file, folder, seeds, settings):
+    from spikeloop import open_run
+    subprocess.run([SPIKELOOP, "sweep", file, "--set", f"seed={seeds[0]}..{seeds[-1]}", *settings, "--out", folder],
                    check=True, stdout=subprocess.DEVNULL)
     return [open_run(path.parent).episodes() for path in sorted(folder.glob("*/episodes.csv"))]
 
@@ -83,9 +91,24 @@ def lane(folder, seeds):
             [100 * table["success"][-10:].mean() for table in tables])
 
 
+def water_maze(folder, seeds):
+    """From seed 101 on: the parameters of the example were chosen on seeds 1 to 4."""
+    example = folder.with_name(WATER_MAZE.name)
+    shutil.copytree(WATER_MAZE, example, ignore=shutil.ignore_patterns("runs", "*.json"), dirs_exist_ok=True)
+    subprocess.run([sys.executable, "make_weights.py"], cwd=example, check=True, stdout=subprocess.DEVNULL)
+    for name, settings in (("learning", ()), ("fixed", WITHOUT_LEARNING)):
+        tables = sweep(example / "water_maze.yaml", folder.with_name(f"water_maze_{name}"),
+                       range(101, 101 + seeds), settings)
+        for begin, end in ((1, 5), (6, 10), (11, 20), (21, 30)):
+            part = slice(begin - 1, end)
+            row(f"water maze, {name} actors, {begin} to {end}: success (%)", "-",
+                [100 * table["success"][part].mean() for table in tables])
+            row("  median latency (s)", "-", [STEP_S * np.median(table["steps"][part]) for table in tables])
+
+
 def main():
-    tasks = {"mountain_car": mountain_car, "frozen_lake": frozen_lake, "t_maze": t_maze,
-             "lane": lane}
+    tasks = {"mountain_car": mountain_car, "frozen_lake": frozen_lake, "t_maze": t_maze, "lane": lane,
+             "water_maze": water_maze}
     parser = argparse.ArgumentParser(description="Learning over many seeds, beside what was published.")
     parser.add_argument("--seeds", type=int, default=20, help="runs of each task (default: 20)")
     parser.add_argument("--out", type=pathlib.Path, help="folder of the sweeps (default: a temporary one)")

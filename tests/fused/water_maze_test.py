@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""Example 21: the prediction error that dopamine carries against the kernels of the critics' spikes; the swimmer
+learns; the same seed gives the same bits."""
+
+import csv
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+import runs
+
+EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples/21_water_maze"
+TICK_S = 0.01
+CRITICS = 40
+TAU_S, RISE_S, DISCOUNT_S = 0.2, 0.05, 4.0
+
+
+def latencies(folder):
+    with open(folder / "episodes.csv", encoding="utf-8") as file:
+        return [int(row["steps"]) for row in csv.DictReader(file)]
+
+
+def held(file, times_s):
+    """A recorded signal at these times."""
+    with h5py.File(file) as recording:
+        known = recording["signals/out/times_ns"][:] * 1e-9
+        values = recording["signals/out/values"][:]
+    return values[np.searchsorted(known, times_s + 1e-9, side="right") - 1]
+
+
+def value_at(spikes_s, times_s):
+    """V, a sum over the spikes of the last 5 s."""
+    values = []
+    for now in times_s:
+        first, last = np.searchsorted(spikes_s, (now - 5, now), side="right")
+        after = now - spikes_s[first:last]
+        kernel = (np.exp(-after / TAU_S) - np.exp(-after / RISE_S)) / (TAU_S - RISE_S)
+        values.append(0.02 / CRITICS * kernel.sum())
+    return np.array(values)
+
+
+def check_error(folder):
+    """Over the first 20 s, and around the reward."""
+    with h5py.File(folder / "brain.h5") as file:
+        critics = file["spikes/out/node_ids"][:] < CRITICS
+        spikes_s = file["spikes/out/timestamps_ns"][:][critics] * 1e-9
+    rewarded = np.flatnonzero(held(folder / "reward.h5", np.arange(1, 60, TICK_S))[:, 0])
+    assert len(rewarded), "no reward in the first minute"
+    begin = 1 + rewarded[0] * TICK_S - 2
+    ticks = np.round(np.concatenate([np.arange(1, 20, TICK_S), np.arange(begin, begin + 4, TICK_S)]) / TICK_S)
+    before = (ticks - 1) * TICK_S  # the inputs come a tick later
+    value = value_at(spikes_s, before)
+    slope = (value_at(spikes_s, before + 1e-7) - value) / 1e-7
+    reward = held(folder / "reward.h5", before)[:, 0]
+    steps = held(folder / "steps.h5", before)[:, 0]
+    where = held(folder / "where.h5", before)
+    distance = np.hypot(*where.T)
+    at_wall = (distance > np.sqrt(0.97)) & (distance < 2)
+    wanted = np.where(steps < 8, 0, 10 * reward - 0.05 - 0.5 * at_wall + slope - value / DISCOUNT_S)
+    found = held(folder / "td_error.h5", ticks * TICK_S)[:, 0]
+    np.testing.assert_allclose(found, wanted, atol=1e-4)
+    assert found.max() > 8 and at_wall.any() and (found < -0.2).any()
+
+
+def main():
+    spikeloop = str(runs.programs() / "spikeloop")
+    with tempfile.TemporaryDirectory() as directory:
+        folder = pathlib.Path(directory)
+        example = folder / "example"
+        shutil.copytree(EXAMPLE, example, ignore=shutil.ignore_patterns("runs", "*.json"))
+        subprocess.run([sys.executable, "make_weights.py"], cwd=example, check=True, stdout=subprocess.DEVNULL)
+
+        def swim(name, seed, count):
+            runs.run(spikeloop, example / "water_maze.yaml", folder / name, "--set", f"seed={seed}",
+                     "--set", f"episodes.count={count}")
+            return latencies(folder / name)
+
+        begin, end = [], []
+        for seed in (101, 102, 104):
+            steps = swim(f"seed{seed}", seed, 14)
+            begin += steps[:4]
+            end += steps[-6:]
+        assert np.mean(end) < 0.6 * np.mean(begin), (begin, end)
+        check_error(folder / "seed102")
+
+        assert swim("once", 102, 3) == latencies(folder / "seed102")[:3]
+        swim("again", 102, 3)
+        assert runs.fingerprint(folder / "once") == runs.fingerprint(folder / "again")
+        print(f"steps to the platform: {np.mean(begin):.0f} at first, {np.mean(end):.0f} later")
+
+
+if __name__ == "__main__":
+    main()
