@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "yaml_section.hpp"
 
@@ -82,6 +86,34 @@ class Converter {
   std::size_t values_ = 0;
 };
 
+bool begins_at(const YAML::Node& json, const Location& at) {
+  return std::ranges::any_of(
+      std::array{place("", json), text_place("", json)},
+      [&](const Location& begin) { return begin.line == at.line && begin.column == at.column; });
+}
+
+/// The JSON has the entries in the order of the file.
+std::optional<Location> find_place(const YAML::Node& json, const WrittenValue& written,
+                                   const Location& at) {
+  if (begins_at(json, at)) {
+    return written.where;
+  }
+  if (!written.entries) {
+    return std::nullopt;
+  }
+  auto next = json.begin();
+  for (const WrittenEntry& entry : written.entries()) {
+    const auto in_json = *next++;
+    if (json.IsMap() && begins_at(in_json.first, at)) {
+      return entry.value.where;
+    }
+    if (const auto found = find_place(json.IsMap() ? in_json.second : in_json, entry.value, at)) {
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string to_json(const std::string& file, const YAML::Node& node) {
@@ -106,3 +138,14 @@ WrittenValue written_value(const std::string& file, const YAML::Node& node) {
 }
 
 }  // namespace spikeloop::yaml_text
+
+namespace spikeloop {
+
+Location place_in_file(const WrittenValue& written, const Location& in_json) {
+  const Location found =
+      yaml_text::find_place(yaml_text::load(written.text, "", "value"), written, in_json)
+          .value_or(written.where);
+  return found.line == 0 ? written.where : found;
+}
+
+}  // namespace spikeloop

@@ -31,18 +31,21 @@ WeightLoader table_loader(const std::string& directory, const NodeClass& node_cl
   };
 }
 
-/// A network that was written as a map, which is JSON by now: YAML as well. Its places are lost.
-NetworkFile network_in_place(const std::string& text, const Location& where,
-                             const std::string& directory) {
+/// A network that was written as a map, which is JSON by now: YAML as well.
+NetworkFile network_in_place(const WrittenValue& written, const std::string& directory) {
   try {
-    NetworkFile network = parse_network(text, "", [&](const std::string& weights) {
+    NetworkFile network = parse_network(written.text, "", [&](const std::string& weights) {
       return read_weights(weights, {.base_directory = directory, .short_forms = false});
     });
-    network.path = where.file;
-    network.resolution_where = where;
+    network.path = written.where.file;
+    network.resolution_where = place_in_file(written, network.resolution_where);
+    for (NetworkRecord& record : network.record) {
+      record.where = place_in_file(written, record.where);
+    }
     return network;
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(where, fmt::format("key 'network': {}", reason_of(error)));
+    throw ConfigurationError(place_in_file(written, error.where()),
+                             fmt::format("key 'network': {}", reason_of(error)));
   }
 }
 
@@ -76,7 +79,7 @@ void read_network(Node& node, std::optional<NetworkScript>& script, const std::s
     node.parameters.set("network", network_path({written, where}, directory), true, where);
   }
   const std::string& path = node.parameters.text("network");
-  const NetworkFile network = in_place ? network_in_place(path, where, directory)
+  const NetworkFile network = in_place ? network_in_place(node.written.at("network"), directory)
                               : script ? script->network(node.parameters)
                                        : located_at(where, [&] { return read_network_file(path); });
   network.check_tick(experiment.tick);

@@ -288,11 +288,11 @@ INSTANTIATE_TEST_SUITE_P(
             {{"net.yaml", "populations: {input: {model: inptu, size: 3}}\noutput: [input]\n"}}},
         WrongFile{"network in place wrong",
                   {{"net.yaml", "{populations: {r: {model: reepeater, size: 3}}, output: [r]}"}},
-                  {"x.yaml:8:40: key 'network': population 'r': unknown model 'reepeater'; did you "
+                  {"x.yaml:8:66: key 'network': population 'r': unknown model 'reepeater'; did you "
                    "mean 'repeater'? [SL0205]"}},
         WrongFile{"network in place with an unknown key",
                   {{"net.yaml", "{population: {r: {model: repeater, size: 3}}, output: [r]}"}},
-                  {"x.yaml:8:40: key 'network': network file: unknown key 'population'; did you "
+                  {"x.yaml:8:53: key 'network': network file: unknown key 'population'; did you "
                    "mean 'populations'? [SL0103]"}},
         WrongFile{"network width against connection width",
                   {{"encoder [3] -> brain [3]", "encoder [4] -> brain [4]"}},

@@ -109,4 +109,8 @@ ExperimentFile read_experiment_file(const std::filesystem::path& path, const Err
 ExperimentFile parse_experiment(std::string_view text, const std::string& path);
 ExperimentFile read_experiment_file(const std::filesystem::path& path);
 
+/// Where the file has what begins at `in_json`, a place in the JSON of a list or a map: a value, or
+/// that of a key. The place of the whole list or map when nothing begins there.
+Location place_in_file(const WrittenValue& written, const Location& in_json);
+
 }  // namespace spikeloop
