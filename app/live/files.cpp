@@ -1,18 +1,19 @@
 #include "files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 namespace spikeloop::view {
 namespace {
-
-/// The page asks for the rest of a longer file.
-constexpr std::uintmax_t kLargest = std::uintmax_t{16} << 20;
 
 // All that the page needs of the run folder.
 constexpr std::string_view kRunFiles[] = {"resolved.json", "world.json", "trajectory.csv",
@@ -58,34 +59,40 @@ std::optional<std::uintmax_t> begin_of(std::string_view range) {
 
 Answer read(const std::string& path, std::string_view range) {
   std::error_code error;
-  const std::filesystem::path file(path);
-  if (!std::filesystem::is_regular_file(file, error)) {
-    return {};
+  auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!std::filesystem::is_regular_file(path, error) || !*file) {
+    return error_answer(404);
   }
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  const std::uintmax_t begin = begin_of(range).value_or(0);
-  if (begin != 0 && begin >= size) {
-    return {204, type_of(path), {}};  // browsers count 416 as a fault
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  const auto begin = size == 0 ? std::nullopt : begin_of(range);
+  if (begin && *begin >= size) {
+    Answer answer = error_answer(416);
+    answer.range = fmt::format("bytes */{}", size);
+    return answer;
   }
-  std::ifstream stream(path, std::ios::binary);
-  stream.seekg(static_cast<std::streamoff>(begin));
-  std::string body(std::min(size - begin, kLargest), '\0');
-  stream.read(body.data(), static_cast<std::streamsize>(body.size()));
-  body.resize(static_cast<std::size_t>(stream.gcount()));
-  return {begin == 0 ? 200U : 206U, type_of(path), std::move(body)};
+  file->seekg(static_cast<std::streamoff>(begin.value_or(0)));
+  return {begin ? 206U : 200U, type_of(path),
+          begin ? fmt::format("bytes {}-{}/{}", *begin, size - 1, size) : "", std::move(file),
+          size - begin.value_or(0)};
 }
 
 }  // namespace
+
+Answer error_answer(unsigned status) {
+  auto text = std::make_unique<std::istringstream>(fmt::format("{}\n", status));
+  const std::size_t size = text->view().size();
+  return {status, "text/plain", "", std::move(text), size};
+}
 
 Answer answer(std::string_view path, std::string_view range, const std::string& page,
               const std::string& run) {
   if (path.starts_with(kRun)) {
     const std::string_view name = path.substr(kRun.size());
     const bool known = std::ranges::find(kRunFiles, name) != std::end(kRunFiles);
-    return known && !run.empty() ? read(run + "/" + std::string(name), range) : Answer{};
+    return known && !run.empty() ? read(run + "/" + std::string(name), range) : error_answer(404);
   }
   const std::string_view name = path == "/" ? "index.html" : path.substr(1);
-  return is_plain_name(name) ? read(page + "/" + std::string(name), "") : Answer{};
+  return is_plain_name(name) ? read(page + "/" + std::string(name), range) : error_answer(404);
 }
 
 }  // namespace spikeloop::view

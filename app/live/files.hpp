@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <istream>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -10,12 +11,17 @@ namespace spikeloop::view {
 
 struct Answer {
   unsigned status = 404;
-  std::string type;
-  std::string body;
+  std::string type = "text/plain";
+  std::string range{};  ///< Content-Range; empty: none
+  std::unique_ptr<std::istream> body{};
+  std::uintmax_t size = 0;  ///< of the body, in bytes
 };
 
+/// Without a file: its number.
+Answer error_answer(unsigned status);
+
 /// @param path of the URL, "/", "/raster.js", "/run/trajectory.csv"
-/// @param range of the request, "bytes=100-"; empty: all
+/// @param range of the request, "bytes=100-"; anything else: all, as RFC 9110 (14.2) permits
 /// @param page folder of the page
 /// @param run folder of the run; empty: none
 Answer answer(std::string_view path, std::string_view range, const std::string& page,

@@ -75,6 +75,12 @@ std::uint32_t Hub::beginnings() {
   return count;
 }
 
+void Hub::watch() {
+  for (Process& process : processes_) {
+    process.feed.watch();
+  }
+}
+
 std::uint64_t Hub::lost() const {
   std::uint64_t lost = 0;
   for (const Process& process : processes_) {

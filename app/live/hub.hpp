@@ -39,6 +39,9 @@ class Hub {
   /// How often viewers have to forget what they know: another time of a recording was asked for.
   std::uint32_t beginnings();
 
+  /// A viewer has subscribed to a channel.
+  void watch();
+
   /// As the Foxglove protocol has them: [{"name": "run.stop", "value": false}, ...].
   nlohmann::json parameters() const;
   /// Whether everybody may set it to that: what stops a robot.

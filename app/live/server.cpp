@@ -50,7 +50,6 @@ struct Connection {
   std::optional<Viewer> viewer;
   std::string incoming;  // of a message that comes in pieces
   Answer answer;
-  std::size_t written = 0;
 };
 
 std::string header(lws* wsi, lws_token_indexes token) {
@@ -222,20 +221,14 @@ int Server::Impl::take(lws* wsi, lws_callback_reasons reason, const char* in, st
 }
 
 int Server::Impl::give_file(lws* wsi, std::string_view path) {
-  Connection& connection = connections[wsi];
-  connection.answer = {};
-  connection.written = 0;
+  const bool without_body = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) != 0;
+  Answer& answer = connections[wsi].answer;
   if (refuses(wsi)) {
-    connection.answer.status = 403;
-  } else if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0) {
-    connection.answer.status = 405;
+    answer = error_answer(403);
+  } else if (!without_body && lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0) {
+    answer = error_answer(405);
   } else {
-    connection.answer = answer(path, header(wsi, WSI_TOKEN_HTTP_RANGE), options.page, options.run);
-  }
-  Answer& answer = connection.answer;
-  if (answer.status >= 400) {
-    answer.type = "text/plain";
-    answer.body = fmt::format("{}\n", answer.status);
+    answer = view::answer(path, header(wsi, WSI_TOKEN_HTTP_RANGE), options.page, options.run);
   }
   static constexpr std::pair<const char*, const char*> kHeaders[] = {
       {"content-security-policy:",
@@ -248,35 +241,49 @@ int Server::Impl::give_file(lws* wsi, std::string_view path) {
   unsigned char* const begin = head.data() + LWS_PRE;
   unsigned char* at = begin;
   unsigned char* const end = head.data() + head.size() - 1;
-  int error = lws_add_http_common_headers(wsi, answer.status, answer.type.c_str(),
-                                          answer.body.size(), &at, end);
-  for (const auto& [name, value] : kHeaders) {
+  int error =
+      lws_add_http_common_headers(wsi, answer.status, answer.type.c_str(), answer.size, &at, end);
+  const auto add = [&](const char* name, const char* value) {
     error |= lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
                                          reinterpret_cast<const unsigned char*>(value),
                                          static_cast<int>(std::strlen(value)), &at, end);
+  };
+  for (const auto& [name, value] : kHeaders) {
+    add(name, value);
+  }
+  if (!answer.range.empty()) {
+    add("content-range:", answer.range.c_str());
   }
   if (error != 0 || lws_finalize_write_http_header(wsi, begin, &at, end) != 0) {
     return -1;
+  }
+  if (without_body) {
+    answer = {};
+    return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
   }
   lws_callback_on_writable(wsi);
   return 0;
 }
 
 int Server::Impl::go_on_with_file(lws* wsi) {
-  Connection& connection = connections[wsi];
-  const std::string& body = connection.answer.body;
-  const std::size_t size = std::min(body.size() - connection.written, kMostOfFile);
-  const bool last = connection.written + size == body.size();
-  std::vector<unsigned char> piece(LWS_PRE + size);
-  std::copy_n(body.data() + connection.written, size, piece.data() + LWS_PRE);
-  if (lws_write(wsi, piece.data() + LWS_PRE, size, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
-      0) {
+  Answer& answer = connections[wsi].answer;
+  if (!answer.body) {
     return -1;
   }
-  connection.written += size;
+  const auto size = static_cast<std::size_t>(std::min<std::uintmax_t>(answer.size, kMostOfFile));
+  const bool last = size == answer.size;
+  std::vector<unsigned char> piece(LWS_PRE + size);
+  // A file that has become shorter than announced ends the connection.
+  if (!answer.body->read(reinterpret_cast<char*>(piece.data() + LWS_PRE),
+                         static_cast<std::streamsize>(size)) ||
+      lws_write(wsi, piece.data() + LWS_PRE, size, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
+          0) {
+    return -1;
+  }
+  answer.size -= size;
   lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kRequest_s);
   if (last) {
-    connection.answer = {};
+    answer = {};
     return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
   }
   lws_callback_on_writable(wsi);
@@ -294,13 +301,18 @@ void Server::Impl::greet(lws* wsi) {
 
 int Server::Impl::receive(lws* wsi, std::string_view piece) {
   Connection& connection = connections[wsi];
-  if (connection.incoming.size() + piece.size() > kLargestRequest) {
+  if (!connection.viewer || connection.incoming.size() + piece.size() > kLargestRequest) {
     return -1;
   }
   connection.incoming += piece;
   if (lws_is_final_fragment(wsi) != 0 && lws_remaining_packet_payload(wsi) == 0) {
     if (lws_frame_is_binary(wsi) == 0) {
       connection.viewer->take(connection.incoming, newest);
+      if (connection.viewer->hangs()) {
+        // Its socket may never be written again, and closing takes seconds.
+        connection.viewer.reset();
+        return -1;
+      }
       lws_callback_on_writable(wsi);
     }
     connection.incoming.clear();
@@ -309,10 +321,10 @@ int Server::Impl::receive(lws* wsi, std::string_view piece) {
 }
 
 int Server::Impl::write(lws* wsi) {
-  Viewer& viewer = *connections[wsi].viewer;
-  if (viewer.hangs()) {
+  if (!connections[wsi].viewer || connections[wsi].viewer->hangs()) {
     return -1;
   }
+  Viewer& viewer = *connections[wsi].viewer;
   for (int i = 0; i < kMostFrames && viewer.waits() && lws_send_pipe_choked(wsi) == 0; ++i) {
     const SharedFrame frame = viewer.pop();
     if (lws_write(wsi, frame->payload(), frame->size(),

@@ -105,7 +105,8 @@ void Viewer::take(std::string_view text, const std::vector<SharedFrame>& newest)
         channels_.erase(id.get<std::uint32_t>());
       }
     } else if (op == "getParameters") {
-      send_parameters(message.value("id", json()));
+      send_parameters(message.value("id", json()),
+                      message.value("parameterNames", std::vector<std::string>()));
     } else if (op == "subscribeParameterUpdates") {
       wants_parameters_ = true;
     } else if (op == "unsubscribeParameterUpdates") {
@@ -130,6 +131,7 @@ void Viewer::subscribe(const json& message, const std::vector<SharedFrame>& newe
       complain("there are too many subscriptions");
     } else {
       channels_[id] = channel - 1;
+      hub_.watch();
       if (const SharedFrame& frame = newest[channel - 1]) {
         push({frame, true, id});
       }
@@ -153,8 +155,15 @@ void Viewer::set_parameters(const json& message) {
   send_parameters(message.value("id", json()));
 }
 
-void Viewer::send_parameters(const json& id) {
-  json message{{"op", "parameterValues"}, {"parameters", hub_.parameters()}};
+void Viewer::send_parameters(const json& id, const std::vector<std::string>& names) {
+  json parameters = json::array();
+  for (const json& parameter : hub_.parameters()) {
+    if (names.empty() ||
+        std::ranges::find(names, parameter.at("name").get<std::string>()) != names.end()) {
+      parameters.push_back(parameter);
+    }
+  }
+  json message{{"op", "parameterValues"}, {"parameters", parameters}};
   if (id.is_string()) {
     message["id"] = id;
   }

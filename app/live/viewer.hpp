@@ -46,7 +46,9 @@ class Viewer {
   /// A message of a channel. When too much waits, the oldest messages are dropped and counted.
   void send(std::uint32_t channel, const SharedFrame& frame);
   void send(SharedFrame frame);
-  void send_parameters(const nlohmann::json& id = nullptr);
+  /// @param id of the request; @param names only these; empty: all
+  void send_parameters(const nlohmann::json& id = nullptr,
+                       const std::vector<std::string>& names = {});
 
   bool waits() const { return !queue_.empty(); }
   /// The next one, to be written before another viewer's.

@@ -39,20 +39,21 @@ export class GrowingTable {
   /// False if there is no file.
   async read() {
     const { generation } = this;
-    const headers = this.position > 0 ? { Range: `bytes=${this.position}-` } : {};
+    // From the last byte that is known: without any the answer would be 416, which browsers report as an error.
+    const known = this.position > 0 ? 1 : 0;
+    const headers = known ? { Range: `bytes=${this.position - known}-` } : {};
     const answer = await fetch(this.path, { headers, cache: "no-store" });
-    if (answer.status === 416 || answer.status === 204) {
-      return true;
-    }
     if (!answer.ok) {
-      return false;
+      return answer.status === 416;
     }
-    const bytes = new Uint8Array(await answer.arrayBuffer());
+    let bytes = new Uint8Array(await answer.arrayBuffer());
     if (generation !== this.generation) {
       return true;  // of the run before
     }
     if (answer.status === 200 && this.position > 0) {
       this.restart();
+    } else {
+      bytes = bytes.subarray(known);
     }
     this.position += bytes.length;
     const lines = (this.rest + new TextDecoder().decode(bytes)).split("\n");

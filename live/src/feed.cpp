@@ -119,6 +119,10 @@ void Feed::begin_anew() {
   ++header.beginnings;
 }
 
+bool Feed::watched() const {
+  return file_->header().watched.load() != 0;
+}
+
 bool Feed::stop_pressed() const {
   return file_->header().stop.load() != 0;
 }
@@ -219,6 +223,10 @@ void FeedReader::change(std::size_t parameter, double value) {
 
 double FeedReader::value(std::size_t parameter) const {
   return file_->header().parameters[parameter].value.load();
+}
+
+void FeedReader::watch() {
+  file_->header().watched = 1;
 }
 
 void FeedReader::press_stop(bool pressed) {

@@ -28,6 +28,7 @@ struct Header {
   std::atomic<std::uint64_t> begun_at;  // words, as `written`
   // By the view.
   std::atomic<std::int64_t> seen_at;  // wall time
+  std::atomic<std::uint32_t> watched;
   std::atomic<std::uint32_t> stop;
   std::atomic<std::uint32_t> paused;
   std::atomic<std::uint64_t> steps;

@@ -1,5 +1,6 @@
 """What a viewer gets is what the run records, and the run is the same with viewers and without."""
 
+import http.client
 import json
 import pathlib
 import tempfile
@@ -59,6 +60,20 @@ class Protocol(unittest.TestCase):
         run(programs() / "spikeloop", viewing.EXAMPLE, alone, "--duration", "30")
         self.assertEqual(fingerprint(recorded), fingerprint(alone))
 
+    def heads(self, url):
+        """HEAD gives the headers of GET, and no body; both requests on one connection."""
+        connection = http.client.HTTPConnection(url.removeprefix("http://").rstrip("/"), timeout=30)
+        answers = []
+        for method in ("HEAD", "GET"):
+            connection.request(method, "/main.js")
+            answer = connection.getresponse()
+            answers.append((answer.status, answer.headers["content-length"], answer.headers["content-type"]))
+            self.assertEqual(len(answer.read()), 0 if method == "HEAD" else int(answers[0][1]))
+        self.assertEqual(answers[0], answers[1])
+        connection.request("PUT", "/main.js")
+        self.assertEqual(connection.getresponse().status, 405)
+        connection.close()
+
     def test_page_and_files_of_the_run(self):
         with viewing.Run(self.folder / "run", "--sync", "realtime", "--duration", "60") as job:
             viewer = viewing.Viewer(job.socket_url(), "/spikeloop/status")
@@ -70,9 +85,21 @@ class Protocol(unittest.TestCase):
             self.assertEqual(json.loads(get(job.url, "run/resolved.json")[2])["experiment"], "braitenberg")
             _, _, path = get(job.url, "run/trajectory.csv")
             self.assertTrue(path.startswith(b"t_s,x_m,"))
-            status, _, rest = get(job.url, "run/trajectory.csv", Range=f"bytes={len(path) - 10}-")
+            status, headers, rest = get(job.url, "run/trajectory.csv", Range=f"bytes={len(path) - 10}-")
             self.assertEqual(status, 206)
             self.assertTrue(rest.startswith(path[-10:]))
+            first, size = len(path) - 10, len(path) - 10 + len(rest)
+            self.assertEqual(headers["content-range"], f"bytes {first}-{size - 1}/{size}")
+            for other in ("bytes=0-9", "bytes=-5", "lines=1-"):  # may be answered with all
+                status, _, page = get(job.url, "run/resolved.json", Range=other)
+                self.assertEqual((status, json.loads(page)["experiment"]), (200, "braitenberg"))
+            with self.assertRaises(urllib.error.HTTPError) as failure:
+                get(job.url, "run/resolved.json", Range="bytes=1000000000-")
+            self.assertEqual(failure.exception.code, 416)
+            self.assertRegex(failure.exception.headers["content-range"], r"^bytes \*/\d+$")
+            self.heads(job.url)
+            viewer.send(op="getParameters", parameterNames=["encoder.rate_min"], id="one")
+            viewer.until(lambda: viewer.parameters == {"encoder.rate_min": 1})
             for missing in ("run/log.txt", "run/../../secret", "..%2f..%2fetc/passwd", "nothing.js"):
                 with self.assertRaises(urllib.error.HTTPError, msg=missing) as failure:
                     get(job.url, missing)

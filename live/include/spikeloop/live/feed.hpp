@@ -94,6 +94,8 @@ class Feed {
   std::uint64_t steps() const;
   /// Ratio of simulated to wall time; 0: as fast as possible.
   double speed() const;
+  /// Whether a viewer has subscribed to a channel of the run.
+  bool watched() const;
   /// Parameters that have changed since the last call, by their numbers, with their values.
   std::vector<std::pair<std::size_t, double>> changes();
 
@@ -133,6 +135,7 @@ class FeedReader {
 
   /// Counts Feed::begin_anew(); what was told before a new one is not read any more.
   std::uint32_t beginnings();
+  void watch();  ///< as Feed::watched()
   void press_stop(bool pressed);
   void pause(bool paused);
   void step();
