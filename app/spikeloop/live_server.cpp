@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "output.hpp"
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/live/feed.hpp"
@@ -95,6 +96,14 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
       .arguments = words, .environment = environment, .directory = {}, .scratch = folder_.path()});
   put(stderr, first_line(*server_));
   ::setenv(live::kFolderVariable, folder_.path().c_str(), 1);
+}
+
+void LiveServer::require_alive() {
+  if (server_->gone()) {
+    throw TransportError(
+        with_code(Code::partner_failed,
+                  "spikeloop-live, the server of the live view, has ended; start the view again"));
+  }
 }
 
 LiveServer::~LiveServer() {

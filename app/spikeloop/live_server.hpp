@@ -32,6 +32,8 @@ class LiveServer {
              bool recording = false);
   /// Ends it.
   ~LiveServer();
+  /// @throws TransportError: it has ended.
+  void require_alive();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
 

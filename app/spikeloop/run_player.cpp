@@ -1,26 +1,16 @@
 #include "run_player.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "recorded_run.hpp"
-#include "spikeloop/core/code.hpp"
-#include "spikeloop/core/error.hpp"
-#include "spikeloop/core/log.hpp"
-#include "spikeloop/fused/run.hpp"
 #include "spikeloop/live/neural_messages.hpp"
 #include "spikeloop/live/status.hpp"
-#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::app {
 namespace {
 
 using nlohmann::json;
-namespace fs = std::filesystem;
 
 constexpr TimeNs kStatusPeriod = kNsPerSecond / 10;  // wall time
 /// What the page shows of the time before.
@@ -37,94 +27,63 @@ std::size_t first_after(const Times& times, TimeNs time, TimeOf&& time_of) {
 
 }  // namespace
 
-RunPlayer::RunPlayer(const std::string& folder) : folder_(folder) {
-  const RecordedRun run = read_run_again(folder);
-  name_ = run.resolved.value("experiment", "");
-  tick_ = run.resolved.value("tick_ns", kNsPerSecond / 1000);
-  for (const auto& [node, keys] : run.resolved["nodes"].items()) {
-    read_recordings(node);
+RunPlayer::RunPlayer(const RunRecordings& recordings, const std::string& feeds)
+    : run_(recordings),
+      feed_(feeds, live::About{.process = "recording", .commands = false, .pausable = true}),
+      status_(feed_.add(live::status_channel())) {
+  feed_.add(live::Parameter{"run.time", 0, 0, to_seconds(run_.end), "s"});
+  for (const RecordedSpikes& spikes : run_.spikes) {
+    spikes_.push_back({&spikes, feed_.add(live::spike_channel(spikes.topic()))});
   }
-  if (spikes_.empty() && signals_.empty()) {
-    throw ConfigurationError(
-        with_code(Code::missing_file,
-                  "'{}' has no recordings; run the experiment without --no-record", folder));
+  for (const RecordedSignal& signal : run_.signals) {
+    signals_.push_back({&signal, feed_.add(live::signal_channel(signal.topic()))});
   }
-  if (fs::exists(fs::path(folder) / fused::kMessagesFile)) {
-    messages_ = std::make_unique<bag::Reader>((fs::path(folder) / fused::kMessagesFile).string());
-    end_ = std::max(end_, messages_->end());
-  }
+  add_messages();
 }
 
-void RunPlayer::read_recordings(const std::string& node) {
-  const std::string file = (fs::path(folder_) / (node + ".h5")).string();
-  if (!fs::exists(file)) {
+void RunPlayer::add_messages() {
+  if (!run_.messages) {
     return;
   }
-  const record::FileInfo info = record::read_info(file);
-  end_ = std::max(end_, info.until);
-  for (const std::string& stream : info.spikes) {
-    spikes_.push_back({fmt::format("{}.{}", node, stream), record::read_spikes(file, stream)});
-    std::ranges::stable_sort(spikes_.back().recording.spikes, spike_before);
-  }
-  for (const std::string& stream : info.signals) {
-    signals_.push_back({fmt::format("{}.{}", node, stream), record::read_signal(file, stream)});
-  }
-}
-
-void RunPlayer::open(const std::string& feeds) {
-  feed_ = std::make_unique<live::Feed>(
-      feeds, live::About{.process = "recording", .commands = false, .pausable = true});
-  status_ = feed_->add(live::status_channel());
-  feed_->add(live::Parameter{"run.time", 0, 0, to_seconds(end_), "s"});
-  const auto topic_of = [](std::string end) {
-    std::ranges::replace(end, '.', '/');
-    return "/" + end;
-  };
-  for (Spikes& spikes : spikes_) {
-    spikes.channel = feed_->add(live::spike_channel(topic_of(spikes.end)));
-  }
-  for (Signal& signal : signals_) {
-    signal.channel = feed_->add(live::signal_channel(topic_of(signal.end)));
-  }
-  read_messages();
-}
-
-void RunPlayer::read_messages() {
-  if (!messages_) {
-    return;
-  }
-  for (const bag::Connection& connection : messages_->connections()) {
-    if (!connection.dialect) {
-      continue;
+  for (const bag::Connection& connection : run_.messages->connections()) {
+    if (connection.dialect) {
+      const messages::Schema& schema = connection.schema;
+      topics_.push_back({connection, run_.messages->stream(connection.topic, connection.node),
+                         feed_.add({connection.topic, schema.encoding, schema.type,
+                                    schema.definition_encoding, schema.definition})});
     }
-    const messages::Schema schema = messages::schema_of(*connection.dialect, connection.type);
-    topics_.push_back({connection, messages_->stream(connection.topic, connection.node),
-                       feed_->add({connection.topic, schema.encoding, schema.type,
-                                   schema.definition_encoding, schema.definition})});
   }
 }
 
 void RunPlayer::advance(TimeNs now) {
   const TimeNs passed = std::min(now - asked_, kLongestStep);
   asked_ = now;
-  for (const auto& [number, value] : feed_->changes()) {
+  for (const auto& [number, value] : feed_.changes()) {
     go_to(from_seconds(value));
   }
-  if (feed_->paused()) {
-    const std::uint64_t steps = feed_->steps() - steps_;
-    play(std::min(end_, time_ + static_cast<TimeNs>(steps) * tick_));
-  } else {
-    const double speed = feed_->speed();
-    const double next =
-        static_cast<double>(time_) +
-        (speed > 0 ? speed * static_cast<double>(passed) : static_cast<double>(end_ - time_));
-    play(std::min(end_, static_cast<TimeNs>(next)));
+  if (time_ < wanted_) {
+    catch_up();
+  } else if (feed_.watched()) {
+    go_on(passed);
   }
-  steps_ = feed_->steps();
   if (now >= next_status_) {
     next_status_ = now + kStatusPeriod;
     tell();
   }
+}
+
+void RunPlayer::go_on(TimeNs passed) {
+  if (feed_.paused()) {
+    const std::uint64_t steps = feed_.steps() - steps_;
+    play(std::min(run_.end, time_ + static_cast<TimeNs>(steps) * run_.tick));
+  } else {
+    const double speed = feed_.speed();
+    const double next =
+        static_cast<double>(time_) +
+        (speed > 0 ? speed * static_cast<double>(passed) : static_cast<double>(run_.end - time_));
+    play(std::min(run_.end, static_cast<TimeNs>(next)));
+  }
+  steps_ = feed_.steps();
 }
 
 /// What lies in (time_, until]: all spikes, the newest values and messages.
@@ -135,22 +94,22 @@ void RunPlayer::play(TimeNs until) {
   for (Spikes& spikes : spikes_) {
     std::vector<std::int64_t> times;
     std::vector<std::uint32_t> channels;
-    const auto& all = spikes.recording.spikes;
+    const auto& all = spikes.of->recording.spikes;
     for (; spikes.next < all.size() && all[spikes.next].time_ns <= until; ++spikes.next) {
       times.push_back(all[spikes.next].time_ns);
       channels.push_back(static_cast<std::uint32_t>(all[spikes.next].channel));
     }
     if (!times.empty()) {
       live::write_spikes(times, channels, message_);
-      feed_->publish(spikes.channel, until, message_);
+      publish(spikes.channel, until, message_);
     }
   }
   for (Signal& signal : signals_) {
-    const std::size_t next = first_after(signal.recording.times, until, std::identity());
+    const std::size_t next = first_after(signal.of->recording.times, until, std::identity());
     if (next > signal.next) {
       signal.next = next;
-      live::write_signal(signal.recording.row(next - 1), message_);
-      feed_->publish(signal.channel, signal.recording.times[next - 1], message_);
+      live::write_signal(signal.of->recording.row(next - 1), message_);
+      publish(signal.channel, signal.of->recording.times[next - 1], message_);
     }
   }
   for (Topic& topic : topics_) {
@@ -163,32 +122,43 @@ void RunPlayer::play(TimeNs until) {
       topic.waiting.reset();
     }
     if (time >= 0) {
-      feed_->publish(topic.channel, time, newest);
+      publish(topic.channel, time, newest);
     }
   }
   time_ = until;
-  feed_->set(kTimeBar, to_seconds(time_));
+  feed_.set(kTimeBar, to_seconds(time_));
 }
 
 /// The page begins anew, a little before, so that it has something to show.
 void RunPlayer::go_to(TimeNs time) {
   const TimeNs begin = std::max<TimeNs>(0, time - kHistory);
-  feed_->begin_anew();
+  feed_.begin_anew();
   for (Spikes& spikes : spikes_) {
-    spikes.next = first_after(spikes.recording.spikes, begin, &Spike::time_ns);
+    spikes.next = first_after(spikes.of->recording.spikes, begin, &Spike::time_ns);
   }
   for (Signal& signal : signals_) {
     signal.next = 0;
   }
   for (Topic& topic : topics_) {
-    topic.stream = messages_->stream(topic.connection.topic, topic.connection.node);
+    topic.stream = run_.messages->stream(topic.connection.topic, topic.connection.node);
     topic.waiting.reset();
   }
   time_ = begin;
+  wanted_ = std::min(time, run_.end);
+}
+
+/// No more at once than the view can read meanwhile.
+void RunPlayer::catch_up() {
   constexpr TimeNs kPiece = kNsPerSecond / 50;
-  while (time_ < std::min(time, end_)) {
-    play(std::min({time_ + kPiece, time, end_}));
+  for (const std::size_t before = published_;
+       time_ < wanted_ && published_ - before < live::kRingBytes / 4;) {
+    play(std::min(time_ + kPiece, wanted_));
   }
+}
+
+void RunPlayer::publish(std::uint32_t channel, TimeNs time, const std::vector<std::byte>& message) {
+  feed_.publish(channel, time, message);
+  published_ += message.size();
 }
 
 /// It never ends: one can go back.
@@ -197,20 +167,20 @@ void RunPlayer::tell() {
       {"process", "recording"},
       {"simulated_s", to_seconds(time_)},
       {"wall_s", to_seconds(asked_)},
-      {"paused", feed_->paused()},
+      {"paused", feed_.paused()},
       {"ended", false},
       {"changeable",
-       {{{"name", "run.time"}, {"minimum", 0}, {"maximum", to_seconds(end_)}, {"unit", "s"}}}},
+       {{{"name", "run.time"}, {"minimum", 0}, {"maximum", to_seconds(run_.end)}, {"unit", "s"}}}},
       {"commands", json::array()},
       {"spikes", spike_counts()}};
   const std::string text = status.dump();
-  feed_->publish(status_, time_, std::as_bytes(std::span(text)));
+  feed_.publish(status_, time_, std::as_bytes(std::span(text)));
 }
 
 json RunPlayer::spike_counts() const {
   json counts = json::object();
   for (const Spikes& spikes : spikes_) {
-    counts[spikes.end] = spikes.next;
+    counts[spikes.of->end()] = spikes.next;
   }
   return counts;
 }

@@ -147,7 +147,8 @@ export class Controls {
       const value = this.model.parameters.get(each.name);
       const slider = this.sliders.get(each.name) ?? this.makeSlider(each);
       slider.input.disabled = offline || typeof value !== "number";
-      if (typeof value === "number" && performance.now() - slider.moved > HOLD_MS && slider.shown !== value) {
+      const held = slider.held || performance.now() - slider.moved < HOLD_MS;
+      if (typeof value === "number" && !held && slider.shown !== value) {
         slider.shown = value;
         slider.input.value = String(value);
       }
@@ -167,7 +168,11 @@ export class Controls {
     Object.assign(input, { type: "range", min: minimum, max: maximum, step: (maximum - minimum) / 200 || 1 });
     row.append(label, input, output);
     document.getElementById("sliders-body").append(row);
-    const slider = { input, output, moved: -Infinity, shown: undefined };
+    const slider = { input, output, held: false, moved: -Infinity, shown: undefined };
+    input.addEventListener("pointerdown", () => { slider.held = true; });
+    for (const name of ["pointerup", "pointercancel", "blur"]) {
+      input.addEventListener(name, () => { slider.held = false; });
+    }
     input.addEventListener("input", () => {
       slider.moved = performance.now();
       slider.shown = undefined;

@@ -79,10 +79,15 @@ const status = new Status(model, connection);
 const controls = new Controls(model, connection);
 const frames = [];  // times of the last pictures
 
-/// The server has told which run it serves. Another one begins with an empty page.
+/// The server has told which run it serves, "RUN-PART". Another run begins with an empty page, another part of a
+/// recording without data.
 function begin(info) {
   const same = model.session === undefined || model.session === info.sessionId;
-  if (model.session !== undefined && model.session !== info.sessionId) {
+  const [run, before] = [info.sessionId, model.session].map((session) => session?.split("-")[0]);
+  if (!same && run === before) {
+    [model, timePanel].forEach((each) => each.rewind());
+    world.layer = null;
+  } else if (!same) {
     model.reset();
     [trajectory, world, timePanel, pictures, learning, controls].forEach((each) => each.reset());
     details.close();

@@ -41,6 +41,17 @@ export class Model {
     this.structure = (this.structure ?? 0) + 1;  // grows when outputs appear or change
   }
 
+  /// Of a recording another part comes: what is shown stays, without the data so far.
+  rewind() {
+    [...this.outputs.values(), ...this.sent.values()].forEach(({ store }) => store.clear());
+    this.processes.forEach(({ rate }) => { rate.marks = []; });
+    this.latencies = [];
+    this.scans = [];
+    this.picture = null;
+    this.dataAt = null;
+    this.timeline.rewind();
+  }
+
   describe(resolved, world) {
     this.resolved = resolved;
     this.world = world;
@@ -216,7 +227,7 @@ export class Model {
   rateOf(key) {
     for (const { rate } of this.processes.values()) {
       const [first, last] = [rate.marks[0], rate.marks.at(-1)];
-      if (key in last[2] && last[0] > first[0]) {
+      if (last && key in last[2] && last[0] > first[0]) {
         return (last[2][key] - (first[2][key] ?? 0)) / (last[0] - first[0]);
       }
     }
@@ -248,7 +259,10 @@ export class Model {
 
 /// Simulated time by wall time: over the last two seconds, and of all the run when it has ended.
 function factor({ ended, simulated_s: simulated, wall_s: wall, rate: { marks } }) {
-  return ended ? simulated / wall : (marks.at(-1)[0] - marks[0][0]) / (marks.at(-1)[1] - marks[0][1]);
+  if (ended) {
+    return simulated / wall;
+  }
+  return marks.length ? (marks.at(-1)[0] - marks[0][0]) / (marks.at(-1)[1] - marks[0][1]) : NaN;
 }
 
 /// The float64[] of a message spikeloop/msg/Signal.

@@ -15,6 +15,12 @@ export class Timeline {
     this.newest = 0;
   }
 
+  /// The newest data are forgotten; the span is the user's.
+  rewind() {
+    this.fixedEnd = null;
+    this.newest = 0;
+  }
+
   onChange(listener) {
     this.listeners.push(listener);
   }

@@ -40,6 +40,11 @@ export class TimePanel {
     this.enlarged = null;
   }
 
+  /// The data are forgotten; rows and what is shown of them stay.
+  rewind() {
+    this.rasters.forEach((raster) => raster.reset());
+  }
+
   /// Rows that are shown; also those behind one that is enlarged.
   get wanted() {
     return (this.rows ?? []).filter((row) => !this.hidden.has(row.key));

@@ -296,6 +296,7 @@ class McapFile : public Source {
     if (schema != schemas_.end()) {
       const auto& [name, encoding, text] = schema->second;
       result.type = type_of(name);
+      result.schema = {result.encoding, name, encoding, text};
       if (result.encoding == messages::kRos1 && encoding == messages::kRos1Definition) {
         result.dialect = messages::Dialect::ros1;
       } else if (result.encoding == messages::kRos2 && encoding == messages::kRos2Definition) {

@@ -12,7 +12,6 @@
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag {
 namespace {
@@ -31,16 +30,6 @@ struct Item {
   TimeNs time = 0;
   std::vector<std::byte> bytes;
 };
-
-mcap::Channel channel_of(const Topic& topic) {
-  messages::Schema schema = messages::schema_of(topic.dialect, topic.type);
-  return {topic.name,
-          std::move(schema.encoding),
-          std::move(schema.type),
-          std::move(schema.definition_encoding),
-          std::move(schema.definition),
-          {{kNodeField, topic.node}}};
-}
 
 }  // namespace
 
@@ -84,9 +73,18 @@ Recorder::~Recorder() {
 }
 
 std::uint32_t Recorder::add(const Topic& topic) {
-  mcap::Channel channel = channel_of(topic);
+  return add({topic.name, messages::schema_of(topic.dialect, topic.type), topic.node});
+}
+
+std::uint32_t Recorder::add(const Channel& channel) {
+  const messages::Schema& schema = channel.schema;
   const std::lock_guard lock(impl_->mutex);
-  impl_->fresh.push_back(std::move(channel));
+  impl_->fresh.push_back({channel.topic,
+                          schema.encoding,
+                          schema.type,
+                          schema.definition_encoding,
+                          schema.definition,
+                          {{kNodeField, channel.node}}});
   return impl_->channels++;
 }
 

@@ -141,7 +141,9 @@ class Ros1Bag : public Source {
                               .type = info->datatype,
                               .encoding = "ros1",
                               .dialect = messages::Dialect::ros1,
-                              .version = info->md5sum});
+                              .version = info->md5sum,
+                              .schema = {std::string(messages::kRos1), info->datatype,
+                                         std::string(messages::kRos1Definition), info->msg_def}});
       ids_.push_back(info->id);
     }
     if (view.size() > 0) {

@@ -12,6 +12,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/messages/definition.hpp"
+#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag {
 
@@ -20,8 +21,9 @@ struct Connection {
   std::string type;                            ///< PACKAGE/TYPE
   std::string encoding;                        ///< "ros1", "cdr", or another one
   std::optional<messages::Dialect> dialect{};  ///< of the encoding; none: sensors cannot take it
-  std::string version{};  ///< the md5 sum of ROS 1, the type hash of ROS 2; empty: not known
-  std::string node{};     ///< of a run; empty in any other recording
+  std::string version{};      ///< the md5 sum of ROS 1, the type hash of ROS 2; empty: not known
+  std::string node{};         ///< of a run; empty in any other recording
+  messages::Schema schema{};  ///< as the file has it
 };
 
 struct Message {

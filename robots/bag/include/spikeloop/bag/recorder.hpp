@@ -13,6 +13,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag {
 
@@ -24,6 +25,13 @@ struct Topic {
   std::string type;  ///< "sensor_msgs/LaserScan", or a .msg file
   std::string node;  ///< that takes or sends its messages
   messages::Dialect dialect = messages::Dialect::ros1;
+};
+
+/// Messages of any kind.
+struct Channel {
+  std::string topic;
+  messages::Schema schema;
+  std::string node;  ///< as of a Topic
 };
 
 struct RecorderOptions {
@@ -56,6 +64,7 @@ class Recorder {
 
   /// A connection, for take(). @throws ConfigurationError for an unknown type.
   std::uint32_t add(const Topic& topic);
+  std::uint32_t add(const Channel& channel);
   /// A file within the file.
   void attach(const std::string& name, const std::string& media_type, std::string contents);
   /// Copies one message. Those of a time stay in the order in which they came.
