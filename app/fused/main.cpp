@@ -3,6 +3,7 @@
 // process runs without MUSIC (--alone): MPI takes a third of a second to start.
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "music_processes.hpp"
 #include "ros_transport.hpp"
@@ -91,15 +92,24 @@ bool watches(const experiment::Experiment& experiment, const std::string& proces
 fused::RunResult run_experiment(const experiment::Experiment& experiment, music::Process& process,
                                 const Parameters& keys, MusicProcesses& others) {
   const auto stop = [] { return status::stop_requested(); };
+  const auto enter = [&](bool waits) {
+    process.enter(waits ? status::Phase::waiting : status::Phase::computing);
+  };
+  bool begun = false;
   const fused::RunEvents events{
-      .progress = [&](const fused::Progress& progress) { others.take(progress); }, .stop = stop};
+      .progress = [&](const fused::Progress& progress) { others.take(progress); },
+      .stop = stop,
+      .waits =
+          [&](bool waits) {
+            if (!std::exchange(begun, true)) {
+              process.say_begun();  // a pause before the first tick may take any time
+            }
+            enter(waits);
+          }};
   const fused::RunOptions options = options_of(keys, process);
   if (experiment.ros == experiment::Ros::none || !meets_robot(experiment, process.label())) {
     return fused::run(experiment, options, events, &others);
   }
-  const auto enter = [&](bool waits) {
-    process.enter(waits ? status::Phase::waiting : status::Phase::computing);
-  };
   const bool first = first_at_robot(experiment) == process.label();
   RosTransport transport(experiment, process.label(), keys.text("ros_arguments"),
                          first ? options.folder : "",

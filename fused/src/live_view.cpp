@@ -37,10 +37,11 @@ std::string topic_of(const std::string& end) {
   return fmt::format("/{}/{}", experiment::node_of(end), experiment::port_of(end));
 }
 
-/// Others do not wait for a process that stands still: a clock, a robot, the launcher of a job.
+/// A clock does not wait for a process that stands still. With several processes one pause would
+/// have to hold all of them; simulators wait for their only partner.
 bool can_pause(const Experiment& experiment) {
   return (experiment.sync == Sync::lockstep || experiment.sync == Sync::unpaced) &&
-         experiment.ros == experiment::Ros::none && !experiment::needs_music(experiment);
+         experiment.layout.processes.size() == 1;
 }
 
 bool has_commands(const Experiment& experiment, const std::string& process) {
@@ -48,6 +49,28 @@ bool has_commands(const Experiment& experiment, const std::string& process) {
     return node.role == experiment::Role::sink && process_of(experiment, node.name) == process;
   });
 }
+
+bool asks_to_stop(const RunEvents& events) {
+  return events.stop && events.stop();
+}
+
+/// The launcher learns that the run stands still on purpose.
+class Waiting {
+ public:
+  explicit Waiting(const RunEvents& events) : events_(events) { tell(true); }
+  ~Waiting() { tell(false); }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+ private:
+  void tell(bool waits) const {
+    if (events_.waits) {
+      events_.waits(waits);
+    }
+  }
+
+  const RunEvents& events_;
+};
 
 void sleep_a_moment() {
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -228,9 +251,9 @@ void LiveView::add_parameters(const std::string& process) {
   }
 }
 
-void LiveView::before_tick(TimeNs time, Changes& changes, const std::function<bool()>& stop) {
+void LiveView::before_tick(TimeNs time, Changes& changes, const RunEvents& events) {
   if (pausable_) {
-    wait(time, stop);
+    wait(time, events);
   }
   for (const auto& [number, value] : feed_.changes()) {
     parameters_[number].value = value;
@@ -247,11 +270,11 @@ void LiveView::show(const experiment::Change& change) {
   }
 }
 
-void LiveView::wait(TimeNs time, const std::function<bool()>& stop) {
-  const auto ends = [&] { return stop && stop(); };
+void LiveView::wait(TimeNs time, const RunEvents& events) {
   if (feed_.paused() && feed_.steps() == steps_) {
+    const Waiting waiting(events);
     flush();
-    while (feed_.paused() && feed_.steps() == steps_ && !ends()) {
+    while (feed_.paused() && feed_.steps() == steps_ && !asks_to_stop(events)) {
       if (wall_now() >= next_status_) {
         tell(progress_, false);
       }
@@ -260,10 +283,10 @@ void LiveView::wait(TimeNs time, const std::function<bool()>& stop) {
     speed_since_wall_ = 0;
   }
   steps_ = feed_.paused() ? std::min(steps_ + 1, feed_.steps()) : feed_.steps();
-  keep_to_speed(time, stop);
+  keep_to_speed(time, events);
 }
 
-void LiveView::keep_to_speed(TimeNs time, const std::function<bool()>& stop) {
+void LiveView::keep_to_speed(TimeNs time, const RunEvents& events) {
   if (const double speed = feed_.speed(); speed != speed_ || speed_since_wall_ == 0) {
     speed_ = speed;
     speed_since_wall_ = wall_now();
@@ -273,7 +296,11 @@ void LiveView::keep_to_speed(TimeNs time, const std::function<bool()>& stop) {
     const double due = static_cast<double>(time - speed_since_) / speed_;
     return static_cast<double>(wall_now() - speed_since_wall_) < due;
   };
-  while (speed_ > 0 && ahead() && feed_.speed() == speed_ && !feed_.paused() && !(stop && stop())) {
+  if (speed_ <= 0 || !ahead()) {
+    return;
+  }
+  const Waiting waiting(events);
+  while (ahead() && feed_.speed() == speed_ && !feed_.paused() && !asks_to_stop(events)) {
     if (wall_now() >= next_status_) {
       flush();
       tell(progress_, false);

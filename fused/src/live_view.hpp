@@ -51,9 +51,9 @@ class LiveView {
 
   // By the loop.
 
-  /// Waits while the run is paused, or is faster than asked for, unless `stop`. Then parameters
-  /// have the values that the view asks for.
-  void before_tick(TimeNs time, Changes& changes, const std::function<bool()>& stop);
+  /// Waits while the run is paused, or is faster than asked for, unless `events.stop`. Then
+  /// parameters have the values that the view asks for.
+  void before_tick(TimeNs time, Changes& changes, const RunEvents& events);
   /// A parameter has another value, though the view did not ask for it.
   void show(const experiment::Change& change);
   /// Every tick. @param now wall time
@@ -64,9 +64,9 @@ class LiveView {
  private:
   void flush();
   void tell(const Progress& progress, bool ended);
-  void wait(TimeNs time, const std::function<bool()>& stop);
+  void wait(TimeNs time, const RunEvents& events);
   void add_parameters(const std::string& process);
-  void keep_to_speed(TimeNs time, const std::function<bool()>& stop);
+  void keep_to_speed(TimeNs time, const RunEvents& events);
 
   live::Feed feed_;
   const std::string process_;

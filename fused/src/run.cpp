@@ -107,7 +107,7 @@ class Loop {
       return false;
     }
     if (view_ != nullptr) {
-      view_->before_tick(graph.time(), changes_, events_.stop);
+      view_->before_tick(graph.time(), changes_, events_);
     }
     changes_.repeat([this](const experiment::Change& change) {
       if (view_ != nullptr) {

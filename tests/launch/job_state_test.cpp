@@ -185,7 +185,15 @@ TEST_F(State, WhoWaitsForTheClockHoldsUpNobody) {
   beat("b", "exchanging", 1.0);
   beat("c", "exchanging", 1.0);
   EXPECT_EQ(state_.who_stands_still(10s, now_), "") << "a tick is longer than 10 s";
-  beat("a", "waiting", 2.0);
+  for (int i = 2; i < 5; ++i) {
+    beat("a", "waiting", i);
+    EXPECT_EQ(state_.who_stands_still(10s, now_), "");
+    now_ += 4s;
+  }
+  for (const char* label : {"b", "c"}) {
+    beat(label, "exchanging", 1.0);
+  }
+  beat("a", "waiting", 5.0);
   EXPECT_NE(state_.who_stands_still(10s, now_), "") << "the clock goes on, the others do not";
 }
 
@@ -197,7 +205,23 @@ TEST_F(State, WhoHasJustCeasedToWaitMaySayWhy) {
   beat("b", "exchanging", 1.0);
   beat("c", "exchanging", 1.0);
   EXPECT_EQ(state_.who_stands_still(10s, now_), "");
-  now_ += 2s;
+}
+
+TEST_F(State, TheTimeForWhichOneWaitedDoesNotCountForTheOthers) {
+  run();
+  beat("a", "waiting", 1.0);
+  now_ += 11s;
+  EXPECT_FALSE(state_.one_waits(now_)) << "it is silent";
+  beat("a", "waiting", 1.0);
+  EXPECT_TRUE(state_.one_waits(now_));
+  beat("a", "computing", 1.0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(state_.who_stands_still(10s, now_), "") << i;
+    now_ += 4s;
+    for (const char* label : {"a", "b", "c"}) {
+      beat(label, "exchanging", 1.0);
+    }
+  }
   EXPECT_NE(state_.who_stands_still(10s, now_), "");
 }
 

@@ -227,6 +227,9 @@ void JobRun::watch_start() {
   if (!state_.who_prepares().empty() && now - started_ < kMostPatience * options_.start_timeout) {
     prepared_ = now;
   }
+  if (state_.one_waits()) {
+    prepared_ = now;  // the others have their time when it goes on
+  }
   const bool before_setup = !state_.any_started() && options_.hostfile.empty() && !options_.alone;
   if (before_setup && starting_->is_due(now)) {
     starting_->take(living_sections(mpirun_->tree().pid()), now);

@@ -16,6 +16,9 @@ namespace {
 
 using nlohmann::json;
 
+/// A clock lets the process tick more often than that.
+constexpr std::chrono::seconds kLongWait{1};
+
 /// What ssh's own messages begin with.
 constexpr const char* kSsh = "ssh: ";
 
@@ -86,11 +89,7 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.terminated = true;
     terminated_ = terminated_.empty() ? label : terminated_;
   } else if (type == "alive") {
-    const auto phase = status::phase_named(value_of(message, "phase", std::string()));
-    if (process.phase == status::Phase::waiting && phase != process.phase) {
-      process.left_wait = now;
-    }
-    process.phase = phase;
+    take_phase(process, status::phase_named(value_of(message, "phase", std::string())), now);
   } else if (type == "progress") {
     process.ticked = true;
     return take_progress(label, message);
@@ -107,6 +106,21 @@ bool JobState::take(const json& message, Clock::time_point now) {
                 fmt::format("{}: {}", label, value_of(message, "message", std::string("failed")))};
   }
   return false;
+}
+
+/// Time for which the others had to wait for this one does not count.
+void JobState::take_phase(Process& process, std::optional<status::Phase> phase,
+                          Clock::time_point now) {
+  const bool waits = phase == status::Phase::waiting;
+  if (waits && now - process.moved > kLongWait) {
+    for (auto& [label, other] : processes_) {
+      other.moved = &other == &process ? other.moved : now;
+    }
+  }
+  if (process.phase == status::Phase::waiting && !waits) {
+    process.left_wait = process.moved = now;
+  }
+  process.phase = phase;
 }
 
 void JobState::take_time(Process& process, const json& message, Clock::time_point now) {

@@ -57,6 +57,8 @@ class JobState {
   /// Whether any program of the file has ticked.
   bool any_ticked() const;
   bool has_ticked(const std::string& label) const;
+  /// Whether one stands still on purpose, for a clock, a robot or a viewer: the others wait for it.
+  bool one_waits(Clock::time_point now = Clock::now()) const;
   /// Why the job has not begun; empty when everybody whose news we expect has ticked.
   std::string what_is_late(Clock::time_point now = Clock::now()) const;
   /// Why none of our programs has said that it lives, when these sections' programs do; true: but
@@ -91,12 +93,14 @@ class JobState {
     std::optional<status::Phase> phase{};  ///< none: sends no heartbeats
     Clock::time_point heard{};             ///< of the last message
     Clock::time_point moved{};             ///< when its simulated time last changed
-    Clock::time_point left_wait{};         ///< when it last ceased to wait for the clock or a robot
+    /// When it last ceased to wait for the clock, a robot or a viewer.
+    Clock::time_point left_wait{};
     double simulated_s = 0;
     nlohmann::json counters = nlohmann::json::object();
     nlohmann::json summary = nlohmann::json::object();
   };
 
+  void take_phase(Process& process, std::optional<status::Phase> phase, Clock::time_point now);
   void take_time(Process& process, const nlohmann::json& message, Clock::time_point now);
   /// Of a foreign program that has left, while those of ours that it listens to go on: how far
   /// these are.

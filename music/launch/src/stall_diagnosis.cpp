@@ -32,6 +32,14 @@ std::string JobState::shown(const std::string& label) const {
   return fmt::format("'{}' ({})", label, processes_.at(label).program);
 }
 
+bool JobState::one_waits(Clock::time_point now) const {
+  return std::ranges::any_of(processes_, [&](const auto& entry) {
+    const Process& process = entry.second;
+    return process.ticked && process.phase == Phase::waiting && now - process.heard < kSilence &&
+           (process.simulated_s == 0 || now - process.moved > kLastWord);
+  });
+}
+
 std::string JobState::what_is_late(Clock::time_point now) const {
   constexpr std::array kWhat{"not started: ",
                              "silent: ",
@@ -39,13 +47,12 @@ std::string JobState::what_is_late(Clock::time_point now) const {
                              "started, but still without a first tick: ",
                              "waiting for the others: ",
                              "no news of: "};
+  if (one_waits(now)) {
+    return "";
+  }
   std::array<std::vector<std::string>, kWhat.size()> labels;
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
-    if (process.ticked && process.phase == Phase::waiting && process.simulated_s == 0 &&
-        now - process.heard < kSilence) {
-      return "";  // has begun, and waits for a clock or a robot: the others wait for it
-    }
     if (process.program.empty() || process.ticked) {
       continue;
     }

@@ -69,6 +69,8 @@ struct RunEvents {
   std::function<void(TimeNs simulated)> ticked{};   ///< after every tick
   std::function<void(const Progress&)> progress{};  ///< ten times a second, and at the end
   std::function<bool()> stop{};                     ///< asked every tick
+  /// Before (true) and after a time for which a viewer holds up the run: pause, or a low speed.
+  std::function<void(bool waits)> waits{};
   /// Before summary.json is written: who stopped the run may say so.
   std::function<void(RunResult&)> ended{};
 };
