@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "spikeloop/core/error.hpp"
 
@@ -132,6 +133,20 @@ std::string Hub::change(const std::string& name, double value) {
   return {};
 }
 
+/// A process that begins meanwhile finds the file; one that begins later is found by look().
+void Hub::press_stop(bool pressed) {
+  stop_ = pressed;
+  const auto file = std::filesystem::path(folder_) / live::kStopFile;
+  if (std::error_code ignored; pressed) {
+    std::ofstream{file};
+  } else {
+    std::filesystem::remove(file, ignored);
+  }
+  for (Process& process : processes_) {
+    process.feed.press_stop(pressed);
+  }
+}
+
 std::string Hub::set(const std::string& name, const json& value) {
   const json all = parameters();
   const auto known =
@@ -148,19 +163,17 @@ std::string Hub::set(const std::string& name, const json& value) {
     return fmt::format("parameter '{}' is 0 or more, not {}", name, value.dump());
   }
   if (name == kStop) {
-    stop_ = value.get<bool>();
+    press_stop(value.get<bool>());
   }
   if (name != kStop && name != kPause && name != kStep && name != kSpeed) {
     return change(name, value.get<double>());
   }
   for (Process& process : processes_) {
-    if (name == kStop) {
-      process.feed.press_stop(value.get<bool>());
-    } else if (name == kPause) {
+    if (name == kPause) {
       process.feed.pause(value.get<bool>());
     } else if (name == kStep) {
       process.feed.step();
-    } else {
+    } else if (name == kSpeed) {
       process.feed.set_speed(value.get<double>());
     }
   }

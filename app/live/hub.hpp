@@ -58,6 +58,7 @@ class Hub {
   };
 
   std::string change(const std::string& name, double value);
+  void press_stop(bool pressed);
   bool has(bool live::About::*property) const;
 
   std::string folder_;

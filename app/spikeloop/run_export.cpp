@@ -29,7 +29,7 @@ class ExportedSpikes {
   ExportedSpikes(bag::Recorder& file, const RecordedSpikes& spikes)
       : file_(file),
         spikes_(spikes.recording.spikes),
-        channel_(file.add(channel_of(live::spike_channel(spikes.topic()), spikes.node))) {}
+        channel_(file.add_channel(channel_of(live::spike_channel(spikes.topic()), spikes.node))) {}
 
   void write(TimeNs until) {
     for (; next_ < spikes_.size() && spikes_[next_].time_ns <= until; ++next_) {
@@ -66,7 +66,7 @@ class ExportedSignal {
   ExportedSignal(bag::Recorder& file, const RecordedSignal& signal)
       : file_(file),
         signal_(signal.recording),
-        channel_(file.add(channel_of(live::signal_channel(signal.topic()), signal.node))) {}
+        channel_(file.add_channel(channel_of(live::signal_channel(signal.topic()), signal.node))) {}
 
   void write(TimeNs until) {
     for (; next_ < signal_.times.size() && signal_.times[next_] <= until; ++next_) {
@@ -88,7 +88,7 @@ class ExportedTopic {
   ExportedTopic(bag::Recorder& file, const bag::Reader& messages, const bag::Connection& connection)
       : file_(file),
         stream_(messages.stream(connection.topic, connection.node)),
-        channel_(file.add({connection.topic, connection.schema, connection.node})) {}
+        channel_(file.add_channel({connection.topic, connection.schema, connection.node})) {}
 
   void write(TimeNs until) {
     while ((waiting_ || (waiting_ = stream_.next())) && waiting_->time <= until) {

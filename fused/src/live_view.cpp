@@ -367,24 +367,28 @@ void LiveView::tell(const Progress& progress, bool ended) {
 }
 
 StopButton::StopButton(const live::Feed& feed, std::vector<ros_command::CommandEndpoint*> commands)
-    : feed_(feed),
-      commands_(std::move(commands)),
-      thread_(background_thread([this] { watch(); })) {}
+    : feed_(feed), commands_(std::move(commands)) {
+  look();  // before the first tick
+  thread_ = background_thread([this] { watch(); });
+}
 
 StopButton::~StopButton() {
   done_ = true;
   thread_.join();
 }
 
-void StopButton::watch() {
-  bool pressed = false;
-  while (!done_) {
-    if (const bool now = feed_.stop_pressed(); now != pressed) {
-      pressed = now;
-      for (ros_command::CommandEndpoint* command : commands_) {
-        command->press_stop(pressed);
-      }
+void StopButton::look() {
+  if (const bool now = feed_.stop_pressed(); now != pressed_) {
+    pressed_ = now;
+    for (ros_command::CommandEndpoint* command : commands_) {
+      command->press_stop(now);
     }
+  }
+}
+
+void StopButton::watch() {
+  while (!done_) {
+    look();
     std::this_thread::sleep_for(kLookPeriod);
   }
 }

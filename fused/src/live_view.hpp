@@ -98,10 +98,12 @@ class StopButton {
   StopButton& operator=(const StopButton&) = delete;
 
  private:
+  void look();
   void watch();
 
   const live::Feed& feed_;
   const std::vector<ros_command::CommandEndpoint*> commands_;
+  bool pressed_ = false;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };

@@ -28,6 +28,8 @@ std::unique_ptr<SharedFile> make_file(const std::string& path, std::size_t ring_
   auto file = std::make_unique<SharedFile>(unfinished, ring_bytes);
   file->header().speed = about.pausable ? kFirstSpeed : 0;
   file->header().seen_at = wall_now();
+  file->header().stop =
+      std::filesystem::exists(std::filesystem::path(path).parent_path() / kStopFile) ? 1 : 0;
   file->add_text(
       json{{"process", about.process}, {"commands", about.commands}, {"pausable", about.pausable}}
           .dump() +

@@ -84,6 +84,23 @@ TEST_F(Bag, KnowsTypesAndVersions) {
   EXPECT_EQ(connection.node, "wheels");
 }
 
+TEST_F(Bag, KeepsAnyDefinition) {
+  const messages::Schema schema{"cdr", "spikeloop/msg/Signal", "ros2msg", "float64[] values\n"};
+  bag::Recorder recorder(file());
+  recorder.take(recorder.add_channel({"/brain/out", schema, "brain"}), 1, number(1));
+  recorder.take(recorder.add({"/x", "std_msgs/Float64", "x"}), 1, number(1));
+  recorder.close();
+  const bag::Reader reader(file());
+  ASSERT_THAT(reader.connections(), SizeIs(2));
+  const bag::Connection& connection = reader.connections().front();
+  EXPECT_EQ(connection.schema.type, schema.type);
+  EXPECT_EQ(connection.schema.definition, schema.definition);
+  EXPECT_EQ(connection.schema.encoding, schema.encoding);
+  EXPECT_EQ(connection.schema.definition_encoding, schema.definition_encoding);
+  EXPECT_EQ(connection.node, "brain");
+  EXPECT_EQ(reader.dialect(), messages::Dialect::ros1) << "that of the robot";
+}
+
 TEST_F(Bag, KeepsNodesOfOneTopicApart) {
   bag::Recorder recorder(file());
   const auto early = recorder.add({"/x", "std_msgs/Float64", "early"});

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <fstream>
 
 #include "spikeloop/core/error.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -133,6 +134,15 @@ TEST_F(FeedTest, TheViewAsks) {
   EXPECT_EQ(feed_.speed(), 0.5);
   reader.press_stop(false);
   EXPECT_FALSE(feed_.stop_pressed());
+  EXPECT_FALSE(feed_.watched());
+  reader.watch();
+  EXPECT_TRUE(feed_.watched());
+}
+
+TEST_F(FeedTest, AProcessThatBeginsAfterStopWasPressedIsStopped) {
+  std::ofstream(directory_.path() / kStopFile).close();
+  const Feed late(directory_.path(), {.process = "late", .commands = true}, kRing);
+  EXPECT_TRUE(late.stop_pressed());
 }
 
 TEST_F(FeedTest, ParametersChange) {

@@ -141,6 +141,12 @@ class RecordedRuns(unittest.TestCase):
             got = [(at, viewing.signal_of(message)) for at, message in exported.raw(f"/{node}/{name}")]
             self.assertEqual(got, wanted)
         self.same_channels_as_the_view(exported)
+        again = self.folder.parent / "again"  # with the messages of that file
+        run(SPIKELOOP, viewing.EXAMPLE, again, "--duration", "11 s", "--sync", "unpaced", "--set", f"robot={{bag: {file}}}")
+        with h5py.File(again / "encoder.h5") as first, h5py.File(self.folder / "encoder.h5") as second:
+            spikes = first["spikes/out/timestamps_ns"][()]
+            self.assertEqual(list(spikes), list(second["spikes/out/timestamps_ns"][:len(spikes)]))
+            self.assertGreater(len(spikes), 10_000)
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
         self.assertEqual(done.returncode, 2)
         self.assertIn("write --force to replace it", done.stderr)

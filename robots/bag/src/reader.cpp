@@ -15,6 +15,9 @@
 namespace spikeloop::bag {
 namespace {
 
+/// Spikes and signals in the file of a run, always in CDR.
+constexpr std::string_view kOwnTypes = "spikeloop/";
+
 constexpr std::string_view kRos1Magic = "#ROSBAG V";
 
 /// As rosbag2 writes them.
@@ -84,7 +87,9 @@ const std::vector<Connection>& Reader::connections() const {
 }
 
 messages::Dialect Reader::dialect() const {
-  const auto is_ros2 = [](const Connection& one) { return one.dialect == messages::Dialect::ros2; };
+  const auto is_ros2 = [](const Connection& one) {
+    return one.dialect == messages::Dialect::ros2 && !one.type.starts_with(kOwnTypes);
+  };
   return std::ranges::any_of(connections(), is_ros2) ? messages::Dialect::ros2
                                                      : messages::Dialect::ros1;
 }

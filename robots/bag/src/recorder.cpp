@@ -73,10 +73,10 @@ Recorder::~Recorder() {
 }
 
 std::uint32_t Recorder::add(const Topic& topic) {
-  return add({topic.name, messages::schema_of(topic.dialect, topic.type), topic.node});
+  return add_channel({topic.name, messages::schema_of(topic.dialect, topic.type), topic.node});
 }
 
-std::uint32_t Recorder::add(const Channel& channel) {
+std::uint32_t Recorder::add_channel(const Channel& channel) {
   const messages::Schema& schema = channel.schema;
   const std::lock_guard lock(impl_->mutex);
   impl_->fresh.push_back({channel.topic,

@@ -29,6 +29,9 @@ inline constexpr const char* kFolderVariable = "SPIKELOOP_LIVE";
 inline constexpr const char* kTokenVariable = "SPIKELOOP_LIVE_TOKEN";
 std::string folder_from_environment();  ///< empty: unset
 
+/// A file in that folder: STOP is pressed, also for processes that begin later.
+inline constexpr const char* kStopFile = "stop";
+
 inline constexpr std::size_t kRingBytes = std::size_t{16} << 20;
 
 /// What people can follow: of a run that follows no clock, until the view asks for another one.

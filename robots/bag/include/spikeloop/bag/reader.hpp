@@ -62,7 +62,7 @@ class Reader {
   /// Whether a run left it, so that its times are simulated ones.
   bool is_of_a_run() const;
   const std::vector<Connection>& connections() const;
-  /// ROS 2 when a connection is.
+  /// ROS 2 when a connection is, but for spikes and signals.
   messages::Dialect dialect() const;
   /// Of the last message of all.
   TimeNs end() const;

@@ -27,7 +27,7 @@ struct Topic {
   messages::Dialect dialect = messages::Dialect::ros1;
 };
 
-/// Messages of any kind.
+/// Messages of any kind, for add_channel().
 struct Channel {
   std::string topic;
   messages::Schema schema;
@@ -64,7 +64,7 @@ class Recorder {
 
   /// A connection, for take(). @throws ConfigurationError for an unknown type.
   std::uint32_t add(const Topic& topic);
-  std::uint32_t add(const Channel& channel);
+  std::uint32_t add_channel(const Channel& channel);
   /// A file within the file.
   void attach(const std::string& name, const std::string& media_type, std::string contents);
   /// Copies one message. Those of a time stay in the order in which they came.
