@@ -86,6 +86,7 @@ class Sliders(unittest.TestCase):
             viewer = viewing.Viewer(job.socket_url(), STATUS)
             viewer.until(lambda: STATUS in viewer.messages)
             viewer.send(op="subscribeParameterUpdates", parameterNames=[])
+            viewer.send(op="getParameters", parameterNames=[], id="all")  # the change may have been before
             viewer.until(lambda: viewer.parameters.get("encoder.rate_max") == 20)
             viewer.set("run.speed", 0)
             code, printed = job.end()
