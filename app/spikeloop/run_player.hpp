@@ -15,10 +15,12 @@ namespace spikeloop::app {
 
 class RunPlayer {
  public:
-  /// Tells the view what there is. @param feeds as live::Feed
+  /// Tells the view what there is.
+  /// @param recordings must outlive it; @param feeds as live::Feed
   RunPlayer(const RunRecordings& recordings, const std::string& feeds);
 
-  /// To be called some fifty times a second, with the wall time. It begins with the first viewer.
+  /// To be called some fifty times a second, with the wall time. The recording stands at its begin
+  /// until a viewer has subscribed.
   void advance(TimeNs now);
 
  private:
