@@ -140,7 +140,8 @@ bool export_run(const RunRecordings& run, const std::string& folder, const std::
                 const std::function<bool(TimeNs)>& progress) {
   const std::string description = (std::filesystem::path(folder) / "resolved.json").string();
   const std::string text = read_file(description, "description of a run", kLargestDescription);
-  bag::Recorder recorder(file, {.patient = true});
+  const std::string part = file + ".part";  // an older file stays until this one is whole
+  bag::Recorder recorder(part, {.patient = true});
   bool whole = false;
   try {
     recorder.attach("resolved.json", "application/json", text);
@@ -148,12 +149,15 @@ bool export_run(const RunRecordings& run, const std::string& folder, const std::
     if (const bag::Report report = recorder.close(); !report.error.empty()) {
       throw FileError(report.error);
     }
-  } catch (const Error&) {
-    std::filesystem::remove(file);
+    if (whole) {
+      std::filesystem::rename(part, file);
+    }
+  } catch (...) {
+    std::filesystem::remove(part);
     throw;
   }
   if (!whole) {
-    std::filesystem::remove(file);
+    std::filesystem::remove(part);
   }
   return whole;
 }

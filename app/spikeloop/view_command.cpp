@@ -69,7 +69,12 @@ void check_out(const ViewArguments& arguments) {
   }
   const auto messages = std::filesystem::path(arguments.folder) / fused::kMessagesFile;
   launch::refuse_to_overwrite(messages.string(), file);
-  if (std::filesystem::exists(file) && !arguments.force) {
+  const bool exists = std::filesystem::exists(file);
+  if (exists && !std::filesystem::is_regular_file(file)) {
+    throw ConfigurationError(with_code(
+        Code::no_access, "'{}' is not a regular file; write another name with --out", file));
+  }
+  if (exists && !arguments.force) {
     throw ConfigurationError(with_code(
         Code::no_access,
         "there is a file '{}'; write --force to replace it, or another name with --out", file));

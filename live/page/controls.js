@@ -32,7 +32,7 @@ export class Controls {
       this.press();
       return;
     }
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input, select")) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input:not([type=range]), select")) {
       return;
     }
     if (event.key.toLowerCase() === "p" && !this.pause.hidden) {

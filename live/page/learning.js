@@ -41,8 +41,9 @@ export class LearningPanel {
     if (this.panel.hidden) {
       return;
     }
-    if (!this.returns.canvas.hidden && this.returns.begin()) {
-      drawReturns(this.returns, this.ended);
+    const { ended } = this;  // fewer than at the last update() after a jump back
+    if (ended.length && !this.returns.canvas.hidden && this.returns.begin()) {
+      drawReturns(this.returns, ended);
     }
     if (!this.weights.canvas.hidden && this.weights.begin()) {
       drawWeights(this.weights, [...this.model.weights.values()]);

@@ -100,7 +100,7 @@ function begin(info) {
   const { experiment, sync, recording } = info.metadata ?? {};
   model.recording = recording === "yes";
   document.getElementById("experiment").textContent = experiment || info.name || "Spikeloop";
-  document.getElementById("mode").textContent = sync ?? "";
+  document.getElementById("mode").textContent = sync ?? model.resolved?.sync ?? "";
   document.title = `${experiment || "run"} – Spikeloop`;
   if (same) {
     controls.connected();

@@ -37,7 +37,7 @@ function signalRows(model, output, title) {
   const width = output.store.width || model.width(output.key);
   const sensor = node.node === "ros_sensor" ? sensorFields(node, width, model.world) : null;
   const command = output.kind === "command" ? model.sent.get(output.node)?.fields : null;
-  const fields = command ?? sensor ??
+  const fields = (command?.length ? command : sensor) ??
     Array.from({ length: width }, (_, i) => ({ path: width === 1 ? "" : `channel ${i}`, quantity: "value", unit: "" }));
   const priority = command ? 0 : node.node === "ros_sensor" ? 2 : 3;
   if (!fields.length) {

@@ -112,9 +112,11 @@ function footprint(context, { shape, x_m: x, y_m: y, ...size }, fill, edge, widt
   }
   context.fillStyle = fill;
   context.fill();
-  context.strokeStyle = edge;
-  context.lineWidth = width;
-  context.stroke();
+  if (width > 0) {  // a canvas takes no line width of 0
+    context.strokeStyle = edge;
+    context.lineWidth = width;
+    context.stroke();
+  }
   context.restore();
 }
 
@@ -132,14 +134,18 @@ export function star(context, x, y, size) {
   context.stroke();
 }
 
-/// Rows first to last of the path.
+/// Rows first to last of the path. It is interrupted where the robot was put elsewhere, as at the begin of an episode.
 export function tracePath(context, view, trajectory, [first, last], width, colour) {
   context.strokeStyle = colour;
   context.lineWidth = width / view.scale;
   context.lineJoin = context.lineCap = "round";
   context.beginPath();
   for (let row = first; row <= last; ++row) {
-    context.lineTo(trajectory.x(row), trajectory.y(row));
+    if (row > first && trajectory.jumps(row)) {
+      context.moveTo(trajectory.x(row), trajectory.y(row));
+    } else {
+      context.lineTo(trajectory.x(row), trajectory.y(row));
+    }
   }
   context.stroke();
 }

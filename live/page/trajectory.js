@@ -5,6 +5,7 @@ import { lastAtOrBefore } from "./search.js";
 
 const MOST_ROWS = 200_000;
 const COLUMNS = 4;  // t, x, y, theta
+const FASTEST_M_S = 10;  // of a robot
 
 export class Trajectory {
   constructor() {
@@ -60,6 +61,13 @@ export class Trajectory {
 
   time(row) {
     return this.rows[COLUMNS * row];
+  }
+
+  /// Whether the robot was put there, and did not move there from the row before.
+  jumps(row) {
+    const [before, now] = [row - 1, row];
+    const way = Math.hypot(this.x(now) - this.x(before), this.y(now) - this.y(before));
+    return way > FASTEST_M_S * (this.time(now) - this.time(before));
   }
 
   /// Last row at or before a time; -1 before the first one.

@@ -34,7 +34,7 @@ export class WorldPanel {
     this.fitButton.addEventListener("click", () => this.fit());
     this.obliqueButton.addEventListener("click", () => this.setOblique(!this.oblique));
     document.addEventListener("keydown", (event) => {
-      const other = event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input, select");
+      const other = event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input:not([type=range]), select");
       if (event.key === "3" && !other && !this.panel.hidden) {
         this.setOblique(!this.oblique);
       }

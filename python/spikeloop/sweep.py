@@ -183,7 +183,7 @@ class Sweep:
         lines = said.strip().splitlines()
         row["exit_code"] = str(exit_code)
         row["exit_reason"] = "finished" if exit_code == 0 else \
-            (lines[-1].removeprefix("spikeloop: ") if lines else "")
+            (lines[-1].removeprefix("spikeloop: ") if lines else f"exit code {exit_code}")
         self.rows[number] = row
 
     def failed(self):

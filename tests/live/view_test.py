@@ -161,21 +161,23 @@ class RecordedRuns(unittest.TestCase):
         topics = {topic for _, topic, _, _ in exported.channels.values()}
         self.assertEqual({topic: exported.type_of(topic) for topic in topics}, served)
 
-    def test_ctrl_c_leaves_no_file(self):
-        file = self.folder.parent / "run.mcap"
+    def test_ctrl_c_leaves_the_older_file(self):
+        file, part = (self.folder.parent / name for name in ("run.mcap", "run.mcap.part"))
+        file.write_text("older")
         with h5py.File(self.folder / "encoder.h5", "r+") as recording:  # so that it takes long
             for name, value in (("timestamps_ns", 10**15), ("node_ids", 0)):
                 data = recording["spikes/out"][name]
                 data.resize((len(data) + 1,))
                 data[-1] = value
-        export = subprocess.Popen([SPIKELOOP, "view", self.folder, "--out", file], stderr=subprocess.PIPE, text=True)
-        while not file.exists():
+        export = subprocess.Popen([SPIKELOOP, "view", self.folder, "--out", file, "--force"], stderr=subprocess.PIPE,
+                                  text=True)
+        while not part.exists():
             self.assertIsNone(export.poll())
             time.sleep(0.01)
         export.send_signal(signal.SIGINT)
         _, printed = export.communicate(timeout=60)
         self.assertEqual(export.returncode, 130, printed)
-        self.assertFalse(file.exists())
+        self.assertEqual((file.read_text(), part.exists()), ("older", False))
 
     def test_in_the_browser(self):
         with View(self.folder) as shown, browser.page(shown.url) as page:
@@ -208,11 +210,13 @@ class RecordedRuns(unittest.TestCase):
         return [row.get_attribute("data-row") for row in page.driver.find_elements(By.CSS_SELECTOR, "#rows .row")]
 
     def test_what_is_no_run(self):
+        (self.folder.parent / "folder.mcap").mkdir()
         for arguments, code, wrong in (
                 (["view", self.folder.parent], 2, "cannot be shown: it is not a run folder"),
                 (["view", self.folder, "--out", "run.bag"], 2, "write a name with .mcap"),
                 (["view", self.folder, "--out", self.folder / "messages.mcap", "--force"], 2, "would be overwritten"),
                 (["view", self.folder, "--out", self.folder / "no/folder.mcap"], 4, "cannot create"),
+                (["view", self.folder, "--out", self.folder.parent / "folder.mcap", "--force"], 2, "not a regular file"),
                 (["view", self.folder, "--force"], 2, "--force requires --out"),
                 (["view", "/nowhere"], 2, "it is not a run folder"), (["view"], 2, "RUN is required"),
                 (["view", self.folder, "--live-host", "192.0.2.1"], 3, "no IPv4 address of this machine")):

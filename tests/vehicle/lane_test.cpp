@@ -1,4 +1,4 @@
-// Distance and angle to the nearest centre line, against geometry with complex numbers; the start
+// Distance and angle to a centre line, against geometry with complex numbers; the start
 // on a lane.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -54,9 +54,10 @@ double searched_distance(const Box& box, Point at) {
 const std::vector<Box> kBoxes{{{1, 1}, 0.8, 0.2, 30},
                               {{-1, 1}, 0.15, 0.9, 20},  // its longer sides are along its y axis
                               {{-1.2, -1.3}, 0.7, 0.3, -100},
-                              {{1.5, -1}, 0.5, 0.25, 170}};
+                              {{1.5, -1}, 0.5, 0.25, 170},
+                              {{1.1, 1.2}, 0.4, 0.05, 30}};  // a narrow one inside the first
 
-TEST(Lane, DistanceAndAngleAreThoseOfTheNearestCentreLine) {
+TEST(Lane, DistanceAndAngleAreThoseOfTheLaneThatIsNearestForItsWidth) {
   const std::vector<Pose> poses{{0.9, 1.2, 0.4},     {0.9, 1.2, 0.4 + std::numbers::pi},
                                 {1.9, 1.3, -2.0},    {-1.1, 0.6, 1.5},
                                 {-0.9, 0.6, -1.2},   {-1.3, 1.95, 2.6},
@@ -73,14 +74,15 @@ TEST(Lane, DistanceAndAngleAreThoseOfTheNearestCentreLine) {
     const Box* nearest = nullptr;
     double least = 1e9;
     for (const Box& box : kBoxes) {
-      if (searched_distance(box, at) < least) {
-        least = searched_distance(box, at);
+      const double widths = searched_distance(box, at) / std::min(box.half_x, box.half_y);
+      if (widths < least) {
+        least = widths;
         nearest = &box;
       }
     }
-    EXPECT_NEAR(std::abs(position.distance_m), least, 1e-6);
+    EXPECT_NEAR(std::abs(position.distance_m), searched_distance(*nearest, at), 1e-6);
     EXPECT_EQ(position.half_width_m, std::min(nearest->half_x, nearest->half_y));
-    EXPECT_EQ(position.is_inside(), least <= position.half_width_m);
+    EXPECT_EQ(position.is_inside(), least <= 1);
     // The heading relative to the line: ahead has a positive real part in one of its directions.
     Point ahead = relative(*nearest, at + std::polar(1.0, pose.theta_rad)) - relative(*nearest, at);
     Point here = relative(*nearest, at);

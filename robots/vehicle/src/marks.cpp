@@ -50,8 +50,9 @@ std::optional<LanePosition> find_lane_position(const std::vector<Obstacle>& lane
     const double dx = pose.x_m - nearest.x_m;
     const double dy = pose.y_m - nearest.y_m;
     const double distance = std::hypot(dx, dy);
-    if (distance >= least) continue;
-    least = distance;
+    // In widths of the lane, so that a vehicle inside a wide lane is not judged by a narrow one.
+    if (distance / line.half_width_m >= least) continue;
+    least = distance / line.half_width_m;
     // A box has no direction: of the line's two, the one that is nearer to the heading.
     const double angle = std::remainder(pose.theta_rad - nearest.theta_rad, std::numbers::pi);
     const double ahead = pose.theta_rad - angle;

@@ -26,7 +26,7 @@ struct CentreLine {
   double half_width_m = 0;  ///< of the lane
 };
 
-/// Of a pose relative to the nearest centre line; nothing when there are no lanes.
+/// Of a pose; nothing when there are no lanes.
 std::optional<LanePosition> find_lane_position(const std::vector<Obstacle>& lanes,
                                                const Pose& pose);
 

@@ -79,8 +79,9 @@ struct Obstacle {
   double distance_m(double x, double y) const;
 };
 
-/// Of the vehicle's centre relative to the nearest centre line of a lane, as seen along the one of
-/// the line's two directions that is nearer to the vehicle's heading.
+/// Of the vehicle's centre relative to a lane's centre line, as seen along the one of the line's
+/// two directions that is nearer to the vehicle's heading. Of several lanes it is the one with the
+/// smallest ratio of distance and width.
 struct LanePosition {
   double distance_m = 0;    ///< above 0: the vehicle is to the left of the line
   double angle_rad = 0;     ///< from -pi/2 to pi/2; above 0: the vehicle is turned to the left
