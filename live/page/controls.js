@@ -6,6 +6,12 @@ const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const ANSWER_MS = 1500;  // after which a missing answer is told
 const HOLD_MS = 400;  // after a slider was moved, answers do not move it back
 
+/// Whether a key that was pressed may be a shortcut: alone, once, and not in a field that takes letters.
+export function isShortcut(event) {
+  return !(event.ctrlKey || event.altKey || event.metaKey || event.repeat ||
+           event.target.closest?.("input:not([type=range]), select"));
+}
+
 export class Controls {
   constructor(model, connection) {
     this.model = model;
@@ -32,7 +38,7 @@ export class Controls {
       this.press();
       return;
     }
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input:not([type=range]), select")) {
+    if (!isShortcut(event)) {
       return;
     }
     if (event.key.toLowerCase() === "p" && !this.pause.hidden) {

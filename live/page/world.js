@@ -3,6 +3,7 @@
 import { Surface } from "./axes.js";
 import { FROM_ABOVE, enter, fitting, floorAt, project } from "./camera.js";
 import { keep, kept } from "./choices.js";
+import { isShortcut } from "./controls.js";
 import { palette } from "./palette.js";
 import { drawBeams, drawFloor, drawGrid, drawPlan, drawRobot, drawScale, mounted, tracePath } from "./scene.js";
 import { drawSolids, robotPrism, standing } from "./solids.js";
@@ -34,8 +35,7 @@ export class WorldPanel {
     this.fitButton.addEventListener("click", () => this.fit());
     this.obliqueButton.addEventListener("click", () => this.setOblique(!this.oblique));
     document.addEventListener("keydown", (event) => {
-      const other = event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest?.("input:not([type=range]), select");
-      if (event.key === "3" && !other && !this.panel.hidden) {
+      if (event.key === "3" && isShortcut(event) && !this.panel.hidden) {
         this.setOblique(!this.oblique);
       }
     });
