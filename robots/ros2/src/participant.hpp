@@ -18,6 +18,7 @@ class Domain {
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
+  dds_entity_t entity() const { return entity_; }
   dds_domainid_t number() const { return number_; }  ///< within this process
 
  private:

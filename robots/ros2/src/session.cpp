@@ -63,14 +63,16 @@ std::string Session::node_name() const {
   return impl_->node.whole();
 }
 
-/// In a thread of its own: a writer waits for its subscribers when it is deleted.
+/// In a thread of its own: a writer waits for its subscribers when it is deleted. The whole domain:
+/// Cyclone tells other processes from a thread of its own, and only a domain's deletion waits for
+/// it.
 void Session::leave() {
   impl_->left = true;
   const auto done = std::make_shared<std::promise<void>>();
   const auto end = done->get_future();
   std::thread([this, done] {
     impl_->dispatcher.stop();
-    dds_delete(impl_->participant.entity());
+    dds_delete(impl_->domain.entity());
     done->set_value();
   }).detach();
   end.wait_for(kLongestLeave);
