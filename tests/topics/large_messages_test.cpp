@@ -114,24 +114,27 @@ TEST_F(LargeMessagesTest, leave_a_word_on_the_buffer) {
     said += message;
   });
   const auto publisher = camera_.publisher("/in", kType);
-  topics::Sensor sensor(brain_, {.topic = "/in", .message_type = kType, .width = 600'000});
-  wait_for_match(*publisher);
+  const auto is_told = [&] {
+    const std::lock_guard lock(mutex);
+    return said.find(
+               "topic '/in' has a publisher, but no message of it arrives whole; give the "
+               "system a larger receive buffer: sysctl -w net.core.rmem_max=8388608") !=
+           std::string::npos;
+  };
   test::OutputData data({600'000, 1});
-  EXPECT_TRUE(test::eventually(
-      kPatience,
-      [&] {
-        if (sensor.received() == 0) {
-          publisher->publish(message_of_numbers(600'000));
-        }
-        sensor.receive(data.step());
-        std::this_thread::sleep_for(5 * kPeriod);
-        const std::lock_guard lock(mutex);
-        return said.find(
-                   "topic '/in' has a publisher, but no message of it arrives whole; give the "
-                   "system a larger receive buffer: sysctl -w net.core.rmem_max=8388608") !=
-               std::string::npos;
-      }))
-      << said << ", " << sensor.received() << " came";
+  // Rarely, a message comes whole all the same: then another sensor tries.
+  EXPECT_TRUE(test::eventually(kPatience, [&] {
+    topics::Sensor sensor(brain_, {.topic = "/in", .message_type = kType, .width = 600'000});
+    wait_for_match(*publisher);
+    return test::eventually(kPatience,
+                            [&] {
+                              publisher->publish(message_of_numbers(600'000));
+                              sensor.receive(data.step());
+                              std::this_thread::sleep_for(5 * kPeriod);
+                              return is_told() || sensor.received() > 0;
+                            }) &&
+           is_told();
+  })) << said;
 }
 
 }  // namespace
