@@ -8,8 +8,12 @@
 
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/ros2/session.hpp"
+#include "tests/ros1/settings.hpp"
 #include "tests/ros2/domain.hpp"
 #include "tests/ros2/log_lines.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/roscore.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace {
 
@@ -69,6 +73,30 @@ TEST_F(RosoutTest, gets_what_is_logged_last) {
     eventually(1, [&] { return console.has(kWarning, "arena.brain", "goodbye"); });
     return !console.lines().empty();
   }));
+}
+
+/// The node `rosout` of ROS 1, which writes what it hears into a file.
+TEST(RosoutOfRos1, is_heard_by_its_node) {
+  const test::RosCore core;
+  const test::TemporaryDirectory folder;
+  const test::Child console({.arguments = {"/usr/lib/rosout/rosout"},
+                             .environment = {{"ROS_MASTER_URI", core.uri()},
+                                             {"ROS_HOSTNAME", "localhost"},
+                                             {"ROS_LOG_DIR", folder.path().string()}}});
+  ros1::Session session(test::node_at(core.uri(), "brain"));
+  topics::Rosout rosout(session);
+  EXPECT_TRUE(eventually(kLongWait, [&] {
+    log::warning("no subscriber");
+    const std::string lines = folder.read("rosout.log");
+    return lines.find(" WARN " + session.node_name()) != std::string::npos &&
+           lines.find("no subscriber") != std::string::npos;
+  })) << folder.read("rosout.log");
+  rosout.error("the robot has gone");
+  EXPECT_TRUE(eventually(kLongWait, [&] {
+    const std::string lines = folder.read("rosout.log");
+    return lines.find(" ERROR " + session.node_name()) != std::string::npos &&
+           lines.find("the robot has gone") != std::string::npos;
+  })) << folder.read("rosout.log");
 }
 
 }  // namespace

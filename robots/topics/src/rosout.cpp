@@ -24,7 +24,6 @@ namespace {
 using std::chrono::system_clock;
 
 constexpr const char* kTopic = "/rosout";
-constexpr const char* kType = "rcl_interfaces/Log";
 constexpr std::uint32_t kKept = 1000;  // as in rclcpp
 constexpr int kMostPerSecond = 50;
 
@@ -34,22 +33,25 @@ struct Line {
   system_clock::time_point time = system_clock::now();
 };
 
-double number_of(log::Level level) {
-  switch (level) {
-    case log::Level::debug:
-      return 10;
-    case log::Level::info:
-      return 20;
-    case log::Level::warning:
-      return 30;
-    case log::Level::error:
-      break;
-  }
-  return 40;
+/// A message of /rosout.
+struct Form {
+  const char* type;
+  const char* stamp;               ///< its field
+  std::array<double, 4> levels{};  ///< of a log::Level
+};
+
+const Form& form_of(messages::Dialect dialect) {
+  static const Form ros1{"rosgraph_msgs/Log", "header.stamp", {1, 2, 4, 8}};
+  static const Form ros2{"rcl_interfaces/Log", "stamp", {10, 20, 30, 40}};
+  return dialect == messages::Dialect::ros1 ? ros1 : ros2;
 }
 
-/// "arena.brain" of "/arena/brain", as rclcpp names the logger of a node.
-std::string logger_of(std::string node) {
+/// "arena.brain" of "/arena/brain", as rclcpp names the logger of a node; in ROS 1 the node itself.
+std::string logger_of(const Session& session) {
+  std::string node = session.node_name();
+  if (session.dialect() == messages::Dialect::ros1) {
+    return node;
+  }
   node.erase(0, node.starts_with('/') ? 1 : 0);
   std::ranges::replace(node, '/', '.');
   return node;
@@ -61,10 +63,11 @@ std::string logger_of(std::string node) {
 class Rosout::Impl {
  public:
   explicit Impl(Session& session)
-      : logger_(logger_of(session.node_name())),
-        publisher_(session.publisher(kTopic, kType, kKept, true)),
-        writer_(messages::Catalog::builtin(session.dialect()), kType,
-                {"stamp", "level", "name", "msg"}) {
+      : form_(form_of(session.dialect())),
+        logger_(logger_of(session)),
+        publisher_(session.publisher(kTopic, form_.type, kKept, true)),
+        writer_(messages::Catalog::builtin(session.dialect()), form_.type,
+                {form_.stamp, "level", "name", "msg"}) {
     const BlockedSignals blocked;
     thread_ = std::thread([this] { publish(); });
     listener_.emplace([this](log::Level level, std::string_view text) {
@@ -126,7 +129,7 @@ class Rosout::Impl {
 
   void publish(const Line& line) {
     const double stamp = std::chrono::duration<double>(line.time.time_since_epoch()).count();
-    const double level = number_of(line.level);
+    const double level = form_.levels[static_cast<std::size_t>(line.level)];
     writer_.write(std::array<messages::FieldValue, 4>{{{.numbers = {&stamp, 1}},
                                                        {.numbers = {&level, 1}},
                                                        {.text = logger_},
@@ -135,6 +138,7 @@ class Rosout::Impl {
     publisher_->publish(message_);
   }
 
+  const Form& form_;
   std::string logger_;
   std::unique_ptr<RawPublisher> publisher_;
   messages::MessageWriter writer_;
@@ -151,9 +155,7 @@ class Rosout::Impl {
 };
 
 Rosout::Rosout(Session& session)
-    : impl_(session.local() || session.dialect() == messages::Dialect::ros1
-                ? nullptr
-                : std::make_unique<Impl>(session)) {}
+    : impl_(session.local() ? nullptr : std::make_unique<Impl>(session)) {}
 
 Rosout::~Rosout() = default;
 

@@ -1,4 +1,4 @@
-// What a node of ROS 2 logs, on /rosout.
+// What a node of ROS logs, on /rosout.
 #pragma once
 
 #include <exception>
@@ -9,9 +9,10 @@
 
 namespace spikeloop::topics {
 
-/// Publishes what this process logs as rcl_interfaces/Log, as nodes of rclcpp do: reliable,
-/// transient local, the newest 1000. At most 50 messages a second; how many were left out is the
-/// next one. Does nothing in a session of ROS 1 or inside the process.
+/// Publishes what this process logs: as rcl_interfaces/Log, as nodes of rclcpp do, reliable,
+/// transient local, the newest 1000; over ROS 1 as rosgraph_msgs/Log, latched, so that a subscriber
+/// that comes later gets the newest. At most 50 messages a second; how many were left out is the
+/// next one. Does nothing in a session inside the process.
 class Rosout {
  public:
   explicit Rosout(Session& session);
