@@ -70,6 +70,9 @@ class Launch:
             try:
                 self.strike(robot)
                 self.hung = not self.end(robot)
+            except AssertionError as error:  # it does not drive the robot
+                print(error, (self.folder / "printed").read_text(errors="replace"), sep="\n")
+                self.hung = True
             finally:
                 self.left = self.left_processes()
             self.taken_s = time.monotonic() - started
