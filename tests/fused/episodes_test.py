@@ -258,6 +258,11 @@ def check_lane(spikeloop, folder):
     assert ends == {"terminated", "time_limit"}, found
     starts = {tuple(where[np.searchsorted(times, float(row["begin_s"]))]) for row in found}
     assert len(starts) == 5, starts
+    off = (folder / "lane.xml").read_text().replace("</custom>", '<numeric name="start" data="0 -3 0"/></custom>')
+    (folder / "lane.xml").write_text(off)
+    done = subprocess.run([spikeloop, "run", str(folder / "lane.yaml"), "--out", str(folder / "off")],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode != 0 and "lane.xml: numeric 'start' = (0, -3) is not on a lane" in done.stderr, done.stderr
 
 
 def spikes(folder, node):

@@ -199,6 +199,17 @@ TEST(WorldErrors, Cues) {
             remedy);
 }
 
+TEST(WorldErrors, MarksThatAreNoBoxes) {
+  for (const std::string prefix : {"lane_", "goal_"}) {
+    EXPECT_EQ(
+        complaint(kArena + kStart, kFloor + "<geom name=\"" + prefix +
+                                       "1\" type=\"cylinder\" size=\"0.5 0.001\" contype=\"0\" "
+                                       "conaffinity=\"0\"/>"),
+        "geom '" + prefix + "1' is not a box, as marks " + prefix +
+            "* of the floor are; write type=\"box\", or give it another name [SL0801]");
+  }
+}
+
 TEST(WorldErrors, TooManyObstacles) {
   std::string bodies = kFloor;
   for (const char* name : {"a", "b", "c"}) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/random.hpp"
 
 namespace spikeloop::robot {
@@ -39,6 +41,19 @@ StepResult result_of(const vehicle::Vehicle& vehicle) {
   return {right ? 1.0 : -1.0, true, right};
 }
 
+/// Only a start that the file gives can be there.
+void refuse_start_off_the_lane(const vehicle::Vehicle& vehicle, const std::string& world) {
+  const auto lane = vehicle.lane_position();
+  if (lane && !lane->is_inside()) {
+    throw ConfigurationError(
+        Location{world},
+        with_code(Code::world,
+                  "numeric 'start' = ({}, {}) is not on a lane, so that every episode would end at "
+                  "its first step; write a place on a box lane_*, or leave it out",
+                  vehicle.pose().x_m, vehicle.pose().y_m));
+  }
+}
+
 /// Films see by the camera that is a sensor.
 SpectatorOptions spectators_of(const RobotOptions& options) {
   SpectatorOptions spectators = options.spectators;
@@ -66,6 +81,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
     trajectory_.emplace(options.folder);
   }
   if (options.episodes) {
+    refuse_start_off_the_lane(vehicle(), options.vehicle.world);
     EpisodeSettings settings = *options.episodes;
     settings.step = kRowPeriod;
     settings.lasts = vehicle().goals().empty() && !vehicle().lanes().empty();

@@ -6,14 +6,25 @@
 #include <numbers>
 #include <string>
 
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
+
 namespace spikeloop::vehicle {
 
-std::vector<Obstacle> find_marks(const mjModel& model, const mjData& data,
+std::vector<Obstacle> find_marks(const mjModel& model, const mjData& data, const Names& names,
                                  std::string_view prefix) {
   std::vector<Obstacle> marks;
   for (int geom = 0; geom < model.ngeom; ++geom) {
-    const std::string name = model.names + model.name_geomadr[geom];
-    if (name.starts_with(prefix) && model.geom_type[geom] == mjGEOM_BOX) {
+    const std::string name = names.geom(geom);
+    if (name.starts_with(prefix)) {
+      if (model.geom_type[geom] != mjGEOM_BOX) {
+        throw ConfigurationError(
+            Location{names.path()},
+            with_code(Code::world,
+                      "geom '{}' is not a box, as marks {}* of the floor are; write type=\"box\", "
+                      "or give it another name",
+                      name, prefix));
+      }
       const mjtNum* at = data.geom_xpos + 3 * geom;
       const mjtNum* axes = data.geom_xmat + 9 * geom;
       marks.push_back({.name = name,

@@ -13,7 +13,9 @@ inline constexpr std::string_view kGoalPrefix = "goal_";
 inline constexpr std::string_view kLanePrefix = "lane_";
 
 /// The boxes whose names begin with `prefix`, seen from above, where mj_kinematics() has put them.
-std::vector<Obstacle> find_marks(const mjModel& model, const mjData& data, std::string_view prefix);
+/// @throws ConfigurationError for a geom of such a name that is not a box.
+std::vector<Obstacle> find_marks(const mjModel& model, const mjData& data, const Names& names,
+                                 std::string_view prefix);
 
 /// The centre line of a lane's box, along its longer sides.
 struct CentreLine {

@@ -68,8 +68,8 @@ class Vehicle::Impl {
         cue_place_(place_cue(*model_, *data_, names_, seed)),
         coverage_(arena_, obstacles_, parts_.radius_m) {
     mj_kinematics(model_, data_);
-    goals_ = find_marks(*model_, *data_, kGoalPrefix);
-    lanes_ = find_marks(*model_, *data_, kLanePrefix);
+    goals_ = find_marks(*model_, *data_, names_, kGoalPrefix);
+    lanes_ = find_marks(*model_, *data_, names_, kLanePrefix);
     place_vehicle(*data_, names_, parts_, arena_, obstacles_, lanes_, seed);
     mj_forward(model_, data_);
     inertia_.look(*data_, parts_);
