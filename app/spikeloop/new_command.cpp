@@ -19,7 +19,8 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   spikeloop new > explorer.yaml && spikeloop run explorer.yaml
   spikeloop new maze > maze.yaml         the same with another name
-  spikeloop new --environment mountain_car > car.yaml    one that learns by reward)";
+  spikeloop new --environment mountain_car > car.yaml    one that learns by reward
+  spikeloop new --environment cart_pole > pole.yaml      a fixed rule, for a network of your own)";
 
 constexpr const char* kExplorer = "explorer";
 
@@ -66,8 +67,9 @@ void add(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("new", "Print a commented experiment file that is ready to run");
   command->add_option("NAME", *name, "Name of the experiment")->check(app::named("experiment"));
-  command->add_option("--environment", *environment,
-                      "An experiment that learns by reward in this environment");
+  command->add_option(
+      "--environment", *environment,
+      "An experiment in this environment; it learns by reward (cart_pole: a fixed rule)");
   command->footer(kFooter);
   command->callback([name, environment, &action] {
     action = [name, environment] { return print_new(*name, *environment); };

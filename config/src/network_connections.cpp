@@ -8,7 +8,9 @@
 
 #include "network_plasticity.hpp"
 #include "network_populations.hpp"
+#include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/code.hpp"
+#include "yaml_json.hpp"
 
 namespace spikeloop::yaml_text {
 
@@ -199,21 +201,28 @@ std::vector<Synapse> pairs(const Section& section, const Ends& ends, double weig
   return synapses;
 }
 
-WeightTable load(const NetworkWeightLoader& load_weights, const std::string& path,
-                 const Location& where) {
+bool is_table(const Section& section) {
+  return section.has("rule") && section.at("rule", "").IsSequence();
+}
+
+/// Written as the rule, or in the file of that name.
+WeightTable load(const std::string& rule, const Section& section,
+                 const NetworkWeightLoader& load_weights) {
   try {
-    return load_weights(path);
+    if (is_table(section)) {
+      return parse_weights(to_json(section.file(), section.at("rule", "")), rule);
+    }
+    // operator/ keeps an absolute rule as it is.
+    return load_weights((std::filesystem::path(section.file()).parent_path() / rule).string());
   } catch (const ConfigurationError& error) {
-    throw ConfigurationError(where, fmt::format("key 'rule': {}", error.what()));
+    throw ConfigurationError(section.where("rule"), fmt::format("key 'rule': {}", error.what()));
   }
 }
 
-std::vector<Synapse> from_file(const std::string& rule, const Section& section, const Ends& ends,
-                               double weight, const NetworkWeightLoader& load_weights) {
+std::vector<Synapse> from_table(const std::string& rule, const Section& section, const Ends& ends,
+                                double weight, const NetworkWeightLoader& load_weights) {
   const Location where = section.where("rule");
-  // operator/ keeps an absolute rule as it is.
-  const auto path = (std::filesystem::path(section.file()).parent_path() / rule).string();
-  WeightTable table = load(load_weights, path, where);
+  WeightTable table = load(rule, section, load_weights);
   const bool fits = (table.rows == 0 || table.rows == ends.to.size) &&
                     (table.columns == 0 || table.columns == ends.from.size);
   if (!fits) {
@@ -258,13 +267,13 @@ std::vector<Synapse> apply_rule(const std::string& rule, const Section& section,
   if (rule == "pairs") {
     return pairs(section, ends, weight);
   }
-  if (rule.ends_with(".json") || rule.ends_with(".npy")) {
-    return from_file(rule, section, ends, weight, load_weights);
+  if (is_table(section) || rule.ends_with(".json") || rule.ends_with(".npy")) {
+    return from_table(rule, section, ends, weight, load_weights);
   }
   throw ConfigurationError(
       where, with_code(Code::unknown_choice,
-                       "unknown rule '{}'{}; write one_to_one, all_to_all, pairs or a weight "
-                       "file that ends in .json or .npy",
+                       "unknown rule '{}'{}; write one_to_one, all_to_all, pairs, a table of "
+                       "weights or a weight file that ends in .json or .npy",
                        rule, did_you_mean(rule, {"one_to_one", "all_to_all", "pairs"})));
 }
 
@@ -368,7 +377,7 @@ NetworkProjection read_connection(const NetworkFile& network, std::size_t index,
   const Ends ends{network.populations[projection.from], network.populations[projection.to]};
   check_target(section, ends);
   projection.delay = read_delay(section, ends, network.resolution);
-  projection.rule = section.text("rule", "one_to_one");
+  projection.rule = is_table(section) ? "table" : section.text("rule", "one_to_one");
   group_by_source(apply_rule(projection.rule, section, ends, load_weights), ends.from.size,
                   projection);
   if (section.has("plasticity")) {

@@ -335,8 +335,8 @@ def check_errors(spikeloop, folder):
         done = subprocess.run([spikeloop, "run", str(folder / "car.yaml"), "--out", str(folder / "none"), *options],
                               capture_output=True, text=True, check=False)
         assert done.returncode != 0 and part in done.stderr, (options, done.stderr)
-    done = subprocess.run([spikeloop, "new", "--environment", "cart_pole"], capture_output=True, text=True, check=False)
-    assert done.returncode != 0 and "write one of: frozen_lake, lane, mountain_car, t_maze" in done.stderr, done.stderr
+    done = subprocess.run([spikeloop, "new", "--environment", "cart_pol"], capture_output=True, text=True, check=False)
+    assert done.returncode != 0 and "write one of: cart_pole, frozen_lake, lane, mountain_car, t_maze, water_maze" in done.stderr, done.stderr
     wrong = CAR.replace("x1 > 0 ? 2 : 0", "7")
     (folder / "wrong.yaml").write_text(wrong)
     done = subprocess.run([spikeloop, "run", str(folder / "wrong.yaml"), "--out", str(folder / "wrong")],

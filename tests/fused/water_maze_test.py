@@ -4,9 +4,7 @@ learns; the same seed gives the same bits."""
 
 import csv
 import pathlib
-import shutil
 import subprocess
-import sys
 import tempfile
 
 import h5py
@@ -14,7 +12,6 @@ import numpy as np
 
 import runs
 
-EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples/21_water_maze"
 TICK_S = 0.01
 CRITICS = 40
 TAU_S, RISE_S, DISCOUNT_S = 0.2, 0.05, 4.0
@@ -71,12 +68,12 @@ def main():
     spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as directory:
         folder = pathlib.Path(directory)
-        example = folder / "example"
-        shutil.copytree(EXAMPLE, example, ignore=shutil.ignore_patterns("runs", "*.json"))
-        subprocess.run([sys.executable, "make_weights.py"], cwd=example, check=True, stdout=subprocess.DEVNULL)
+        experiment = folder / "water_maze.yaml"
+        experiment.write_text(subprocess.run([spikeloop, "new", "--environment", "water_maze"], check=True,
+                                             capture_output=True, text=True).stdout)
 
         def swim(name, seed, count):
-            runs.run(spikeloop, example / "water_maze.yaml", folder / name, "--set", f"seed={seed}",
+            runs.run(spikeloop, experiment, folder / name, "--set", f"seed={seed}",
                      "--set", f"episodes.count={count}")
             return latencies(folder / name)
 

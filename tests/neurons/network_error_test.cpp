@@ -262,10 +262,22 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{
             "no_rule", with_connection("from: input, to: relay, delay: 1 ms"),
             "net.yaml:6:5: connection 1: key 'rule' is missing; write  rule: one_to_one [SL0104]"},
+        NetworkCase{"unknown_rule",
+                    with_connection("from: input, to: relay, rule: all_to_al, delay: 1"),
+                    "net.yaml:6:36: unknown rule 'all_to_al'; did you mean 'all_to_all'?; write "
+                    "one_to_one, all_to_all, pairs, a table of weights or a weight file that ends "
+                    "in .json or "
+                    ".npy [SL0205]"},
         NetworkCase{
-            "unknown_rule", with_connection("from: input, to: relay, rule: all_to_al, delay: 1"),
-            "net.yaml:6:36: unknown rule 'all_to_al'; did you mean 'all_to_all'?; write "
-            "one_to_one, all_to_all, pairs or a weight file that ends in .json or .npy [SL0205]"},
+            "table_of_odd_rows",
+            with_connection("from: input, to: relay, rule: [[1, 1], [1], [1, 1]], delay: 1 ms"),
+            "net.yaml:6:36: key 'rule': table: row 1 has 1 weights, but row 0 has 2; write one "
+            "weight an input in every row [SL0309]"},
+        NetworkCase{
+            "table_of_another_size",
+            with_connection("from: input, to: relay, rule: [[1, 1]], delay: 1 ms"),
+            "net.yaml:6:36: 'table' has 1 rows and 2 columns, but 'relay' has 3 neurons and "
+            "'input' has 2; write one row a target and one column a source [SL0308]"},
         NetworkCase{
             "one_to_one_sizes",
             with_connection("from: input, to: relay, rule: one_to_one, delay: 1 ms"),

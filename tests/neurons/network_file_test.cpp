@@ -119,6 +119,20 @@ TEST(NetworkFile, AWeightFileIsLookedUpBesideIt) {
   EXPECT_THAT(projection.weight, ElementsAre(10.0, -30.0, 20.0, 40.0));
 }
 
+TEST(NetworkFile, AConnectionMayHoldItsTable) {
+  const NetworkFile network = parse(
+      "populations:\n"
+      "  input: {model: input, size: 3}\n"
+      "  cell: {model: iaf_psc_exp, size: 2}\n"
+      "connections:\n"
+      "  - {from: input, to: cell, rule: [[1, 0, 2], [0, -3, 4]], weight: 10 pA, delay: 1 ms}\n"
+      "output: [cell]\n");
+  const NetworkProjection& projection = network.projections[0];
+  EXPECT_THAT(projection.row_start, ElementsAre(0u, 1u, 2u, 4u));
+  EXPECT_THAT(projection.target, ElementsAre(0u, 1u, 0u, 1u));
+  EXPECT_THAT(projection.weight, ElementsAre(10.0, -30.0, 20.0, 40.0));
+}
+
 TEST(NetworkFile, IsReadFromDiskWithItsWeightFile) {
   const TemporaryDirectory directory;
   std::ofstream(directory.path() / "w.json") << "[[1, 0], [0.5, -2]]\n";
