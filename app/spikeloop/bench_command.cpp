@@ -24,6 +24,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop bench --out results --part a --encoders rate --simulators none
   spikeloop bench --out results --part c --ticks 1,50 --steps 12
   spikeloop bench --out results --draw          draws table and figures again
+  spikeloop bench --learning --seeds 20         tasks of reinforcement learning
 
 Repeats the measurements of Weidel, Djurfeldt, Duarte & Morrison 2016 (Front. Neuroinform. 10:31):
   a  real-time factor vs. number of encoding neurons, and the largest number in real time
@@ -36,6 +37,10 @@ weights. All programs start at a barrier and run as fast as possible. Build time
 
 The folder of --out has results.json, which is updated after every run, and one PNG per part.
 Results in it are not measured again, so a stopped bench can be continued.
+
+--learning sweeps what `spikeloop new --environment TASK` prints over the seeds, with and without learning or
+with the published learning rate, and prints medians and quartiles. The folder of --out keeps the sweeps.
+100 seeds take more than an hour on two cores.
 
 Exit codes: 0 measured, 1 some parts could not be measured (see results.json), 2 an option is
 invalid, 3 Python or a package is missing, 4 a file cannot be read or written, 130 Ctrl-C)";
@@ -66,6 +71,11 @@ const List& encoders() {
   static const List list{"--encoders", {"rate", "poisson", "nef"}, "encoder"};
   return list;
 }
+const List& tasks() {
+  static const List list{
+      "--tasks", {"mountain_car", "frozen_lake", "t_maze", "lane", "water_maze"}, "task"};
+  return list;
+}
 
 struct BenchArguments {
   std::string parts = fmt::format("{}", fmt::join(bench_command::parts().choices, ","));
@@ -81,6 +91,9 @@ struct BenchArguments {
   std::string duration = "10 s";
   std::string limit;
   std::string out;
+  std::string tasks = fmt::format("{}", fmt::join(bench_command::tasks().choices, ","));
+  std::string seeds = "20";
+  bool learning = false;
   bool quick = false;
   bool draw = false;
   bool again = false;
@@ -213,6 +226,13 @@ std::vector<std::string> checked(const BenchArguments& given) {
   return words;
 }
 
+std::vector<std::string> checked_learning(const BenchArguments& given) {
+  check_list(tasks(), given.tasks);
+  return {"--learning", "--programs=" + own_directory(), "--tasks=" + given.tasks,
+          "--seeds=" + whole("--seeds", given.seeds, 10000),
+          "--out=" + (given.out.empty() ? "bench-learning" : given.out)};
+}
+
 std::string list_type(const List& list) {
   return fmt::format("LIST:{{{}}}", fmt::join(list.choices, ","));
 }
@@ -254,28 +274,50 @@ void add_numbers(CLI::App& command, BenchArguments& given) {
       ->type_name("TIME");
 }
 
+/// After all other options, most of which are not for it.
+void add_learning(CLI::App& command, BenchArguments& given) {
+  const std::vector<CLI::Option*> others = command.get_options();
+  CLI::Option* const learning = command.add_flag(
+      "--learning", given.learning, "Measure learning in episodes instead of speed and latency");
+  for (CLI::Option* const other : others) {
+    if (!other->check_lname("out") && !other->check_lname("help")) {
+      learning->excludes(other);
+    }
+  }
+  command.add_option(tasks().option, given.tasks, "With --learning: its tasks [all]")
+      ->type_name(list_type(tasks()))
+      ->needs(learning);
+  command.add_option("--seeds", given.seeds, "With --learning: runs of each task")
+      ->type_name("NUMBER")
+      ->capture_default_str()
+      ->needs(learning);
+}
+
 }  // namespace
 
 void add(CLI::App& app, Action& action) {
   const auto given = std::make_shared<BenchArguments>();
-  CLI::App* command =
-      app.add_subcommand("bench", "Measure speed and latency as in Weidel et al. 2016");
+  CLI::App* command = app.add_subcommand(
+      "bench", "Measure speed and latency as in Weidel et al. 2016, or learning");
   add_lists(*command, *given);
   add_numbers(*command, *given);
   command
-      ->add_option("--out", given->out, "Folder of results.json and figures [bench, bench-quick]")
+      ->add_option(
+          "--out", given->out,
+          "Folder of results.json and figures, or of sweeps [bench, bench-quick, bench-learning]")
       ->check(named("folder"));
   command->add_flag("--quick", given->quick, quick_help());
   command->add_flag("--again", given->again, "Measure the points in results.json again");
   command->add_flag("--draw", given->draw, "Only draw table and figures of results.json");
+  add_learning(*command, *given);
   command->footer(kFooter);
   command->callback([given, command, &action] {
     if (given->quick) {
       make_quick(*command, *given);
     }
     action = [given]() -> int {
-      become_python("spikeloop.bench", checked(*given), "which measures and draws",
-                    "python3-matplotlib python3-h5py");
+      become_python("spikeloop.bench", given->learning ? checked_learning(*given) : checked(*given),
+                    "which measures and draws", "python3-matplotlib python3-h5py");
     };
   });
 }

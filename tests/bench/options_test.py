@@ -38,6 +38,11 @@ WRONG = (
     (("--limit", "10 mV"),
      "--limit: '10 mV' cannot be; write the wall seconds that a run may take, at least 0.05, as in "
      "--limit 30"),
+    (("--learning", "--tasks", "lanes"), "--tasks: unknown task 'lanes'; did you mean 'lane'?"),
+    (("--learning", "--seeds", "0"),
+     "--seeds: '0' cannot be; write a whole number from 1 to 10000, as in --seeds 5"),
+    (("--learning", "--ticks", "1"), "--ticks excludes --learning; see spikeloop bench --help"),
+    (("--seeds", "3"), "--seeds requires --learning; see spikeloop bench --help"),
     (("--qiuck",), "unknown option '--qiuck'; did you mean '--quick'?"),
 )
 

@@ -138,7 +138,7 @@ def _run(given):
 
 
 def main(arguments=None):
-    given = _arguments(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
     try:
         from .results import ResultsError
         from . import pictures  # noqa: F401: all packages, before hours of work
@@ -147,6 +147,9 @@ def main(arguments=None):
         return _fail(f"Python's package {package} is missing, or of no use ({error}); "
                      f"apt-get install python3-{package}", EXIT_PACKAGE)
     try:
-        return _run(given)
+        if "--learning" in words:
+            from . import learning
+            return learning.run(words)
+        return _run(_arguments(words))
     except ResultsError as error:
         return _fail(error, error.code)
