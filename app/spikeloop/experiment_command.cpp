@@ -264,7 +264,7 @@ std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file
   return loaded;
 }
 
-/// Episodes that end a run, or begin a network anew, would have to tell other processes. Python,
+/// Episodes that end a run, or begin a node anew, would have to tell other processes. Python,
 /// which can stand for a simulator, is none.
 void refuse_episodes_of_several_processes(const Experiment& experiment) {
   const auto& episodes = experiment.episodes;

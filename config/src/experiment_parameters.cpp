@@ -103,10 +103,10 @@ std::vector<ParameterDescription> episode_parameters() {
           {.name = "reset",
            .type = ParameterType::list,
            .default_value = "",
-           .text = "Built-in networks that begin every episode in their first state, with the "
-                   "weights that they have learned; not given: none",
+           .text = "Nodes that begin every episode in their first state; networks keep the weights "
+                   "that they have learned. all: all nodes that can; not given: none",
            .inner = {{.name = "node", .type = ParameterType::text}},
-           .example = "[brain]"},
+           .example = "[encoder, brain]"},
           reward("begin_reward",
                  "Reward that is sent in the pause and before the first step; not given: 0"),
           reward("end_reward",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "renewable_node.hpp"
 #include "spike_sort.hpp"
 #include "spikeloop/core/graph_plan.hpp"
 #include "thread_team.hpp"
@@ -59,6 +60,14 @@ struct Edge {
     report.spikes += passed.size();
     for (auto spike = passed.begin(); spike != passed.end() && spike->time_ns <= begin; ++spike) {
       ++report.late;
+    }
+  }
+
+  // What is on its way gets lost.
+  void clear() {
+    for (Slot& slot : ring) {
+      slot.revision = 0;
+      slot.spikes.clear();
     }
   }
 
@@ -202,31 +211,6 @@ struct Element {
 
 }  // namespace
 
-const PortDescription* find_output(const GraphDescription& description, std::string_view end) {
-  for (const auto& entry : description.nodes) {
-    for (const PortDescription& port : entry.node_class->description.ports) {
-      if (port.direction == Direction::output &&
-          end == fmt::format("{}.{}", entry.name, port.name)) {
-        return &port;
-      }
-    }
-  }
-  return nullptr;
-}
-
-std::uint32_t ChannelRange::count(std::uint32_t width) const {
-  return end != 0 ? end - begin : width > begin ? width - begin : 0;
-}
-
-std::string ChannelRange::text() const {
-  if (all()) {
-    return "";
-  }
-  return end == begin + 1 ? fmt::format("[{}]", begin)
-         : end == 0       ? fmt::format("[{}:]", begin)
-                          : fmt::format("[{}:{}]", begin, end);
-}
-
 struct Graph::Impl {
   TimeNs tick = 0;
   std::uint64_t tick_index = 0;
@@ -273,7 +257,9 @@ void Graph::Impl::make_elements(const GraphDescription& description, const Graph
     }
     elements[index].name = entry.name;
     try {
-      elements[index++].node = make_node(*entry.node_class, setup, entry.threads);
+      elements[index++].node = entry.begins_anew
+                                   ? make_renewable_node(*entry.node_class, setup, entry.threads)
+                                   : make_node(*entry.node_class, setup, entry.threads);
     } catch (const ConfigurationError& error) {
       if (error.located()) {
         throw;  // a line is nearer than a name
@@ -460,6 +446,12 @@ bool Graph::change(std::string_view node, std::string_view parameter, double val
 }
 
 void Graph::reset(std::string_view node) {
+  const std::string ports = fmt::format("{}.", node);
+  for (const auto& edge : impl_->edges) {
+    if (edge->report.from.starts_with(ports) || edge->report.to.starts_with(ports)) {
+      edge->clear();
+    }
+  }
   impl_->with(node, [&](Node& found) { found.reset(time()); });
 }
 

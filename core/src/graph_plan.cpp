@@ -14,6 +14,31 @@
 
 namespace spikeloop {
 
+const PortDescription* find_output(const GraphDescription& description, std::string_view end) {
+  for (const auto& entry : description.nodes) {
+    for (const PortDescription& port : entry.node_class->description.ports) {
+      if (port.direction == Direction::output &&
+          end == fmt::format("{}.{}", entry.name, port.name)) {
+        return &port;
+      }
+    }
+  }
+  return nullptr;
+}
+
+std::uint32_t ChannelRange::count(std::uint32_t width) const {
+  return end != 0 ? end - begin : width > begin ? width - begin : 0;
+}
+
+std::string ChannelRange::text() const {
+  if (all()) {
+    return "";
+  }
+  return end == begin + 1 ? fmt::format("[{}]", begin)
+         : end == 0       ? fmt::format("[{}:]", begin)
+                          : fmt::format("[{}:{}]", begin, end);
+}
+
 namespace {
 
 PlannedElement planned_node(const GraphDescription::NodeEntry& entry) {

@@ -14,6 +14,10 @@ std::uint64_t name_hash(std::string_view name) {
   return hash;
 }
 
+std::uint64_t episode_seed(std::uint64_t run, std::uint64_t episode) {
+  return episode == 1 ? run : RandomStream(run, "episode").bits(0, episode);
+}
+
 RandomStream::RandomStream(std::uint64_t seed, std::string_view node_name, std::uint64_t purpose)
     : seed_(seed), hash_(name_hash(node_name)), purpose_(purpose) {}
 

@@ -119,22 +119,60 @@ Parameters read_keys(const ExperimentFile& file, Experiment& experiment, Faults&
   return keys;
 }
 
-void check_reset(const std::string& name, const Location& where, const Experiment& experiment,
-                 Faults& faults) {
-  const auto node = std::ranges::find(experiment.nodes, name, &Node::name);
-  std::vector<std::string> able;
-  for (const Node& candidate : experiment.nodes) {
-    if (candidate.node_class != nullptr && candidate.node_class->description.resettable) {
-      able.push_back(candidate.name);
+/// Why a node cannot begin anew; empty: it can.
+std::string hindrance(const Node& node) {
+  switch (node.role) {
+    case Role::source:
+      return "it is an input of the experiment";
+    case Role::sink:
+      return "it is an output of the experiment";
+    case Role::simulator:
+      return "another program simulates it";
+    case Role::node:
+      break;
+  }
+  if (node.node_class == nullptr || node.node_class->description.reset != Reset::never) {
+    return "";  // of an unknown class: that is another fault
+  }
+  return node.kind == kNetwork ? "it has no resolution" : "plug-ins have a state of their own";
+}
+
+/// Puts the names of all nodes that can begin anew in the place of `all`.
+void expand_reset(Experiment& experiment) {
+  if (!experiment.episodes || experiment.episodes->reset != std::vector<std::string>{"all"} ||
+      std::ranges::find(experiment.nodes, "all", &Node::name) != experiment.nodes.end()) {
+    return;
+  }
+  experiment.episodes->reset.clear();
+  for (const Node& node : experiment.nodes) {
+    if (hindrance(node).empty()) {
+      experiment.episodes->reset.push_back(node.name);
     }
   }
-  if (std::ranges::find(able, name) == able.end()) {
+}
+
+void check_reset(const std::string& name, const ExperimentFile& file, const Experiment& experiment,
+                 Faults& faults) {
+  const Location where = where_of(file, "episodes");
+  const auto node = std::ranges::find(experiment.nodes, name, &Node::name);
+  if (node == experiment.nodes.end()) {
+    if (std::ranges::find(file.nodes, name, &ExperimentNode::name) != file.nodes.end()) {
+      return;  // it has a fault of its own
+    }
+    std::vector<std::string> able{"all"};
+    for (const Node& candidate : experiment.nodes) {
+      if (hindrance(candidate).empty()) {
+        able.push_back(candidate.name);
+      }
+    }
+    faults.add(where,
+               with_code(Code::unknown_node, "key 'episodes': reset: there is no node '{}'{}", name,
+                         did_you_mean(name, able)));
+  } else if (const std::string why = hindrance(*node); !why.empty()) {
     faults.add(where, with_code(Code::conflicting_keys,
-                                "key 'episodes': reset: {} '{}'{}; only built-in networks with a "
-                                "resolution can be reset{}",
-                                node == experiment.nodes.end() ? "there is no node" : "node", name,
-                                node == experiment.nodes.end() ? "" : " cannot begin anew",
-                                did_you_mean(name, able)));
+                                "key 'episodes': reset: node '{}' cannot begin anew, because {}; "
+                                "leave it out, or write  reset: all  for all nodes that can",
+                                name, why));
   }
 }
 
@@ -145,7 +183,7 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
   }
   const Location where = where_of(file, "episodes");
   for (const std::string& name : experiment.episodes->reset) {
-    check_reset(name, where, experiment, faults);
+    check_reset(name, file, experiment, faults);
   }
   const bool acts = std::ranges::any_of(experiment.nodes,
                                         [](const Node& node) { return node.kind == kRosCommand; });
@@ -317,12 +355,13 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   resolve_layout(keys, file.joined, experiment, all);
+  expand_reset(experiment);
   if (!overrides.replay) {
     check_episodes(file, experiment, all);
   } else if (experiment.episodes && !experiment.episodes->reset.empty()) {
     all.add(where_of(file, "episodes"),
             with_code(Code::conflicting_keys,
-                      "key 'episodes': a run in which networks are reset cannot be replayed, "
+                      "key 'episodes': a run in which nodes are reset cannot be replayed, "
                       "because a recording has no episodes; repeat it with  spikeloop run FOLDER"));
   }
   if (!overrides.changes.empty() && faults.empty()) {

@@ -121,7 +121,11 @@ Assembly::~Assembly() = default;
 void Assembly::add_node(const Node& node) {
   switch (node.role) {
     case Role::node:
-      description_.nodes.push_back({node.name, node.node_class, node.parameters, node.where});
+      description_.nodes.push_back({.name = node.name,
+                                    .node_class = node.node_class,
+                                    .parameters = node.parameters,
+                                    .where = node.where,
+                                    .begins_anew = begins_anew(node)});
       return;
     case Role::source:
       sources_.push_back(
@@ -137,6 +141,11 @@ void Assembly::add_node(const Node& node) {
     case Role::simulator:
       return;  // is never here
   }
+}
+
+bool Assembly::begins_anew(const Node& node) const {
+  const auto& episodes = experiment_.episodes;
+  return episodes && std::ranges::find(episodes->reset, node.name) != episodes->reset.end();
 }
 
 void Assembly::add_command(const Node& node) {

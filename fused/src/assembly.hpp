@@ -53,6 +53,7 @@ class Assembly {
 
  private:
   void add_node(const experiment::Node& node);
+  bool begins_anew(const experiment::Node& node) const;
   void add_command(const experiment::Node& node);
   bool is_here(const std::string& end) const;
   void add_edge(const experiment::Connection& edge);

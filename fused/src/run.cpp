@@ -125,7 +125,7 @@ class Loop {
       others_->exchange();
     }
     transport_.end(graph.time());
-    reset_networks();
+    reset_nodes();
     if (events_.ticked) {
       events_.ticked(graph.time());
     }
@@ -162,7 +162,7 @@ class Loop {
     pacer_->start();
   }
 
-  void reset_networks() {
+  void reset_nodes() {
     const robot::Episodes* const episodes = transport_.episodes();
     if (!experiment_.episodes || episodes == nullptr || episodes->number() <= episode_) {
       return;

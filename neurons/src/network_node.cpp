@@ -271,7 +271,7 @@ NodeClass network_class() {
 
 NodeClass network_class(const NetworkFile& network) {
   NodeClass node_class = network_class();
-  node_class.description.resettable = network.resolution != 0;
+  node_class.description.reset = network.resolution != 0 ? Reset::by_itself : Reset::never;
   std::vector<PortDescription>& ports = node_class.description.ports;
   ports[0].width = WidthRule::fixed(network.input_width());
   ports[1].width = WidthRule::fixed(network.output_width());

@@ -18,7 +18,7 @@ class DisturbSignal final : public Node {
  public:
   explicit DisturbSignal(const NodeSetup& setup)
       : period_(setup.parameters),
-        random_(setup.seed, setup.name),
+        random_(setup.noise_seed(), setup.name),
         noise_(setup.parameters.number("noise")),
         bias_(setup.parameters.number("bias")),
         drop_(setup.parameters.number("drop")),

@@ -19,7 +19,7 @@ class DisturbSpikes final : public Node {
  public:
   explicit DisturbSpikes(const NodeSetup& setup)
       : period_(setup.parameters),
-        random_(setup.seed, setup.name),
+        random_(setup.noise_seed(), setup.name),
         drop_(setup.parameters.number("drop")),
         jitter_(setup.parameters.number("jitter") * 1e9),
         arrived_(setup.widths[0], 0),

@@ -1,5 +1,7 @@
 #include "spikeloop/nodes/register.hpp"
 
+#include <utility>
+
 namespace spikeloop {
 
 // Each in the file of its name; those of elementwise.cpp share one.
@@ -51,7 +53,9 @@ void register_nodes(Registry& registry) {
                               rate_window_class,
                               disturb_signal_class,
                               disturb_spikes_class}) {
-    registry.add(make());
+    NodeClass made = make();
+    made.description.reset = Reset::made_again;
+    registry.add(std::move(made));
   }
 }
 

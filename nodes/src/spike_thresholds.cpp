@@ -5,7 +5,7 @@
 namespace spikeloop {
 
 SpikeThresholds::SpikeThresholds(const NodeSetup& setup, bool poisson, SpikeSchedule& schedule)
-    : stream_(setup.seed, setup.name),
+    : stream_(setup.noise_seed(), setup.name),
       first_(schedule.first()),
       draws_(poisson ? schedule.channels() : 0, 0) {
   for (std::uint32_t c = 0; c < draws_.size(); ++c) {

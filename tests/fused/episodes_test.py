@@ -106,6 +106,35 @@ connections:
   - field -> down [1] -> move [1]
   - field -> brain.signal [1]
 """
+# The same way, and nodes with a state.
+NODES = """experiment: nodes
+tick: 5 ms
+sync: lockstep
+robot: {environment: frozen_lake, step: 100 ms}
+episodes: {count: 4, pause: 40 ms, reset: all}
+nodes:
+  field: {node: ros_sensor, topic: /observation, message: std_msgs/Float64MultiArray}
+  down: {node: function, function: "1"}
+  move: {node: ros_command, topic: /action, message: std_msgs/Float64MultiArray}
+  scaled: {node: function, function: "0.11*x0 - 0.7"}
+  phase: {node: rate_encoder, rate_max: 370 Hz, initial_phase: random}
+  rate: {node: linear_readout, tau: 90 ms, weights: uniform}
+  smooth: {node: low_pass, tau: 130 ms}
+  steps: {node: step_forward_encoder, threshold: 3, min_interval: 7 ms}
+  sum: {node: rate_window, window: 60 ms}
+  rain: {node: poisson_encoder, rate_max: 500 Hz}
+connections:
+  - field -> down [1] -> move [1]
+  - field -> scaled [1] -> phase [1] -> rate [1, delay 2 ticks] -> smooth [1] -> steps [1] -> sum [2]
+  - scaled -> rain [1]
+"""
+GAIN = """import spikeloop
+
+
+@spikeloop.node(inputs={"in": "signal"}, outputs={"out": "signal"}, text=spikeloop.Parameter("", text="Nothing"))
+def gain(step, text):
+    \"\"\"Does nothing\"\"\"
+"""
 STEP_S = 0.02
 LIMIT = 150  # steps in 3 s
 
@@ -307,6 +336,44 @@ def check_reset(spikeloop, folder):
     assert abs(len(rain) - mean) < 5 * mean ** 0.5 and np.unique(rain, return_counts=True)[1].max() < 5, len(rain)
 
 
+def recorded(folder, node, begin, length):
+    """Of a time, that counts from its begin: what the node's file has."""
+    with h5py.File(folder / f"{node}.h5") as file:
+        group = file["spikes/out"] if "spikes/out" in file else file["signals/out"]
+        times, values = (group[name][:] for name in
+                         (("timestamps_ns", "node_ids") if "node_ids" in group else ("times_ns", "values")))
+    part = (times > begin) & (times <= begin + length)
+    return (times[part] - begin).tolist(), values[part].tobytes()
+
+
+def check_reset_of_nodes(spikeloop, folder):
+    """After the reset nodes do what they did at the begin of the run, to the bit; Poisson spikes are others."""
+    (folder / "nodes.yaml").write_text(NODES)
+    runs.run(spikeloop, folder / "nodes.yaml", folder / "anew")
+    runs.run(spikeloop, folder / "nodes.yaml", folder / "on", "--set", "episodes={count: 4, pause: 40 ms}")
+    begins = [round(float(row["begin_s"]) * 1e9) for row in rows(folder / "anew")]
+    length = begins[2] - begins[1]
+    for node in ("scaled", "phase", "rate", "smooth", "steps", "sum"):
+        first = recorded(folder / "anew", node, 0, length)
+        assert len(first[0]) > 4, (node, first)
+        for begin in begins[1:3]:
+            assert recorded(folder / "anew", node, begin, length) == first, (node, begin)
+        if node != "scaled":
+            assert recorded(folder / "on", node, begins[1], length) != first, node
+    rain = [recorded(folder / "anew", "rain", begin, length) for begin in (0, *begins[1:3])]
+    assert len(rain[0][0]) > 20 and rain[0] != rain[1] != rain[2], rain
+    resolved = json.loads((folder / "anew" / "resolved.json").read_text())
+    assert set(resolved["episodes"]["reset"]) == {"down", "scaled", "phase", "rate", "smooth", "steps", "sum", "rain"}
+
+
+def check_cart_pole(spikeloop, folder):
+    """What `spikeloop new` prints balances the pole."""
+    (folder / "pole.yaml").write_text(subprocess.run([spikeloop, "new", "--environment", "cart_pole"], check=True,
+                                                     capture_output=True, text=True).stdout)
+    summary, _ = runs.run(spikeloop, folder / "pole.yaml", folder / "pole")
+    assert summary["episodes"] == summary["successes"] == 20, summary
+
+
 def signal_max(folder):
     with h5py.File(folder / "brain.h5") as file:
         return file["signals/rates/values"][:].max()
@@ -322,14 +389,21 @@ def check_errors(spikeloop, folder):
             ("ros=2", "an environment has no topics of ROS"),
             ("car.topic=/scan", "the robot has no topic /scan there"),
             ("push={simulator: python, script: push.py}", "count and reset are for a run of one process"),
-            ("episodes.reset=[push]", "node 'push' cannot begin anew; only built-in networks"),
-            ("episodes.reset=[pusch]", "there is no node 'pusch'"),
+            ("episodes.reset=[action]", "node 'action' cannot begin anew, because it is an output of the experiment"),
+            ("episodes.reset=[car]", "node 'car' cannot begin anew, because it is an input of the experiment"),
+            ("episodes.reset=[pusch]", "there is no node 'pusch'; did you mean 'push'?"),
             ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
             ("robot={simulator: mujoco}", "pause_observation is for an environment"),
             ("episodes.count=0", "count")):
         done = subprocess.run([spikeloop, "check", str(folder / "car.yaml"), "--set", setting],
                               capture_output=True, text=True, check=False)
         assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+    (folder / "gain.py").write_text(GAIN)
+    (folder / "gain.yaml").write_text(CAR.replace("reward: -0.4", "reward: -0.4, reset: [push]")
+                                      .replace("node: function, function", "node: gain, text")
+                                      .replace("nodes:", "plugins: [gain.py]\nnodes:"))
+    done = subprocess.run([spikeloop, "check", str(folder / "gain.yaml")], capture_output=True, text=True, check=False)
+    assert "node 'push' cannot begin anew, because plug-ins have a state of their own" in done.stderr, done.stderr
     for options, part in ((["--render", "x.png"], "this experiment has none"),
                           (["--ros", "2"], "an environment has no topics of ROS")):
         done = subprocess.run([spikeloop, "run", str(folder / "car.yaml"), "--out", str(folder / "none"), *options],
@@ -347,7 +421,8 @@ def check_errors(spikeloop, folder):
 def main():
     spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
-        for check in (check_car, check_repetition, check_maze, check_lane, check_reset, check_errors):
+        for check in (check_car, check_repetition, check_maze, check_lane, check_reset, check_reset_of_nodes, check_cart_pole,
+                      check_errors):
             check(spikeloop, pathlib.Path(temporary))
             print(f"{check.__name__}: good")
     return 0

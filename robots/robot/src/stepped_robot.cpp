@@ -18,11 +18,6 @@ TimeNs next_row(TimeNs time) {
   return (time / kRowPeriod + 1) * kRowPeriod;
 }
 
-/// Of an episode's world; that of the first one is the run's own.
-std::uint64_t seed_of(std::uint64_t run, std::uint64_t episode) {
-  return episode == 1 ? run : RandomStream(run, "episode").bits(0, episode);
-}
-
 /// In a world with a cue, goal i belongs to place i of the cue. +1 for the right goal, -1 for
 /// another. On a lane 1 in the middle, down to 0 at its edges, where the episode ends.
 StepResult result_of(const vehicle::Vehicle& vehicle) {
@@ -110,7 +105,7 @@ void SteppedRobot::step_episode() {
     if (!episodes_->running()) act(std::array{0.0, 0.0});
   } else if (episodes_->wait(now)) {
     episodes_->begin(now);
-    vehicle().reset(seed_of(seed_, episodes_->number()));
+    vehicle().reset(episode_seed(seed_, episodes_->number()));
     sensors_.begin_anew();
     if (newest_) act(*newest_);  // which nobody may send again
   }

@@ -57,8 +57,9 @@ struct GraphDescription {
     const NodeClass* node_class = nullptr;
     Parameters parameters;
     Location where{};
-    Share share{};         ///< of this process
-    unsigned threads = 1;  ///< that share it again
+    Share share{};             ///< of this process
+    unsigned threads = 1;      ///< that share it again
+    bool begins_anew = false;  ///< Graph::reset works although the class has Reset::made_again
   };
   struct SourceEntry {
     std::string name;
@@ -109,7 +110,9 @@ class Graph {
   /// As Node::change(). False: it has no such node. @throws NodeError with the node's name.
   bool change(std::string_view node, std::string_view parameter, double value);
 
-  /// As Node::reset(), now. @throws NodeError with the node's name.
+  /// As Node::reset(), now; what is on its way to the node, or from it, gets lost. A node that is
+  /// made again counts time from 0 and has no output until it writes one. @throws NodeError with
+  /// the node's name.
   void reset(std::string_view node);
 
   /// The begin of the next interval.

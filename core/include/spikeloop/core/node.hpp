@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "spikeloop/core/parameters.hpp"
+#include "spikeloop/core/random.hpp"
 #include "spikeloop/core/signal.hpp"
 #include "spikeloop/core/weights.hpp"
 
@@ -50,6 +51,14 @@ struct PortDescription {
   std::vector<Population> populations{};  ///< of spikes, in the order of the channels; empty: one
 };
 
+/// How a node goes back to the state of the beginning. A plug-in's never does: it may have a state,
+/// or have learned something, of which nothing is known here.
+enum class Reset {
+  never,
+  by_itself,  ///< Node::reset
+  made_again  ///< by its factory; it leaves no results and learns nothing
+};
+
 /// Everything that is known of a class of nodes without making one.
 struct NodeDescription {
   std::string name;
@@ -59,7 +68,7 @@ struct NodeDescription {
   std::vector<ParameterDescription> parameters;
   /// Nodes of the class heed NodeSetup::share, so that processes and threads can share the work.
   bool shareable = false;
-  bool resettable = false;  ///< nodes of the class have Node::reset
+  Reset reset = Reset::never;
 };
 
 /// One of `parts` equal parts of a node's output channels.
@@ -85,6 +94,11 @@ struct NodeSetup {
   /// The output channels to compute, for all of the inputs. Every channel's result is the same
   /// whatever the share; what concerns no channel is counted by share 0 alone.
   Share share{};
+  std::uint64_t episode = 1;  ///< counts how often the node has begun
+
+  /// Keys random numbers that should differ from one episode to the next. `seed` keys all others:
+  /// which neurons there are stays, what they do by chance does not come again.
+  std::uint64_t noise_seed() const { return episode_seed(seed, episode); }
 };
 
 /// Something a node counted: clipped inputs, late spikes, ... Names are snake_case.
@@ -125,7 +139,7 @@ class Node {
   virtual void change(std::string_view /*parameter*/, double /*value*/) {}
 
   /// Back to the state of the beginning, between two steps, of which the next one begins now; what
-  /// was learned stays. Of nodes whose description says that they can.
+  /// was learned stays. Of classes with Reset::by_itself.
   virtual void reset(TimeNs /*now*/) {}
 
   /// Between two steps, for those who watch the run: changes nothing, and computes nothing. Weights

@@ -13,6 +13,9 @@ namespace spikeloop {
 /// FNV-1a, 64 bit: the hash of a node's name that keys its streams.
 std::uint64_t name_hash(std::string_view name);
 
+/// What an episode of a run has in the place of the run's seed; the first one has that itself.
+std::uint64_t episode_seed(std::uint64_t run, std::uint64_t episode);
+
 /// The stream of one node; channels and draw indices address it freely.
 /// Draw d of channel c is word d % 4 of Philox4x64-10 with key (seed, name_hash) and counter
 /// (d / 4, c, purpose, 0). `purpose` keeps apart uses within one node.

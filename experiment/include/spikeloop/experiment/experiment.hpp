@@ -110,7 +110,7 @@ struct Episodes {
   std::optional<TimeNs> time_limit{};
   TimeNs hold = 0;
   TimeNs pause = 0;
-  std::vector<std::string> reset{};  ///< networks that begin anew, too
+  std::vector<std::string> reset{};  ///< nodes that begin anew, too
   std::optional<double> pause_observation{};
   std::optional<double> begin_reward{};
   std::optional<double> end_reward{};
