@@ -112,7 +112,15 @@ std::vector<ParameterDescription> episode_parameters() {
           reward("end_reward",
                  "Reward that is sent with the last observation of an episode; not given: that of "
                  "the last step"),
-          reward("failure_reward", "The same, only if the reward of the last step is 0")};
+          reward("failure_reward", "The same, only if the reward of the last step is 0"),
+          reward("collision_reward",
+                 "Reward of a step in which the vehicle collides, and which ends the episode; not "
+                 "given: the episode goes on"),
+          {.name = "goal",
+           .type = ParameterType::text,
+           .default_value = "",
+           .text = "The goal_* of the vehicle's world that has the reward 1, any other -1; not "
+                   "given: that of the cue's place"}};
 }
 
 std::vector<ParameterDescription> robot_parameters() {

@@ -22,6 +22,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostBytes = 200'000'000;  // ten times as much in memory while it is read
 constexpr std::string_view kDense = "[[0.1, 0.2], [0.3, 0.4]], one row an output";
 constexpr std::string_view kSparse = R"({"rows": 2, "columns": 3, "entries": [[0, 2, 0.5]]})";
+constexpr std::string_view kAxes = R"({"axes": [[-1, 1, 5, 0.2], [0, 3, 4, 0.5]]})";
+constexpr std::string_view kAxis = "[first centre, last centre, number of centres, width]";
 constexpr std::string_view kFitted = R"({"tau_s": 0.03, "weights": [[0.1, 0.2], [0.3, 0.4]]})";
 
 struct Entry {
@@ -62,14 +64,65 @@ class WeightJson {
     return result;
   }
 
+  /// All combinations of the axes' centres; the last axis changes first.
+  WeightRows grid(const Json& object) const {
+    check_keys(object, {"axes"}, kAxes);
+    std::vector<Axis> axes;
+    const Json& list = object["axes"];
+    if (!list.is_array() || list.empty()) {
+      wrong("'axes'", list, fmt::format("write an array of {}", kAxis));
+    }
+    double numbers = 2 * static_cast<double>(list.size());
+    for (const Json& item : list) {
+      axes.push_back(axis(item, axes.size()));
+      numbers *= axes.back().count;
+    }
+    if (numbers > kMaximumChannels) {
+      fail(fmt::format("the axes have {:.0f} combinations, too many; write fewer centres",
+                       numbers / (2 * static_cast<double>(list.size()))));
+    }
+    WeightRows result;
+    std::vector<std::uint32_t> at(axes.size(), 0);
+    for (bool more = true; more;) {
+      for (std::size_t i = 0; i < axes.size(); ++i) result.values.push_back(axes[i].centre(at[i]));
+      for (const Axis& axis : axes) result.values.push_back(axis.width);
+      result.begin.push_back(result.values.size());
+      more = false;
+      for (std::size_t i = axes.size(); i-- > 0 && !more;) {
+        more = ++at[i] < axes[i].count;
+        if (!more) at[i] = 0;
+      }
+    }
+    return result;
+  }
+
   WeightTable sparse(const Json& object) const {
     check_keys(object, {"rows", "columns", "entries"}, kSparse);
-    const std::uint32_t rows = count(object, "rows");
-    const std::uint32_t columns = count(object, "columns");
+    const std::uint32_t rows = count(object["rows"], "'rows'");
+    const std::uint32_t columns = count(object["columns"], "'columns'");
     return table_of(entries(object["entries"], rows, columns), rows, columns);
   }
 
  private:
+  struct Axis {
+    double first;
+    double last;
+    std::uint32_t count;
+    double width;
+    double centre(std::uint32_t i) const {
+      return count == 1 ? first : first + (last - first) * i / (count - 1);
+    }
+  };
+
+  Axis axis(const Json& item, std::size_t i) const {
+    const auto name = [&] { return fmt::format("axis {}", i); };
+    if (!item.is_array() || item.size() != 4) {
+      wrong(name(), item, fmt::format("write {}", kAxis));
+    }
+    return {number(item[0], name), number(item[1], name), count(item[2], name()),
+            number(item[3], name)};
+  }
+
   void check_keys(const Json& object, const std::vector<std::string>& keys,
                   std::string_view example) const {
     for (const auto& item : object.items()) {
@@ -105,11 +158,9 @@ class WeightJson {
     return value.get<double>();
   }
 
-  std::uint32_t count(const Json& object, const char* key) const {
-    const Json& value = object[key];
+  std::uint32_t count(const Json& value, const std::string& what) const {
     if (!value.is_number_integer() || value < 1 || value > kMaximumChannels) {
-      wrong(fmt::format("'{}'", key), value,
-            fmt::format("write a whole number from 1 to {}", kMaximumChannels));
+      wrong(what, value, fmt::format("write a whole number from 1 to {}", kMaximumChannels));
     }
     return value.get<std::uint32_t>();
   }
@@ -214,7 +265,8 @@ std::variant<WeightRows, WeightTable> read_weight_json(std::string_view text,
     if (json.contains("weights") || json.contains("tau_s")) {
       return reader.fitted(json);
     }
-    return reader.sparse(json);
+    return json.contains("axes") ? std::variant<WeightRows, WeightTable>(reader.grid(json))
+                                 : reader.sparse(json);
   }
   return reader.rows(json);
 }

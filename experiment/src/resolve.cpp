@@ -86,6 +86,8 @@ void read_episodes(const Parameters& keys, Experiment& experiment, Faults& fault
     episodes.begin_reward = number_of(read, "begin_reward");
     episodes.end_reward = number_of(read, "end_reward");
     episodes.failure_reward = number_of(read, "failure_reward");
+    episodes.collision_reward = number_of(read, "collision_reward");
+    episodes.goal = read.text("goal");
     for (const Parameters::Entry& entry : read.entries("reset")) {
       episodes.reset.push_back(entry.values.text("node"));
     }
@@ -201,6 +203,11 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
     faults.add(where, with_code(Code::conflicting_keys,
                                 "key 'episodes': pause_observation is for an environment; leave it "
                                 "out"));
+  } else if (robot->environment &&
+             (experiment.episodes->collision_reward || !experiment.episodes->goal.empty())) {
+    faults.add(where, with_code(Code::conflicting_keys,
+                                "key 'episodes': collision_reward and goal are for the vehicle; "
+                                "leave them out"));
   }
 }
 

@@ -160,6 +160,8 @@ Json weights() {
   const Json row = list_of({{"type", "number"}});
   Json entry = row;
   entry["minItems"] = entry["maxItems"] = 3;
+  Json axis = row;
+  axis["minItems"] = axis["maxItems"] = 4;
   const Json size{{"type", "integer"}, {"minimum", 1}};
   return {
       {"anyOf",
@@ -168,6 +170,10 @@ Json weights() {
         {{"type", "object"},
          {"properties", {{"rows", size}, {"columns", size}, {"entries", list_of(entry)}}},
          {"required", {"rows", "columns", "entries"}},
+         {"additionalProperties", false}},
+        {{"type", "object"},
+         {"properties", {{"axes", list_of(axis)}}},
+         {"required", {"axes"}},
          {"additionalProperties", false}}}}};
 }
 

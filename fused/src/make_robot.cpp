@@ -12,7 +12,9 @@ robot::EpisodeSettings episode_settings(const experiment::Episodes& episodes) {
           .pause = episodes.pause,
           .begin_reward = episodes.begin_reward,
           .end_reward = episodes.end_reward,
-          .failure_reward = episodes.failure_reward};
+          .failure_reward = episodes.failure_reward,
+          .goal = episodes.goal,
+          .collision_reward = episodes.collision_reward};
 }
 
 std::unique_ptr<robot::Robot> make_environment(const Experiment& experiment, const RobotUse& use) {

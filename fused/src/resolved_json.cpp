@@ -78,7 +78,9 @@ json episodes_json(const experiment::Episodes& episodes) {
           {"pause_observation", or_null(episodes.pause_observation)},
           {"begin_reward", or_null(episodes.begin_reward)},
           {"end_reward", or_null(episodes.end_reward)},
-          {"failure_reward", or_null(episodes.failure_reward)}};
+          {"failure_reward", or_null(episodes.failure_reward)},
+          {"collision_reward", or_null(episodes.collision_reward)},
+          {"goal", episodes.goal}};
 }
 
 }  // namespace

@@ -78,7 +78,9 @@ NodeClass discretize_class() {
   NodeDescription description = signal_function_description(
       {{.name = "grid",
         .type = ParameterType::weights,
-        .text = "File of the place cells, one row per cell: centre, then widths (sigma)"}});
+        .text = "File of the place cells, one row per cell: centre, then widths (sigma); or "
+                "{axes: [[first centre, last centre, number, width], ...]}, an axis for each "
+                "input, for all combinations, of which the last axis changes first"}});
   description.name = "discretize";
   description.text = "Encodes a position as the activity of place cells with Gaussian fields";
   description.source = "music-adapters, discretize adapter";

@@ -66,6 +66,17 @@ TEST(WeightFile, ReadsWeightsWithTheTimeConstantOfTheirFit) {
   EXPECT_EQ(parse_weights("[[1, 2]]", "w").fitted_tau_s, 0);
 }
 
+TEST(WeightFile, MakesAGridOfAxes) {
+  const WeightTable table = parse_weights(R"({"axes": [[-1, 1, 3, 0.2], [5, 6, 2, 0.4]]})", "w");
+  EXPECT_EQ(table.kind, Kind::dense);
+  EXPECT_EQ(table.rows, 6u);
+  EXPECT_EQ(table.columns, 4u);
+  EXPECT_THAT(table.values, ElementsAre(-1, 5, 0.2, 0.4, -1, 6, 0.2, 0.4,  //
+                                        0, 5, 0.2, 0.4, 0, 6, 0.2, 0.4,    //
+                                        1, 5, 0.2, 0.4, 1, 6, 0.2, 0.4));
+  EXPECT_THAT(parse_weights(R"({"axes": [[3, 9, 1, 0.2]]})", "w").values, ElementsAre(3, 0.2));
+}
+
 TEST(WeightFile, ReadsSparseTables) {
   const WeightTable table = parse_weights(test::data_text("sparse.json"), "w");
   EXPECT_EQ(table.kind, Kind::sparse);
@@ -198,6 +209,16 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "0.4]]} [SL0309]"},
       {"{\"tau_s\": \"30 ms\", \"weights\": [[1]]}",
        "w: 'tau_s' is \"30 ms\"; write a finite number [SL0309]"},
+      {"{\"axes\": []}",
+       "w: 'axes' is an array; write an array of [first centre, last centre, number of centres, "
+       "width] [SL0309]"},
+      {"{\"axes\": [[0, 1, 2, 1], [0, 1, 2]]}",
+       "w: axis 1 is an array; write [first centre, last centre, number of centres, width] "
+       "[SL0309]"},
+      {"{\"axes\": [[0, 1, 0, 1]]}",
+       "w: axis 0 is 0; write a whole number from 1 to 16777216 [SL0309]"},
+      {"{\"axes\": [[0, 1, 5000, 1], [0, 1, 5000, 1]]}",
+       "w: the axes have 25000000 combinations, too many; write fewer centres [SL0309]"},
       {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
       {"{\"rows\": 0, \"columns\": 3, \"entries\": []}",
        "w: 'rows' is 0; write a whole number from 1 to 16777216 [SL0309]"},

@@ -242,6 +242,28 @@ def check_maze(spikeloop, folder):
     assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
 
 
+def check_goal_and_collision(spikeloop, folder):
+    """The same path is right or wrong, as the named goal says; straight on it ends at the wall."""
+    for goal, value in (("goal_right", 1), ("goal_left", -1)):
+        runs.run(spikeloop, folder / "maze.yaml", folder / goal, "--set", f"episodes.goal={goal}",
+                 "--set", "episodes.collision_reward=-0.5")
+        assert {(row["return"], row["success"]) for row in rows(folder / goal)} == {(str(value), str(max(value, 0)))}
+    runs.run(spikeloop, folder / "maze.yaml", folder / "wall", "--set", "right.function=0.5; 0",
+             "--set", "episodes.collision_reward=-0.5", "--set", "episodes.pause=40 ms")
+    found = rows(folder / "wall")
+    assert {(row["return"], row["success"], row["end"]) for row in found} == {("-0.5", "0", "terminated")}, found
+    # From -2.15 m at 0.5 m/s after 0.125 s of acceleration; the front is 0.2 m before the centre.
+    expected = (2.15 + 1 - 0.2) / 0.5 + 0.125 / 2
+    assert len({row["steps"] for row in found}) == 1 and abs(0.02 * int(found[0]["steps"]) - expected) < 0.15, found
+    _, rewards = signal(folder / "wall", "reward")
+    assert set(rewards[:, 0]) == {0, -0.5}
+    for setting, part in (("episodes.goal=goal_middle", "no goal 'goal_middle'; write one of: goal_left, goal_right"),
+                          ("robot.world=arena", "no goal 'goal_left'; leave  goal  out")):
+        done = subprocess.run([spikeloop, "check", str(folder / "maze.yaml"), "--set", "episodes.goal=goal_left",
+                               "--set", setting], capture_output=True, text=True, check=False)
+        assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+
+
 def lane_of(position, heading):
     """Distance, angle and half width at a point and a heading, complex numbers, of the nearest box of LANE_BOXES."""
     found = []
@@ -394,6 +416,7 @@ def check_errors(spikeloop, folder):
             ("episodes.reset=[pusch]", "there is no node 'pusch'; did you mean 'push'?"),
             ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
             ("robot={simulator: mujoco}", "pause_observation is for an environment"),
+            ("episodes.collision_reward=-1", "collision_reward and goal are for the vehicle"),
             ("episodes.count=0", "count")):
         done = subprocess.run([spikeloop, "check", str(folder / "car.yaml"), "--set", setting],
                               capture_output=True, text=True, check=False)
@@ -421,8 +444,8 @@ def check_errors(spikeloop, folder):
 def main():
     spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
-        for check in (check_car, check_repetition, check_maze, check_lane, check_reset, check_reset_of_nodes, check_cart_pole,
-                      check_errors):
+        for check in (check_car, check_repetition, check_maze, check_goal_and_collision, check_lane, check_reset,
+                      check_reset_of_nodes, check_cart_pole, check_errors):
             check(spikeloop, pathlib.Path(temporary))
             print(f"{check.__name__}: good")
     return 0

@@ -1,5 +1,7 @@
 #include "spikeloop/robot/stepped_robot.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,9 +20,12 @@ TimeNs next_row(TimeNs time) {
   return (time / kRowPeriod + 1) * kRowPeriod;
 }
 
-/// In a world with a cue, goal i belongs to place i of the cue. +1 for the right goal, -1 for
-/// another. On a lane 1 in the middle, down to 0 at its edges, where the episode ends.
-StepResult result_of(const vehicle::Vehicle& vehicle) {
+/// +1 for the right goal, -1 for another. Without a name of the right one, goal i belongs to place
+/// i of the cue. On a lane 1 in the middle, down to 0 at its edges, where the episode ends.
+StepResult result_of(const vehicle::Vehicle& vehicle, const EpisodeSettings& settings) {
+  if (settings.collision_reward && vehicle.collisions_since_reset() > 0) {
+    return {*settings.collision_reward, true, false};
+  }
   const vehicle::Pose pose = vehicle.pose();
   const auto& goals = vehicle.goals();
   const auto goal = std::ranges::find_if(goals, [&](const vehicle::Obstacle& candidate) {
@@ -32,7 +37,9 @@ StepResult result_of(const vehicle::Vehicle& vehicle) {
     const double part = std::abs(lane->distance_m) / lane->half_width_m;
     return {std::max(0.0, 1 - part), !lane->is_inside(), false};
   }
-  const bool right = vehicle.cue_place() == 0 || goal - goals.begin() == vehicle.cue_place() - 1;
+  const bool right = settings.goal.empty() ? vehicle.cue_place() == 0 ||
+                                                 goal - goals.begin() == vehicle.cue_place() - 1
+                                           : goal->name == settings.goal;
   return {right ? 1.0 : -1.0, true, right};
 }
 
@@ -46,6 +53,19 @@ void refuse_start_off_the_lane(const vehicle::Vehicle& vehicle, const std::strin
                   "numeric 'start' = ({}, {}) is not on a lane, so that every episode would end at "
                   "its first step; write a place on a box lane_*, or leave it out",
                   vehicle.pose().x_m, vehicle.pose().y_m));
+  }
+}
+
+void check_goal(const std::string& name, const vehicle::Vehicle& vehicle) {
+  std::vector<std::string> known;
+  for (const vehicle::Obstacle& goal : vehicle.goals()) {
+    known.push_back(goal.name);
+  }
+  if (!name.empty() && std::ranges::find(known, name) == known.end()) {
+    throw ConfigurationError(
+        with_code(Code::unknown_choice, "key 'episodes': the world has no goal '{}'; {}", name,
+                  known.empty() ? "leave  goal  out"
+                                : fmt::format("write one of: {}", fmt::join(known, ", "))));
   }
 }
 
@@ -79,6 +99,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
     refuse_start_off_the_lane(vehicle(), options.vehicle.world);
     EpisodeSettings settings = *options.episodes;
     settings.step = kRowPeriod;
+    check_goal(settings.goal, vehicle());
     settings.lasts = vehicle().goals().empty() && !vehicle().lanes().empty();
     episodes_.emplace(settings, options.folder);
     episodes_->begin(0);
@@ -101,7 +122,7 @@ nlohmann::json SteppedRobot::summary() const {
 void SteppedRobot::step_episode() {
   const TimeNs now = robot_->time();
   if (episodes_->running()) {
-    episodes_->step(now, result_of(vehicle()));
+    episodes_->step(now, result_of(vehicle(), episodes_->settings()));
     if (!episodes_->running()) act(std::array{0.0, 0.0});
   } else if (episodes_->wait(now)) {
     episodes_->begin(now);

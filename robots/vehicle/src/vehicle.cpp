@@ -146,6 +146,7 @@ class Vehicle::Impl {
     return result;
   }
 
+  std::uint64_t collisions() const { return collisions_.count(); }
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const Arena& arena() const { return arena_; }
   const Parts& parts() const { return parts_; }
@@ -273,6 +274,9 @@ Statistics Vehicle::statistics() const {
   all.clamped_commands += before_reset_.clamped_commands;
   all.mean_speed_m_s = time() > 0 ? all.distance_m / to_seconds(time()) : 0;
   return all;
+}
+std::uint64_t Vehicle::collisions_since_reset() const {
+  return impl_->collisions();
 }
 const std::vector<Obstacle>& Vehicle::obstacles() const {
   return impl_->obstacles();

@@ -115,6 +115,8 @@ struct Episodes {
   std::optional<double> begin_reward{};
   std::optional<double> end_reward{};
   std::optional<double> failure_reward{};
+  std::optional<double> collision_reward{};
+  std::string goal{};
 };
 
 struct Robot {

@@ -25,7 +25,10 @@ struct EpisodeSettings {
   std::optional<double> begin_reward{};    ///< told in the pause and until the first step; none: 0
   std::optional<double> end_reward{};      ///< told in the place of the last step's
   std::optional<double> failure_reward{};  ///< the same, where the last step's is 0
-  bool lasts = false;                      ///< success is to last until the time limit
+  std::string goal{};  ///< of the vehicle: the right one; empty: as its cue says
+  std::optional<double> collision_reward{};  ///< of a step of the vehicle that touches a thing, and
+                                             ///< ends the episode; none: it goes on
+  bool lasts = false;                        ///< success is to last until the time limit
 };
 
 /// What a step of a task gave.
@@ -57,6 +60,7 @@ class Episodes {
   /// The pause after the last episode has begun.
   bool over() const { return in_pause() && settings_.count && ended_.size() >= *settings_.count; }
 
+  const EpisodeSettings& settings() const { return settings_; }
   TimeNs step_time() const { return settings_.step; }
   std::uint64_t number() const { return number_; }  ///< of the newest episode, from 1
   std::uint64_t steps() const { return steps_; }    ///< of the newest episode

@@ -22,8 +22,8 @@ struct RobotOptions {
   std::optional<vehicle::ModelOptions> model{};
   SensorOptions sensors{};
   SpectatorOptions spectators{};
-  /// Of the vehicle: an episode ends in a goal of the world, or off its lanes. It has two more
-  /// topics, `reward` and `episode`, of std_msgs/Float64MultiArray, every 20 ms.
+  /// Of the vehicle: an episode ends in a goal of the world, off its lanes, or at a collision. It
+  /// has two more topics, `reward` and `episode`, of std_msgs/Float64MultiArray, every 20 ms.
   std::optional<EpisodeSettings> episodes{};
   /// Where the vehicle's trajectory.csv, world.json and episodes.csv are written; empty: nowhere.
   std::string folder{};

@@ -171,6 +171,8 @@ class Vehicle : public Simulation {
   double radius_m() const;
   /// Half the effective track of the skid steering.
   double half_effective_track_m() const;
+  /// Contact episodes, as in Statistics, since the start or the last reset.
+  std::uint64_t collisions_since_reset() const;
   /// Where the seed has put the cue, from 1; 0: the world has none.
   int cue_place() const;
   const std::vector<Obstacle>& goals() const;
