@@ -19,6 +19,7 @@ nodes:
   other: {node: network, network: {populations: {n: {model: repeater, size: 3}}, output: [n]}}
   decoder: {node: linear_readout, tau: 30 ms, weights: [[1, 0, 0.5], [0, 1, -2]]}
   sparse: {node: connect, weights: {rows: 1, columns: 3, entries: [[0, 2, 0.5]]}}
+  places: {node: discretize, grid: {axes: [[-1, 1, 5, 0.2]]}}
   smooth: {node: sigmoid, slope: 1e-1, record: true}
   wheels:
     node: ros_command
@@ -69,6 +70,7 @@ WRONG = [
     ("rate_max: 0.2 kHz", "out_of_range: clop"),
     ("[0, 1, -2]", "[0, x, 1]"),
     ("entries:", "entrys:"),
+    ("axes: [[-1, 1, 5, 0.2]]", "axes: [[-1, 1, 5]]"),
     ("linear.x: 0,", "linear.x: {chanel: 0},"),
     ("linear.x: 0,", "linear.x: -1,"),
     ("limits: {linear.x: [-1, 1]}", "limits: {linear.x: 1}"),
