@@ -107,7 +107,7 @@ void Reader::count_lost(const TakenMessage& taken) {
 }
 
 std::uint64_t Reader::lost() {
-  const std::uint64_t announced = not_come();
+  const std::uint64_t announced = session_.left ? 0 : not_come();
   const std::lock_guard lock(mutex_);
   const bool silent = std::chrono::steady_clock::now() - come_at_ >= kOnItsWay;
   return lost_ + (silent ? announced : 0);

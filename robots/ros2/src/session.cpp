@@ -102,7 +102,7 @@ bool Session::has_publishers(const std::string& topic) const {
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {
-  return impl_->acquaintance.with_publishers(dds_topic(topic));
+  return !impl_->left && impl_->acquaintance.with_publishers(dds_topic(topic));
 }
 
 }  // namespace spikeloop::ros2
