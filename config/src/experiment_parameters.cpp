@@ -103,6 +103,7 @@ std::vector<ParameterDescription> episode_parameters() {
           {.name = "reset",
            .type = ParameterType::list,
            .default_value = "",
+           .choices = {"all"},
            .text = "Nodes that begin every episode in their first state; networks keep the weights "
                    "that they have learned. all: all nodes that can; not given: none",
            .inner = {{.name = "node", .type = ParameterType::text}},

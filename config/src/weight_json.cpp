@@ -69,8 +69,11 @@ class WeightJson {
     check_keys(object, {"axes"}, kAxes);
     std::vector<Axis> axes;
     const Json& list = object["axes"];
-    if (!list.is_array() || list.empty()) {
+    if (!list.is_array()) {
       wrong("'axes'", list, fmt::format("write an array of {}", kAxis));
+    }
+    if (list.empty()) {
+      fail(fmt::format("'axes' is empty; write an array of {}", kAxis));
     }
     double numbers = 2 * static_cast<double>(list.size());
     for (const Json& item : list) {
@@ -78,8 +81,9 @@ class WeightJson {
       numbers *= axes.back().count;
     }
     if (numbers > kMaximumChannels) {
-      fail(fmt::format("the axes have {:.0f} combinations, too many; write fewer centres",
-                       numbers / (2 * static_cast<double>(list.size()))));
+      fail(fmt::format("the axes have {:.0f} combinations, more than {:.0f}; write fewer centres",
+                       numbers / (2 * static_cast<double>(list.size())),
+                       kMaximumChannels / (2 * static_cast<double>(list.size()))));
     }
     WeightRows result;
     std::vector<std::uint32_t> at(axes.size(), 0);
@@ -110,17 +114,27 @@ class WeightJson {
     std::uint32_t count;
     double width;
     double centre(std::uint32_t i) const {
-      return count == 1 ? first : first + (last - first) * i / (count - 1);
+      const double part = count == 1 ? 0 : static_cast<double>(i) / (count - 1);
+      return first * (1 - part) + last * part;
     }
   };
 
   Axis axis(const Json& item, std::size_t i) const {
-    const auto name = [&] { return fmt::format("axis {}", i); };
-    if (!item.is_array() || item.size() != 4) {
-      wrong(name(), item, fmt::format("write {}", kAxis));
+    if (!item.is_array()) {
+      wrong(fmt::format("axis {}", i), item, fmt::format("write {}", kAxis));
     }
-    return {number(item[0], name), number(item[1], name), count(item[2], name()),
-            number(item[3], name)};
+    if (item.size() != 4) {
+      fail(fmt::format("axis {} has {} numbers; write {}", i, item.size(), kAxis));
+    }
+    const auto part = [&](const char* what) {
+      return [i, what] { return fmt::format("the {} of axis {}", what, i); };
+    };
+    const Axis axis{number(item[0], part("first centre")), number(item[1], part("last centre")),
+                    count(item[2], part("number of centres")()), number(item[3], part("width"))};
+    if (axis.width <= 0) {
+      fail(fmt::format("the width of axis {} is {}; write a number above 0", i, axis.width));
+    }
+    return axis;
   }
 
   void check_keys(const Json& object, const std::vector<std::string>& keys,

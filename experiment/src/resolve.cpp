@@ -15,6 +15,8 @@
 namespace spikeloop::experiment {
 namespace {
 
+constexpr const char* kAll = "all";
+
 Location where_of(const ExperimentFile& file, const char* key) {
   const auto found = file.keys.find(key);
   return found == file.keys.end() ? Location{file.path, 0, 0} : found->second.where;
@@ -141,8 +143,8 @@ std::string hindrance(const Node& node) {
 
 /// Puts the names of all nodes that can begin anew in the place of `all`.
 void expand_reset(Experiment& experiment) {
-  if (!experiment.episodes || experiment.episodes->reset != std::vector<std::string>{"all"} ||
-      std::ranges::find(experiment.nodes, "all", &Node::name) != experiment.nodes.end()) {
+  if (!experiment.episodes || experiment.episodes->reset != std::vector<std::string>{kAll} ||
+      std::ranges::find(experiment.nodes, kAll, &Node::name) != experiment.nodes.end()) {
     return;
   }
   experiment.episodes->reset.clear();
@@ -161,7 +163,12 @@ void check_reset(const std::string& name, const ExperimentFile& file, const Expe
     if (std::ranges::find(file.nodes, name, &ExperimentNode::name) != file.nodes.end()) {
       return;  // it has a fault of its own
     }
-    std::vector<std::string> able{"all"};
+    if (name == kAll) {
+      faults.add(where, with_code(Code::conflicting_keys,
+                                  "key 'episodes': reset: 'all' stands alone; write  reset: all"));
+      return;
+    }
+    std::vector<std::string> able{kAll};
     for (const Node& candidate : experiment.nodes) {
       if (hindrance(candidate).empty()) {
         able.push_back(candidate.name);
@@ -184,8 +191,15 @@ void check_episodes(const ExperimentFile& file, const Experiment& experiment, Fa
     return;
   }
   const Location where = where_of(file, "episodes");
-  for (const std::string& name : experiment.episodes->reset) {
-    check_reset(name, file, experiment, faults);
+  const auto& reset = experiment.episodes->reset;
+  for (auto name = reset.begin(); name != reset.end(); ++name) {
+    if (std::find(reset.begin(), name, *name) != name) {
+      faults.add(where, with_code(Code::duplicate_name,
+                                  "key 'episodes': reset: node '{}' is listed twice; leave one out",
+                                  *name));
+    } else {
+      check_reset(*name, file, experiment, faults);
+    }
   }
   const bool acts = std::ranges::any_of(experiment.nodes,
                                         [](const Node& node) { return node.kind == kRosCommand; });

@@ -77,7 +77,7 @@ Json list(const ParameterDescription& parameter) {
   if (parameter.count != 0) {
     schema["minItems"] = schema["maxItems"] = parameter.count;
   }
-  return schema;
+  return parameter.choices.empty() ? schema : Json{{"anyOf", {choice(parameter), schema}}};
 }
 
 /// A map, or what may stand in its place.

@@ -54,7 +54,7 @@ std::unique_ptr<robot::Robot> make_robot(const Experiment& experiment, const Rob
     options.sensors.camera = pictures::CameraOptions{
         {camera->width, camera->height}, camera->rate_hz, camera->field_of_view_deg, camera->name};
   }
-  if (experiment.episodes) {
+  if (experiment.episodes && !robot.model) {  // check refuses it
     options.episodes = episode_settings(*experiment.episodes);
   }
   return std::make_unique<robot::SteppedRobot>(options);

@@ -171,6 +171,9 @@ class Loop {
     for (const std::string& node : experiment_.episodes->reset) {
       assembly_.graph().reset(node);
     }
+    if (!experiment_.episodes->reset.empty()) {
+      std::ranges::for_each(assembly_.commands(), [](auto* command) { command->allow_no_value(); });
+    }
   }
 
   const Experiment& experiment_;

@@ -80,7 +80,7 @@ NodeClass discretize_class() {
         .type = ParameterType::weights,
         .text = "File of the place cells, one row per cell: centre, then widths (sigma); or "
                 "{axes: [[first centre, last centre, number, width], ...]}, an axis for each "
-                "input, for all combinations, of which the last axis changes first"}});
+                "input: all combinations of their centres"}});
   description.name = "discretize";
   description.text = "Encodes a position as the activity of place cells with Gaussian fields";
   description.source = "music-adapters, discretize adapter";

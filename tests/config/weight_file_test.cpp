@@ -210,15 +210,18 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
       {"{\"tau_s\": \"30 ms\", \"weights\": [[1]]}",
        "w: 'tau_s' is \"30 ms\"; write a finite number [SL0309]"},
       {"{\"axes\": []}",
-       "w: 'axes' is an array; write an array of [first centre, last centre, number of centres, "
+       "w: 'axes' is empty; write an array of [first centre, last centre, number of centres, "
        "width] [SL0309]"},
       {"{\"axes\": [[0, 1, 2, 1], [0, 1, 2]]}",
-       "w: axis 1 is an array; write [first centre, last centre, number of centres, width] "
+       "w: axis 1 has 3 numbers; write [first centre, last centre, number of centres, width] "
        "[SL0309]"},
       {"{\"axes\": [[0, 1, 0, 1]]}",
-       "w: axis 0 is 0; write a whole number from 1 to 16777216 [SL0309]"},
+       "w: the number of centres of axis 0 is 0; write a whole number from 1 to 16777216 "
+       "[SL0309]"},
+      {"{\"axes\": [[0, 1, 2, 1], [0, 1, 3, -0.5]]}",
+       "w: the width of axis 1 is -0.5; write a number above 0 [SL0309]"},
       {"{\"axes\": [[0, 1, 5000, 1], [0, 1, 5000, 1]]}",
-       "w: the axes have 25000000 combinations, too many; write fewer centres [SL0309]"},
+       "w: the axes have 25000000 combinations, more than 4194304; write fewer centres [SL0309]"},
       {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
       {"{\"rows\": 0, \"columns\": 3, \"entries\": []}",
        "w: 'rows' is 0; write a whole number from 1 to 16777216 [SL0309]"},

@@ -10,6 +10,7 @@ GOOD = """
 experiment: table
 duration: 1 s
 robot: {simulator: mujoco, seed: 3}
+episodes: {count: 2, reset: all}
 nodes:
   scan: {node: ros_sensor, topic: /scan, message: LaserScan, initial: 0}
   odom: {node: ros_sensor, topic: /odom, message: Odometry, fields: [pose.pose.position.x]}

@@ -394,6 +394,12 @@ def check_cart_pole(spikeloop, folder):
                                                      capture_output=True, text=True).stdout)
     summary, _ = runs.run(spikeloop, folder / "pole.yaml", folder / "pole")
     assert summary["episodes"] == summary["successes"] == 20, summary
+    text = (folder / "pole.yaml").read_text()
+    assert text.count("-> push [1]") == 1, text
+    (folder / "anew.yaml").write_text(text.replace("-> push [1]", "-> push [1, delay 1 tick]"))
+    summary, _ = runs.run(spikeloop, folder / "anew.yaml", folder / "pole_anew", "--set",
+                          "episodes={count: 5, time_limit: 1 s, reset: all}")
+    assert summary["episodes"] == 5 and summary["stopped_s"] == 0, "no value after a reset is no stop: " + str(summary)
 
 
 def signal_max(folder):
@@ -403,6 +409,7 @@ def signal_max(folder):
 
 def check_errors(spikeloop, folder):
     """What check says."""
+    (folder / "arm.xml").write_text('<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody></mujoco>')
     for setting, part in (
             ("robot.environment=mountain_cr", "there is no environment 'mountain_cr'; did you mean 'mountain_car'?"),
             ("robot.step=15 ms", "a step of the environment, 15 ms, is not a whole number of ticks of 10 ms"),
@@ -413,6 +420,8 @@ def check_errors(spikeloop, folder):
             ("push={simulator: python, script: push.py}", "count and reset are for a run of one process"),
             ("episodes.reset=[action]", "node 'action' cannot begin anew, because it is an output of the experiment"),
             ("episodes.reset=[car]", "node 'car' cannot begin anew, because it is an input of the experiment"),
+            ("episodes.reset=[push, push]", "node 'push' is listed twice"),
+            ("episodes.reset=[all, push]", "'all' stands alone; write  reset: all"),
             ("episodes.reset=[pusch]", "there is no node 'pusch'; did you mean 'push'?"),
             ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
             ("robot={simulator: mujoco}", "pause_observation is for an environment"),

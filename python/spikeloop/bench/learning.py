@@ -15,12 +15,13 @@ import numpy as np
 from ..experiment import open_run
 from .results import ResultsError
 
-# The learning rates that were published; those of the experiments were chosen on seeds 1 to 20.
+# The learning rates that were published.
 PUBLISHED_RATES = {"mountain_car": ("--set", "brain.network.connections.7.plasticity.A=0.25"),
                    "frozen_lake": ("--set", "brain.network.connections.6.plasticity.A=0.01")}
 WITHOUT_REWARD = ("--set", "brain.network.connections.1.weight=0")
 WITHOUT_LEARNING = ("--set", "brain.network.connections.4.plasticity.A_plus=0")
-FIRST_SEED = {"t_maze": 401, "water_maze": 101}  # the parameters were chosen on other seeds; else 1
+# The parameters were chosen on other seeds.
+FIRST_SEED = {"mountain_car": 101, "frozen_lake": 101, "t_maze": 401, "lane": 11, "water_maze": 101}
 STEP_S = 0.1  # of the water maze
 
 
@@ -43,7 +44,7 @@ class Bench:
             file.write_text(text, encoding="utf-8")
         except OSError as error:
             raise ResultsError(f"cannot write '{file}': {error.strerror}") from None
-        first = FIRST_SEED.get(task, 1)
+        first = FIRST_SEED[task]
         folder = self.out / (name or task)
         self._call("sweep", file, "--set", f"seed={first}..{first + self.seeds - 1}", *settings, "--out", folder)
         return [open_run(path.parent).episodes() for path in sorted(folder.glob("*/episodes.csv"))]

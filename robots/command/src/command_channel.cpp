@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace spikeloop::command {
 namespace {
@@ -84,7 +85,18 @@ void CommandChannel::enter(State state, TimeNs now) {
   state_ = state;
 }
 
+void CommandChannel::allow_no_value() {
+  const std::lock_guard lock(mutex_);
+  may_lack_value_ = true;
+}
+
 TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
+  if (std::exchange(may_lack_value_, false) && reason == StopReason::no_value &&
+      state_ == State::running) {
+    enter(State::idle, now);
+    send_zero(now);
+    return kNever;
+  }
   if (state_ == State::idle && is_from_loop(reason)) {
     return kNever;
   }
@@ -156,6 +168,7 @@ bool CommandChannel::still_overridden(TimeNs now) {
 }
 
 TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
+  may_lack_value_ = false;
   if (state_ != State::running) {
     resumed_ += state_ == State::idle ? 0 : 1;
     enter(State::running, now);

@@ -42,8 +42,11 @@ void Publisher::publish(std::span<const std::byte> message) {
         fmt::format("a message of ROS 2 begins with four bytes; {} came for '{}'", message.size(),
                     topic_name_));
   }
+  if (session_.left) {
+    return;
+  }
   const dds_return_t written = write_raw(writer_, topic_, message);
-  if (written < 0 && !session_.left && !complained_.exchange(true)) {
+  if (written < 0 && !complained_.exchange(true)) {
     log::warning("a message on '{}' was not sent: {}; this is said once", topic_name_,
                  dds_strretcode(written));
   }

@@ -60,6 +60,10 @@ class CommandChannel {
   /// A robot hears the commands from now on: the next one leaves in any case, and slews from zero.
   void begin_anew(TimeNs now);
 
+  /// Nodes before the command begin anew: when it has no value then, a zero leaves, which is no
+  /// stop: as at the begin of a run.
+  void allow_no_value();
+
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
 
@@ -105,7 +109,8 @@ class CommandChannel {
   std::optional<TimeNs> stands_since_;  ///< while it is stopped or suspended
   TimeNs stood_for_ = 0;                ///< before that
   StopReason reason_ = StopReason::no_value;
-  bool driven_ = false;  ///< a command has left
+  bool driven_ = false;          ///< a command has left
+  bool may_lack_value_ = false;  ///< see allow_no_value
   /// Why the network does not drive, whoever else does.
   std::optional<StopReason> network_stop_ = StopReason::no_value;
   std::optional<StopReason> held_;

@@ -88,6 +88,8 @@ class CommandSink : public Sink {
   void alive();
   /// As CommandChannel's.
   void begin_anew() { channel_.begin_anew(now()); }
+  /// As CommandChannel's.
+  void allow_no_value() { channel_.allow_no_value(); }
   /// Before the loop begins; as CommandFeed.
   void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
   /// As OperatorInput.

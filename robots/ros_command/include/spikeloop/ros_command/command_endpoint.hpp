@@ -54,6 +54,8 @@ class CommandEndpoint : public Sink {
   /// when it did for want of data.
   nlohmann::json summary() const;
   void alive() { sink_.alive(); }
+  /// As CommandChannel.
+  void allow_no_value() { sink_.allow_no_value(); }
   /// As CommandSink.
   void press_stop(bool pressed) { sink_.press_stop(pressed); }
   /// What the robot is doing. Safe to call from any thread.
