@@ -110,7 +110,10 @@ int main(int argc, char** argv) {
     return send_and_report(recorder, sinks, [] {});
   }
   if (mode == "broken") {
-    return send_and_report(recorder, sinks, [&] { break_the_disk(argv[2]); });
+    return send_and_report(recorder, sinks, [&] {
+      pause_for(500'000);  // HDF5 cannot read a file of which half a flush is missing
+      break_the_disk(argv[2]);
+    });
   }
   if (mode == "waits") {
     for (TimeNs k = 0; k < 500; ++k) {
