@@ -75,15 +75,15 @@ class WeightJson {
     if (list.empty()) {
       fail(fmt::format("'axes' is empty; write an array of {}", kAxis));
     }
-    double numbers = 2 * static_cast<double>(list.size());
+    const double most = kMaximumChannels / (2.0 * static_cast<double>(list.size()));
+    double cells = 1;
     for (const Json& item : list) {
       axes.push_back(axis(item, axes.size()));
-      numbers *= axes.back().count;
+      cells *= axes.back().count;
     }
-    if (numbers > kMaximumChannels) {
+    if (cells > most) {
       fail(fmt::format("the axes have {:.0f} combinations, more than {:.0f}; write fewer centres",
-                       numbers / (2 * static_cast<double>(list.size())),
-                       kMaximumChannels / (2 * static_cast<double>(list.size()))));
+                       cells, most));
     }
     WeightRows result;
     std::vector<std::uint32_t> at(axes.size(), 0);
