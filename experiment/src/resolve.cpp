@@ -141,18 +141,23 @@ std::string hindrance(const Node& node) {
   return node.kind == kNetwork ? "it has no resolution" : "plug-ins have a state of their own";
 }
 
+std::vector<std::string> able_to_begin_anew(const Experiment& experiment) {
+  std::vector<std::string> names;
+  for (const Node& node : experiment.nodes) {
+    if (hindrance(node).empty()) {
+      names.push_back(node.name);
+    }
+  }
+  return names;
+}
+
 /// Puts the names of all nodes that can begin anew in the place of `all`.
 void expand_reset(Experiment& experiment) {
   if (!experiment.episodes || experiment.episodes->reset != std::vector<std::string>{kAll} ||
       std::ranges::find(experiment.nodes, kAll, &Node::name) != experiment.nodes.end()) {
     return;
   }
-  experiment.episodes->reset.clear();
-  for (const Node& node : experiment.nodes) {
-    if (hindrance(node).empty()) {
-      experiment.episodes->reset.push_back(node.name);
-    }
-  }
+  experiment.episodes->reset = able_to_begin_anew(experiment);
 }
 
 void check_reset(const std::string& name, const ExperimentFile& file, const Experiment& experiment,
@@ -168,12 +173,8 @@ void check_reset(const std::string& name, const ExperimentFile& file, const Expe
                                   "key 'episodes': reset: 'all' stands alone; write  reset: all"));
       return;
     }
-    std::vector<std::string> able{kAll};
-    for (const Node& candidate : experiment.nodes) {
-      if (hindrance(candidate).empty()) {
-        able.push_back(candidate.name);
-      }
-    }
+    std::vector<std::string> able = able_to_begin_anew(experiment);
+    able.emplace_back(kAll);
     faults.add(where,
                with_code(Code::unknown_node, "key 'episodes': reset: there is no node '{}'{}", name,
                          did_you_mean(name, able)));
