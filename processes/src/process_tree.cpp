@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,10 +14,15 @@
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/processes/descendants.hpp"
 #include "subreaper.hpp"
 
 namespace spikeloop {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+/// mpirun that is terminated needs up to two seconds for its programs.
+constexpr std::chrono::seconds kGraceWithoutSubreaper{5};
 
 struct Pair {
   Descriptor ours;
@@ -72,6 +78,7 @@ ProcessTree::ProcessTree(const ProgramStart& start) {
     fail(start, news.value);
   }
   pid_ = news.value;
+  program_ = Descriptor{static_cast<int>(syscall(SYS_pidfd_open, pid_, 0))};
   subreaper_ = std::move(subreaper.ours);
   out_ = std::move(out.ours);
   err_ = std::move(err.ours);
@@ -81,7 +88,7 @@ ProcessTree::~ProcessTree() {
   order(kKillTree);
   while (!gone()) {
     pollfd waiting{fd(), POLLIN, 0};
-    poll(&waiting, 1, -1);
+    poll(&waiting, 1, 100);  // a program without its subreaper is killed after a while
   }
 }
 
@@ -95,6 +102,8 @@ void ProcessTree::order(char command) const {
   if (subreaper_.get() >= 0) {
     send(subreaper_.get(), &command, 1, MSG_NOSIGNAL);
     ::kill(subreaper_pid_, SIGCONT);  // one that was stopped would not obey
+  } else {
+    signal(command == kKillTree ? SIGKILL : SIGTERM);
   }
 }
 
@@ -118,9 +127,27 @@ bool ProcessTree::gone() {
     } else {
       subreaper_.reset();
       waitpid(subreaper_pid_, nullptr, 0);
+      subreaper_ended_ = Clock::now();
+      signal(SIGCONT);  // one that is stopped would not end
     }
   }
-  return true;
+  return status_ || program_ended();
+}
+
+bool ProcessTree::program_ended() {
+  // Without a pidfd it had ended, and was reaped, before we could open one.
+  pollfd file{program_.get(), POLLIN, 0};
+  if (program_.get() < 0 || poll(&file, 1, 0) > 0) {
+    status_ = SIGTERM;
+    return true;
+  }
+  if (Clock::now() - subreaper_ended_ > kGraceWithoutSubreaper) {
+    for (const pid_t process : descendants(pid_)) {
+      ::kill(process, SIGKILL);
+    }
+    signal(SIGKILL);
+  }
+  return false;
 }
 
 int exit_code(int wait_status) {

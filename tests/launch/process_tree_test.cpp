@@ -53,8 +53,7 @@ TEST(ProcessTree, RunsAProgramWithItsEnvironmentInItsDirectory) {
   EXPECT_EQ(exit_code(tree.status().value()), 7);
 }
 
-TEST(ProcessTree, EndsThoughItsSubreaperWasStopped) {
-  ProcessTree tree(shell("sleep 100"));
+pid_t subreaper_of(const ProcessTree& tree) {
   std::ifstream status(fmt::format("/proc/{}/status", tree.pid()));
   pid_t subreaper = 0;
   for (std::string word; subreaper == 0 && status >> word;) {
@@ -62,6 +61,37 @@ TEST(ProcessTree, EndsThoughItsSubreaperWasStopped) {
       status >> subreaper;
     }
   }
+  return subreaper;
+}
+
+TEST(ProcessTree, WaitsForAProgramWhoseSubreaperWasKilled) {
+  const test::TemporaryDirectory directory;
+  // As mpirun, it needs its time to end; what it writes must not come after gone().
+  ProcessTree tree(
+      shell(fmt::format("trap 'sleep 0.5; echo > {}/late; exit 0' TERM; echo up; "
+                        "while :; do sleep 0.05; done",
+                        directory.path().string())));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  const pid_t subreaper = subreaper_of(tree);
+  ASSERT_GT(subreaper, 1);
+  kill(subreaper, SIGKILL);
+  EXPECT_EQ(output_of(tree), "up\n");
+  EXPECT_TRUE(std::filesystem::exists(directory.path() / "late"));
+  EXPECT_EQ(exit_code(tree.status().value()), 128 + SIGTERM);
+}
+
+TEST(ProcessTree, KillsAProgramWithoutSubreaperThatDoesNotEnd) {
+  ProcessTree tree(shell("trap '' TERM; echo up; while :; do sleep 0.05; done"));
+  pollfd file{tree.out(), POLLIN, 0};
+  poll(&file, 1, 10'000);
+  kill(subreaper_of(tree), SIGKILL);
+  EXPECT_EQ(output_of(tree), "up\n") << "it has gone";
+}
+
+TEST(ProcessTree, EndsThoughItsSubreaperWasStopped) {
+  ProcessTree tree(shell("sleep 100"));
+  const pid_t subreaper = subreaper_of(tree);
   ASSERT_GT(subreaper, 1);
   kill(subreaper, SIGSTOP);
   tree.end();

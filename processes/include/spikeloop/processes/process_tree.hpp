@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -45,21 +46,26 @@ class ProcessTree {
 
   /// Reads news of the subreaper; returns whether the tree, and not only the program, has gone.
   bool gone();
-  /// The program's status as of waitpid, once it has ended; see exit_code().
+  /// The program's status as of waitpid, once it has ended; see exit_code(). SIGTERM when the
+  /// subreaper was killed: the kernel ends the program with it, and nobody knows its status.
   std::optional<int> status() const { return status_; }
   /// Readable when gone() may have changed.
-  int fd() const { return subreaper_.get(); }
+  int fd() const { return subreaper_.get() >= 0 ? subreaper_.get() : program_.get(); }
   /// Its standard output and standard error; do not wait.
   int out() const { return out_.get(); }
   int err() const { return err_.get(); }
 
  private:
   void order(char command) const;
+  /// After the subreaper: whether the program has ended; kills it when it does not end by SIGTERM.
+  bool program_ended();
 
   pid_t pid_ = -1;
   pid_t subreaper_pid_ = -1;
   std::optional<int> status_;
   Descriptor subreaper_;
+  Descriptor program_;  ///< a pidfd: it is not our child
+  std::chrono::steady_clock::time_point subreaper_ended_{};
   Descriptor out_;
   Descriptor err_;
 };
