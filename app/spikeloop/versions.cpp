@@ -46,6 +46,12 @@ print()
 print(json.dumps(about))
 )";
 
+/// Half as long as an import: a run waits for it.
+constexpr const char* kInstalledScript = R"(
+import importlib.metadata, json, sys
+print(json.dumps({'version': importlib.metadata.version(sys.argv[1])}))
+)";
+
 /// What `PATH --version` prints after `before`. Without a path the probe has its finding already.
 Probe program(Probe probe, const std::string& path, const std::string& before) {
   if (!path.empty()) {
@@ -202,6 +208,9 @@ json about_run(const Partners& partners) {
   add(partners.python, {{"Python", "python"}, {"numpy", "numpy"}});
   std::vector<Probe> probes = versions();
   std::erase_if(probes, [&keys](const Probe& probe) { return !keys.contains(probe.name); });
+  for (Probe& probe : probes) {
+    std::ranges::replace(probe.command, kPackageScript, kInstalledScript);
+  }
   doctor::examine(probes);
   json numbers{{"spikeloop", SPIKELOOP_VERSION},
                {"compiler", fmt::format("gcc {}", __VERSION__)},

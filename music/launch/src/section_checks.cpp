@@ -29,18 +29,21 @@ constexpr std::string_view kError = "error: ";
 constexpr std::string_view kWarning = "warning: ";
 
 /// Also where the section does not say which of our programs it is.
-bool has_our_name(const MusicFile& file, const MusicSection& section) {
+bool has_our_name(const MusicSection& section, const Program* known) {
   const std::string name = program_of(section);
-  return find_program(file, section) != nullptr || name == "spikeloop-node" ||
-         name == "spikeloop-ros" || name == "spikeloop-zmq";
+  return known != nullptr || name == "spikeloop-node" || name == "spikeloop-ros" ||
+         name == "spikeloop-zmq";
 }
 
-/// Another program may have the name of one of ours; that one we must not start. Empty: none.
+/// Another program may have the name of one of ours; that one we must not start. Empty: none, or
+/// none whose section is still to be checked.
 std::string own_program(const MusicFile& file, const MusicSection& section,
                         const std::string& directory) {
   const MusicKey* binary = file.find_key(section, "binary");
+  const Program* known = find_program(file, section);
   std::error_code ignored;
-  if (binary == nullptr || !has_our_name(file, section) || !fs::is_directory(directory, ignored)) {
+  if (binary == nullptr || !has_our_name(section, known) || (known != nullptr && known->checked) ||
+      !fs::is_directory(directory, ignored)) {
     return "";
   }
   const std::string path =
