@@ -4,7 +4,6 @@
 //
 // It enters programs of any kind: it needs libc alone.
 
-#include <dlfcn.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -12,6 +11,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+
+#include "next_function.hpp"
 
 namespace {
 
@@ -44,18 +45,6 @@ void tell_launcher() {
   close(fd);
 }
 
-/// Python opens MUSIC for a module alone, where RTLD_NEXT does not look: the caller is linked with
-/// it.
-void* next_finalize(const char* name, const void* caller) {
-  if (void* const next = dlsym(RTLD_NEXT, name)) {
-    return next;
-  }
-  Dl_info info{};
-  const bool known = dladdr(caller, &info) != 0;
-  void* const library = known ? dlopen(info.dli_fname, RTLD_LAZY | RTLD_NOLOAD) : nullptr;
-  return library == nullptr ? nullptr : dlsym(library, name);
-}
-
 }  // namespace
 
 #define MUSIC_FINALIZE "_ZN5MUSIC7Runtime8finalizeEv"
@@ -64,7 +53,7 @@ extern "C" void leaving(void* runtime) asm(MUSIC_FINALIZE);
 
 extern "C" void leaving(void* runtime) {
   tell_launcher();
-  void* const found = next_finalize(MUSIC_FINALIZE, __builtin_return_address(0));
+  void* const found = spikeloop::next_function(MUSIC_FINALIZE, __builtin_return_address(0));
   if (found == nullptr) {
     fputs("MUSIC's finalize is not found\n", stderr);
     abort();

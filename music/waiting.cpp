@@ -16,7 +16,11 @@
 #include <cerrno>
 #include <cstdint>
 
+#include "bell.hpp"
+
 namespace {
+
+namespace bell = spikeloop::bell;
 
 constexpr std::int64_t kMicrosecond = 1000;
 /// A shorter wait only yields.
@@ -28,6 +32,8 @@ constexpr std::int64_t kShortSleep = 100 * kMicrosecond;
 /// From 3.2 ms on this part, up to kLongestSleep.
 constexpr std::int64_t kPartOfLongWait = 32;
 constexpr std::int64_t kLongestSleep = 5'000 * kMicrosecond;
+/// Who waits for a bell sleeps at least this long: it only looks in case the sender has none.
+constexpr std::int64_t kSleepForBell = 1000 * kMicrosecond;
 /// A yield that takes longer gave the processor to a program that computes: whoever yields then
 /// waits for the whole time slice of each such program, and whoever sleeps goes before them.
 constexpr std::int64_t kBusyYield = 1000 * kMicrosecond;
@@ -54,6 +60,7 @@ class Waiting {
     const std::int64_t called = now();
     if (called - yielded_ > other_work_after(yielded_ - began_)) {
       began_ = called;
+      bell::ring_partner();
     }
     const std::int64_t waited = called - began_;
     if (called < busy_until_) {
@@ -66,6 +73,7 @@ class Waiting {
       sleep(sleep_after(waited));
     }
     yielded_ = now();
+    rings_ = bell::rings();  // before the program looks for its message once more
   }
 
  private:
@@ -74,6 +82,9 @@ class Waiting {
   }
 
   static std::int64_t sleep_after(std::int64_t waited) {
+    if (bell::will_ring()) {
+      return std::clamp(waited, kSleepForBell, kLongestSleep);
+    }
     return std::min(waited / kPart,
                     std::clamp(waited / kPartOfLongWait, kShortSleep, kLongestSleep));
   }
@@ -85,14 +96,19 @@ class Waiting {
       prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
       precise_ = true;
     }
-    const timespec time{.tv_sec = 0, .tv_nsec = length};
-    syscall(SYS_clock_nanosleep, CLOCK_MONOTONIC, 0, &time, nullptr);
+    if (bell::exists()) {
+      bell::sleep(rings_, length);
+    } else {
+      const timespec time{.tv_sec = 0, .tv_nsec = length};
+      syscall(SYS_clock_nanosleep, CLOCK_MONOTONIC, 0, &time, nullptr);
+    }
     errno = before;
   }
 
   std::int64_t began_ = 0;
   std::int64_t yielded_ = 0;
   std::int64_t busy_until_ = 0;
+  std::uint32_t rings_ = 0;
   bool precise_ = false;
 };
 
