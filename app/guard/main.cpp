@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <thread>
 
 #include "server.hpp"
@@ -37,23 +36,10 @@ void say(int owner, log::Level level, std::string_view text) {
   }
 }
 
-/// The last thing that we do: a launcher that was killed while it waited for us has left it behind.
-void remove_scratch(const guard::Options& options) {
-  if (options.scratch.empty()) {
-    return;
-  }
-  const int reason = guard::send_packet(options.owner, guard::make_packet("ended"));
-  if (reason == EPIPE || reason == ECONNRESET) {
-    std::error_code ignored;
-    std::filesystem::remove_all(options.scratch, ignored);
-  }
-}
-
 /// Leaving ROS asks the master, which may have gone, or hang.
-void end_in_time(const guard::Options& options) {
-  std::thread([options] {
+void end_in_time() {
+  std::thread([] {
     std::this_thread::sleep_for(kLongestEnd);
-    remove_scratch(options);
     _exit(0);
   }).detach();
 }
@@ -62,7 +48,7 @@ int run(const guard::Options& options) {
   try {
     guard::Server server(options);
     server.run();
-    end_in_time(options);
+    end_in_time();
     return 0;
   } catch (const Error& error) {
     log::write(log::Level::error, error.what());
@@ -87,7 +73,5 @@ int main(int argc, char** argv) {
     fcntl(options->owner, F_SETFD, FD_CLOEXEC);
   }
   log::set_sink([&](log::Level level, std::string_view text) { say(options->owner, level, text); });
-  exit_code = run(*options);
-  remove_scratch(*options);
-  return exit_code;
+  return run(*options);
 }

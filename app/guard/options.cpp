@@ -1,9 +1,6 @@
 #include "options.hpp"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <filesystem>
 
 namespace spikeloop::guard {
 namespace {
@@ -38,17 +35,8 @@ std::optional<Options> parse_options(int argc, char** argv, int& exit_code) {
                  "Socket to the launcher; the guard ends after the launcher")
       ->type_name("FD")
       ->check(CLI::Range(3, 1 << 20));
-  app.add_option("--scratch", options.scratch,
-                 "Launcher's folder with the socket; removed if the launcher is killed");
   try {
     app.parse(argc, argv);
-    const bool holds_socket =
-        std::filesystem::path(options.socket).parent_path() == options.scratch;
-    if (!options.scratch.empty() && !holds_socket) {
-      throw CLI::ValidationError(
-          "--scratch", fmt::format("'{}' is not the folder of the socket '{}'", options.scratch,
-                                   options.socket));
-    }
   } catch (const CLI::ParseError& error) {
     exit_code = app.exit(error) == 0 ? 0 : 2;
     return std::nullopt;

@@ -8,8 +8,7 @@ namespace spikeloop::guard {
 
 struct Options {
   std::string socket;
-  int owner = -1;       ///< a descriptor: the socket to the launcher that started us
-  std::string scratch;  ///< the launcher's folder, removed when that was killed; empty: none
+  int owner = -1;  ///< a descriptor: the socket to the launcher that started us
 };
 
 /// Nothing when the program has to end with `exit_code`; what there is to say has been printed.

@@ -92,8 +92,10 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
   if (!is_this_machine(options.host)) {
     environment[live::kTokenVariable] = make_token();
   }
-  server_.emplace(ProgramStart{
-      .arguments = words, .environment = environment, .directory = {}, .scratch = folder_.path()});
+  server_.emplace(ProgramStart{.arguments = words,
+                               .environment = environment,
+                               .directory = {},
+                               .kept = folder_.descriptor()});
   put(stderr, first_line(*server_));
   ::setenv(live::kFolderVariable, folder_.path().c_str(), 1);
 }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "spikeloop/core/scratch_folder.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 
 namespace CLI {

@@ -18,9 +18,9 @@
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/files_read.hpp"
 #include "spikeloop/core/reason.hpp"
-#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/processes/python.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace spikeloop {
 
@@ -52,17 +52,18 @@ bool pass_on(int output) {
 }
 
 /// Runs a module of our package to its end. Returns its exit code.
-int run_python(const std::vector<std::string>& arguments, const std::string& scratch) {
+int run_python(const std::vector<std::string>& arguments, const ScratchFolder& scratch) {
   ProgramStart start{{python_name(), "-m"},
                      {{"PYTHONPATH", python_path()},
                       {"PYTHONSAFEPATH", "1"},  // no module of the working directory's
                       {"PYTHONUNBUFFERED", "1"}},
                      "",
-                     scratch};
+                     scratch.descriptor()};
   start.arguments.insert(start.arguments.end(), arguments.begin(), arguments.end());
   ProcessTree python(start);
   pollfd files[] = {{python.fd(), POLLIN, 0}, {python.out(), POLLIN, 0}, {python.err(), POLLIN, 0}};
   while (!python.gone()) {
+    files[0].fd = python.fd();
     poll(files, std::size(files), -1);
     for (pollfd& output : std::span(files).subspan(1)) {
       output.fd = output.fd >= 0 && pass_on(output.fd) ? output.fd : -1;
@@ -239,8 +240,7 @@ void NetworkScript::run(const std::string& values) {
   if (!values.empty()) {
     write_file((folder / kValues).string(), values);
   }
-  const int code =
-      run_python({"spikeloop.network", file, function, folder.string()}, folder.string());
+  const int code = run_python({"spikeloop.network", file, function, folder.string()}, scratch);
   if (code == 0 && fs::exists(folder / kParameters)) {
     parameters_ = read_parameters(folder);
   } else if (code == 0 && fs::exists(folder / kResult)) {

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <filesystem>
 #include <set>
 #include <vector>
 
@@ -95,10 +94,6 @@ class Subreaper {
       }
     }
     reap();  // those that have ended since we looked: none of them is left as a zombie
-    if (orphaned_ && !start_.scratch.empty()) {
-      std::error_code ignored;
-      std::filesystem::remove_all(start_.scratch, ignored);
-    }
   }
 
  private:
@@ -210,7 +205,7 @@ class Subreaper {
 
 void keep(const ProgramStart& start, const SubreaperFiles& files) {
   setpgid(0, 0);
-  close_all_but({files.owner, files.out, files.err});
+  close_all_but({files.owner, files.out, files.err, start.kept});
   Subreaper(start, files).run();
   _exit(0);
 }

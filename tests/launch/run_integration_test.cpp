@@ -363,6 +363,10 @@ TEST(Run, NothingOutlivesALauncherThatIsKilled) {
   const Outcome outcome = child.wait();
   EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
   EXPECT_EQ(outcome.left_behind, 0);
+  // Whoever removes it waits for the last process of the job.
+  for (int i = 0; i < 1000 && std::filesystem::exists(scratch); ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
   EXPECT_FALSE(std::filesystem::exists(scratch));
 }
 

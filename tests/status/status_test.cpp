@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/core/scratch_folder.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace spikeloop::status {
 namespace {

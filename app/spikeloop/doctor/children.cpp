@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/mpirun.hpp"
 #include "spikeloop/processes/process_tree.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace spikeloop::app::doctor {
 namespace {
@@ -66,14 +66,15 @@ void look(Child& child, double seconds) {
   }
 }
 
-Child start(const Command& command, const std::string& scratch) {
+Child start(const Command& command, const ScratchFolder* scratch) {
   Child child;
-  ProgramStart program{command, launch::program_environment(), "", scratch};
+  ProgramStart program{command, launch::program_environment(), "",
+                       scratch == nullptr ? -1 : scratch->descriptor()};
   program.environment.erase("PYTHONPATH");  // a directory of ours is no simulator of its name
   program.environment["MPLBACKEND"] = "Agg";
   program.environment["PYTHONSAFEPATH"] = "1";  // no module of the working directory's
-  if (!scratch.empty()) {
-    program.environment["OMPI_MCA_orte_tmpdir_base"] = scratch;
+  if (scratch != nullptr) {
+    program.environment["OMPI_MCA_orte_tmpdir_base"] = scratch->path();
   }
   try {
     child.tree = std::make_unique<ProcessTree>(program);
@@ -99,7 +100,7 @@ std::vector<Answer> ask(const std::vector<Command>& commands) {
   }
   std::vector<Child> children;
   for (const Command& command : commands) {
-    children.push_back(command.empty() ? Child{} : start(command, scratch ? scratch->path() : ""));
+    children.push_back(command.empty() ? Child{} : start(command, scratch ? &*scratch : nullptr));
   }
   while (std::ranges::any_of(children, &Child::is_running) && Clock::now() < begin + kPatience) {
     std::this_thread::sleep_for(kLookEvery);

@@ -40,7 +40,7 @@ Connection connect_pair() {
 }
 
 /// In the forked process: becomes the guard, or says why not.
-[[noreturn]] void become(const std::string& scratch, int connection,
+[[noreturn]] void become(const ScratchFolder& scratch, int connection,
                          const std::map<std::string, std::string>& environment) {
   // Our terminal's Ctrl-C and hang-up are not for it.
   setsid();
@@ -55,20 +55,20 @@ Connection connect_pair() {
   dup2(nowhere, 0);
   dup2(nowhere, 1);
   fcntl(connection, F_SETFD, 0);
+  fcntl(scratch.descriptor(), F_SETFD, 0);  // the folder has its socket
   for (const auto& [name, value] : environment) {
     setenv(name.c_str(), value.c_str(), 1);
   }
   const std::string owner = std::to_string(connection);
-  const std::string socket = guard_socket(scratch);
-  execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), "--scratch",
-         scratch.c_str(), nullptr);
+  const std::string socket = guard_socket(scratch.path());
+  execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), nullptr);
   auto packet = guard::make_packet("log");
   packet["text"] = std::strerror(errno);
   guard::send_packet(connection, packet);
   _exit(127);
 }
 
-void start(const std::string& scratch, int connection,
+void start(const ScratchFolder& scratch, int connection,
            const std::map<std::string, std::string>& environment) {
   const pid_t pid = fork();
   if (pid == 0) {
@@ -86,7 +86,7 @@ std::string guard_socket(const std::string& scratch) {
   return scratch + "/guard";
 }
 
-GuardProcess::GuardProcess(const std::string& scratch,
+GuardProcess::GuardProcess(const ScratchFolder& scratch,
                            const std::map<std::string, std::string>& environment, Listener listener)
     : listener_(std::move(listener)) {
   Connection connection = connect_pair();

@@ -9,6 +9,7 @@
 
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/guard/protocol.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace spikeloop::launch {
 
@@ -16,16 +17,15 @@ namespace spikeloop::launch {
 std::string guard_socket(const std::string& scratch);
 
 /// A process in a session of its own, no child of ours, so that whatever kills this job at once
-/// leaves it the time to stop the robot. It ends by itself when we have gone, and removes our
-/// scratch folder then.
+/// leaves it the time to stop the robot. It ends by itself when we have gone.
 class GuardProcess {
  public:
   using Listener = std::function<void(log::Level, const std::string&)>;
 
-  /// Waits until it listens at guard_socket(scratch).
+  /// Waits until it listens at guard_socket() of the folder.
   /// @param environment added to ours; PATH says where it is
   /// @throws TransportError when it does not.
-  GuardProcess(const std::string& scratch, const std::map<std::string, std::string>& environment,
+  GuardProcess(const ScratchFolder& scratch, const std::map<std::string, std::string>& environment,
                Listener listener);
   ~GuardProcess();
   GuardProcess(const GuardProcess&) = delete;

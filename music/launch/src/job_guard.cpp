@@ -30,7 +30,7 @@ void JobRun::start_guard() {
     return;
   }
   try {
-    guard_ = std::make_unique<GuardProcess>(scratch_.path(), with_environment({}).environment,
+    guard_ = std::make_unique<GuardProcess>(scratch_, with_environment({}).environment,
                                             [this](log::Level level, const std::string& text) {
                                               log_ << "guard: " << text << std::endl;
                                               log::write(level, text);

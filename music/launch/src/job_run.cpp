@@ -122,7 +122,7 @@ ProgramStart JobRun::with_environment(ProgramStart start) const {
   start.environment["SPIKELOOP_STATUS"] = scratch_.path() + "/status";
   // Recordings and learned weights would be gone with the scratch folder.
   start.environment["SPIKELOOP_OUT"] = options_.folder.empty() ? directory_ : folder_;
-  start.scratch = scratch_.path();
+  start.kept = scratch_.descriptor();
   return start;
 }
 
@@ -174,7 +174,7 @@ bool JobRun::check() {
   }
   append(diagnostics, check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
-  SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.path()});
+  SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.descriptor()});
   append(diagnostics, sections.run([this] { return outcome_.has_value(); }));
   if (!outcome_ && has_errors(diagnostics)) {
     const Diagnostic first = first_error(diagnostics, effective_.file.path);

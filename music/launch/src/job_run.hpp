@@ -9,7 +9,7 @@
 
 #include "job_state.hpp"
 #include "process_group.hpp"
-#include "spikeloop/core/scratch_folder.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
 #include "start_watch.hpp"

@@ -13,10 +13,10 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
-#include "spikeloop/core/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/processes/python.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -80,7 +80,7 @@ void SectionChecks::start(const MusicSection& section, const Places& places) {
   start.arguments = {program, "--check-section", places.effective_file, section.label};
   start.environment = origin_environment(file_.path);
   start.directory = directory;
-  start.scratch = places.scratch;
+  start.kept = places.kept;
   sections_.push_back({section.label});
   Section& added = sections_.back();
   added.process =
@@ -190,7 +190,7 @@ Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool her
   int signal = 0;
   ProcessGroup group(receiver,
                      {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
-  SectionChecks sections(group, effective.file, {path, directory, scratch.path()});
+  SectionChecks sections(group, effective.file, {path, directory, scratch.descriptor()});
   append(diagnostics, sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
     return {{{}, stopped_by(signal), 128 + signal}};

@@ -21,7 +21,7 @@ class SectionChecks {
   struct Places {
     std::string effective_file;
     std::string directory;  ///< where the programs will run
-    std::string scratch;
+    int kept;               ///< as ProgramStart::kept
   };
   /// Starts all of them. The references must outlive it.
   SectionChecks(ProcessGroup& group, const MusicFile& file, const Places& places);

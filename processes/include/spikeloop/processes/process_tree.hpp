@@ -17,8 +17,8 @@ struct ProgramStart {
   std::vector<std::string> arguments;              ///< the program, searched in PATH, and its own
   std::map<std::string, std::string> environment;  ///< added to ours
   std::string directory;                           ///< to run in; empty: ours
-  /// Removed with everything in it when we die before the program does.
-  std::string scratch;
+  /// Is kept open while anything of the tree lives: that of a ScratchFolder; -1: none.
+  int kept = -1;
 };
 
 /// Between us and the program stands a subreaper: a forked process that adopts whatever the tree

@@ -1,11 +1,16 @@
 // A folder for what a program needs for a while.
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
+
+#include "spikeloop/processes/descriptor.hpp"
 
 namespace spikeloop {
 
-/// Is removed with everything in it when the object is.
+/// Is removed with everything in it when the object is. When the program is killed, a process that
+/// only waits for that removes it, as soon as nobody has descriptor() or a copy of it any more.
 class ScratchFolder {
  public:
   /// In memory where the machine has such a place; the path is short, because sockets in it may
@@ -18,9 +23,13 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
   const std::string& path() const { return path_; }
+  /// For processes that may outlive us and still need the folder.
+  int descriptor() const { return folder_.get(); }
 
  private:
   std::string path_;
+  Descriptor folder_;
+  pid_t remover_ = -1;
 };
 
 }  // namespace spikeloop
