@@ -59,7 +59,7 @@ std::unique_ptr<Sink> MusicProcesses::sink(const experiment::Connection& edge) {
 
 void MusicProcesses::meet() {
   music::Process::LoopHooks hooks;
-  hooks.pace = [this] {
+  hooks.clock_report = [this] {
     Pacer::Report report;
     report.wall_time = progress_.wall;
     report.overruns = progress_.overruns;

@@ -7,8 +7,9 @@ int main(int argc, char** argv) {
   const auto text = node_program_text(music::called_as(argc, argv));
   return music::music_main(argc, argv, text, [](music::Process& process) {
     if (const NodeProgram* program = find_node_program(process.program())) {
-      process.set_defaults(
-          {.pace = false, .accept_one_tick = program->accept_one_tick, .many_processes = true});
+      process.set_defaults({.clock_master = false,
+                            .accept_one_tick = program->accept_one_tick,
+                            .many_processes = true});
     }
     Registry registry;
     const NodeClass& node_class = node_class_of(process, registry);

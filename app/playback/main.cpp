@@ -16,12 +16,12 @@ music::ProgramText program_text(const std::string& name) {
   text.parameters = record::playback_parameters();
   text.example = "  [input]\n  binary=" + text.name +
                  "\n  np=1\n  file=run1/encoder.h5\n  input.out -> RECEIVER.in [100]\n";
-  text.defaults.pace = true;
+  text.defaults.clock_master = true;
   return text;
 }
 
 int body(music::Process& process) {
-  process.set_defaults({.pace = true});
+  process.set_defaults({.clock_master = true});
   process.declare_ports({"out"});
   const Parameters keys = process.read(record::playback_parameters());
   const bool spikes = process.program() != "signal_playback";

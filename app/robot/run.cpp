@@ -100,13 +100,13 @@ class Loop {
 
   void finish() {
     robot_.finish();
-    const auto pace = pacer_->report();
+    const auto clock = pacer_->report();
     auto counters = counters_of(robot_.robot(), ros_.commands(), scans_);
-    counters["overruns"] = pace.overruns;
+    counters["overruns"] = clock.overruns;
     status_.report(counters, robot_.summary());
     fmt::print("{} simulated in {:.1f} s: {}commands {}, overruns {}\n", format_time(robot_.time()),
-               to_seconds(pace.wall_time), drive_text(robot_.robot()), ros_.commands(),
-               pace.overruns);
+               to_seconds(clock.wall_time), drive_text(robot_.robot()), ros_.commands(),
+               clock.overruns);
   }
 
   const RunOptions& options_;

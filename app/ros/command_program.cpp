@@ -42,7 +42,7 @@ std::vector<ParameterDescription> command_parameters(const RosProgram& program) 
         .type = ParameterType::integer,
         .default_value = "0",
         .minimum = 0,
-        .text = "Delay of the data relative to pace, in ticks; pace is delayed by it"},
+        .text = "Delay of the data relative to data_stamp, in ticks; data_stamp is delayed by it"},
        {.name = "default_limits",
         .type = ParameterType::boolean,
         .default_value = "false",
@@ -103,9 +103,9 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
 }
 
 /// Of the first command of each message, in simulated time and ms.
-void record_latency(music::Process& process, bool with_pace,
+void record_latency(music::Process& process, bool with_data_stamp,
                     ros_command::CommandEndpoint& command) {
-  if (auto write = with_pace ? process.value_recorder("latency", "ms") : nullptr) {
+  if (auto write = with_data_stamp ? process.value_recorder("latency", "ms") : nullptr) {
     command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);
     });
@@ -129,12 +129,13 @@ Section read_command(const music::Process& process, const RosProgram& program) {
 
 command::CommandSettings command_settings(const music::Process& process, const Section& section,
                                           const command::ComponentMap& map,
-                                          const std::vector<SensorTopic>& sensors, bool with_pace) {
+                                          const std::vector<SensorTopic>& sensors,
+                                          bool with_data_stamp) {
   const auto& common = process.common();
   const Parameters& parameters = section.node.parameters;
   command::CommandSettings settings =
       command::command_settings(parameters, map, parameters.number("command_rate"),
-                                {common.music_timestep, common.rtf}, with_pace);
+                                {common.music_timestep, common.rtf}, with_data_stamp);
   experiment::add_bounds(section.node, settings);
   experiment::add_operator_input(section.node, section.ros.ros, settings);
   for (const SensorTopic& sensor : sensors) {
@@ -151,7 +152,7 @@ music::ProgramText command_text(const RosProgram& program) {
   text.summary = "Sends a continuous signal as ROS command messages";
   text.ports =
       "  in         input   continuous  Numbers to send\n"
-      "  pace       input   continuous  [1] From ros_sensor_adapter: age of the data\n";
+      "  data_stamp input   continuous  [1] From ros_sensor_adapter: age of the data\n";
   text.parameters = command_parameters(program);
   text.example = fmt::format(
       "  [command]\n  binary={}\n  np=1\n  ros_topic=/cmd_vel\n"
@@ -163,14 +164,15 @@ music::ProgramText command_text(const RosProgram& program) {
   text.notes =
       "A command that changes by more than the deadband is sent at once. A zero command is sent\n"
       "when the run ends for any reason, when ticks are missing, when data are too old (needs the\n"
-      "port pace), and instead of a command with NaN or infinity. With SPIKELOOP_GUARD=PATH,\n"
-      "spikeloop-guard sends it when this program is killed (SIGKILL) or stopped (SIGSTOP).\n"
+      "port data_stamp), and instead of a command with NaN or infinity.\n"
+      "With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it when this program is killed (SIGKILL)\n"
+      "or stopped (SIGSTOP).\n"
       "Messages on emergency_stop and override take effect at once. See docs/safety.md.\n";
   return text;
 }
 
 int run_command(music::Process& process, const RosProgram& program) {
-  process.declare_ports({"in", "pace"});
+  process.declare_ports({"in", "data_stamp"});
   const Section section = read_command(process, program);
   const Parameters& keys = section.keys;
   const experiment::Node& node = section.node;
@@ -178,15 +180,15 @@ int run_command(music::Process& process, const RosProgram& program) {
   check_channels(node.mapping, width);
   const auto in = process.signal_input("in");
   // Delayed until the data of the same message are here: what it says is these data's age.
-  const auto pace =
-      process.connected_input("pace", PortKind::signal)
-          ? process.signal_input("pace", static_cast<int>(keys.integer("pipeline_ticks")))
+  const auto data_stamp =
+      process.connected_input("data_stamp", PortKind::signal)
+          ? process.signal_input("data_stamp", static_cast<int>(keys.integer("pipeline_ticks")))
           : nullptr;
 
   command::ComponentMap map = command::component_map(node.mapping, width);
   const auto sensor_list = sensor_topics(keys, section.ros.ros);
   const command::CommandSettings settings =
-      command_settings(process, section, map, sensor_list, pace != nullptr);
+      command_settings(process, section, map, sensor_list, data_stamp != nullptr);
   if (process.checking()) {
     process.check();
     return 0;
@@ -209,9 +211,9 @@ int run_command(music::Process& process, const RosProgram& program) {
   description.sinks = {{"topic", &sink}};
   description.connections = {{"in.in", "fields.in", width, 0, {}},
                              {"fields.out", "topic.command", settings.width, 0, {}}};
-  if (pace) {
-    description.sources.push_back({"pace", pace.get()});
-    description.connections.push_back({"pace.pace", "topic.pace", 0, 0, {}});
+  if (data_stamp) {
+    description.sources.push_back({"data_stamp", data_stamp.get()});
+    description.connections.push_back({"data_stamp.data_stamp", "topic.data_stamp", 0, 0, {}});
   }
   for (const SensorTopic& watched : sensor_list) {
     const std::size_t i = sensors.size();
@@ -222,7 +224,7 @@ int run_command(music::Process& process, const RosProgram& program) {
         {fmt::format("sensor {}.out", i), fmt::format("topic.sensor_{}", i), 1, 0, {}});
   }
   process.attach_recorders(description);
-  record_latency(process, pace != nullptr, sink);
+  record_latency(process, data_stamp != nullptr, sink);
   Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };

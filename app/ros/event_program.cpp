@@ -37,15 +37,15 @@ music::ProgramText event_text(const RosProgram& program) {
       "Later events are sent at once and counted (late_events). If the camera's clock jumps back,\n"
       "as in a bag that starts again, or ahead by more than 1 s, the next message counts as the\n"
       "first one (clock_jumps). Messages from before the start of the run are left out.\n\n"
-      "There is no port pace, because a camera sends nothing while nothing changes. So a command\n"
-      "adapter does not know the age of its data, and max_age has no effect.\n";
-  text.defaults.pace = true;
+      "There is no port data_stamp, because a camera sends nothing while nothing changes. So a\n"
+      "command adapter does not know the age of its data, and max_age has no effect.\n";
+  text.defaults.clock_master = true;
   return text;
 }
 
 int run_events(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
-  process.set_defaults({.pace = true, .accept_one_tick = false});
+  process.set_defaults({.clock_master = true, .accept_one_tick = false});
   process.declare_ports({"out"});
   Section section = read_section(process, program, event_parameters(program));
   experiment::read_endpoint(section.node, process.file_directory(), section.ros.ros);

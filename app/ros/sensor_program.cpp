@@ -69,7 +69,7 @@ music::ProgramText sensor_text(const RosProgram& program) {
   text.summary = "Converts the newest ROS message to a continuous signal";
   text.ports =
       "  out        output  continuous  Numbers of the message\n"
-      "  pace       output  continuous  [1] Arrival of the newest message (monotonic clock, s)\n";
+      "  data_stamp output  continuous  [1] Arrival of the newest message (monotonic clock, s)\n";
   text.parameters = sensor_parameters(program);
   text.example = fmt::format(
       "  [sensor]\n  binary={}\n  np=1\n  ros_topic=/scan\n"
@@ -84,14 +84,14 @@ music::ProgramText sensor_text(const RosProgram& program) {
       "fields=PATH,PATH selects other fields; their numbers are not scaled.\n"
       "A mapping file contains  {\"fields\": [\"PATH\", {\"path\": \"PATH\", \"scale\": 2}]}  or\n"
       "{\"image\": {\"resize\": [40, 30]}}  (docs/images.md).\n";
-  text.defaults.pace = true;
+  text.defaults.clock_master = true;
   return text;
 }
 
 int run_sensor(music::Process& process, const RosProgram& program) {
   command::Watch::release_signals();
-  process.set_defaults({.pace = true, .accept_one_tick = false});
-  process.declare_ports({"out", "pace"});
+  process.set_defaults({.clock_master = true, .accept_one_tick = false});
+  process.declare_ports({"out", "data_stamp"});
   Section section = read_section(process, program, sensor_parameters(program));
   read_mapping_file(process, section.keys, section.node);
   experiment::read_endpoint(section.node, process.file_directory(), section.ros.ros);
@@ -100,8 +100,9 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   settings.strict = process.common().strict;
 
   const auto out = process.signal_output("out");
-  const auto pace =
-      process.connected_output("pace", PortKind::signal) ? process.signal_output("pace") : nullptr;
+  const auto data_stamp = process.connected_output("data_stamp", PortKind::signal)
+                              ? process.signal_output("data_stamp")
+                              : nullptr;
   if (process.checking()) {
     located_at(rule_place(process, section.keys),
                [&] { topics::Sensor::check(section.ros.ros, settings); });
@@ -114,9 +115,9 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   topics::Sensor sensor(*session, settings);
 
   GraphDescription more;
-  if (pace) {
-    more.sinks.push_back({"pace", pace.get()});
-    more.connections.push_back({"topic.pace", "pace.pace", 0, 0, {}});
+  if (data_stamp) {
+    more.sinks.push_back({"data_stamp", data_stamp.get()});
+    more.connections.push_back({"topic.data_stamp", "data_stamp.data_stamp", 0, 0, {}});
   }
   music::Process::LoopHooks hooks;
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };

@@ -42,7 +42,7 @@ struct RunArguments {
   LiveOptions live;
   bool force = false;
   bool no_record = false;
-  bool no_pace = false;
+  bool no_data_stamp = false;
   bool quiet = false;
   bool verbose = false;
   bool dry_run = false;
@@ -140,8 +140,8 @@ void add_options(CLI::App& command, RunArguments& arguments) {
                   "Argument for spikeloop-robot; repeatable: --robot-arg=--world=arena.xml")
       ->allow_extra_args(false)
       ->needs(robot);
-  command.add_flag("--no-pace", arguments.no_pace,
-                   "Do not add a pace connection from sensor adapter to command adapter");
+  command.add_flag("--no-data-stamp", arguments.no_data_stamp,
+                   "Do not add a data_stamp connection from sensor adapter to command adapter");
   command.add_flag("--dry-run", arguments.dry_run, "Print only effective file and command");
   auto* quiet = command.add_flag("-q,--quiet", arguments.quiet, "Print only warnings and errors");
   command.add_flag("-v,--verbose", arguments.verbose, "Also print the output of mpirun")
@@ -198,9 +198,12 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
   group(arguments.for_experiment, "Experiment files",
         {"--set", "--layout", "--sync", "--no-record", "--render", "--render-view", "--render-size",
          "--render-rate", "--view", "--live", "--live-port", "--live-host"});
-  group(
-      arguments.for_music, ".music files",
-      {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-pace", "--dry-run"});
+  group(arguments.for_music, ".music files",
+        {"--record", "--hostfile", "--roscore", "--robot", "--robot-arg", "--no-data-stamp",
+         "--dry-run"});
+  arguments.for_music.push_back(
+      command.add_flag("--no-pace", arguments.no_data_stamp, "Earlier name of --no-data-stamp")
+          ->group(""));
 }
 
 void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
@@ -297,7 +300,7 @@ int run(RunArguments& arguments) {
     throw ConfigurationError(
         "--record: there is no folder to record to; give one with --out, as in --out run1");
   }
-  arguments.job.run.pace = !arguments.no_pace;
+  arguments.job.run.data_stamp = !arguments.no_data_stamp;
   if (!arguments.ros.empty()) {
     arguments.job.run.ros = std::stoi(arguments.ros);
   }

@@ -60,13 +60,13 @@ music::ProgramText zmq_sensor_text() {
   text.notes =
       "GymObservation: [{\"value\": v, \"min\": a, \"max\": b, \"ts\": s}, ...] becomes\n"
       "2 (v - a) / (b - a) - 1, limited to [-1, 1]. FloatArray: [x, ...], unchanged.\n";
-  text.defaults.pace = true;
+  text.defaults.clock_master = true;
   return text;
 }
 
 int run_zmq_sensor(music::Process& process) {
   process.declare_ports({"out"});
-  process.set_defaults({.pace = true, .accept_one_tick = false});
+  process.set_defaults({.clock_master = true, .accept_one_tick = false});
   const Parameters parameters = process.read(parameters_of_sensor());
   process.written({"zmq_topic"});  // the older programs never read it: so that it is known
   const std::string& address = parameters.text("zmq_addr");

@@ -18,11 +18,11 @@
 
 #include "music_text.hpp"
 #include "spikeloop/config/music_file.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/core/code.hpp"
 #include "text_file.hpp"
 
 namespace spikeloop {
-
 namespace {
 
 using music_text::is_blank;
@@ -494,7 +494,7 @@ void Parser::apply(const Options& options, MusicConnection& connection) const {
 }  // namespace
 
 MusicFile parse_music(std::string_view text, const std::string& path) {
-  return Parser(text, path).parse();
+  return with_present_names(Parser(text, path).parse());
 }
 
 }  // namespace spikeloop

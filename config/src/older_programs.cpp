@@ -61,6 +61,32 @@ constexpr DialectDefault kDefaults[] = {
     {"nef_encoder", "preset", "rma", "ma"},
 };
 
+constexpr const char* kClockMaster = "clock_master";
+constexpr const char* kDataStamp = "data_stamp";
+constexpr const char* kPace = "pace";  // meant both in earlier versions
+
+void rename_clock_master(std::vector<MusicKey>& keys) {
+  for (MusicKey& key : keys) {
+    if (key.name != kPace || (key.value != "true" && key.value != "false")) {
+      continue;
+    }
+    if (find_key(keys, kClockMaster) != nullptr) {
+      throw ConfigurationError(
+          key.where, with_code(Code::duplicate_key,
+                               "'{0}' and '{1}' are two spellings of one key; leave out '{1}'",
+                               kClockMaster, kPace));
+    }
+    key.name = kClockMaster;
+  }
+}
+
+void rename_data_stamp(const MusicFile& file, const std::string& label, std::string& port) {
+  const MusicSection* section = port == kPace ? file.find_section(label) : nullptr;
+  if (section != nullptr && earlier_port(program_of(*section), kDataStamp) != nullptr) {
+    port = kDataStamp;
+  }
+}
+
 }  // namespace
 
 std::span<const NodeProgram> node_programs() {
@@ -109,6 +135,26 @@ std::vector<std::string> ignored_keys(std::string_view program) {
 
 const char* older_spelling_of(std::string_view program, std::string_view key) {
   return program == "nef_encoder" && key == "resolution" ? "neuron_resolution" : nullptr;
+}
+
+const char* earlier_key(std::string_view key) {
+  return key == kClockMaster ? kPace : nullptr;
+}
+
+const char* earlier_port(std::string_view program, std::string_view port) {
+  return port == kDataStamp && find_ros_program(program) != nullptr ? kPace : nullptr;
+}
+
+MusicFile with_present_names(MusicFile file) {
+  rename_clock_master(file.globals);
+  for (MusicSection& section : file.sections) {
+    rename_clock_master(section.keys);
+  }
+  for (MusicConnection& connection : file.connections) {
+    rename_data_stamp(file, connection.from_app, connection.from_port);
+    rename_data_stamp(file, connection.to_app, connection.to_port);
+  }
+  return file;
 }
 
 std::optional<WeightTable> uneven_one_to_one(std::uint32_t inputs, std::uint32_t outputs,

@@ -76,12 +76,12 @@ void add_edges_into(const Experiment& experiment, const Node& command,
   };
   if (const auto upstream = nearest_sensor(experiment, command.name)) {
     // The time at which the data behind a command came takes as long as these data.
-    add(upstream->sensor + ".pace", "pace", PortKind::signal, 1, upstream->delay_ticks);
+    add(upstream->sensor + ".data_stamp", "data_stamp", PortKind::signal, 1, upstream->delay_ticks);
   }
   std::size_t i = 0;
   for (const Node* sensor : sensors_behind(experiment, command.name)) {
     // Without the delay of the data: that a sensor is silent is no matter of how far they are.
-    add(sensor->name + ".pace", fmt::format("sensor_{}", i++), PortKind::signal, 1, 0);
+    add(sensor->name + ".data_stamp", fmt::format("sensor_{}", i++), PortKind::signal, 1, 0);
   }
   i = 0;
   for (const Connection* connection : watched_spikes(experiment, command)) {

@@ -227,16 +227,16 @@ class Writer : JobWriter {
     add(node, "override_timeout", seconds(manual.timeout), "override");
   }
 
-  /// Of a single sensor the pace tells the age; the topics of several are listened to once more.
+  /// Of a single sensor data_stamp tells the age; the topics of several are listened to once more.
   void write_sensors_behind(const Node& node) {
     const auto sensors = sensors_behind(experiment_, node.name);
     const auto watched = watched_sensors(experiment_, node);
     const TimeNs max_age = from_seconds(node.parameters.number("max_age"));
     std::vector<std::string> listed;
     for (std::size_t i = 0; i < watched.size(); ++i) {
-      const bool by_pace = watched.size() == 1 && sensors[i]->kind == kRosSensor && max_age != 0 &&
-                           max_age <= watched[i].timeout;
-      if (watched[i].timeout != 0 && !by_pace) {
+      const bool by_data_stamp = watched.size() == 1 && sensors[i]->kind == kRosSensor &&
+                                 max_age != 0 && max_age <= watched[i].timeout;
+      if (watched[i].timeout != 0 && !by_data_stamp) {
         listed.push_back(fmt::format("{}:{}:{}", watched[i].topic,
                                      sensors[i]->parameters.text("message"),
                                      seconds(watched[i].timeout)));

@@ -64,7 +64,7 @@ class ProcessWriter : JobWriter {
     add_directory({});
     add("experiment", std::filesystem::absolute(experiment_.path).string());
     add("settings", to_text(experiment_.settings));
-    add("pace", waits_for_clock(experiment_, process.name) ? "true" : "false");
+    add("clock_master", waits_for_clock(experiment_, process.name) ? "true" : "false");
     add("ros", name_of(experiment_.ros));
     if (process.in_cycle) {
       add("accept_latency", seconds(2 * experiment_.tick - spare()));

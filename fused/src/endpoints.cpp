@@ -21,7 +21,7 @@ using experiment::Node;
 /// What both kinds of sensors have in common.
 template <typename Settings>
 Settings with_transport(Settings settings, Transport& transport, topics::Keep keep) {
-  settings.simulated_pace = transport.clock() != CommandClock::wall;
+  settings.simulated_stamp = transport.clock() != CommandClock::wall;
   if (transport.clock() == CommandClock::lockstep) {
     settings.queue = 0;  // the robot waits until all of its messages are here
   }
@@ -51,11 +51,12 @@ std::unique_ptr<topics::TopicSource> make_signal_sensor(const Node& node, std::u
 command::CommandSettings clock_settings(const Experiment& experiment, const Node& node,
                                         const command::ComponentMap& map, CommandClock clock) {
   const Parameters& keys = node.parameters;
-  const bool with_pace = experiment::nearest_sensor(experiment, node.name).has_value();
+  const bool with_data_stamp = experiment::nearest_sensor(experiment, node.name).has_value();
   return clock == CommandClock::wall
              ? command::command_settings(keys, map, keys.number("command_rate"),
-                                         {experiment.tick, experiment.real_time_factor}, with_pace)
-             : command::simulated_settings(keys, map, clock, with_pace);
+                                         {experiment.tick, experiment.real_time_factor},
+                                         with_data_stamp)
+             : command::simulated_settings(keys, map, clock, with_data_stamp);
 }
 
 /// With the bounds, and all that stops the robot.

@@ -9,12 +9,11 @@ import dataclasses
 import re
 
 from . import quantities
-from .run_folder import RunFolderError, require_regular
+from .run_folder import MEASURED, RunFolderError, require_regular
 
 SENSORS = ("ros_sensor", "signal_playback", "ros_sensor_adapter", "ros_cont_adapter",
            "zmq_cont_adapter")
 COMMANDS = ("ros_command", "ros_command_adapter", "cont_ros_adapter", "cont_zmq_adapter")
-MEASURED = ("pace", "latency")  # signals about the loop, not in it
 
 
 @dataclasses.dataclass

@@ -26,6 +26,7 @@ import numpy as np
 
 NEWEST_FORMAT = 1
 TRAJECTORY_COLUMNS = ("t_s", "x_m", "y_m", "theta_rad", "v_m_s", "w_rad_s", "collisions")
+MEASURED = ("data_stamp", "latency", "pace")  # signals about the loop, not in it; pace is data_stamp in older runs
 
 
 class SpikeloopError(Exception):
@@ -171,7 +172,7 @@ class RunFolder:
         return self._read(label, "signals", self._read_signal)
 
     def signal(self, label, stream=None):
-        """One signal of a process: the named one, or the widest but `pace` and `latency`."""
+        """One signal of a process: the named one, or the widest that is not among MEASURED."""
         signals = self.signals(label)
         names = [signal.stream for signal in signals]
         if stream is not None:
@@ -179,7 +180,7 @@ class RunFolder:
                 raise RunFolderError(f"'{self._file(label)}' has no signal '{stream}'"
                                      f"{did_you_mean(stream, names)}")
             return signals[names.index(stream)]
-        candidates = [signal for signal in signals if signal.stream not in ("pace", "latency")]
+        candidates = [signal for signal in signals if signal.stream not in MEASURED]
         if not candidates:
             raise RunFolderError(f"'{self._file(label)}' has no signal")
         return max(candidates, key=lambda signal: signal.width)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A network five times slower than real time: data stay fresh enough, or the robot is stopped.
 
-MUSIC lets a source run far ahead of a slow receiver; the pace connection must keep the age of the
+MUSIC lets a source run far ahead of a slow receiver; the data_stamp connection must keep the age of the
 data behind every command bounded, the run must report it, and past max_age the robot must stop.
 """
 
@@ -49,7 +49,7 @@ decoder.out -> command.in [1]
 """
 # A scan is up to 50 ms old when it is used; beside that, a few ticks of 5 ms each.
 LATENCY_BOUND_MS = 200
-# A busy machine may stand still in between. Without `pace`, the sensor would be up to 4 s ahead.
+# A busy machine may stand still in between. Without `data_stamp`, the sensor would be up to 4 s ahead.
 AGE_BOUND_MS = 1500
 
 

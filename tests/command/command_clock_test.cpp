@@ -27,7 +27,7 @@ class CommandClockTest : public testing::Test {
   /// Commands with these rules: repeated every 10 ms, at most 100 ms old.
   CommandSettings settings(CommandClock clock) const {
     return {.width = 1,
-            .with_pace = true,
+            .with_data_stamp = true,
             .gate = {.deadband = {0.1}, .min_interval = kMs, .period = 10 * kMs},
             .watchdog = 50 * kMs,
             .max_age = 100 * kMs,
@@ -40,15 +40,15 @@ class CommandClockTest : public testing::Test {
   }
   /// The tick of 1 ms that ends then, with a command from data of `arrived`.
   static void tick(CommandSink& sink, TimeNs end, double value, TimeNs arrived) {
-    const double pace = to_seconds(arrived);
+    const double data_stamp = to_seconds(arrived);
     spikeloop_signal_input inputs[2] = {};
     inputs[0].values = &value;
-    inputs[1].values = &pace;
+    inputs[1].values = &data_stamp;
     for (auto& input : inputs) {
       input.width = 1;
       input.revision = 1;
     }
-    spikeloop_step data{};  // ports command, pace
+    spikeloop_step data{};  // ports command, data_stamp
     data.begin_ns = end - kMs;
     data.end_ns = end;
     data.signal_inputs = inputs;

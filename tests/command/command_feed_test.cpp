@@ -13,7 +13,7 @@ using testing::ElementsAre;
 
 constexpr TimeNs kMs = 1'000'000;
 
-/// Ticks of 10 ms of a feed with two sensors, of which the first is the pace's.
+/// Ticks of 10 ms of a feed with two sensors, of which the first is the data_stamp's.
 class CommandFeedTest : public testing::Test {
  protected:
   struct Tick {
@@ -49,7 +49,7 @@ class CommandFeedTest : public testing::Test {
 
   FeedSettings settings(TimeNs first, TimeNs second, TimeNs spikes = 0) const {
     return {.width = 1,
-            .with_pace = true,
+            .with_data_stamp = true,
             .max_age = 1000 * kMs,
             .sensors = {{"/scan", first}, {"/odom", second}},
             .spike_widths = {1},
@@ -66,7 +66,7 @@ TEST_F(CommandFeedTest, ports_are_as_many_as_what_is_watched) {
   for (const EndpointPort& port : feed.ports()) {
     names.push_back(port.name);
   }
-  EXPECT_THAT(names, ElementsAre("command", "pace", "sensor_0", "sensor_1", "spikes_0"));
+  EXPECT_THAT(names, ElementsAre("command", "data_stamp", "sensor_0", "sensor_1", "spikes_0"));
 }
 
 TEST_F(CommandFeedTest, a_sensor_that_falls_silent_stops_the_robot_until_it_comes_back) {

@@ -49,6 +49,24 @@ TEST(MusicParser, ReadsTheVehicle) {
   EXPECT_NO_THROW(check_structure(file));
 }
 
+constexpr const char* kEarlierNames =
+    "pace=false\n[sensor]\nbinary=bin/ros_sensor_adapter\npace=true\n"
+    "[own]\nbinary=own.py\npace=0.5\n[command]\nbinary=cont_ros_adapter\n"
+    "sensor.pace -> command.pace [1]\nsensor.pace -> own.pace [1]\nown.pace -> command.in [1]\n";
+
+TEST(MusicParser, GivesKeysAndPortsTheirPresentNames) {
+  const MusicFile file = parse(kEarlierNames);
+  EXPECT_EQ(file,
+            parse("clock_master=false\n[sensor]\nbinary=bin/ros_sensor_adapter\nclock_master=true\n"
+                  "[own]\nbinary=own.py\npace=0.5\n[command]\nbinary=cont_ros_adapter\n"
+                  "sensor.data_stamp -> command.data_stamp [1]\nsensor.data_stamp -> own.pace [1]\n"
+                  "own.pace -> command.in [1]\n"));
+  EXPECT_EQ(find_key(file.section("sensor").keys, "clock_master")->where.line, 4);
+  EXPECT_EQ(error("[a]\nclock_master=true\npace=true\n"),
+            "f:3:1: 'clock_master' and 'pace' are two spellings of one key; leave out 'pace' "
+            "[SL0102]");
+}
+
 TEST(MusicParser, ReadsReopenedSectionsContinuedValuesAndTwoByteLineEnds) {
   const MusicFile file = read_music_file(test::data_path_of("camera.music"));
   EXPECT_EQ(file.labels(), (std::vector<std::string>{"camera one", "code"}));

@@ -130,7 +130,7 @@ TEST_F(Events, AreAProgramInAnExportedJob) {
   EXPECT_EQ(key(eye, "roi"), "1,2,3,4");
   EXPECT_EQ(key(eye, "latency"), "20 ms");
   EXPECT_EQ(key(eye, "refractory"), "1 ms");
-  // No pace tells of a camera: the command listens itself.
+  // No data_stamp tells of a camera: the command listens itself.
   EXPECT_EQ(key(job.file.section("go"), "sensor_topics"),
             "/events:event_camera_msgs/EventPacket:0.300000000");
 }

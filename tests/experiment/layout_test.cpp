@@ -49,7 +49,7 @@ class LayoutTest : public testing::Test {
     EXPECT_THAT(result.faults, testing::IsEmpty());
     return experiment::with_layout_delays(result.experiment);
   }
-  /// "scan.pace -> wheels.pace 3": every edge with its delay.
+  /// "scan.data_stamp -> wheels.data_stamp 3": every edge with its delay.
   static std::vector<std::string> texts(const Experiment& experiment) {
     std::vector<std::string> result;
     for (const experiment::Connection& edge : edges(experiment)) {
@@ -81,13 +81,14 @@ TEST_F(LayoutTest, NodesRunInTheProcessesThatAreWritten) {
 
 // No way leads back: spikes take no time, and values a tick.
 TEST_F(LayoutTest, ForwardSpikesTakeNoTimeAndValuesATick) {
-  EXPECT_THAT(texts(loop()), ElementsAre("scan.out -> encoder.in 0", "encoder.out -> decoder.in 0",
-                                         "decoder.out -> wheels.in 0", "scan.pace -> wheels.pace 1",
-                                         "scan.pace -> wheels.sensor_0 1"));
+  EXPECT_THAT(texts(loop()),
+              ElementsAre("scan.out -> encoder.in 0", "encoder.out -> decoder.in 0",
+                          "decoder.out -> wheels.in 0", "scan.data_stamp -> wheels.data_stamp 1",
+                          "scan.data_stamp -> wheels.sensor_0 1"));
   EXPECT_THAT(texts(loop("[scan, encoder], control: [", "[scan], control: [encoder, ")),
               ElementsAre("scan.out -> encoder.in 1", "encoder.out -> decoder.in 0",
-                          "decoder.out -> wheels.in 0", "scan.pace -> wheels.pace 1",
-                          "scan.pace -> wheels.sensor_0 1"));
+                          "decoder.out -> wheels.in 0", "scan.data_stamp -> wheels.data_stamp 1",
+                          "scan.data_stamp -> wheels.sensor_0 1"));
 }
 
 constexpr const char* kCycle = R"(duration: 1 s
@@ -146,10 +147,11 @@ TEST_F(LayoutTest, AJobHasASectionAProcess) {
   const MusicFile file = experiment::process_job(experiment, "", {{"about", "{}"}}).file;
   EXPECT_THAT(file.labels(), ElementsAre("vision", "control"));
   EXPECT_NO_THROW(check_structure(file));
-  EXPECT_THAT(to_text(file), testing::HasSubstr("vision.encoder__out -> control.encoder__out [3]\n"
-                                                "vision.scan__pace -> control.scan__pace [1]\n"));
-  EXPECT_EQ(key(file, "vision", "pace"), "true");
-  EXPECT_EQ(key(file, "control", "pace"), "false") << "it waits for the other one's data";
+  EXPECT_THAT(to_text(file),
+              testing::HasSubstr("vision.encoder__out -> control.encoder__out [3]\n"
+                                 "vision.scan__data_stamp -> control.scan__data_stamp [1]\n"));
+  EXPECT_EQ(key(file, "vision", "clock_master"), "true");
+  EXPECT_EQ(key(file, "control", "clock_master"), "false") << "it waits for the other one's data";
   EXPECT_EQ(key(file, "vision", "about"), "{}");
   EXPECT_EQ(key(file, "control", "about"), "{}") << "a replay is told to all";
   EXPECT_EQ(key(file, "control", "spike_delay"), "none");
@@ -170,8 +172,8 @@ TEST_F(LayoutTest, SeparateIsAProcessANode) {
   const Experiment experiment = experiment::with_layout_delays(result.experiment);
   EXPECT_THAT(texts(experiment),
               ElementsAre("scan.out -> encoder.in 1", "encoder.out -> decoder.in 0",
-                          "decoder.out -> wheels.in 1", "scan.pace -> wheels.pace 2",
-                          "scan.pace -> wheels.sensor_0 1"));
+                          "decoder.out -> wheels.in 1", "scan.data_stamp -> wheels.data_stamp 2",
+                          "scan.data_stamp -> wheels.sensor_0 1"));
   EXPECT_EQ(key(experiment::process_job(experiment, "", {}).file, "wheels", "settings"),
             R"([["layout","separate","--layout"]])");
 }

@@ -10,6 +10,7 @@ namespace spikeloop::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 Outcome type(const std::vector<std::string>& arguments) {
   return run(launcher(arguments));
@@ -150,6 +151,32 @@ TEST(CommandLine, ADryRunPrintsTheFileAndTheCommand) {
   EXPECT_THAT(outcome.out, HasSubstr(" music " + job.folder() + "/effective.music\n"));
   EXPECT_THAT(outcome.out, HasSubstr("stoptime=3\n"));
   EXPECT_FALSE(std::filesystem::exists(job.folder()));
+}
+
+TEST(CommandLine, EarlierNamesGiveTheSameJob) {
+  const TemporaryDirectory directory;
+  const auto printed = [&](const std::string& option, const std::string& key,
+                           const std::string& port) {
+    const std::string file =
+        directory.write("x.music",
+                        "stoptime=1\n[command]\nnp=1\nbinary=ros_command_adapter\nros_topic=/out\n"
+                        "message_type=FloatArray\n" +
+                            key +
+                            "=true\n[sensor]\nnp=1\nbinary=ros_sensor_adapter\nros_topic=/in\n"
+                            "message_type=FloatArray\nsensor.out -> command.in [2]\n" +
+                            port);
+    const Outcome outcome = type({"run", file, "--dry-run", option});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::string connected =
+      printed("--no-data-stamp", "clock_master", "sensor.data_stamp -> command.data_stamp [1]\n");
+  EXPECT_THAT(connected, HasSubstr("\nsensor.data_stamp -> command.data_stamp [1]\n"));
+  EXPECT_THAT(connected, HasSubstr("clock_master=true\n"));
+  EXPECT_EQ(printed("--no-pace", "pace", "sensor.pace -> command.pace [1]\n"), connected);
+  const std::string unconnected = printed("--no-data-stamp", "clock_master", "");
+  EXPECT_THAT(unconnected, Not(HasSubstr("data_stamp")));
+  EXPECT_EQ(printed("--no-pace", "pace", ""), unconnected);
 }
 
 }  // namespace

@@ -71,25 +71,25 @@ TEST(EffectiveFile, PutsReceiversBeforeTheirSenders) {
               ElementsAre("command", "decoder", "brain", "encoder", "connect", "sensor"));
 }
 
-TEST(EffectiveFile, ConnectsSensorAndCommandByAPaceConnection) {
+TEST(EffectiveFile, ConnectsSensorAndCommandByADataStampConnection) {
   const MusicFile file = effective(kLoop);
   EXPECT_THAT(connections_into(file, "command"),
-              ElementsAre("decoder.out -> command.in", "sensor.pace -> command.pace"));
+              ElementsAre("decoder.out -> command.in", "sensor.data_stamp -> command.data_stamp"));
   EXPECT_EQ(file.connections.back().width, 1u);
 }
 
-TEST(EffectiveFile, AddsNoPaceConnectionWhenThereIsOneOrNoneIsWanted) {
-  const std::string own = std::string(kLoop) + "sensor.beat -> command.pace [1]\n";
+TEST(EffectiveFile, AddsNoDataStampConnectionWhenThereIsOneOrNoneIsWanted) {
+  const std::string own = std::string(kLoop) + "sensor.beat -> command.data_stamp [1]\n";
   EXPECT_THAT(connections_into(effective(own), "command"),
-              ElementsAre("decoder.out -> command.in", "sensor.beat -> command.pace"));
+              ElementsAre("decoder.out -> command.in", "sensor.beat -> command.data_stamp"));
   RunOptions options;
-  options.pace = false;
+  options.data_stamp = false;
   const MusicFile without = effective(kLoop, options);
   EXPECT_THAT(connections_into(without, "command"), ElementsAre("decoder.out -> command.in"));
   EXPECT_EQ(value(without, "command", "pipeline_ticks"), "-");
 }
 
-TEST(EffectiveFile, AddsNoPaceConnectionWhereNoDataFlow) {
+TEST(EffectiveFile, AddsNoDataStampConnectionWhereNoDataFlow) {
   const MusicFile file = effective(R"(
 [sensor]
 np=1
@@ -110,7 +110,7 @@ source.out -> command.in [2]
   EXPECT_EQ(value(file, "command", "pipeline_ticks"), "-");
 }
 
-TEST(EffectiveFile, PaceConnectionComesFromTheFirstSensorThatReachesTheCommand) {
+TEST(EffectiveFile, DataStampConnectionComesFromTheFirstSensorThatReachesTheCommand) {
   const std::string file = R"(
 [a]
 np=1
@@ -128,12 +128,12 @@ a.out -> sink.in [1]
 b.out -> command.in [1]
 )";
   EXPECT_THAT(connections_into(effective(file), "command"),
-              ElementsAre("b.out -> command.in", "b.pace -> command.pace"));
+              ElementsAre("b.out -> command.in", "b.data_stamp -> command.data_stamp"));
 }
 
 // MUSIC.md 2.1: a continuous hop shows the sender's value of the same time, a relay can only send
 // it on one tick later. Continuous: sensor-connect, connect-encoder, decoder-command: 3 - 1.
-TEST(EffectiveFile, CountsTheTicksThatDataNeedBesideThePaceConnection) {
+TEST(EffectiveFile, CountsTheTicksThatDataNeedBesideTheDataStampConnection) {
   EXPECT_EQ(value(effective(kLoop), "command", "pipeline_ticks"), "2");
   // An acceptable latency of two ticks is used: spikes arrive two ticks later.
   EXPECT_EQ(value(effective(with("decoder", "accept_latency=0.002")), "command", "pipeline_ticks"),
@@ -146,7 +146,7 @@ TEST(EffectiveFile, CountsTheTicksThatDataNeedBesideThePaceConnection) {
             "9");
 }
 
-// Beside five connections MUSIC serves the pace in batches of six ticks; two more are grace. The
+// Beside five connections MUSIC serves data_stamp in batches of six ticks; two more are grace. The
 // command adapter's own choice, 0.1 s or three ticks, is enough for short ticks.
 TEST(EffectiveFile, AWatchdogWaitsForTheNextBatch) {
   const auto watchdog = [](const std::string& globals) {
@@ -157,9 +157,9 @@ TEST(EffectiveFile, AWatchdogWaitsForTheNextBatch) {
   EXPECT_EQ(watchdog("music_timestep=0.001\n"), "-");
   EXPECT_EQ(watchdog("music_timestep=0.001\nrtf=slow\n"), "-");
   EXPECT_EQ(watchdog("music_timestep=0.05\nwatchdog=0.2\n"), "0.2");
-  RunOptions no_pace;
-  no_pace.pace = false;
-  EXPECT_EQ(value(effective("music_timestep=0.05\n" + std::string(kLoop), no_pace), "command",
+  RunOptions without;
+  without.data_stamp = false;
+  EXPECT_EQ(value(effective("music_timestep=0.05\n" + std::string(kLoop), without), "command",
                   "watchdog"),
             "-");
 }
@@ -200,23 +200,24 @@ sensor.out -> command.in [2]
 }
 
 TEST(EffectiveFile, OneProcessWaitsForTheClock) {
-  EXPECT_EQ(value(effective(kLoop), "sensor", "pace"), "true");
-  EXPECT_EQ(value(effective(kLoop), "encoder", "pace"), "-");
+  EXPECT_EQ(value(effective(kLoop), "sensor", "clock_master"), "true");
+  EXPECT_EQ(value(effective(kLoop), "encoder", "clock_master"), "-");
   const std::string two =
       std::string(kLoop) + "[camera]\nnp=1\nbinary=ros_sensor_adapter\ncamera.out -> brain.light\n";
-  EXPECT_EQ(value(effective(two), "sensor", "pace"), "true");
-  EXPECT_EQ(value(effective(two), "camera", "pace"), "false");
+  EXPECT_EQ(value(effective(two), "sensor", "clock_master"), "true");
+  EXPECT_EQ(value(effective(two), "camera", "clock_master"), "false");
 }
 
 TEST(EffectiveFile, WhoIsWrittenToWaitWaits) {
-  const std::string encoder = with("encoder", "pace=true");
-  EXPECT_EQ(value(effective(encoder), "sensor", "pace"), "false");
-  EXPECT_EQ(value(effective(encoder), "encoder", "pace"), "true");
-  const std::string two = with("sensor", "pace=false") +
+  const std::string encoder = with("encoder", "clock_master=true");
+  EXPECT_EQ(value(effective(encoder), "sensor", "clock_master"), "false");
+  EXPECT_EQ(value(effective(encoder), "encoder", "clock_master"), "true");
+  const std::string two = with("sensor", "clock_master=false") +
                           "[camera]\nnp=1\nbinary=ros_sensor_adapter\ncamera.out -> brain.light\n";
-  EXPECT_EQ(value(effective(two), "sensor", "pace"), "false");
-  EXPECT_EQ(value(effective(two), "camera", "pace"), "true");
-  EXPECT_EQ(value(effective(std::string("pace=false") + kLoop), "sensor", "pace"), "false");
+  EXPECT_EQ(value(effective(two), "sensor", "clock_master"), "false");
+  EXPECT_EQ(value(effective(two), "camera", "clock_master"), "true");
+  EXPECT_EQ(value(effective(std::string("clock_master=false") + kLoop), "sensor", "clock_master"),
+            "false");
 }
 
 TEST(EffectiveFile, WithoutASourceTheProgramFurthestUpstreamWaits) {
@@ -237,9 +238,9 @@ player.out -> encoder.in [2]
 encoder.out -> decoder.in [2]
 decoder.out -> plot.in [2]
 )";
-  EXPECT_EQ(value(effective(text), "encoder", "pace"), "true");
-  EXPECT_EQ(value(effective(text), "decoder", "pace"), "-");
-  EXPECT_EQ(value(effective("pace=false\n" + text), "encoder", "pace"), "false");
+  EXPECT_EQ(value(effective(text), "encoder", "clock_master"), "true");
+  EXPECT_EQ(value(effective(text), "decoder", "clock_master"), "-");
+  EXPECT_EQ(value(effective("clock_master=false\n" + text), "encoder", "clock_master"), "false");
 }
 
 // MUSIC.md 6: NEST blocks a channel for ever when a spike lies within 1 us of the tick's begin.
@@ -413,7 +414,7 @@ TEST(Programs, ANodeOfAnUnknownClassIsOurs) {
   const MusicFile run = effective(text, options);
   EXPECT_EQ(value(run, "a", "record"), "true");
   EXPECT_EQ(value(run, "a", "stamp_guard"), "false");
-  EXPECT_EQ(value(run, "a", "pace"), "true");
+  EXPECT_EQ(value(run, "a", "clock_master"), "true");
   const MusicFile foreign = effective(
       "[a]\nnp=1\nbinary=spikeloop-node\nnode=mine\n[b]\nnp=1\nbinary=x\na.out -> b.in [1]\n");
   EXPECT_EQ(value(foreign, "a", "stamp_guard"), "-");
@@ -431,7 +432,7 @@ TEST(Programs, TellWhetherAConnectionIsContinuous) {
   EXPECT_THAT(continuous, ElementsAre(true, true, false, false, true, true, false));
 }
 
-TEST(EffectiveFile, AddsNoPaceConnectionFromASourceWithoutThePort) {
+TEST(EffectiveFile, AddsNoDataStampConnectionFromASourceWithoutThePort) {
   const auto made = make_effective(
       parse_music("[a]\nnp=1\nbinary=zmq_cont_adapter\n[b]\nnp=1\nbinary=ros_command_adapter\n"
                   "a.out -> b.in [2]\n",

@@ -13,7 +13,7 @@ using nlohmann::json;
 class State : public testing::Test {
  protected:
   MusicFile file_ = parse_music(
-      "stoptime=10\n[a]\nnp=1\nbinary=rate_encoder\npace=true\n[b]\nnp=1\nbinary=brain.py\n"
+      "stoptime=10\n[a]\nnp=1\nbinary=rate_encoder\nclock_master=true\n[b]\nnp=1\nbinary=brain.py\n"
       "[c]\nnp=1\nbinary=linear_readout_decoder\na.out -> b.in\nb.out -> c.in\n",
       "job.music");
   JobState state_{file_};

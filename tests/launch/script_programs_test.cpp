@@ -54,7 +54,7 @@ TEST(Programs, AScriptThatImportsOurPackageIsOurs) {
         with_brain(fmt::format("#!/usr/bin/python3\n\"\"\"Text\"\"\"\n{}\n", import));
     EXPECT_EQ(value(file, "brain", "record"), "true") << import;
     EXPECT_EQ(value(file, "encoder", "stamp_guard"), "false") << import;
-    EXPECT_EQ(value(file, "brain", "pace"), "-") << import;
+    EXPECT_EQ(value(file, "brain", "clock_master"), "-") << import;
   }
 }
 

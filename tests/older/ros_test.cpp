@@ -198,7 +198,7 @@ class OlderRosExample : public testing::Test {
     const auto begin = driving->time_ns + 500'000'000;
     std::erase_if(twists, [&](const auto& twist) { return twist.time_ns < begin; });
     ASSERT_FALSE(twists.empty());
-    // MUSIC serves the pace in batches of 0.3 s, and the robot must not stop between them. A busy
+    // MUSIC serves data_stamp in batches of 0.3 s, and the robot must not stop between them. A busy
     // machine may cause some stops.
     const auto batches = (twists.back().time_ns - begin) / 300'000'000;
     const auto stops = std::ranges::count_if(
@@ -241,7 +241,7 @@ TEST_F(OlderRosExample, VehicleOfRosMusicAdaptersDrives) {
   expect_commands(0.004, 0.006);
 }
 
-// As its users start it. Without the launcher there is no pace connection beside the data.
+// As its users start it. Without the launcher there is no data_stamp connection beside the data.
 TEST_F(OlderRosExample, VehicleDrivesUnderMusicsOwnLauncher) {
   write_vehicle("[[0.002, 0.002], [-0.004, 0.004]]", 2);
   publish_scans();

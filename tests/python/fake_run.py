@@ -121,7 +121,7 @@ def make(folder, duration_s=60.0, neurons=20, seed=3):
     with recording(folder / "sensor.h5", "sensor") as file:
         normalised = (scans - 0.05) / 4.95 * 2 - 1
         add_signal(file, "out", rows[:, 0] + TICK_S, normalised, "1", duration_s)
-        add_signal(file, "pace", rows[:, 0] + TICK_S, rows[:, :1], "s", duration_s)
+        add_signal(file, "data_stamp", rows[:, 0] + TICK_S, rows[:, :1], "s", duration_s)
     with recording(folder / "network.h5", "network") as file:
         add_spikes(file, "out", *_spikes(random, rows, commands, neurons), neurons, duration_s)
     with recording(folder / "command.h5", "command") as file:

@@ -262,10 +262,10 @@ class ExperimentTest(Folder):
     def test_sections_of_a_music_job_are_known_by_their_programs(self):
         (self.folder / "effective.music").write_text(
             "stoptime=1\n[b]\nbinary=/usr/bin/ros_command_adapter\n[a]\n"
-            "binary=ros_sensor_adapter\n\na.out -> b.in [2]\na.pace -> b.pace [1]\n")
+            "binary=ros_sensor_adapter\n\na.out -> b.in [2]\na.data_stamp -> b.data_stamp [1]\n")
         self.signal("a")
         self.signal("b", "command")
-        self.signal("b", "pace", width=1)
+        self.signal("b", "data_stamp", width=1)
         found = parts.find(RunFolder(self.folder))
         self.assertEqual([signal.label for signal in found.sensors + found.commands], ["a", "b"])
         self.assertEqual((found.signals, found.spikes), ([], []))

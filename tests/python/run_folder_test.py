@@ -98,10 +98,11 @@ class SignalTest(Folder):
         values = RunFolder(self.folder).signal("sensor").at([0.5, 1.0, 2.9, 3.0, 5.0, 5.1])
         np.testing.assert_array_equal(values[:, 0], [np.nan, 10, 10, 30, 30, np.nan])
 
-    def test_the_widest_signal_beside_pace_is_meant(self):
+    def test_the_widest_signal_beside_data_stamp_is_meant(self):
         with fake_run.recording(self.folder / "sensor.h5", "sensor") as file:
             fake_run.add_signal(file, "narrow", [0.0], np.ones((1, 1)), "", 1.0)
-            fake_run.add_signal(file, "pace", [0.0], np.ones((1, 9)), "s", 1.0)
+            for measured in ("data_stamp", "pace"):
+                fake_run.add_signal(file, measured, [0.0], np.ones((1, 9)), "s", 1.0)
             fake_run.add_signal(file, "wide", [0.0], np.ones((1, 3)), "", 1.0,
                                 channels=("a", "b", "c"))
         signal = RunFolder(self.folder).signal("sensor")

@@ -124,19 +124,25 @@ TEST_F(AdapterTest, values_are_limited_and_faults_are_never_sent) {
   }
 }
 
-// Two continuous hops: data arrive two ticks after their message was taken, and so must the pace.
-TEST_F(AdapterTest, the_pace_arrives_with_the_data_it_tells_the_age_of) {
+/// The name that the port data_stamp has in the file.
+class DataStampTest : public AdapterTest, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Names, DataStampTest, testing::Values("data_stamp", "pace"));
+
+// Two continuous hops: data arrive two ticks after their message was taken, and so must data_stamp.
+TEST_P(DataStampTest, arrives_with_its_data) {
   robot_.listen_twist("/cmd_vel");
-  Command job = command(
-      3, fmt::format("music_timestep=0.002\nstoptime=100\n"
-                     "[command]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{3}\n"
-                     "record=true\npipeline_ticks=1\n"
-                     "[halves]\nbinary={1}\nnp=1\nweights_filename={4}/sum.json\n"
-                     "[sensor]\nbinary={2}\nnp=1\nros_topic=/in\nmessage_type=FloatArray\n"
-                     "sensor.out -> halves.in [4]\nhalves.out -> command.in [2]\n"
-                     "sensor.pace -> command.pace [1]\n",
-                     binary("ros_command_adapter"), binary("connect_adapter"),
-                     binary("ros_sensor_adapter"), twist_keys(), directory_.path().string()));
+  Command job =
+      command(3, fmt::format("music_timestep=0.002\nstoptime=100\n"
+                             "[command]\nbinary={0}\nnp=1\nros_topic=/cmd_vel\n{3}\n"
+                             "record=true\npipeline_ticks=1\n"
+                             "[halves]\nbinary={1}\nnp=1\nweights_filename={4}/sum.json\n"
+                             "[sensor]\nbinary={2}\nnp=1\nros_topic=/in\nmessage_type=FloatArray\n"
+                             "sensor.out -> halves.in [4]\nhalves.out -> command.in [2]\n"
+                             "sensor.{5} -> command.{5} [1]\n",
+                             binary("ros_command_adapter"), binary("connect_adapter"),
+                             binary("ros_sensor_adapter"), twist_keys(), directory_.path().string(),
+                             GetParam()));
   job.environment["SPIKELOOP_OUT"] = directory_.path().string();
   child_ = std::make_unique<Child>(job);
   double value = -1;
@@ -149,13 +155,14 @@ TEST_F(AdapterTest, the_pace_arrives_with_the_data_it_tells_the_age_of) {
   finish();
   const std::string file = directory_.path().string() + "/command.h5";
   const auto data = spikeloop::record::read_signal(file, "command");
-  const auto pace = spikeloop::record::read_signal(file, "pace");
+  const auto data_stamp = spikeloop::record::read_signal(file, "data_stamp");
   EXPECT_GT(data.times.size(), 50u);
-  EXPECT_GT(pace.times.size(), 50u);
+  EXPECT_GT(data_stamp.times.size(), 50u);
   // The programs end one after another: what is on its way then may come from one of them alone.
-  const auto [at, of_pace] = std::ranges::mismatch(data.times, pace.times);
-  EXPECT_TRUE(at == data.times.end() || of_pace == pace.times.end())
-      << "message " << at - data.times.begin() << " came at " << *at << ", its age at " << *of_pace;
+  const auto [at, of_data_stamp] = std::ranges::mismatch(data.times, data_stamp.times);
+  EXPECT_TRUE(at == data.times.end() || of_data_stamp == data_stamp.times.end())
+      << "message " << at - data.times.begin() << " came at " << *at << ", its age at "
+      << *of_data_stamp;
 }
 
 // A decoder gives 0 before the first spike; a mapping's offset would make a command of it.
@@ -172,7 +179,7 @@ TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
                      "[sensor]\nbinary={0}/ros_sensor_adapter\nnp=1\nros_topic=/scan\n"
                      "message_type=Laserscan\n"
                      "sensor.out -> encoder.in [1]\nencoder.out -> decoder.in [1]\n"
-                     "decoder.out -> command.in [1]\nsensor.pace -> command.pace [1]\n",
+                     "decoder.out -> command.in [1]\nsensor.data_stamp -> command.data_stamp [1]\n",
                      SPIKELOOP_BIN)));
   ASSERT_TRUE(eventually(60, [&] { return robot_.publishers("/cmd_vel") == 1; }));
   std::this_thread::sleep_for(std::chrono::milliseconds(3500));

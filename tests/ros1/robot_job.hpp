@@ -32,7 +32,7 @@ class RobotJob : public testing::Test {
     return std::string(SPIKELOOP_BIN) + "/" + name;
   }
 
-  /// scan [4] -> connect -> twist [2], with the pace beside it.
+  /// scan [4] -> connect -> twist [2], with data_stamp beside it.
   std::string scan_to_twist(const std::string& global, const std::string& command_keys = "") {
     return fmt::format(
         "music_timestep=0.002\n{0}\n"
@@ -41,7 +41,7 @@ class RobotJob : public testing::Test {
         "[halves]\nbinary={2}\nnp=1\nweights_filename={4}/sum.json\n"
         "[sensor]\nbinary={3}\nnp=1\nros_topic=/scan\nmessage_type=Laserscan\n"
         "sensor.out -> halves.in [4]\nhalves.out -> command.in [2]\n"
-        "sensor.pace -> command.pace [1]\n",
+        "sensor.data_stamp -> command.data_stamp [1]\n",
         global, binary("ros_command_adapter"), binary("connect_adapter"),
         binary("ros_sensor_adapter"), directory_.path().string(), command_keys);
   }

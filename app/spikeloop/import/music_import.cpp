@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPace = "pace";
+constexpr const char* kDataStamp = "data_stamp";
 
 /// Letters, digits and '_'.
 std::string name_of_node(const std::string& label) {
@@ -117,8 +117,8 @@ class Importer {
     text += fmt::format("seed: {}\n", common("seed", "1"));
     const bool unpaced = common("sync", "realtime") == "unpaced";
     text += fmt::format("sync: {}\n", unpaced ? "unpaced" : "realtime");
-    // Only the program that paces heeds it; the launcher makes the first source do so.
-    if (const MusicKey* rtf = pacing_key("rtf"); rtf != nullptr && !unpaced) {
+    // Only the clock master heeds it; the launcher makes the first source do so.
+    if (const MusicKey* rtf = key_of_clock_master("rtf"); rtf != nullptr && !unpaced) {
       text += fmt::format("real_time_factor: {}\n", rtf->value);
     }
     if (options_.robot) {
@@ -146,10 +146,10 @@ class Importer {
     return version;
   }
 
-  const MusicKey* pacing_key(const char* name) {
+  const MusicKey* key_of_clock_master(const char* name) {
     for (const MusicSection& section : effective_.sections) {
-      const MusicKey* pace = effective_.find_key(section, kPace);
-      if (pace != nullptr && pace->value == "true") {
+      const MusicKey* master = effective_.find_key(section, "clock_master");
+      if (master != nullptr && master->value == "true") {
         return effective_.find_key(section, name);
       }
     }
@@ -266,7 +266,7 @@ class Importer {
   void write_connections() {
     result_.text += "\nconnections:\n";
     for (const MusicConnection& connection : file_.connections) {
-      if (connection.to_port == kPace && connection.from_port == kPace) {
+      if (connection.to_port == kDataStamp && connection.from_port == kDataStamp) {
         continue;  // an experiment knows how old its data are
       }
       const bool left_out = node(connection.from_app).left_out || node(connection.to_app).left_out;

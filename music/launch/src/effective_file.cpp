@@ -19,7 +19,7 @@ namespace spikeloop::launch {
 namespace {
 
 constexpr TimeNs kDefaultTick = 1'000'000;
-constexpr const char* kPacePort = "pace";
+constexpr const char* kDataStampPort = "data_stamp";
 
 /// The text a program reads back as the same number.
 std::string seconds_text(TimeNs time) {
@@ -128,9 +128,9 @@ const MusicSection* first_source_of(const MusicFile& file, const std::string& la
   return nullptr;
 }
 
-bool has_pace_connection(const MusicFile& file, const std::string& label) {
+bool has_data_stamp(const MusicFile& file, const std::string& label) {
   return std::any_of(file.connections.begin(), file.connections.end(), [&](const auto& connection) {
-    return connection.to_app == label && connection.to_port == kPacePort;
+    return connection.to_app == label && connection.to_port == kDataStampPort;
   });
 }
 
@@ -145,16 +145,16 @@ std::vector<std::string> age_measuring(const MusicFile& file) {
   return labels;
 }
 
-void add_pace_connections(MusicFile& file) {
+void add_data_stamp_connections(MusicFile& file) {
   std::vector<MusicConnection> added;
   for (const std::string& label : age_measuring(file)) {
     const MusicSection* source = first_source_of(file, label);
-    if (source != nullptr && !has_pace_connection(file, label)) {
+    if (source != nullptr && !has_data_stamp(file, label)) {
       MusicConnection connection;
       connection.from_app = source->label;
-      connection.from_port = kPacePort;
+      connection.from_port = kDataStampPort;
       connection.to_app = label;
-      connection.to_port = kPacePort;
+      connection.to_port = kDataStampPort;
       connection.width = 1;
       added.push_back(connection);
     }
@@ -162,10 +162,10 @@ void add_pace_connections(MusicFile& file) {
   file.connections.insert(file.connections.end(), added.begin(), added.end());
 }
 
-/// The data's way, without the pace connections beside it.
-MusicFile without_pace(MusicFile file) {
+/// The data's way, without the data_stamp connections beside it.
+MusicFile without_data_stamp(MusicFile file) {
   std::erase_if(file.connections,
-                [](const auto& connection) { return connection.to_port == kPacePort; });
+                [](const auto& connection) { return connection.to_port == kDataStampPort; });
   return file;
 }
 
@@ -186,9 +186,9 @@ std::int64_t spike_delay(const MusicFile& file, const MusicSection& section,
   return std::max(accepted, std::int64_t{ours ? std::llround(written) : 0});
 }
 
-/// Beside a path of n connections MUSIC serves the pace in batches: the ticks of n + 1 come in one
-/// burst, and none between the bursts. That is no silence: a watchdog of three ticks, the command
-/// adapter's own choice, would stop the robot in every pause.
+/// Beside a path of n connections MUSIC serves data_stamp in batches: the ticks of n + 1 come in
+/// one burst, and none between the bursts. That is no silence: a watchdog of three ticks, the
+/// command adapter's own choice, would stop the robot in every pause.
 void add_watchdog(MusicFile& file, const std::string& label, std::size_t connections) {
   constexpr double kOwnChoice = 0.1;
   const MusicSection& section = file.section(label);
@@ -201,10 +201,10 @@ void add_watchdog(MusicFile& file, const std::string& label, std::size_t connect
 }
 
 void add_pipeline_ticks(MusicFile& file, const Latencies& latencies) {
-  const MusicFile data = without_pace(file);
+  const MusicFile data = without_data_stamp(file);
   for (const std::string& label : age_measuring(file)) {
     const MusicSection* source = first_source_of(data, label);
-    if (source == nullptr || !has_pace_connection(file, label)) {
+    if (source == nullptr || !has_data_stamp(file, label)) {
       continue;
     }
     const auto path = data_path(data, source->label, label, continuity(data));
@@ -242,9 +242,9 @@ std::vector<std::string> furthest_upstream_first(const MusicFile& file) {
   return labels;
 }
 
-void choose_pacer(MusicFile& file) {
+void choose_clock_master(MusicFile& file) {
   const auto written = [&file](const std::string& label) {
-    return file.find_key(file.section(label), "pace");
+    return file.find_key(file.section(label), "clock_master");
   };
   bool chosen = false;
   for (const std::string& label : file.labels()) {
@@ -254,7 +254,7 @@ void choose_pacer(MusicFile& file) {
   const auto candidates = sources(file);
   for (const std::string& label : candidates.empty() ? furthest_upstream_first(file) : candidates) {
     if (written(label) == nullptr && (!chosen || !candidates.empty())) {
-      set_key(file.section(label).keys, "pace", chosen ? "false" : "true");
+      set_key(file.section(label).keys, "clock_master", chosen ? "false" : "true");
       chosen = true;
     }
   }
@@ -352,10 +352,10 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   apply_options(file, options);
   set_node_names(file);
   set_stoptimes(file);
-  if (options.pace) {
-    add_pace_connections(file);
+  if (options.data_stamp) {
+    add_data_stamp_connections(file);
   }
-  choose_pacer(file);
+  choose_clock_master(file);
   set_stamp_guards(file);
   const Latencies latencies = choose_latencies(file);
   set_latencies(file, latencies);

@@ -38,10 +38,10 @@ json object_of(const json& message, const char* key) {
   return found != message.end() && found->is_object() ? *found : json::object();
 }
 
-std::string label_that_paces(const MusicFile& file) {
+std::string clock_master_of(const MusicFile& file) {
   for (const MusicSection& section : file.sections) {
-    const MusicKey* pace = file.find_key(section, "pace");
-    if (find_program(file, section) != nullptr && pace != nullptr && pace->value == "true") {
+    const MusicKey* key = file.find_key(section, "clock_master");
+    if (find_program(file, section) != nullptr && key != nullptr && key->value == "true") {
       return section.label;
     }
   }
@@ -55,7 +55,7 @@ std::string killed_text(std::string_view who, int signal) {
 }
 
 JobState::JobState(const MusicFile& file, bool all_here)
-    : file_(file), pacer_(label_that_paces(file)) {
+    : file_(file), clock_master_(clock_master_of(file)) {
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
     process.program = what_runs(file, section);
@@ -98,7 +98,7 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.counters = object_of(message, "counters");
     process.summary = object_of(message, "summary");
     // The last message of progress may be lost, a report is not.
-    if (!process.program.empty() && (label == pacer_ || !pacer_heard_)) {
+    if (!process.program.empty() && (label == clock_master_ || !clock_master_heard_)) {
       progress_.simulated_s = std::max(progress_.simulated_s, process.simulated_s);
     }
   } else if (type == "failure" && !failure_) {
@@ -133,11 +133,11 @@ void JobState::take_time(Process& process, const json& message, Clock::time_poin
 }
 
 bool JobState::take_progress(const std::string& label, const json& message) {
-  const bool by_pacer = label == pacer_;
-  if (processes_[label].program.empty() || (pacer_heard_ && !by_pacer)) {
+  const bool by_clock_master = label == clock_master_;
+  if (processes_[label].program.empty() || (clock_master_heard_ && !by_clock_master)) {
     return false;
   }
-  pacer_heard_ = pacer_heard_ || by_pacer;
+  clock_master_heard_ = clock_master_heard_ || by_clock_master;
   progress_.simulated_s = value_of(message, "simulated_s", progress_.simulated_s);
   progress_.wall_s = value_of(message, "wall_s", progress_.wall_s);
   progress_.overruns = value_of(message, "overruns", progress_.overruns);

@@ -116,11 +116,11 @@ class JobState {
   std::string last_line(const std::string& label) const;
 
   const MusicFile& file_;
-  std::string pacer_;  ///< label of the process that waits for the clock; empty: unknown
+  std::string clock_master_;  ///< label of the process that waits for the clock; empty: unknown
   std::vector<std::string> order_;
   std::map<std::string, Process> processes_;
   Progress progress_;
-  bool pacer_heard_ = false;
+  bool clock_master_heard_ = false;
   std::optional<Failure> failure_;
   std::string music_error_;
   std::string last_line_of_mpirun_;

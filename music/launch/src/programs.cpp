@@ -21,7 +21,7 @@ constexpr auto kEvents = PortKind::spikes;
 
 constexpr ExternalAddress kTopic{"ros_topic"};
 
-/// The port `pace` of the ROS adapters is continuous, like their others.
+/// The port `data_stamp` of the ROS adapters is continuous, like their others.
 constexpr std::array kPrograms{
     Program{.name = "ros_sensor_adapter",
             .output = kContinuous,
@@ -29,7 +29,7 @@ constexpr std::array kPrograms{
             .ros = true,
             .tells_age = true,
             .external = kTopic},
-    // No `pace`: a camera that sees nothing new sends nothing, so silence is no age.
+    // No `data_stamp`: a camera that sees nothing new sends nothing, so silence is no age.
     Program{.name = "ros_event_sensor_adapter",
             .output = kEvents,
             .source = true,

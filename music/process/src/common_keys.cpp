@@ -82,9 +82,10 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
           "Defaults of ros_music_adapter (rma) or music-adapters (ma); auto: those of the family "
           "of the job's programs"),
       boolean("strict", false, "Treat warnings as errors"),
-      boolean("pace", defaults.pace, "Wait for the wall clock; true in one program of a job"),
-      number("rtf", "1", "1.0", 1e-6, "Real-time factor; used if pace=true"),
-      choice("sync", {"realtime", "unpaced"}, "Clock of the program with pace=true"),
+      boolean("clock_master", defaults.clock_master,
+              "Wait for the wall clock; true in one program of a job"),
+      number("rtf", "1", "1.0", 1e-6, "Real-time factor; used if clock_master=true"),
+      choice("sync", {"realtime", "unpaced"}, "Clock of the program with clock_master=true"),
       boolean("stamp_guard", true,
               "Move output spikes to at least 1 us after the start of their tick; NEST blocks a "
               "channel forever after an earlier spike"),
@@ -138,7 +139,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   keys.barrier = parameters.boolean("barrier");
   keys.seed = static_cast<std::uint64_t>(parameters.integer("seed"));
   keys.strict = parameters.boolean("strict");
-  keys.pace = parameters.boolean("pace");
+  keys.clock_master = parameters.boolean("clock_master");
   keys.rtf = parameters.number("rtf");
   keys.unpaced = parameters.text("sync") == "unpaced";
   keys.stamp_guard = parameters.boolean("stamp_guard");

@@ -18,14 +18,14 @@ namespace {
 using nlohmann::json;
 using status::Phase;
 
-// Tells the launcher how far we are: often from the process that paces, else once a second.
+// Tells the launcher how far we are: often from the clock master, else once a second.
 class Progress {
  public:
   using Report = std::function<Pacer::Report()>;
-  Progress(const status::Sender& sender, Report pace, bool pacing)
+  Progress(const status::Sender& sender, Report report, bool clock_master)
       : sender_(sender),
-        pace_(std::move(pace)),
-        period_(pacing ? kNsPerSecond / 4 : kNsPerSecond) {}
+        report_(std::move(report)),
+        period_(clock_master ? kNsPerSecond / 4 : kNsPerSecond) {}
 
   void at(TimeNs time) {
     if (first_) {
@@ -41,13 +41,13 @@ class Progress {
 
   // The run's length is what the last word says.
   void tell(TimeNs time) const {
-    const auto report = pace_();
+    const auto report = report_();
     sender_.progress(time, report.wall_time, report.overruns);
   }
 
  private:
   const status::Sender& sender_;
-  Report pace_;
+  Report report_;
   TimeNs period_;
   TimeNs next_ = 0;
   bool first_ = true;
@@ -73,13 +73,13 @@ std::vector<Counter> summed_counters(const std::vector<const Graph*>& graphs,
 }
 
 json final_counters(const std::vector<const Graph*>& graphs, const std::vector<Counter>& counted,
-                    const Pacer::Report& pace, bool pacing) {
+                    const Pacer::Report& clock, bool clock_master) {
   json counters = json::object();
-  counters["ticks"] = pace.ticks;
-  counters["wall_ns"] = pace.wall_time;
-  if (pacing) {
-    counters["overruns"] = pace.overruns;
-    counters["worst_lateness_ns"] = pace.worst_lateness;
+  counters["ticks"] = clock.ticks;
+  counters["wall_ns"] = clock.wall_time;
+  if (clock_master) {
+    counters["overruns"] = clock.overruns;
+    counters["worst_lateness_ns"] = clock.worst_lateness;
   }
   for (const auto& counter : counted) {
     counters[counter.name] = counter.value;
@@ -107,8 +107,8 @@ bool first_says(const Ranks& ranks, bool here) {
 }
 
 std::unique_ptr<Pacer> make_pacer(const CommonKeys& keys) {
-  return keys.pace && !keys.unpaced ? make_realtime_pacer(keys.rtf, keys.music_timestep)
-                                    : make_unpaced_pacer();
+  return keys.clock_master && !keys.unpaced ? make_realtime_pacer(keys.rtf, keys.music_timestep)
+                                            : make_unpaced_pacer();
 }
 
 }  // namespace
@@ -133,9 +133,11 @@ struct Process::Loop::State {
         hooks(std::move(given)),
         pacer(of.ranks.rank == 0 ? make_pacer(its_keys) : make_unpaced_pacer()),
         progress(
-            *of.status, [this] { return pace(); }, its_keys.pace) {}
+            *of.status, [this] { return clock_report(); }, its_keys.clock_master) {}
 
-  Pacer::Report pace() const { return hooks.pace ? hooks.pace() : pacer->report(); }
+  Pacer::Report clock_report() const {
+    return hooks.clock_report ? hooks.clock_report() : pacer->report();
+  }
 
   void meet() {
     process.heartbeat->enter(Phase::meeting);
@@ -152,12 +154,12 @@ struct Process::Loop::State {
     process.running = true;
   }
 
-  void report(const Pacer::Report& its_pace) const {
+  void report(const Pacer::Report& clock) const {
     process.status->report(
         hooks.counters
             ? hooks.counters()
-            : final_counters(graphs, summed_counters(graphs, process.label, process.ranks),
-                             its_pace, keys.pace),
+            : final_counters(graphs, summed_counters(graphs, process.label, process.ranks), clock,
+                             keys.clock_master),
         hooks.summary ? hooks.summary() : json::object(), time);
   }
 };
@@ -207,7 +209,7 @@ void Process::Loop::exchange() {
   }
   own.process.heartbeat->at(own.time);
   own.progress.at(own.time);
-  if (own.hooks.pace) {
+  if (own.hooks.clock_report) {
     own.process.heartbeat->enter(Phase::computing);
   }
 }
@@ -215,7 +217,7 @@ void Process::Loop::exchange() {
 void Process::Loop::finish() {
   State& own = *state_;
   own.process.heartbeat->enter(Phase::finalizing);
-  const auto pace = own.pace();  // now: files may take their time
+  const auto clock = own.clock_report();  // now: files may take their time
   own.progress.tell(own.time);
   if (own.hooks.after_loop) {
     own.hooks.after_loop();
@@ -223,7 +225,7 @@ void Process::Loop::finish() {
   if (own.process.recording) {
     own.process.recording->close();  // now, because finalize() waits for the slowest sender
   }
-  own.report(pace);
+  own.report(clock);
   if (own.runtime != nullptr) {
     own.runtime->finalize();
     delete own.runtime;

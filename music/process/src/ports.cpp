@@ -27,11 +27,11 @@ class ContBuffer {
 
 class SignalSource : public Source {
  public:
-  SignalSource(MUSIC::Setup& setup, const EndpointPort& port, TimeNs delay)
+  SignalSource(MUSIC::Setup& setup, const std::string& name, const EndpointPort& port, TimeNs delay)
       : port_(port), buffer_(port.width), block_(port.width) {
     constexpr bool kInterpolate = false;  // whole ticks: exact
-    setup.publishContInput(port.name)->map(&buffer_.data, music_seconds(delay), kMaxBuffered,
-                                           kInterpolate);
+    setup.publishContInput(name)->map(&buffer_.data, music_seconds(delay), kMaxBuffered,
+                                      kInterpolate);
   }
   std::vector<EndpointPort> ports() const override { return {port_}; }
 
@@ -85,11 +85,12 @@ class SpikeSource : public Source, private MUSIC::EventHandlerGlobalIndex {
 
 class SignalSink : public Sink {
  public:
-  SignalSink(MUSIC::Setup& setup, const EndpointPort& port, const Ranks& ranks)
+  SignalSink(MUSIC::Setup& setup, const std::string& name, const EndpointPort& port,
+             const Ranks& ranks)
       : port_(port),
         first_(ranks.share().begin(port.width)),
         buffer_(ranks.share().count(port.width), first_) {
-    setup.publishContOutput(port.name)->map(&buffer_.data, kMaxBuffered);
+    setup.publishContOutput(name)->map(&buffer_.data, kMaxBuffered);
   }
   std::vector<EndpointPort> ports() const override { return {port_}; }
 
@@ -152,17 +153,17 @@ class SpikeSink : public Sink {
 
 }  // namespace
 
-std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port,
-                                           TimeNs delay) {
-  return std::make_unique<SignalSource>(setup, port, delay);
+std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const std::string& name,
+                                           const EndpointPort& port, TimeNs delay) {
+  return std::make_unique<SignalSource>(setup, name, port, delay);
 }
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
                                           TimeNs accept_latency, TimeNs delay) {
   return std::make_unique<SpikeSource>(setup, port, accept_latency, delay);
 }
-std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port,
-                                       const Ranks& ranks) {
-  return std::make_unique<SignalSink>(setup, port, ranks);
+std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const std::string& name,
+                                       const EndpointPort& port, const Ranks& ranks) {
+  return std::make_unique<SignalSink>(setup, name, port, ranks);
 }
 std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
                                       bool stamp_guard, const Ranks& ranks) {

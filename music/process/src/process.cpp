@@ -10,6 +10,7 @@
 
 #include "gathering.hpp"
 #include "process_impl.hpp"
+#include "spikeloop/config/older_programs.hpp"
 #include "spikeloop/config/weight_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/connection_faults.hpp"
@@ -132,7 +133,12 @@ WrittenValues Process::written(const std::vector<std::string>& names) const {
   WrittenValues values;
   for (const auto& name : names) {
     impl_->asked.insert(name);
-    if (auto text = impl_->key_text(name)) {
+    auto text = impl_->key_text(name);
+    if (const char* earlier = earlier_key(name); earlier != nullptr && !text) {
+      impl_->asked.insert(earlier);
+      text = impl_->key_text(earlier);
+    }
+    if (text) {
       values[name] = {std::move(*text), impl_->file.where(impl_->label, name)};
     }
   }
@@ -179,8 +185,9 @@ std::unique_ptr<Source> Process::signal_input(const std::string& port,
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::signal, width};
   const TimeNs delay = delay_ticks.value_or(common().signal_delay) * common().music_timestep;
-  return impl_->without_setup ? make_idle_source(end)
-                              : make_signal_source(impl_->open_setup(), end, delay);
+  return impl_->without_setup
+             ? make_idle_source(end)
+             : make_signal_source(impl_->open_setup(), impl_->name_in_file(port), end, delay);
 }
 
 std::unique_ptr<Source> Process::spike_input(const std::string& port) {
@@ -196,8 +203,9 @@ std::unique_ptr<Sink> Process::signal_output(const std::string& port) {
   const auto width = impl_->checked_width(port, Direction::output);
   impl_->served.insert(port);
   const EndpointPort end{port, PortKind::signal, width};
-  return impl_->without_setup ? make_idle_sink(end)
-                              : make_signal_sink(impl_->open_setup(), end, impl_->ranks);
+  return impl_->without_setup
+             ? make_idle_sink(end)
+             : make_signal_sink(impl_->open_setup(), impl_->name_in_file(port), end, impl_->ranks);
 }
 
 std::unique_ptr<Sink> Process::spike_output(const std::string& port) {
@@ -269,7 +277,15 @@ std::optional<std::string> Process::Impl::key_text(const std::string& name) cons
 }
 
 bool Process::Impl::is_connected(const std::string& port) {
-  return without_setup ? file.port(label, port).has_value() : probe(port).isConnected();
+  return without_setup ? file.port(label, port).has_value()
+                       : probe(name_in_file(port)).isConnected();
+}
+
+std::string Process::Impl::name_in_file(const std::string& port) {
+  const char* earlier = earlier_port(program, port);
+  const bool as_before =
+      earlier != nullptr && !probe(port).isConnected() && probe(earlier).isConnected();
+  return as_before ? earlier : port;
 }
 
 std::optional<int> Process::Impl::connection_width(const std::string& port) {
@@ -278,7 +294,8 @@ std::optional<int> Process::Impl::connection_width(const std::string& port) {
     const auto width = use ? use->connection->width : std::nullopt;
     return width ? std::optional(static_cast<int>(*width)) : std::nullopt;
   }
-  return probe(port).hasWidth() ? std::optional(probe(port).width()) : std::nullopt;
+  MUSIC::Port& port_in_file = probe(name_in_file(port));
+  return port_in_file.hasWidth() ? std::optional(port_in_file.width()) : std::nullopt;
 }
 
 void Process::Impl::check_processes() const {

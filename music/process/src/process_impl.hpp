@@ -58,6 +58,8 @@ struct Process::Impl {
   /// What the section's program is told of a key; nothing when it is not written.
   std::optional<std::string> key_text(const std::string& name) const;
   bool is_connected(const std::string& port);
+  /// The file that MUSIC reads may have the port's earlier name.
+  std::string name_in_file(const std::string& port);
   /// That the file gives a connected port; nothing when it gives none.
   std::optional<int> connection_width(const std::string& port);
 
@@ -84,13 +86,13 @@ struct Process::Impl {
   std::string example(const std::string& port, Direction direction, const char* width) const;
 };
 
-/// Endpoints; ports.cpp.
-std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const EndpointPort& port,
-                                           TimeNs delay);
+/// Endpoints; ports.cpp. `name` is a signal's port in the file.
+std::unique_ptr<Source> make_signal_source(MUSIC::Setup& setup, const std::string& name,
+                                           const EndpointPort& port, TimeNs delay);
 std::unique_ptr<Source> make_spike_source(MUSIC::Setup& setup, const EndpointPort& port,
                                           TimeNs accept_latency, TimeNs delay);
-std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const EndpointPort& port,
-                                       const Ranks& ranks);
+std::unique_ptr<Sink> make_signal_sink(MUSIC::Setup& setup, const std::string& name,
+                                       const EndpointPort& port, const Ranks& ranks);
 std::unique_ptr<Sink> make_spike_sink(MUSIC::Setup& setup, const EndpointPort& port,
                                       bool stamp_guard, const Ranks& ranks);
 

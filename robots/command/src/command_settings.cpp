@@ -18,7 +18,7 @@ ChannelSettings channel_settings(const CommandSettings& settings) {
 
 FeedSettings feed_settings(const CommandSettings& settings) {
   return {.width = settings.width,
-          .with_pace = settings.with_pace,
+          .with_data_stamp = settings.with_data_stamp,
           .simulated = settings.clock != CommandClock::wall,
           .max_age = settings.max_age,
           .sensors = settings.sensors,
@@ -27,7 +27,8 @@ FeedSettings feed_settings(const CommandSettings& settings) {
 }
 
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
-                                 double command_rate, const LoopClock& clock, bool with_pace) {
+                                 double command_rate, const LoopClock& clock,
+                                 bool with_data_stamp) {
   const auto wall = [&](double simulated_s) {
     return from_seconds(simulated_s / clock.real_time_factor);
   };
@@ -47,13 +48,13 @@ CommandSettings command_settings(const Parameters& keys, const ComponentMap& map
                                              : std::max(3 * tick, kLeastWatchdog);
   settings.max_age = from_seconds(keys.number("max_age"));
   settings.width = static_cast<std::uint32_t>(map.size());
-  settings.with_pace = with_pace;
+  settings.with_data_stamp = with_data_stamp;
   settings.bounds = map.bounds();
   return settings;
 }
 
 CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
-                                   CommandClock clock, bool with_pace) {
+                                   CommandClock clock, bool with_data_stamp) {
   const double rate = keys.number("command_rate");
   const bool every_step = clock == CommandClock::lockstep && !keys.given("min_interval");
   CommandSettings settings;
@@ -65,7 +66,7 @@ CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& m
       clock == CommandClock::lockstep ? kYears : from_seconds(keys.number("watchdog"));
   settings.max_age = from_seconds(keys.number("max_age"));
   settings.width = static_cast<std::uint32_t>(map.size());
-  settings.with_pace = with_pace;
+  settings.with_data_stamp = with_data_stamp;
   settings.clock = clock;
   settings.bounds = map.bounds();
   return settings;

@@ -138,20 +138,21 @@ void EventSensor::check(messages::Dialect ros, const EventSensorSettings& settin
 }
 
 std::vector<EndpointPort> EventSensor::ports() const {
-  return {{"out", PortKind::spikes, impl_->settings.events.width}, {"pace", PortKind::signal, 1}};
+  return {{"out", PortKind::spikes, impl_->settings.events.width},
+          {"data_stamp", PortKind::signal, 1}};
 }
 
 void EventSensor::receive(const Step& step) {
   const TimeNs begin = step.interval().begin;
-  const bool simulated = impl_->settings.simulated_pace;
+  const bool simulated = impl_->settings.simulated_stamp;
   impl_->reader.check(simulated ? std::optional(begin) : std::nullopt);
   impl_->take_arrivals(begin);
   step.spike_output().emit(impl_->playback.step(impl_->fresh, step.interval()));
   impl_->mind_lateness();
   if (!impl_->fresh.empty()) {
-    const SignalOutput pace = step.signal_output();
-    pace.values()[0] = to_seconds(simulated ? begin : impl_->newest_at);
-    pace.commit();
+    const SignalOutput data_stamp = step.signal_output();
+    data_stamp.values()[0] = to_seconds(simulated ? begin : impl_->newest_at);
+    data_stamp.commit();
   }
 }
 

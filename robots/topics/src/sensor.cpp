@@ -107,11 +107,11 @@ void Sensor::check(messages::Dialect ros, const SensorSettings& settings) {
 Sensor::~Sensor() = default;
 
 std::vector<EndpointPort> Sensor::ports() const {
-  return {{"out", PortKind::signal, impl_->settings.width}, {"pace", PortKind::signal, 1}};
+  return {{"out", PortKind::signal, impl_->settings.width}, {"data_stamp", PortKind::signal, 1}};
 }
 
 void Sensor::receive(const Step& step) {
-  const bool simulated = impl_->settings.simulated_pace;
+  const bool simulated = impl_->settings.simulated_stamp;
   impl_->reader.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
   const SignalOutput out = step.signal_output(0);
   const std::optional<double>& initial = impl_->settings.initial;
@@ -140,9 +140,9 @@ void Sensor::receive(const Step& step) {
     return;
   }
   out.commit();
-  const SignalOutput pace = step.signal_output(1);
-  pace.values()[0] = to_seconds(simulated ? step.interval().begin : arrived);
-  pace.commit();
+  const SignalOutput data_stamp = step.signal_output(1);
+  data_stamp.values()[0] = to_seconds(simulated ? step.interval().begin : arrived);
+  data_stamp.commit();
 }
 
 std::vector<Counter> Sensor::counters() const {

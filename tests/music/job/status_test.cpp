@@ -55,7 +55,7 @@ TEST(Status, TellsThatAProcessLivesAndWhatItDoes) {
   Job job;
   job.global("stoptime=1.2");
   job.raw("sink")
-      .node("relay", "spike_relay", "pace=true")
+      .node("relay", "spike_relay", "clock_master=true")
       .raw("source", "map_out=9")
       .connect("source.spikes -> relay.in [2]")
       .connect("relay.out -> sink.spikes_in [2]");
@@ -107,10 +107,10 @@ TEST(Status, CountsLateSpikesAndMovedStamps) {
   EXPECT_EQ(relay.back().at("counters").at("in.in->relay.in.late"), 20);
 }
 
-TEST(Status, TellsOfTheTimeThatThePacingProcessKeeps) {
+TEST(Status, TellsOfTheTimeOfTheClockMaster) {
   Job job;
   job.global("stoptime=0.6");
-  job.node("end", "spike_relay").node("cell", "edge_spiker", "pace=true");
+  job.node("end", "spike_relay").node("cell", "edge_spiker", "clock_master=true");
   job.connect("cell.out -> end.in [2]");
   const auto messages = messages_of(job, "cell", 0);
   int progress = 0;

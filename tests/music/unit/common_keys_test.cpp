@@ -32,7 +32,7 @@ TEST(CommonKeys, HaveTheDefaultsOfTheOlderPrograms) {
   EXPECT_EQ(keys.seed, 1u);
   EXPECT_EQ(keys.dialect, Dialect::rma);
   EXPECT_FALSE(keys.strict);
-  EXPECT_FALSE(keys.pace);
+  EXPECT_FALSE(keys.clock_master);
   EXPECT_EQ(keys.rtf, 1.0);
   EXPECT_FALSE(keys.unpaced);
   EXPECT_TRUE(keys.stamp_guard);
@@ -48,7 +48,7 @@ TEST(CommonKeys, AreReadAsWritten) {
                            {"seed", "42"},
                            {"dialect", "ma"},
                            {"strict", "true"},
-                           {"pace", "true"},
+                           {"clock_master", "true"},
                            {"rtf", "0.5"},
                            {"sync", "unpaced"},
                            {"stamp_guard", "false"},
@@ -61,7 +61,7 @@ TEST(CommonKeys, AreReadAsWritten) {
   EXPECT_EQ(keys.seed, 42u);
   EXPECT_EQ(keys.dialect, Dialect::ma);
   EXPECT_TRUE(keys.strict);
-  EXPECT_TRUE(keys.pace);
+  EXPECT_TRUE(keys.clock_master);
   EXPECT_EQ(keys.rtf, 0.5);
   EXPECT_TRUE(keys.unpaced);
   EXPECT_FALSE(keys.stamp_guard);
@@ -75,9 +75,9 @@ TEST(CommonKeys, TakeUnits) {
   EXPECT_EQ(parse({{"music_timestep", "2 ms"}}).music_timestep, 2'000'000);
 }
 
-TEST(CommonKeys, LetTheSourceOfAJobPaceByDefault) {
-  EXPECT_TRUE(parse({}, {.pace = true}).pace);
-  EXPECT_FALSE(parse({{"pace", "false"}}, {.pace = true}).pace);
+TEST(CommonKeys, MakeTheSourceOfAJobItsClockMasterByDefault) {
+  EXPECT_TRUE(parse({}, {.clock_master = true}).clock_master);
+  EXPECT_FALSE(parse({{"clock_master", "false"}}, {.clock_master = true}).clock_master);
 }
 
 TEST(CommonKeys, AcceptOneTickOnlyInTheDialectWhoseProgramDid) {
@@ -141,7 +141,7 @@ TEST(CommonKeys, SpikesAreDelayedByWholeTicks) {
 }
 
 TEST(CommonKeys, AreDeclaredForHelp) {
-  const auto declared = common_parameters({.pace = true});
+  const auto declared = common_parameters({.clock_master = true});
   for (const auto& parameter : declared) {
     EXPECT_FALSE(parameter.text.empty()) << parameter.name;
     EXPECT_TRUE(parameter.default_value.has_value()) << parameter.name;

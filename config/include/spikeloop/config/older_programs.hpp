@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "spikeloop/config/dialect.hpp"
+#include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/parameters.hpp"
 
 namespace spikeloop {
@@ -54,6 +55,16 @@ std::vector<std::string> ignored_keys(std::string_view program);
 
 /// Another name that an older program has for a key; null when there is none.
 const char* older_spelling_of(std::string_view program, std::string_view key);
+
+/// The name that a key of every program had in earlier versions; null when it had no other one.
+const char* earlier_key(std::string_view key);
+/// The same of a port of this program.
+const char* earlier_port(std::string_view program, std::string_view port);
+
+/// The file with the present names in the place of the earlier ones, as parse_music() gives it. A
+/// key whose value is no truth value is left alone: it may belong to a foreign program.
+/// @throws ConfigurationError when a key is written under both names.
+MusicFile with_present_names(MusicFile file);
 
 /// One-to-one weights between ports of different widths: what is surplus on either side has no
 /// partner. Nothing when the widths are equal.

@@ -34,7 +34,7 @@ class Pacer {
 /// that no burst of old ticks drives the robot.
 /// @throws ConfigurationError when `factor` is not a number above 0.
 std::unique_ptr<Pacer> make_realtime_pacer(double factor, TimeNs tick);
-/// No waiting: batch runs, benchmarks, and every process that another one paces.
+/// No waiting: batch runs, benchmarks, and every process that follows another one.
 std::unique_ptr<Pacer> make_unpaced_pacer();
 
 }  // namespace spikeloop

@@ -24,8 +24,8 @@ bool one_meets_robot(const Experiment& experiment);
 bool waits_for_clock(const Experiment& experiment, const std::string& process);
 
 /// All that travels: the connections, and what a command hears beside its input, at its ports
-/// `pace` (when the message behind the data came), `sensor_0` ... (the same of every sensor behind
-/// it) and `spikes_0` ... (`spike_timeout`).
+/// `data_stamp` (when the message behind the data came), `sensor_0` ... (the same of every sensor
+/// behind it) and `spikes_0` ... (`spike_timeout`).
 /// @param experiment as with_layout_delays() gives it
 std::vector<Connection> edges(const Experiment& experiment);
 /// The first connection of this kind from another simulator into one; null: there is none. Between

@@ -19,7 +19,7 @@ struct RunOptions {
   std::optional<int> ros;                  ///< `ros` of sections that speak ROS: 1 or 2
   std::string ros_arguments{};             ///< `ros_arguments` of these sections; empty: theirs
   bool record = false;                     ///< `record=true` in our sections
-  bool pace = true;                        ///< add the pace connection
+  bool data_stamp = true;                  ///< add the data_stamp connection
   bool strict = false;                     ///< `strict=true` in every section
 };
 
@@ -31,13 +31,13 @@ struct EffectiveFile {
 /// Adds to a file whose structure has been checked, never changing a key that it has (the options
 /// aside):
 /// - sections downstream-first (MUSIC.md: any other order costs a tick of wall time a hop);
-/// - `SENSOR.pace -> COMMAND.pace [1]` from the first ros_sensor_adapter that reaches a
+/// - `SENSOR.data_stamp -> COMMAND.data_stamp [1]` from the first ros_sensor_adapter that reaches a
 ///   ros_command_adapter, so that nobody runs far ahead and the age of data is measured;
-///   `pipeline_ticks` for the latter: the ticks by which the pace is delayed to arrive with the
+///   `pipeline_ticks` for the latter: the ticks by which data_stamp is delayed to arrive with the
 ///   data; `watchdog` for it where ticks are so long that the pauses between MUSIC's batches would
 ///   stop the robot;
-/// - `pace`: exactly one process waits for the clock: the first ros_sensor_adapter, or else our
-///   program that lies furthest upstream;
+/// - `clock_master`: exactly one process waits for the clock: the first ros_sensor_adapter, or else
+///   our program that lies furthest upstream;
 /// - `stoptime=1` in our sections of dialect ma that have none;
 /// - `stamp_guard=false` where all receivers of a sender's spikes are ours;
 /// - `accept_latency`: 0, but in a cycle so much that MUSIC's rule holds, that the acceptable

@@ -25,8 +25,8 @@ struct Program {
   std::optional<PortKind> output{};  ///< none: has no MUSIC output
   bool source = false;               ///< waits for the wall clock unless told otherwise
   bool ros = false;                  ///< speaks ROS, of the version in its key `ros`
-  bool tells_age = false;            ///< has the output `pace`
-  bool measures_age = false;         ///< has the input `pace`
+  bool tells_age = false;            ///< has the output `data_stamp`
+  bool measures_age = false;         ///< has the input `data_stamp`
   ExternalAddress external{};        ///< has no key: meets nobody
   bool commands_robot = false;       ///< whatever its ports are
   bool any_class = false;            ///< runs a class that the launcher does not know: any ports

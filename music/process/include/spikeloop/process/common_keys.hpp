@@ -15,7 +15,7 @@ namespace spikeloop::music {
 /// Defaults that differ between programs.
 struct CommonDefaults {
   /// True for the program that waits for the wall clock: the source of a job.
-  bool pace = false;
+  bool clock_master = false;
   /// True for a program whose predecessor asked for an acceptable latency of one tick: then that is
   /// the default of `accept_latency` in dialect rma.
   bool accept_one_tick = false;
@@ -32,7 +32,7 @@ struct CommonKeys {
   std::uint64_t seed = 1;
   Dialect dialect = Dialect::rma;  ///< whose defaults hold
   bool strict = false;             ///< what is only warned of becomes an error
-  bool pace = false;               ///< this process waits for the wall clock
+  bool clock_master = false;       ///< this process waits for the wall clock
   double rtf = 1.0;                ///< real-time factor of the process that waits
   bool unpaced = false;            ///< sync=unpaced: nobody waits
   bool stamp_guard = true;    ///< keep outgoing spikes 1 us away from the begin of their interval

@@ -3,7 +3,7 @@
 // The loop advances a graph tick by tick, h = music_timestep:
 //
 //     for t = 0, h, 2h, ... < stoptime:
-//       wait until the clock shows t      the one process that paces; the others wait in MUSIC
+//       wait until the clock shows t      the clock master; the others wait in MUSIC
 //       step the graph over (t, t+h]      inputs hold what MUSIC has brought so far
 //       tick MUSIC: t -> t+h              spikes of (t, t+h] and the signals' values at t+h go out
 //
@@ -55,7 +55,7 @@ class Process {
     std::function<void()> after_loop;  ///< before MUSIC's finalize, which may wait for the others
     std::function<nlohmann::json()> summary;  ///< an object for the run's summary.json
     /// Of a loop whose wait is somebody else's: then Loop::begin() is not called.
-    std::function<Pacer::Report()> pace;
+    std::function<Pacer::Report()> clock_report;
     std::function<nlohmann::json()> counters;  ///< an object in place of the graphs' counters
   };
 

@@ -11,8 +11,8 @@
 
 namespace spikeloop::command {
 
-/// Every tick brings the pace value of the data behind its command: the monotonic time in seconds
-/// at which the newest message in them arrived; NaN before the first.
+/// Every tick brings the data_stamp value of the data behind its command: the monotonic time in
+/// seconds at which the newest message in them arrived; NaN before the first.
 class AgeMeter {
  public:
   static constexpr std::size_t kKept = std::size_t{1} << 17;

@@ -29,7 +29,7 @@ struct WatchedSensor {
 /// What of a command's past is watched.
 struct FeedSettings {
   std::uint32_t width = 0;  ///< fields of the command
-  bool with_pace = false;
+  bool with_data_stamp = false;
   bool simulated = false;  ///< times, and so ages, are simulated ones; else those of the wall clock
   TimeNs max_age = 0;      ///< of the data; 0: any
   std::vector<WatchedSensor> sensors{};
@@ -37,15 +37,15 @@ struct FeedSettings {
   TimeNs spike_timeout = 0;                   ///< without one of them; 0: any
 };
 
-/// The end of a loop, whatever clock it goes by: the ports `command` [width], `with_pace` `pace`
-/// [1], `sensor_0` [1], ...: the times at which the newest messages arrived, in s; and the spikes
-/// `spikes_0` [width], ...
+/// The end of a loop, whatever clock it goes by: the ports `command` [width], `with_data_stamp`
+/// `data_stamp` [1], `sensor_0` [1], ...: the times at which the newest messages arrived, in s; and
+/// the spikes `spikes_0` [width], ...
 class CommandFeed {
  public:
   CommandFeed(const FeedSettings& settings, CommandChannel& channel);
 
   std::vector<EndpointPort> ports() const;
-  /// Before the loop begins. Nothing is called without `with_pace`.
+  /// Before the loop begins. Nothing is called without `with_data_stamp`.
   void on_latency(TakeLatency take) { take_latency_ = std::move(take); }
   /// Returns when the channel's poll() should be called if nothing else comes.
   TimeNs take(const Step& step, TimeNs now);

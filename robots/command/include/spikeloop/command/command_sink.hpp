@@ -32,7 +32,7 @@ struct CommandSettings {
   std::string node{};       ///< named in warnings; empty: its process is
   std::string driver{};     ///< the output that drives it, "decoder.out"; empty: not known
   std::uint32_t width = 0;  ///< fields of the command
-  bool with_pace = false;
+  bool with_data_stamp = false;
   GateSettings gate;
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any

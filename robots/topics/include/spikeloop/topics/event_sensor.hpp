@@ -22,17 +22,17 @@ struct EventSensorSettings {
   /// What has come before the first receive() is of the run, too: the robot waits for it. Else it
   /// is from before the run began, and is left out.
   bool from_begin = false;
-  /// `pace` and what is said of silence go by the simulated time of the tick that first uses a
-  /// message.
-  bool simulated_pace = false;
+  /// `data_stamp` and what is said of silence go by the simulated time of the tick that first uses
+  /// a message.
+  bool simulated_stamp = false;
   std::uint32_t queue = 1000;       ///< messages that may wait; 0: any number
   std::function<void()> arrived{};  ///< in the session's thread, after every message
   Keep keep{};
 };
 
-/// Ports: `out` [events.width], spikes; `pace` [1], the monotonic time in seconds at which the
-/// newest message that this tick uses arrived, without value before the first. The topic's type is
-/// events.message_type.
+/// Ports: `out` [events.width], spikes; `data_stamp` [1], the monotonic time in seconds at which
+/// the newest message that this tick uses arrived, without value before the first. The topic's type
+/// is events.message_type.
 ///
 /// Counters: messages, events; of these left_out, refractory, outside_camera, before_begin, which
 /// are not sent, and waiting, which are not sent yet; late_events, worst_lateness_ns, clock_jumps,

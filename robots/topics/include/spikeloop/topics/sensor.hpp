@@ -22,15 +22,15 @@ struct SensorSettings {
   std::uint32_t width = 0;
   bool strict = false;
   std::optional<double> initial{};  ///< every channel before the first message; none: no value
-  /// `pace` is the simulated time of the tick that first uses a message.
-  bool simulated_pace = false;
+  /// `data_stamp` is the simulated time of the tick that first uses a message.
+  bool simulated_stamp = false;
   std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
   std::function<void()> arrived{};  ///< in the session's thread, after every message
   Keep keep{};                      ///< of every message that has arrived since the tick before
 };
 
-/// Ports: `out` [width]; `pace` [1], the monotonic time in seconds at which the newest message that
-/// this tick uses arrived, without value before the first.
+/// Ports: `out` [width]; `data_stamp` [1], the monotonic time in seconds at which the newest
+/// message that this tick uses arrived, without value before the first.
 ///
 /// Counters: messages, cropped, short_messages, invalid_readings, without_reading, malformed,
 /// wrong_type, and over ROS 2 lost (RawSubscriber::lost()).
