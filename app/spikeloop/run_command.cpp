@@ -209,7 +209,8 @@ void add_experiment_options(CLI::App& command, RunArguments& arguments) {
 void refuse_options(const std::vector<CLI::Option*>& options, const char* kind) {
   for (const CLI::Option* option : options) {
     if (option->count() > 0) {
-      throw ConfigurationError(fmt::format("{} is for {}; leave it out", option->get_name(), kind));
+      throw ConfigurationError(fmt::format("--{} is for {}; leave it out",
+                                           option->get_lnames().front(), kind));  // hidden, too
     }
   }
 }

@@ -177,6 +177,9 @@ TEST(CommandLine, EarlierNamesGiveTheSameJob) {
   const std::string unconnected = printed("--no-data-stamp", "clock_master", "");
   EXPECT_THAT(unconnected, Not(HasSubstr("data_stamp")));
   EXPECT_EQ(printed("--no-pace", "pace", ""), unconnected);
+  const std::string experiment = directory.write("x.yaml", "experiment: x\n");
+  EXPECT_THAT(type({"run", experiment, "--no-pace"}).err,
+              HasSubstr("--no-pace is for .music files"));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ TEST(ReservedKeys, AreTheKeysOfAllProgramsAndMusics) {
   std::vector<std::string> expected = names_of(common_parameters());
   for (const char* name :
        {"binary", "args", "wd", "timebase", "node", "simulator", "script", "experiment_file",
-        "spikes_in", "spikes_out", "signals_in", "signals_out"}) {
+        "spikes_in", "spikes_out", "signals_in", "signals_out", "pace"}) {
     expected.emplace_back(name);
   }
   const auto reserved = experiment::reserved_keys();
