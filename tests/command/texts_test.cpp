@@ -19,11 +19,10 @@ class TextsTest : public testing::Test {
     settings_.fields = {"linear.x"};
     settings_.bounds = {{-1, 1}};
   }
-  std::string cause(StopReason reason) const { return stop_cause(reason, settings_, feed_); }
+  std::string cause(StopReason reason) const { return stop_cause(reason, settings_, 0); }
 
   CommandSettings settings_;
   CommandChannel channel_{{{{0}}}, [](auto) {}};
-  CommandFeed feed_{{.width = 1, .sensors = {{"/scan", 500'000'000}}}, channel_};
 };
 
 TEST_F(TextsTest, every_reason_has_its_cause) {

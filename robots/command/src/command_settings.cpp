@@ -16,16 +16,6 @@ ChannelSettings channel_settings(const CommandSettings& settings) {
   return {settings.gate, settings.bounds, settings.manual.timeout};
 }
 
-FeedSettings feed_settings(const CommandSettings& settings) {
-  return {.width = settings.width,
-          .with_data_stamp = settings.with_data_stamp,
-          .simulated = settings.clock != CommandClock::wall,
-          .max_age = settings.max_age,
-          .sensors = settings.sensors,
-          .spike_widths = settings.spike_widths,
-          .spike_timeout = settings.spike_timeout};
-}
-
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock,
                                  bool with_data_stamp) {

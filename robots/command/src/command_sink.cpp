@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -15,13 +17,23 @@ namespace {
 /// How often the watch looks for what nobody tells: that a publisher is gone, that a time is over.
 constexpr TimeNs kLook = 20'000'000;
 
+std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
+  std::vector<TimeNs> result;
+  result.reserve(sensors.size());
+  for (const WatchedSensor& sensor : sensors) {
+    result.push_back(sensor.timeout);
+  }
+  return result;
+}
+
 }  // namespace
 
 CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
     : settings_(settings),
       transport_(std::move(transport)),
       channel_(channel_settings(settings), transport_.publish),
-      feed_(feed_settings(settings), channel_),
+      sensors_(timeouts(settings.sensors)),
+      spikes_({settings.spike_timeout}),
       operator_(settings.emergency_stop, channel_) {
   if (transport_.watched) {
     watch_.emplace(
@@ -37,26 +49,90 @@ CommandSink::~CommandSink() {
 }
 
 std::vector<EndpointPort> CommandSink::ports() const {
-  return feed_.ports();
+  std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width}};
+  if (settings_.with_pace) {
+    ports.push_back({"pace", PortKind::signal, 1});
+  }
+  for (std::size_t i = 0; i < settings_.sensors.size(); ++i) {
+    ports.push_back({fmt::format("sensor_{}", i), PortKind::signal, 1});
+  }
+  for (std::size_t i = 0; i < settings_.spike_widths.size(); ++i) {
+    ports.push_back({fmt::format("spikes_{}", i), PortKind::spikes, settings_.spike_widths[i]});
+  }
+  return ports;
 }
 
 void CommandSink::send(const Step& step) {
   if (transport_.require) {
     transport_.require();
   }
-  ticked_ = true;
   simulated_ = step.interval().end;
   if (settings_.clock == CommandClock::lockstep) {
     operator_.apply(wall_now(), now());
   }
-  const TimeNs due = feed_.take(step, now());
+  const TimeNs now = this->now();
+  const std::optional<StopReason> reason = reason_to_stop(step, now);
+  const TimeNs due =
+      reason ? channel_.stop(*reason, now) : channel_.command(step.signal_input(0).values, now);
+  ticked_ = true;
   if (settings_.clock != CommandClock::wall) {
-    channel_.poll(now());
+    channel_.poll(now);
   }
   if (watch_) {
     watch_->heartbeat(settings_.clock == CommandClock::wall ? due : kNever);
   }
   announce();
+}
+
+std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs now) {
+  const std::optional<TimeNs> age = age_of_data(step, now);
+  note_arrivals(step, now);
+  // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.
+  if (!step.signal_input(0).valid() || (settings_.with_pace && !age)) {
+    return StopReason::no_value;
+  }
+  if (const auto sensor = sensors_.silent(now)) {
+    silent_sensor_ = *sensor;
+    return StopReason::sensor_silent;
+  }
+  if (settings_.max_age != 0 && age && *age > settings_.max_age) {
+    return StopReason::stale;
+  }
+  if (spikes_.silent(now)) {
+    return StopReason::spikes_silent;
+  }
+  return std::nullopt;
+}
+
+std::optional<TimeNs> CommandSink::age_of_data(const Step& step, TimeNs now) {
+  if (!settings_.with_pace) {
+    return std::nullopt;
+  }
+  const SignalInput pace = step.signal_input(1);
+  const std::uint64_t known = age_.messages();
+  const std::optional<TimeNs> age =
+      age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
+  if (take_latency_ && age && age_.messages() != known) {
+    take_latency_(step.interval().end, *age);
+  }
+  return age;
+}
+
+void CommandSink::note_arrivals(const Step& step, TimeNs now) {
+  const std::size_t first = settings_.with_pace ? 2 : 1;
+  for (std::size_t i = 0; i < settings_.sensors.size(); ++i) {
+    const SignalInput arrived = step.signal_input(first + i);
+    if (arrived.valid() && std::isfinite(arrived.values[0])) {
+      sensors_.heard(i, from_seconds(arrived.values[0]));
+    }
+  }
+  bool spikes = !ticked_;  // a network gets its time from the first tick on
+  for (std::size_t i = 0; i < settings_.spike_widths.size(); ++i) {
+    spikes = spikes || !step.spike_input(i).spikes.empty();
+  }
+  if (spikes) {
+    spikes_.heard(0, now);
+  }
 }
 
 void CommandSink::alive() {
@@ -162,7 +238,8 @@ Condition CommandSink::condition_of(const CommandChannel::Standing& standing) co
     return {ok, "the run is over"};
   }
   if (standing.stopped) {
-    return {error, "the robot is stopped: " + stop_cause(*standing.stopped, settings_, feed_)};
+    return {error,
+            "the robot is stopped: " + stop_cause(*standing.stopped, settings_, silent_sensor_)};
   }
   return standing.driven ? Condition{ok, "the robot is driven by the network"}
                          : Condition{warning, "there has been no command yet"};
@@ -187,13 +264,23 @@ std::vector<Counter> CommandSink::counters() const {
 }
 
 nlohmann::json CommandSink::summary() const {
-  return feed_.summary();
+  const auto measured = [](double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+  };
+  const auto age = age_.report();
+  return {{"commands", channel_.counters().front().value},
+          {"stopped_s", to_seconds(channel_.stood_for())},
+          {"latency_median_ms", measured(age.latency_median_ms)},
+          {"latency_p99_ms", measured(age.latency_p99_ms)},
+          {"age_max_ms", measured(age.age_max_ms)},
+          {"latency_clock", settings_.clock == CommandClock::wall ? "wall" : "simulated"}};
 }
 
 std::string CommandSink::missing_data() const {
   const auto reason = channel_.stopped_by();
   const bool missing = reason == StopReason::sensor_silent || reason == StopReason::stale;
-  return missing ? "the robot stood when the run ended: " + stop_cause(*reason, settings_, feed_)
+  return missing ? "the robot stood when the run ended: " +
+                       stop_cause(*reason, settings_, silent_sensor_)
                  : "";
 }
 

@@ -6,7 +6,7 @@
 namespace spikeloop::command {
 
 std::string stop_cause(StopReason reason, const CommandSettings& settings,
-                       const CommandFeed& feed) {
+                       std::size_t silent_sensor) {
   const EmergencyStop& emergency = settings.emergency_stop;
   switch (reason) {
     case StopReason::no_value:
@@ -21,7 +21,8 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
       return fmt::format("the data are older than max_age, {}", format_time(settings.max_age));
     case StopReason::sensor_silent:
       return fmt::format("no message with a reading on topic '{}' for {}",
-                         feed.silent_sensor().topic, format_time(feed.silent_sensor().timeout));
+                         settings.sensors[silent_sensor].topic,
+                         format_time(settings.sensors[silent_sensor].timeout));
     case StopReason::spikes_silent:
       return fmt::format("no spike for spike_timeout, {}", format_time(settings.spike_timeout));
     case StopReason::silent:

@@ -12,8 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "spikeloop/command/command_feed.hpp"
+#include "spikeloop/command/age_meter.hpp"
+#include "spikeloop/command/command_channel.hpp"
 #include "spikeloop/command/operator_input.hpp"
+#include "spikeloop/command/silence_watch.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/core/endpoint.hpp"
 
@@ -28,6 +30,16 @@ enum class CommandClock : std::uint8_t {
   lockstep
 };
 
+/// Called in the loop when the first command leaves that a message has reached: simulated time, and
+/// how long ago the message came.
+using TakeLatency = std::function<void(TimeNs simulated, TimeNs latency)>;
+
+/// A sensor that a command depends on.
+struct WatchedSensor {
+  std::string topic;
+  TimeNs timeout = 0;  ///< without a message that has a reading; 0: any
+};
+
 struct CommandSettings {
   std::string node{};       ///< named in warnings; empty: its process is
   std::string driver{};     ///< the output that drives it, "decoder.out"; empty: not known
@@ -37,20 +49,21 @@ struct CommandSettings {
   TimeNs watchdog = 0;  ///< wall time without a tick that stops the robot
   TimeNs max_age = 0;   ///< of the data; 0: any
   CommandClock clock = CommandClock::wall;
-  std::vector<WatchedSensor> sensors{};  ///< as FeedSettings, and the next two
-  std::vector<std::uint32_t> spike_widths{};
-  TimeNs spike_timeout = 0;
-  std::vector<std::string> fields{};  ///< for messages; the bounds run parallel to them
+  std::vector<WatchedSensor> sensors{};
+  std::vector<std::uint32_t> spike_widths{};  ///< of the spikes on the way, a port each
+  TimeNs spike_timeout = 0;                   ///< without one of them; 0: any
+  std::vector<std::string> fields{};          ///< for messages; the bounds run parallel to them
   std::vector<Bounds> bounds{};
   EmergencyStop emergency_stop{};
   Override manual{};
 };
 
 ChannelSettings channel_settings(const CommandSettings& settings);
-FeedSettings feed_settings(const CommandSettings& settings);
 
 /// Why a robot stands, as a sentence goes on behind "the robot is stopped: ".
-std::string stop_cause(StopReason reason, const CommandSettings& settings, const CommandFeed& feed);
+/// @param silent_sensor of settings.sensors, for that reason
+std::string stop_cause(StopReason reason, const CommandSettings& settings,
+                       std::size_t silent_sensor);
 /// A warning of a value that the bounds have cut.
 std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings);
 
@@ -61,7 +74,8 @@ struct Condition {
   std::string text;  ///< "the robot is stopped: ..."
 };
 
-/// Ports: as CommandFeed.
+/// Ports: `command` [width]; `with_pace` `pace` [1], `sensor_0` [1], ...: the times at which the
+/// newest messages arrived, in s; and the spikes `spikes_0` [width], ...
 class CommandSink : public Sink {
  public:
   /// What carries the commands.
@@ -90,8 +104,8 @@ class CommandSink : public Sink {
   void begin_anew() { channel_.begin_anew(now()); }
   /// As CommandChannel's.
   void allow_no_value() { channel_.allow_no_value(); }
-  /// Before the loop begins; as CommandFeed.
-  void on_latency(TakeLatency take) { feed_.on_latency(std::move(take)); }
+  /// Before the loop begins. Nothing is called without `with_pace`.
+  void on_latency(TakeLatency take) { take_latency_ = std::move(take); }
   /// As OperatorInput.
   void watch_publishers(std::function<bool()> has_publishers) {
     operator_.watch_publishers(std::move(has_publishers));
@@ -106,7 +120,9 @@ class CommandSink : public Sink {
   void stop(StopReason reason);
   /// Safe to call from any thread.
   Condition condition() const;
-  /// As CommandFeed's.
+  /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
+  /// latency_clock: wall or simulated, the time that these are of. stopped_s: the channel's
+  /// stood_for().
   nlohmann::json summary() const;
   /// At the end of a run: "the robot stood when the run ended: ...", when it does for want of data
   /// (a sensor is silent, or what is known is too old); empty otherwise.
@@ -114,6 +130,11 @@ class CommandSink : public Sink {
 
  private:
   TimeNs now() const;
+  /// What of a tick's data forbids its command.
+  std::optional<StopReason> reason_to_stop(const Step& step, TimeNs now);
+  /// Nothing without data, or before their first message.
+  std::optional<TimeNs> age_of_data(const Step& step, TimeNs now);
+  void note_arrivals(const Step& step, TimeNs now);
   /// The watch's reasons.
   void stop_from_watch(StopReason reason);
   TimeNs beat(TimeNs wall);
@@ -134,7 +155,11 @@ class CommandSink : public Sink {
   TimeNs announced_at_ = 0;
   bool cut_announced_ = false;
   CommandChannel channel_;
-  CommandFeed feed_;
+  AgeMeter age_;
+  SilenceWatch sensors_;
+  SilenceWatch spikes_;
+  std::atomic<std::size_t> silent_sensor_{0};  ///< when one last was
+  TakeLatency take_latency_;
   OperatorInput operator_;
   std::optional<Watch> watch_;  ///< the last: it uses all the rest
 };
