@@ -236,9 +236,7 @@ struct Graph::Impl {
 
   void make_elements(const GraphDescription& description, const GraphPlan& plan);
   void wire(const GraphPlan& plan);
-  void step();
-  void gather(Element& element, TimeNs begin);
-  void run(Element& element, const Interval& interval);
+  spikeloop_step gather(Element& element, const Interval& interval);
   void collect(Element& element, const Interval& interval);
   void sort_and_check(const Element& element, Output& output, const Interval& interval);
 };
@@ -321,7 +319,8 @@ void Graph::Impl::wire(const GraphPlan& plan) {
   }
 }
 
-void Graph::Impl::gather(Element& element, TimeNs begin) {
+// The step of an element; it refers to the element's data.
+spikeloop_step Graph::Impl::gather(Element& element, const Interval& interval) {
   element.signal_input_data.clear();
   element.spike_input_data.clear();
   element.signal_output_data.clear();
@@ -330,7 +329,7 @@ void Graph::Impl::gather(Element& element, TimeNs begin) {
     element.signal_input_data.push_back(input->signal(tick_index));
   }
   for (Input* input : element.spike_inputs) {
-    element.spike_input_data.push_back(input->spikes(tick_index, begin, sorter));
+    element.spike_input_data.push_back(input->spikes(tick_index, interval.begin, sorter));
   }
   for (Output* output : element.signal_outputs) {
     element.signal_output_data.push_back(
@@ -341,27 +340,16 @@ void Graph::Impl::gather(Element& element, TimeNs begin) {
     output->spikes.swap(output->held);
     element.spike_output_data.push_back({output, &Output::append, output->width, 0});
   }
-}
-
-void Graph::Impl::run(Element& element, const Interval& interval) {
-  const spikeloop_step data{interval.begin,
-                            interval.end,
-                            element.signal_input_data.data(),
-                            element.spike_input_data.data(),
-                            element.signal_output_data.data(),
-                            element.spike_output_data.data(),
-                            static_cast<std::uint32_t>(element.signal_input_data.size()),
-                            static_cast<std::uint32_t>(element.spike_input_data.size()),
-                            static_cast<std::uint32_t>(element.signal_output_data.size()),
-                            static_cast<std::uint32_t>(element.spike_output_data.size())};
-  const Step step(data);
-  if (element.source != nullptr) {
-    element.source->receive(step);
-  } else if (element.sink != nullptr) {
-    element.sink->send(step);
-  } else {
-    of_node(element.name, [&] { element.node->step(step); });
-  }
+  return {interval.begin,
+          interval.end,
+          element.signal_input_data.data(),
+          element.spike_input_data.data(),
+          element.signal_output_data.data(),
+          element.spike_output_data.data(),
+          static_cast<std::uint32_t>(element.signal_input_data.size()),
+          static_cast<std::uint32_t>(element.spike_input_data.size()),
+          static_cast<std::uint32_t>(element.signal_output_data.size()),
+          static_cast<std::uint32_t>(element.spike_output_data.size())};
 }
 
 void Graph::Impl::sort_and_check(const Element& element, Output& output, const Interval& interval) {
@@ -397,20 +385,6 @@ void Graph::Impl::collect(Element& element, const Interval& interval) {
   }
 }
 
-void Graph::Impl::step() {
-  const Interval interval{time(), time() + tick};
-  for (const std::size_t index : order) {
-    Element& element = elements[index];
-    gather(element, interval.begin);
-    run(element, interval);
-    collect(element, interval);
-  }
-  for (const auto& edge : edges) {
-    edge->push(tick_index);
-  }
-  ++tick_index;
-}
-
 Graph::Graph(const GraphDescription& description) : impl_(std::make_unique<Impl>()) {
   const GraphPlan checked = plan(description);
   impl_->tick = description.tick;
@@ -424,8 +398,27 @@ Graph::Graph(Graph&&) noexcept = default;
 Graph& Graph::operator=(Graph&&) noexcept = default;
 
 void Graph::step() {
-  impl_->step();
+  Impl& own = *impl_;
+  const Interval interval{own.time(), own.time() + own.tick};
+  for (const std::size_t index : own.order) {
+    Element& element = own.elements[index];
+    const spikeloop_step data = own.gather(element, interval);
+    const Step step(data);
+    if (element.source != nullptr) {
+      element.source->receive(step);
+    } else if (element.sink != nullptr) {
+      element.sink->send(step);
+    } else {
+      of_node(element.name, [&] { element.node->step(step); });
+    }
+    own.collect(element, interval);
+  }
+  for (const auto& edge : own.edges) {
+    edge->push(own.tick_index);
+  }
+  ++own.tick_index;
 }
+
 TimeNs Graph::time() const {
   return impl_->time();
 }
