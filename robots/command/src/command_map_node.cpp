@@ -1,6 +1,7 @@
 #include "spikeloop/command/command_map_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -22,7 +23,14 @@ class CommandMapNode : public Node {
       out.invalidate();
       return;
     }
-    std::ranges::copy(map_.map(in.values), out.values().begin());
+    auto value = out.values().begin();
+    for (const Component& component : map_.components()) {
+      const double channel = in.values[component.channel];
+      // An infinite channel is a fault, which limits must not hide.
+      *value++ = std::isfinite(channel) ? std::clamp(component.scale * channel + component.offset,
+                                                     component.minimum, component.maximum)
+                                        : channel;
+    }
     out.commit();
   }
 

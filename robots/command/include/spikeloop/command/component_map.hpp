@@ -3,14 +3,14 @@
 
 #include <cstdint>
 #include <limits>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/command/limiter.hpp"
 
 namespace spikeloop::command {
 
-/// value = limit(scale * channel + offset)
+/// value = limit(scale * channel + offset); NaN stays NaN
 struct Component {
   std::uint32_t channel = 0;
   double scale = 1;
@@ -22,10 +22,9 @@ struct Component {
 
 class ComponentMap {
  public:
-  explicit ComponentMap(std::vector<Component> components);
+  explicit ComponentMap(std::vector<Component> components) : components_(std::move(components)) {}
 
-  /// The components' values; NaN stays NaN. Valid until the next call.
-  std::span<const double> map(std::span<const double> channels);
+  const std::vector<Component>& components() const { return components_; }
   /// `fraction` of each component's range: its limits, or without them what a channel in [-1, 1]
   /// gives.
   std::vector<double> deadbands(double fraction) const;
@@ -35,7 +34,6 @@ class ComponentMap {
 
  private:
   std::vector<Component> components_;
-  std::vector<double> values_;
 };
 
 }  // namespace spikeloop::command
