@@ -32,11 +32,12 @@ struct EventSensor::Impl {
                {.topic = wanted.topic,
                 .type = wanted.events.message_type,
                 .queue = wanted.queue,
-                .reliable = true},
-               [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
+                .reliable = true,
+                .arrived = wanted.arrived},
+               [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  void take(std::span<const std::byte> bytes, TimeNs now) {
+  std::string take(std::span<const std::byte> bytes, TimeNs now) {
     const bool of_run = begun;
     if (of_run && !restarted) {
       // Nothing of the run hangs on what was before it, so that its messages alone give it again.
@@ -54,17 +55,6 @@ struct EventSensor::Impl {
     if (settings.keep) {
       arrival.bytes.assign(bytes.begin(), bytes.end());
     }
-    publish(std::move(arrival), of_run);
-    ++received;
-    if (settings.arrived) {
-      settings.arrived();
-    }
-    if (const std::string warning = conversion.take_warning(); !warning.empty()) {
-      log::warning("topic '{}': {}", settings.topic, warning);
-    }
-  }
-
-  void publish(Arrival arrival, bool of_run) {
     const std::lock_guard lock(mutex);
     counts = conversion.counts();
     if (of_run) {
@@ -72,6 +62,7 @@ struct EventSensor::Impl {
     } else {
       before_begin += arrival.events.events.size();
     }
+    return conversion.take_warning();
   }
 
   /// In the loop: what has come since the tick before.
@@ -117,7 +108,6 @@ struct EventSensor::Impl {
   std::vector<Arrival> arrivals;
   messages::EventConversion::Counts counts;
   std::uint64_t before_begin = 0;  // events
-  std::atomic<std::uint64_t> received{0};
 
   std::vector<Arrival> taken;  // used by the loop only
   std::vector<messages::EventMessage> fresh;
@@ -180,7 +170,7 @@ bool EventSensor::has_publishers() const {
 }
 
 std::uint64_t EventSensor::received() const {
-  return impl_->received;
+  return impl_->reader.received();
 }
 
 void EventSensor::require_sound() const {

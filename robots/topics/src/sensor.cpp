@@ -1,10 +1,8 @@
 #include "spikeloop/topics/sensor.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 
-#include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -37,21 +35,25 @@ struct Sensor::Impl {
                 .type = wanted.message_type,
                 .queue = wanted.queue,
                 .type_is_a_key = true,
-                .reliable = is_large(session.dialect(), wanted.message_type)},
-               [this](std::span<const std::byte> bytes, TimeNs now) { take(bytes, now); }) {}
+                .reliable = is_large(session.dialect(), wanted.message_type),
+                .arrived = wanted.arrived},
+               [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  void take(std::span<const std::byte> bytes, TimeNs now) {
+  std::string take(std::span<const std::byte> bytes, TimeNs now) {
     const bool good = convert(bytes);
-    const std::string warning = conversion.take_warning();
-    publish(bytes, good, now);
-    ++received;
-    if (settings.arrived) {
-      settings.arrived();
+    // Values and message at once: a tick uses what is kept for it, and nothing else.
+    const std::lock_guard lock(mutex);
+    if (settings.keep) {
+      arrivals.emplace_back(bytes.begin(), bytes.end());
     }
-    if (!warning.empty()) {
-      log::warning("topic '{}': {}", settings.topic, warning);
+    counts = conversion.counts();
+    if (good) {
+      std::ranges::copy(conversion.channels(), newest.begin());
+      arrived = now;
+      ++revision;
     }
+    return conversion.take_warning();
   }
 
   /// A message of the wrong width has come, too. @throws as SensorConversion::convert
@@ -65,20 +67,6 @@ struct Sensor::Impl {
     }
   }
 
-  /// Values and message at once: a tick uses what is kept for it, and nothing else.
-  void publish(std::span<const std::byte> bytes, bool good, TimeNs now) {
-    const std::lock_guard lock(mutex);
-    if (settings.keep) {
-      arrivals.emplace_back(bytes.begin(), bytes.end());
-    }
-    counts = conversion.counts();
-    if (good) {
-      std::ranges::copy(conversion.channels(), newest.begin());
-      arrived = now;
-      ++revision;
-    }
-  }
-
   SensorSettings settings;
   messages::SensorConversion conversion;  // used in the session's thread only
 
@@ -88,7 +76,6 @@ struct Sensor::Impl {
   std::uint64_t revision = 0;
   std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
   messages::SensorConversion::Counts counts;
-  std::atomic<std::uint64_t> received{0};
 
   std::uint64_t seen = 0;  // used by the loop only
   std::vector<std::vector<std::byte>> taken;
@@ -167,7 +154,7 @@ bool Sensor::has_publishers() const {
 }
 
 std::uint64_t Sensor::received() const {
-  return impl_->received;
+  return impl_->reader.received();
 }
 
 void Sensor::require_sound() const {

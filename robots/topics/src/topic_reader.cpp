@@ -48,7 +48,14 @@ TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, 
 void TopicReader::receive(std::span<const std::byte> message) {
   const TimeNs now = wall_now();
   try {
-    take_(message, now);
+    const std::string warning = take_(message, now);
+    ++received_;
+    if (settings_.arrived) {
+      settings_.arrived();
+    }
+    if (!warning.empty()) {
+      log::warning("topic '{}': {}", settings_.topic, warning);
+    }
     const std::lock_guard lock(mutex_);
     newest_at_ = now;
   } catch (...) {

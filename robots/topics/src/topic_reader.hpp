@@ -1,6 +1,7 @@
 // A topic of one type in: what the sources of this module share.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -20,8 +21,9 @@ struct TopicReaderSettings {
   std::string topic;
   std::string type;  ///< "sensor_msgs/LaserScan"
   std::uint32_t queue = 10;
-  bool type_is_a_key = false;  ///< message_type can be written
-  bool reliable = false;       ///< as Subscription has it
+  bool type_is_a_key = false;       ///< message_type can be written
+  bool reliable = false;            ///< as Subscription has it
+  std::function<void()> arrived{};  ///< in the session's thread, after every message
 
   /// Where every publisher says once what never changes (REP 105, tf2).
   bool latched() const { return topic == "/tf_static" || topic == "tf_static"; }
@@ -31,8 +33,8 @@ struct TopicReaderSettings {
 class TopicReader {
  public:
   /// Called in the session's thread the moment a message has arrived, with the time of the
-  /// monotonic clock. What it throws ends the run.
-  using Take = std::function<void(std::span<const std::byte>, TimeNs now)>;
+  /// monotonic clock. Returns a warning to log, or nothing. What it throws ends the run.
+  using Take = std::function<std::string(std::span<const std::byte>, TimeNs now)>;
 
   /// @throws ConfigurationError for an unknown type or an impossible topic.
   TopicReader(Session& session, const TopicReaderSettings& settings, Take take);
@@ -47,6 +49,7 @@ class TopicReader {
   /// The same without a word of silence.
   void require_sound() const;
   bool has_publishers() const { return subscriber_->has_publishers(); }
+  std::uint64_t received() const { return received_; }  ///< messages that `take` took
   std::uint64_t wrong_type() const;
   std::optional<std::uint64_t> lost() const { return subscriber_->lost(); }
 
@@ -60,6 +63,7 @@ class TopicReader {
   TopicReaderSettings settings_;
   std::string topic_;  ///< its whole name
   Take take_;
+  std::atomic<std::uint64_t> received_{0};
 
   mutable std::mutex mutex_;  // held for a moment, never across a tick
   TimeNs newest_at_ = 0;      // 0: none has come
