@@ -178,26 +178,21 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
   if (gate_.offer(limiter_.shape(values, now, overridden_), now)) {
     driven_ = true;
     ++commands_;
-    send(gate_.current());
+    publish_(gate_.current());
   }
   return next_due();
 }
 
 TimeNs CommandChannel::repeat_zero(TimeNs now) {
   if (gate_.offer(zero_, now)) {
-    send(zero_);
+    publish_(zero_);
   }
   return gate_.next_due();
 }
 
 void CommandChannel::send_zero(TimeNs now) {
   gate_.force(zero_, now);
-  send(zero_);
-}
-
-void CommandChannel::send(std::span<const double> values) {
-  ++sent_;
-  publish_(values);
+  publish_(zero_);
 }
 
 TimeNs CommandChannel::next_due() const {
@@ -214,7 +209,7 @@ TimeNs CommandChannel::poll(TimeNs now) {
   }
   if (gate_.poll(now)) {
     commands_ += state_ == State::running ? 1 : 0;
-    send(gate_.current());
+    publish_(gate_.current());
   }
   return next_due();
 }
@@ -238,7 +233,7 @@ std::optional<Limiter::Cut> CommandChannel::first_cut() const {
 std::vector<Counter> CommandChannel::counters() const {
   const std::lock_guard lock(mutex_);
   std::vector<Counter> counters = {{"commands", commands_},
-                                   {"sent", sent_},
+                                   {"sent", gate_.sent()},
                                    {"resumed", resumed_},
                                    {"overrides", overrides_},
                                    {"limited", limiter_.cuts()}};

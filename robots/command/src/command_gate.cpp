@@ -42,6 +42,7 @@ bool CommandGate::send(TimeNs now) {
   last_ = current_;
   last_time_ = now;
   sent_ = true;
+  ++sent_count_;
   return true;
 }
 

@@ -92,7 +92,6 @@ class CommandChannel {
   // All below are called under the lock.
   void enter(State state, TimeNs now);
   void send_zero(TimeNs now);
-  void send(std::span<const double> values);
   TimeNs drive(std::span<const double> values, TimeNs now);
   TimeNs stop_network(StopReason reason, TimeNs now);
   TimeNs repeat_zero(TimeNs now);
@@ -121,7 +120,6 @@ class CommandChannel {
   bool overridden_ = false;
   TimeNs suspended_until_ = std::numeric_limits<TimeNs>::min();  ///< no command before
   std::uint64_t commands_ = 0;
-  std::uint64_t sent_ = 0;
   std::uint64_t resumed_ = 0;
   std::uint64_t overrides_ = 0;
   std::array<std::uint64_t, kStopReasons> stops_{};

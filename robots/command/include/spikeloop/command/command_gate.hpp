@@ -1,6 +1,7 @@
 // When a command leaves. A pure function of values and times, so that every rule is a test.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -40,6 +41,8 @@ class CommandGate {
   void forget();
 
   std::span<const double> current() const { return current_; }
+  /// Commands that have left: of offer(), poll() and force().
+  std::uint64_t sent() const { return sent_count_; }
 
  private:
   bool moved() const;
@@ -52,6 +55,7 @@ class CommandGate {
   TimeNs last_time_ = 0;
   bool any_ = false;   ///< current_ holds a command
   bool sent_ = false;  ///< last_ holds one
+  std::uint64_t sent_count_ = 0;
 };
 
 }  // namespace spikeloop::command
