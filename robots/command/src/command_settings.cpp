@@ -12,10 +12,6 @@ constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
 }  // namespace
 
-ChannelSettings channel_settings(const CommandSettings& settings) {
-  return {settings.gate, settings.bounds, settings.manual.timeout};
-}
-
 CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
                                  double command_rate, const LoopClock& clock,
                                  bool with_data_stamp) {

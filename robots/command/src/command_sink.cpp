@@ -31,7 +31,7 @@ std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
 CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
     : settings_(settings),
       transport_(std::move(transport)),
-      channel_(channel_settings(settings), transport_.publish),
+      channel_({settings.gate, settings.bounds, settings.manual.timeout}, transport_.publish),
       sensors_(timeouts(settings.sensors)),
       spikes_({settings.spike_timeout}),
       operator_(settings.emergency_stop, channel_) {

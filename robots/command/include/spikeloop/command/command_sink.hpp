@@ -58,8 +58,6 @@ struct CommandSettings {
   Override manual{};
 };
 
-ChannelSettings channel_settings(const CommandSettings& settings);
-
 /// Why a robot stands, as a sentence goes on behind "the robot is stopped: ".
 /// @param silent_sensor of settings.sensors, for that reason
 std::string stop_cause(StopReason reason, const CommandSettings& settings,
