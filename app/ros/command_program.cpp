@@ -208,7 +208,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   description.seed = process.common().seed;
   description.sources = {{"in", in.get()}};
   description.nodes = {{"fields", &fields, {}, {}}};
-  description.sinks = {{"topic", &sink}};
+  description.sinks = {{"topic", &sink.graph_sink()}};
   description.connections = {{"in.in", "fields.in", width, 0, {}},
                              {"fields.out", "topic.command", settings.width, 0, {}}};
   if (data_stamp) {

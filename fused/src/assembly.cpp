@@ -156,7 +156,7 @@ void Assembly::add_command(const Node& node) {
   take_latency(node, *commands_.back());
   classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
   description_.nodes.push_back({node.name, classes_.back().get(), {}, node.where});
-  description_.sinks.push_back({sender_of(node.name), commands_.back().get()});
+  description_.sinks.push_back({sender_of(node.name), &commands_.back()->graph_sink()});
   description_.connections.push_back(
       {node.name + ".out", sender_of(node.name) + ".command", fields, 0, node.where});
 }

@@ -63,8 +63,9 @@ std::vector<EndpointPort> CommandSink::ports() const {
 }
 
 void CommandSink::send(const Step& step) {
-  if (transport_.require) {
-    transport_.require();
+  if (transport_.begin_tick && !transport_.begin_tick(step.interval().end)) {
+    alive();
+    return;
   }
   simulated_ = step.interval().end;
   if (settings_.clock == CommandClock::lockstep) {
@@ -82,6 +83,9 @@ void CommandSink::send(const Step& step) {
     watch_->heartbeat(settings_.clock == CommandClock::wall ? due : kNever);
   }
   announce();
+  if (transport_.end_tick) {
+    transport_.end_tick();
+  }
 }
 
 std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs now) {

@@ -100,13 +100,15 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
 CommandEndpoint::~CommandEndpoint() = default;
 
 command::CommandSink::Transport CommandEndpoint::transport() {
-  command::CommandSink::Transport transport{.publish = [this](auto values) { publish(values); },
-                                            .finish = [this] { finish(); },
-                                            .watched = !session_.local()};
+  command::CommandSink::Transport transport{
+      .publish = [this](auto values) { publish(values); },
+      .finish = [this] { finish(); },
+      .begin_tick = [this](TimeNs end) { return begin_tick(end); },
+      .end_tick = [this] { end_tick(); },
+      .watched = !session_.local()};
   if (!session_.local()) {
     transport.interrupted = [] { ::kill(::getpid(), SIGTERM); };
     transport.beat = [this](TimeNs now) { return beat(now); };
-    transport.require = [this] { session_.require_alive(); };
   }
   return transport;
 }
@@ -168,13 +170,16 @@ nlohmann::json CommandEndpoint::summary() const {
   return summary;
 }
 
-void CommandEndpoint::send(const Step& step) {
+bool CommandEndpoint::begin_tick(TimeNs end) {
   if (!may_begin()) {
-    sink_.alive();
-    return;
+    return false;
   }
-  ended_ = step.interval().end;
-  sink_.send(step);
+  ended_ = end;
+  session_.require_alive();
+  return true;
+}
+
+void CommandEndpoint::end_tick() {
   keep_sent();
   if (!minded_subscribers_ && count_ != 0 && !session_.local()) {
     mind_subscribers();

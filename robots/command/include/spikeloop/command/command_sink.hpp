@@ -82,7 +82,10 @@ class CommandSink : public Sink {
     std::function<void()> finish;         ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted{};  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
-    std::function<void()> require{};           ///< throws in the loop when nothing leaves any more
+    /// In the loop, before and after what a tick sends; `end` is its end. The first one throws when
+    /// nothing leaves any more; false: nothing may leave yet, and the tick is let pass.
+    std::function<bool(TimeNs end)> begin_tick{};
+    std::function<void()> end_tick{};
     /// A thread stops the robot when the loop hangs or the process is told to end. Without it the
     /// process's signals stay its own.
     bool watched = true;

@@ -32,20 +32,21 @@ struct Address {
   std::vector<std::string> fields;  ///< as topics::Publisher has them
 };
 
-/// Ports as command::CommandSink. On a local session the robot is stepped by the loop itself: there
-/// is no guard, and the end of the process ends the robot, too.
-class CommandEndpoint : public Sink {
+/// On a local session the robot is stepped by the loop itself: there is no guard, and the end of
+/// the process ends the robot, too.
+class CommandEndpoint {
  public:
   /// Advertises the topic, and makes the guard advertise it, so that subscribers are connected to
   /// both before the robot is driven: until the guard has met somebody who hears us, steps are let
   /// pass, for 3 s at most. @throws ConfigurationError as topics::Publisher.
   CommandEndpoint(topics::Session& session, const Address& address,
                   const command::CommandSettings& settings, topics::Keep keep = {});
-  ~CommandEndpoint() override;
+  ~CommandEndpoint();
+  CommandEndpoint(const CommandEndpoint&) = delete;
+  CommandEndpoint& operator=(const CommandEndpoint&) = delete;
 
-  std::vector<EndpointPort> ports() const override { return sink_.ports(); }
-  void send(const Step& step) override;
-  std::vector<Counter> counters() const override { return sink_.counters(); }
+  /// What a graph sends to; a command::CommandSink.
+  Sink& graph_sink() { return sink_; }
   /// As CommandSink.
   void on_latency(command::TakeLatency take) { sink_.on_latency(std::move(take)); }
   /// Zero, the last thing that leaves.
@@ -68,6 +69,8 @@ class CommandEndpoint : public Sink {
   std::uint64_t sent() const { return count_; }
 
  private:
+  bool begin_tick(TimeNs end);
+  void end_tick();
   void publish(std::span<const double> values);
   void finish();
   void keep_sent();
