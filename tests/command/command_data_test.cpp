@@ -14,7 +14,7 @@ using testing::ElementsAre;
 constexpr TimeNs kMs = 1'000'000;
 constexpr const char* kDriven = "the robot is driven by the network";
 
-/// Ticks of 10 ms of a sink with two sensors, of which the first is the pace's.
+/// Ticks of 10 ms of a sink with two sensors, of which the first is the data stamp's.
 class CommandDataTest : public testing::Test {
  protected:
   struct Tick {
@@ -50,7 +50,7 @@ class CommandDataTest : public testing::Test {
 
   static CommandSettings settings(TimeNs first, TimeNs second, TimeNs spikes = 0) {
     return {.width = 1,
-            .with_pace = true,
+            .with_data_stamp = true,
             .gate = {.deadband = {0.02}, .min_interval = kMs},
             .max_age = 1000 * kMs,
             .clock = CommandClock::simulated,
@@ -74,7 +74,7 @@ TEST_F(CommandDataTest, ports_are_as_many_as_what_is_watched) {
   for (const EndpointPort& port : sink.ports()) {
     names.push_back(port.name);
   }
-  EXPECT_THAT(names, ElementsAre("command", "pace", "sensor_0", "sensor_1", "spikes_0"));
+  EXPECT_THAT(names, ElementsAre("command", "data_stamp", "sensor_0", "sensor_1", "spikes_0"));
 }
 
 TEST_F(CommandDataTest, a_sensor_that_falls_silent_stops_the_robot_until_it_comes_back) {

@@ -50,8 +50,8 @@ CommandSink::~CommandSink() {
 
 std::vector<EndpointPort> CommandSink::ports() const {
   std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width}};
-  if (settings_.with_pace) {
-    ports.push_back({"pace", PortKind::signal, 1});
+  if (settings_.with_data_stamp) {
+    ports.push_back({"data_stamp", PortKind::signal, 1});
   }
   for (std::size_t i = 0; i < settings_.sensors.size(); ++i) {
     ports.push_back({fmt::format("sensor_{}", i), PortKind::signal, 1});
@@ -92,7 +92,7 @@ std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs n
   const std::optional<TimeNs> age = age_of_data(step, now);
   note_arrivals(step, now);
   // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.
-  if (!step.signal_input(0).valid() || (settings_.with_pace && !age)) {
+  if (!step.signal_input(0).valid() || (settings_.with_data_stamp && !age)) {
     return StopReason::no_value;
   }
   if (const auto sensor = sensors_.silent(now)) {
@@ -109,13 +109,13 @@ std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs n
 }
 
 std::optional<TimeNs> CommandSink::age_of_data(const Step& step, TimeNs now) {
-  if (!settings_.with_pace) {
+  if (!settings_.with_data_stamp) {
     return std::nullopt;
   }
-  const SignalInput pace = step.signal_input(1);
+  const SignalInput data_stamp = step.signal_input(1);
   const std::uint64_t known = age_.messages();
-  const std::optional<TimeNs> age =
-      age_.update(pace.valid() ? pace.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
+  const std::optional<TimeNs> age = age_.update(
+      data_stamp.valid() ? data_stamp.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
   if (take_latency_ && age && age_.messages() != known) {
     take_latency_(step.interval().end, *age);
   }
@@ -123,7 +123,7 @@ std::optional<TimeNs> CommandSink::age_of_data(const Step& step, TimeNs now) {
 }
 
 void CommandSink::note_arrivals(const Step& step, TimeNs now) {
-  const std::size_t first = settings_.with_pace ? 2 : 1;
+  const std::size_t first = settings_.with_data_stamp ? 2 : 1;
   for (std::size_t i = 0; i < settings_.sensors.size(); ++i) {
     const SignalInput arrived = step.signal_input(first + i);
     if (arrived.valid() && std::isfinite(arrived.values[0])) {

@@ -72,8 +72,8 @@ struct Condition {
   std::string text;  ///< "the robot is stopped: ..."
 };
 
-/// Ports: `command` [width]; `with_pace` `pace` [1], `sensor_0` [1], ...: the times at which the
-/// newest messages arrived, in s; and the spikes `spikes_0` [width], ...
+/// Ports: `command` [width]; `with_data_stamp` `data_stamp` [1], `sensor_0` [1], ...: the times at
+/// which the newest messages arrived, in s; and the spikes `spikes_0` [width], ...
 class CommandSink : public Sink {
  public:
   /// What carries the commands.
@@ -105,7 +105,7 @@ class CommandSink : public Sink {
   void begin_anew() { channel_.begin_anew(now()); }
   /// As CommandChannel's.
   void allow_no_value() { channel_.allow_no_value(); }
-  /// Before the loop begins. Nothing is called without `with_pace`.
+  /// Before the loop begins. Nothing is called without `with_data_stamp`.
   void on_latency(TakeLatency take) { take_latency_ = std::move(take); }
   /// As OperatorInput.
   void watch_publishers(std::function<bool()> has_publishers) {
