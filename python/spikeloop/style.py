@@ -63,7 +63,13 @@ def new_figure(width_in, height_in):
 
 
 def save(figure, path):
-    figure.savefig(path, dpi=DPI if str(path).endswith(".png") else PRINT_DPI)
+    """Writes the file. `figure` is from new_figure() and is not drawn again."""
+    dpi = DPI if str(path).endswith(".png") else PRINT_DPI
+    figure.set_dpi(dpi)
+    # savefig() draws a figure that has a layout twice, the first time only to place its parts.
+    figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine(None)
+    figure.savefig(path, dpi=dpi)
 
 
 def legend_beside(axes, handles=None):
