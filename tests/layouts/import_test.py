@@ -209,7 +209,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--spikeloop", required=True)
     parser.add_argument("--example", required=True, help="examples/01_braitenberg")
-    parser.add_argument("--graphs", type=int, default=10)
+    parser.add_argument("--graphs", type=int, default=5)
     options = parser.parse_args()
     program = str(pathlib.Path(options.spikeloop).resolve())
     with tempfile.TemporaryDirectory() as scratch:

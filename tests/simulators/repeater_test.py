@@ -9,8 +9,8 @@ import numpy as np
 import jobs
 
 WIDTH = 1000
-DURATION_S = 1
-END = DURATION_S * 10**9
+DURATION_S = 0.3
+END = round(DURATION_S * 1e9)
 
 
 NETWORK = f"""resolution: 0.1 ms

@@ -43,10 +43,10 @@ def snippet(title, number=0):
 
 
 class Snippets(unittest.TestCase):
-    def fired(self, text, width, keys=""):
+    def fired(self, text, width, keys="", duration_s=0.3):
         """(spikes that were sent, (times, channels) that came back)"""
         with jobs.Job("brain.py", width, text=text, encoder="rate_encoder", rate_max=40,
-                      duration_s=1, keys=keys) as job:
+                      duration_s=duration_s, keys=keys) as job:
             # Brian2 reads it; compilation would take most of the test's time.
             (job.folder / "brian_preferences").write_text("[codegen]\ntarget = 'numpy'\n")
             job.run("--quiet")
@@ -63,13 +63,13 @@ class Snippets(unittest.TestCase):
 
     def test_neuron_in_several_processes(self):
         text = snippet("NEURON", 2)
-        sent, one = self.fired(text, 100, keys="np=1")
-        jobs.assert_same(one, self.fired(text, 100, keys="np=2")[1], "two processes")
+        sent, one = self.fired(text, 100, keys="np=1", duration_s=0.6)
+        jobs.assert_same(one, self.fired(text, 100, keys="np=2", duration_s=0.6)[1], "two processes")
         self.assertEqual(len(one[0]), sent)
         self.assertEqual(set(one[1]), set(range(100)))
 
     def test_cells_of_neuron_that_no_variable_holds(self):
-        sent, (times, channels) = self.fired(LOST, 5)
+        sent, (times, channels) = self.fired(LOST, 5, duration_s=0.6)
         self.assertEqual(len(times), sent)
         self.assertEqual(set(channels), set(range(5)))
 
