@@ -5,6 +5,7 @@ import numpy as np
 from . import style
 from .run_folder import RunFolder, RunFolderError
 from .summary import settings_of
+from .sweep import is_seed
 
 WINDOW = 9  # episodes, of the running median
 MANY = 30  # marks become smaller
@@ -56,7 +57,7 @@ def _groups(runs):
     """The runs by their settings, without those that are the same in all, and without seeds."""
     settings = [settings_of(folder) for folder, _ in runs]
     keys = [key for key in dict.fromkeys(key for one in settings for key in one)
-            if key.split(".")[-1] != "seed" and len({one.get(key) for one in settings}) > 1]
+            if not is_seed(key) and len({one.get(key) for one in settings}) > 1]
     groups = {}
     for one, (_, table) in zip(settings, runs):
         name = ", ".join(f"{key.split('.')[-1]} {one.get(key, '-')}" for key in keys)

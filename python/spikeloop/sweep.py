@@ -79,6 +79,10 @@ class Sweep:
         """Of the run's folder: "007"; numbers count from 1."""
         return f"{number:0{self._digits}}"
 
+    def varied(self):
+        """Keys that have several values."""
+        return [key for key in self.runs[0] if len({run[key] for run in self.runs}) > 1]
+
     def missing(self):
         """Numbers of the runs that have no row."""
         return [number for number in range(1, len(self.runs) + 1) if number not in self.rows]
@@ -306,8 +310,16 @@ def _jobs(given, sweep, sync):
     return given.jobs or (len(os.sched_getaffinity(0)) if all_of_them <= {"lockstep", "unpaced"} else 1)
 
 
-def _draw(folder):
-    """sweep.png, if there is something to see: `spikeloop plot FOLDER` says why there is not."""
+def is_seed(key):
+    """Whether a key's values differ by chance alone: "seed", "robot.seed"."""
+    return key.split(".")[-1] == "seed"
+
+
+def _draw(sweep):
+    """sweep.png and episodes.png, if there is something to see: `spikeloop plot FOLDER` says why there is not."""
+    folder = sweep.folder
+    if all(map(is_seed, sweep.varied())) and not any(folder.glob("*/episodes.csv")):
+        return  # and half a second for importing matplotlib is saved
     try:
         from .plots import plot_run
         plot_run(folder)
@@ -346,7 +358,7 @@ def _sweep(given):
             print(f"spikeloop: warning: --columns: no run has a counter '{name}'"
                   f"{did_you_mean(name, sorted(sweep.counters))}", file=sys.stderr)
     print(sweep.folder / TABLE)
-    _draw(sweep.folder)
+    _draw(sweep)
     return _report(sweep)
 
 

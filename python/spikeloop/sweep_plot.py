@@ -10,7 +10,7 @@ import numpy as np
 from . import style
 from .run_folder import RunFolderError
 from .summary import ROWS
-from .sweep import STATE, TABLE
+from .sweep import STATE, TABLE, is_seed
 
 TIMING = ("simulated_s", "wall_s", "real_time_factor")  # of the computation, not of the robot
 MOST_CURVES, MOST_TICKS = 12, 8
@@ -24,7 +24,7 @@ def draw(folder, path):
     Raises RunFolderError when nothing but seeds was swept, or no measure differs.
     """
     keys, measures, rows = _read(folder)
-    keys = [key for key in keys if key.split(".")[-1] != "seed" and _differ(rows, key)]
+    keys = [key for key in keys if not is_seed(key) and _differ(rows, key)]
     keys.sort(key=lambda key: -len({row[key] for row in rows}))
     measures = [measure for measure in measures if measure not in TIMING and _differ(rows, measure)]
     if not keys or not measures:
