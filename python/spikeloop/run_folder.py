@@ -192,8 +192,11 @@ class RunFolder:
             raise RunFolderError(f"'{file}' is missing: the run started no robot, and no message "
                                  "arrived on /odom")
         require_regular(file)
-        with open(file, newline="", encoding="utf-8") as text:
-            rows = list(csv.reader(text))
+        try:
+            with open(file, newline="", encoding="utf-8") as text:
+                rows = list(csv.reader(text))
+        except (csv.Error, UnicodeDecodeError) as error:
+            raise RunFolderError(f"'{file}' is not a table: {error}") from None
         header = rows[0] if rows else []
         absent = [name for name in TRAJECTORY_COLUMNS if name not in header]
         if absent:
@@ -223,7 +226,7 @@ class RunFolder:
             table = {name: np.array([float(row[name]) for row in rows])
                      for name in ("episode", "begin_s", "end_s", "steps", "return", "success")}
             return table | {"end": [row["end"] for row in rows]}
-        except (KeyError, ValueError) as error:
+        except (KeyError, ValueError, csv.Error) as error:
             raise RunFolderError(f"'{file}' is damaged: {error}") from None
 
     def world(self):

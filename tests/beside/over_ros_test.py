@@ -35,13 +35,13 @@ def real_time(scratch, version):
 
 def inside(scratch):
     """The same as lockstep, without ROS. @return the run's folder"""
-    file = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="2 s")
+    file = experiments.explorer(scratch, BRAIN, sync="lockstep", duration="1 s")
     experiments.run(file, scratch / "inside")
     return scratch / "inside"
 
 
 def lockstep(scratch, version, expected):
-    over_ros(scratch, "stepped", version, sync="lockstep", duration="2 s")
+    over_ros(scratch, "stepped", version, sync="lockstep", duration="1 s")
     for node in ("encoder", "brain"):
         experiments.assert_same(experiments.spikes(expected, node), experiments.spikes(scratch / "stepped", node), node)
     paths = [(folder / "trajectory.csv").read_bytes() for folder in (expected, scratch / "stepped")]
@@ -51,7 +51,7 @@ def lockstep(scratch, version, expected):
 def every_sync(scratch, version, expected):
     real_time(scratch, version)
     lockstep(scratch, version, expected)
-    over_ros(scratch, "clock", version, sync="sim_time", duration="2 s")
+    over_ros(scratch, "clock", version, sync="sim_time", duration="1 s")
     over_ros(scratch, "unpaced", version, sync="unpaced", duration="10 s")
     print(f"a script steers over ROS {version} with every sync")
 

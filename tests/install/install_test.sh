@@ -23,7 +23,7 @@ grep -q "spikeloop completion" "$work/prefix/share/bash-completion/completions/s
   exit 1
 }
 cmake -S "$2" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$3" \
-  -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || {
+  >"$work/configure.log" 2>&1 || {
   cat "$work/configure.log"
   exit 1
 }

@@ -22,6 +22,7 @@ import hundred_neurons  # noqa: E402
 from built_in import MS  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
+DURATION_S, DURATION_MS = 0.25, "250"
 
 
 def in_order(times, neurons):
@@ -126,16 +127,16 @@ class Brian2(Case):
     """Exact integration on one grid has no error but rounding: every spike is the same."""
 
     def check(self, model, least):
-        drive = hundred_neurons.driving_spikes(0.5)
-        own = self.own(model, drive, 0.5)
+        drive = hundred_neurons.driving_spikes(DURATION_S)
+        own = self.own(model, drive, DURATION_S)
         np.save(self.folder / "spikes.npy", np.stack(drive))
-        self.same(own, self.elsewhere("hundred_in_brian.py", model, "spikes.npy", "500"), least)
+        self.same(own, self.elsewhere("hundred_in_brian.py", model, "spikes.npy", DURATION_MS), least)
 
     def test_exponential_currents(self):
-        self.check("iaf_psc_exp", 1200)
+        self.check("iaf_psc_exp", 600)
 
     def test_jumps_of_the_potential(self):
-        self.check("iaf_psc_delta", 2400)
+        self.check("iaf_psc_delta", 1200)
 
 
 class WithoutAGrid(Case):
@@ -149,7 +150,7 @@ class WithoutAGrid(Case):
         return {**hundred_neurons.PARAMETERS["iaf_psc_delta"], "I_e": 0.0, "V_reset": -70.0}
 
     def test_NEURON_and_the_event_driven_solution(self):
-        drive = hundred_neurons.driving_spikes(0.5)
+        drive = hundred_neurons.driving_spikes(DURATION_S)
         # NEURON takes what comes at one time one by one: with odd delays, excitation and inhibition
         # do not meet.
         odd = [(pre, post, round(delay_ms + more, 6)) for (pre, post, delay_ms), more in
@@ -158,31 +159,31 @@ class WithoutAGrid(Case):
         changes = tuple((f"from: {pre}, to: {post}, rule: {pre}_{post}.npy, weight: 3, delay: {old} ms",
                          f"from: {pre}, to: {post}, rule: {pre}_{post}.npy, weight: 3, delay: {new} ms")
                         for (pre, post, old), (_, _, new) in zip(hundred_neurons.PROJECTIONS, odd))
-        own = self.own("iaf_psc_delta", drive, 0.5, self.QUIET + changes + self.OFF)
-        self.same(own, solve(self.quiet(), self.FACTOR, *drive, 500, odd), 500)
+        own = self.own("iaf_psc_delta", drive, DURATION_S, self.QUIET + changes + self.OFF)
+        self.same(own, solve(self.quiet(), self.FACTOR, *drive, float(DURATION_MS), odd), 250)
         np.save(self.folder / "spikes.npy", np.stack(drive))
         for variable in (False, True):
             (self.folder / "task.json").write_text(json.dumps(
                 {"parameters": self.quiet(), "factor": self.FACTOR, "variable": variable,
                  "projections": odd}))
             self.same(own, self.elsewhere("hundred_in_neuron.py", "task.json", "spikes.npy",
-                                          "500"), 500)
+                                          DURATION_MS), 250)
 
     def test_a_grid_that_holds_every_event(self):
         # Driving spikes are in whole microseconds, delays in tenths of a millisecond.
-        drive = hundred_neurons.driving_spikes(0.5)
-        off = self.own("iaf_psc_delta", drive, 0.5, self.QUIET + self.OFF)
-        grid = self.own("iaf_psc_delta", drive, 0.5,
+        drive = hundred_neurons.driving_spikes(DURATION_S)
+        off = self.own("iaf_psc_delta", drive, DURATION_S, self.QUIET + self.OFF)
+        grid = self.own("iaf_psc_delta", drive, DURATION_S,
                         self.QUIET + (("resolution: 0.1 ms", "resolution: 1 us"),))
-        self.same(off, grid, 500)
+        self.same(off, grid, 250)
 
     def test_a_constant_current_against_the_event_driven_solution(self):
-        drive = hundred_neurons.driving_spikes(0.4)
+        drive = hundred_neurons.driving_spikes(DURATION_S)
         strong = (("I_e: 300.0", "I_e: 420.0"),)
-        own = self.own("iaf_psc_delta", drive, 0.4, strong + self.OFF)
+        own = self.own("iaf_psc_delta", drive, DURATION_S, strong + self.OFF)
         parameters = {**hundred_neurons.PARAMETERS["iaf_psc_delta"], "I_e": 420.0}
-        wanted = solve(parameters, 1, *drive, 400)
-        self.assertGreater(len(own[0]), 2500)
+        wanted = solve(parameters, 1, *drive, float(DURATION_MS))
+        self.assertGreater(len(own[0]), 1500)
         on_events = np.isin(own[0] % 1000, 0).mean()
         self.assertLess(on_events, 0.9, "crossings between events were meant to happen")
         # A crossing is rounded up to 1 ns: the last digit of a logarithm may lead to the next one.
@@ -192,12 +193,12 @@ class WithoutAGrid(Case):
             self.assertLessEqual(np.abs(mine - theirs).max(initial=0), 20)
 
     def test_no_result_depends_on_the_tick(self):
-        drive = hundred_neurons.driving_spikes(0.4)
+        drive = hundred_neurons.driving_spikes(DURATION_S)
         changes = (("I_e: 300.0", "I_e: 420.0"),) + self.OFF
-        runs = [self.own("iaf_psc_delta", drive, 0.4, changes, tick=tick)
+        runs = [self.own("iaf_psc_delta", drive, DURATION_S, changes, tick=tick)
                 for tick in ("0.5 ms", "1 ms", "50 ms")]
-        self.same(runs[1], runs[0], 2500)
-        self.same(runs[1], runs[2], 2500)
+        self.same(runs[1], runs[0], 1500)
+        self.same(runs[1], runs[2], 1500)
 
 
 if __name__ == "__main__":

@@ -157,6 +157,10 @@ class ErrorTest(Folder):
         file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,0,0,0,0,zero,0\n")
         self.says(run.trajectory, "'FOLDER/trajectory.csv' holds something that is not a number: "
                   "could not convert string to float: 'zero'")
+        for content, error in ((b"x" * 200_000, "field larger than field limit (131072)"),
+                               (b"\xff", "'utf-8' codec can't decode byte 0xff in position 0: invalid start byte")):
+            file.write_bytes(content)
+            self.says(run.trajectory, f"'FOLDER/trajectory.csv' is not a table: {error}")
         file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,1,2,3,4,5,0\n0.1,1,")
         self.assertEqual({name: list(column) for name, column in run.trajectory().items()},
                          {"t_s": [0], "x_m": [1], "y_m": [2], "theta_rad": [3], "v_m_s": [4],

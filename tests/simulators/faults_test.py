@@ -260,13 +260,13 @@ class SimulatorFaults(unittest.TestCase):
               "of 0.3 ms; choose another h.dt, or variable steps")
         check("h.finitialize(); h.t = 5", "NEURON's time is 5 ms at the first tick; call "
               "h.finitialize() before the loop")
-        check("host.connect_input('inn', 0, h.IntFire1())", "connect_input('inn', ...): spikes_in "
-              "has no 'inn'; known: in")
-        check("host.connect_output('out', 4, h.IntFire1())", "connect_output('out', 4, ...): the "
-              "port has channels 0 to 3")
+        self.refused(".neuron", "from neuron import h", {
+            "host.connect_input('inn', 0, h.IntFire1())": "connect_input('inn', ...): spikes_in has no 'inn'; known: in",
+            "host.connect_output('out', 4, h.IntFire1())": "connect_output('out', 4, ...): the port has channels 0 to 3"},
+            "the script has left `with spikeloop.music(...)` without its loop")
 
     def test_brian2(self):
-        """Statements that share a job, for it takes seconds to import Brian2: each is refused."""
+        """It takes seconds to import Brian2."""
         group = "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1'); "
         statements = {
             "host.input('inn')": "host.input('inn'): spikes_in has no 'inn'; known: in",
@@ -280,26 +280,30 @@ class SimulatorFaults(unittest.TestCase):
             "Brian2's step of 0.3 ms; choose another defaultclock.dt",
             "b.defaultclock.dt = 0.1 * b.ms; " + group + "n = b.Network(g); n.run(1 * b.ms); "
             "host.run(n)": "the network's time is 0.001 s before the run; let host.run() be its first"}
-        said = self.check(BRIAN.format(statements=list(statements)), "the script has left `with "
-                          "spikeloop.music(...)` without its loop", code=5)
+        self.refused(".brian", "import brian2 as b", statements,
+                     "this Brian2 device runs a program of its own; leave set_device() out",
+                     last="b.set_device('cpp_standalone'); host.run(b.Network())")
+
+    def refused(self, module, imports, statements, end, last="pass"):
+        """A job whose script catches the error of each of these statements (with its text), but not that of the last."""
+        said = self.check(STATEMENTS.format(module=module, imports=imports, statements=list(statements), last=last),
+                          end, code=5)
         refused = [line.split("REFUSED ")[1] for line in said.splitlines() if "REFUSED" in line]
         self.assertEqual(len(refused), len(statements), refused)
         for message, line in zip(statements.values(), refused):
             self.assertIn(message, line)
-        # One that the script does not catch.
-        text = script(prepare="import brian2 as b; b.set_device('cpp_standalone'); host.run()", module=".brian")
-        self.check(text, "this Brian2 device runs a program of its own; leave set_device() out", code=5)
 
 
-BRIAN = """#!/usr/bin/python3
-import brian2 as b
-import spikeloop.brian
-with spikeloop.brian.music(spikes_in={{"in": None}}, spikes_out={{"out": None}}) as host:
+STATEMENTS = """#!/usr/bin/python3
+{imports}
+import spikeloop{module}
+with spikeloop{module}.music(spikes_in={{"in": None}}, spikes_out={{"out": None}}) as host:
     for statement in {statements}:
         try:
             exec(statement)
         except Exception as error:
             print("REFUSED", error)
+    {last}
 """
 EXPECTED = [
     'a host without ports; write  spikeloop.music(spikes_in={"in": 100})',
