@@ -11,19 +11,20 @@ import experiments
 from experiments import runs
 
 TICK = 10**6
+DURATION_S = 2
 
 
 def five_runs(scratch):
     file = experiments.explorer(scratch, "simulator: python\nscript: echo.py", sync="lockstep",
-                                duration="6 s")
+                                duration=f"{DURATION_S} s")
     prints = []
     for i in range(5):
         summary, _ = experiments.run(file, scratch / f"run{i}")
         prints.append(runs.fingerprint(scratch / f"run{i}"))
     assert len(set(prints)) == 1, prints
     assert summary["layout"] == "fused" and summary["sync"] == "lockstep", summary
-    assert summary["collisions"] == 0 and summary["distance_m"] > 1, summary
-    assert summary["simulated_s"] == 6, summary
+    assert summary["collisions"] == 0 and summary["distance_m"] > 0.3, summary
+    assert summary["simulated_s"] == DURATION_S, summary
     experiments.run(file, scratch / "other", "--seed", "2")
     assert runs.fingerprint(scratch / "other") != prints[0]
     return prints[0]
@@ -31,11 +32,11 @@ def five_runs(scratch):
 
 def every_spike_comes_back(scratch):
     sent = experiments.spikes(scratch / "run0", "encoder")
-    assert sent.shape[1] > 1800, sent.shape
+    assert sent.shape[1] > 600, sent.shape
     experiments.assert_same(sent, experiments.spikes(scratch / "run0", "brain"), "the answers")
     summary = runs.json.loads((scratch / "run0/summary.json").read_text())
     counters = summary["processes"]["experiment"]["counters"]
-    in_time = experiments.delayed(sent, TICK, 6 * 10**9).shape[1]
+    in_time = experiments.delayed(sent, TICK, DURATION_S * 10**9).shape[1]
     assert counters["brain.out->decoder.in.spikes"] == in_time, counters
     assert counters["brain.out->decoder.in.late"] == 0, counters
     assert summary["spikes"] == in_time, summary
@@ -64,7 +65,7 @@ def main():
         every_spike_comes_back(scratch)
         hesitating(scratch, fingerprint)
         replayed(scratch)
-    print("six runs of 6 s with a script are the same to the bit")
+    print("six runs with a script are the same to the bit")
 
 
 if __name__ == "__main__":

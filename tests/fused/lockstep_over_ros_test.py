@@ -9,7 +9,7 @@ import tempfile
 import ros
 import runs
 
-RUNS = (("short", ["--duration", "3"]), ("long", ["--duration", "8", "--seed", "4"]))
+RUNS = (("short", ["--duration", "1"]), ("long", ["--duration", "4", "--seed", "4"]))
 
 
 def main():
