@@ -33,7 +33,7 @@ constexpr std::int64_t kShortSleep = 100 * kMicrosecond;
 constexpr std::int64_t kPartOfLongWait = 32;
 constexpr std::int64_t kLongestSleep = 5'000 * kMicrosecond;
 /// Who waits for a bell sleeps at least this long: it only looks in case the sender has none.
-constexpr std::int64_t kSleepForBell = 1000 * kMicrosecond;
+constexpr std::int64_t kSleepForBell = 50 * kMicrosecond;
 /// A yield that takes longer gave the processor to a program that computes: whoever yields then
 /// waits for the whole time slice of each such program, and whoever sleeps goes before them.
 constexpr std::int64_t kBusyYield = 1000 * kMicrosecond;
