@@ -1,4 +1,4 @@
-// It enters programs of any kind: it needs libc alone.
+// Part of the library that `spikeloop run` preloads into programs of any kind: it needs libc alone.
 #include "bell.hpp"
 
 #include <fcntl.h>
@@ -22,6 +22,7 @@ namespace {
 struct alignas(64) Bell {
   std::atomic<std::uint32_t> rings;
   std::atomic<std::uint32_t> asleep;  ///< threads of its process
+  std::atomic<std::uint32_t> exists;  ///< its process has this library, and rings
 };
 
 Bell* bells = nullptr;  ///< one per rank
@@ -29,31 +30,49 @@ int size = 0;
 int own = kNobody;
 thread_local int partner = kNobody;
 thread_local bool exchanging = false;
+thread_local bool begun = false;
 
 int number(const char* variable) {
   const char* const text = getenv(variable);
   return text == nullptr ? kNobody : atoi(text);
 }
 
-/// In a file beside the launcher's socket, in the folder of the job. As the launcher has set the
-/// variables: the program may change them.
+/// The bells are a file beside the launcher's socket, in the folder of the job. mpirun inside of a
+/// program has a job of its own. Reads the variables before the program can change them.
 [[gnu::constructor]] void open_bells() {
   const char* const status = getenv("SPIKELOOP_STATUS");
   const char* const slash = status == nullptr ? nullptr : strrchr(status, '/');
+  const char* const job = getenv("PMIX_NAMESPACE");
   size = number("OMPI_COMM_WORLD_SIZE");
   own = number("OMPI_COMM_WORLD_RANK");
-  if (slash == nullptr || own < 0 || own >= size) {
+  if (slash == nullptr || job == nullptr || own < 0 || own >= size) {
     return;
   }
   char path[PATH_MAX];
-  snprintf(path, sizeof path, "%.*s/bells", static_cast<int>(slash - status), status);
+  snprintf(path, sizeof path, "%.*s/bells-%s", static_cast<int>(slash - status), status, job);
   const int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   const auto length = static_cast<std::size_t>(size) * sizeof(Bell);
-  if (file >= 0 && ftruncate(file, static_cast<off_t>(length)) == 0) {
+  if (file >= 0 && posix_fallocate(file, 0, static_cast<off_t>(length)) == 0) {
     void* const place = mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     bells = place == MAP_FAILED ? nullptr : static_cast<Bell*>(place);
   }
   close(file);
+  if (bells != nullptr) {
+    bells[own].exists = 1;
+  }
+}
+
+void ring(int rank) {
+  if (bells == nullptr || rank < 0 || rank >= size) {
+    return;
+  }
+  Bell& bell = bells[rank];
+  bell.rings.fetch_add(1);
+  if (bell.asleep.load() > 0) {
+    const int before = errno;
+    syscall(SYS_futex, &bell.rings, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+    errno = before;
+  }
 }
 
 }  // namespace
@@ -75,32 +94,26 @@ void sleep(std::uint32_t seen, std::int64_t length) {
   bell.asleep.fetch_sub(1);
 }
 
-void ring(int rank) {
-  if (bells == nullptr || rank < 0 || rank >= size) {
-    return;
-  }
-  Bell& bell = bells[rank];
-  bell.rings.fetch_add(1);
-  if (bell.asleep.load() > 0) {
-    const int before = errno;
-    syscall(SYS_futex, &bell.rings, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
-    errno = before;
-  }
-}
-
 void begin(int rank) {
-  if (rank != kNobody) {
+  exchanging = bells != nullptr && rank >= 0 && rank < size;
+  if (exchanging) {
     partner = rank;
+    begun = true;
   }
-  exchanging = bells != nullptr;
 }
 
 void end() {
   exchanging = false;
 }
 
-bool will_ring() {
-  return exchanging;
+bool will_be_rung() {
+  return exchanging && bells[partner].exists.load() != 0;
+}
+
+bool has_begun() {
+  const bool result = begun;
+  begun = false;
+  return result;
 }
 
 void ring_partner() {

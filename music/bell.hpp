@@ -7,29 +7,31 @@
 
 namespace spikeloop::bell {
 
-/// Not a rank.
+/// Instead of a rank of MPI_COMM_WORLD.
 inline constexpr int kNobody = -1;
 
-/// Whether the processes of this job have bells; without them the others do nothing.
+/// Whether the processes of this job have bells.
 bool exists();
 
-/// How often our own bell has been rung.
+/// How often our own bell has been rung; 0 without bells.
 std::uint32_t rings();
 
 /// Sleeps until our own bell has been rung more often than `seen`, `length` nanoseconds at most.
+/// Only where bells exist.
 void sleep(std::uint32_t seen, std::int64_t length);
 
-/// Rings that of a rank of MPI_COMM_WORLD.
-void ring(int rank);
-
-/// This thread exchanges messages with a rank: whoever has something for it rings, until end().
+/// This thread begins, or ends, to exchange a message with a rank, its partner. With kNobody
+/// nothing begins.
 void begin(int rank);
 void end();
 
-/// Whether this thread is between begin() and end().
-bool will_ring();
+/// Whether this thread exchanges a message with a partner that has a bell, and so rings ours.
+bool will_be_rung();
 
-/// At the begin of every wait: for what this thread has just sent, or answered.
+/// Whether a message has been begun since this was last asked.
+bool has_begun();
+
+/// Rings the bell of the rank of the last begin().
 void ring_partner();
 
 }  // namespace spikeloop::bell

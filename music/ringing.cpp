@@ -32,22 +32,22 @@ Function* mpi(Function* /*like*/, const char* name, const void* caller) {
 // Ours are found before MPI's under the name without the P.
 #define OF_MPI(NAME, CALLER) mpi(static_cast<decltype(&NAME)>(nullptr), "P" #NAME, CALLER)
 
-/// The rank in MPI_COMM_WORLD of one of a communicator: in the other group, if it has two.
+/// The rank in MPI_COMM_WORLD of one of the other group. MUSIC's data go from group to group, and
+/// only there do both sides ring: others may use functions that do not.
 int translated(MPI_Comm comm, int rank, const void* caller) {
-  // Its symbol may be copied into the program, where a library does not find it. 0 is its number in
-  // Open MPI's mpif.h.
+  int has_other_group = 0;
+  OF_MPI(MPI_Comm_test_inter, caller)(comm, &has_other_group);
+  if (has_other_group == 0) {
+    return kNobody;
+  }
+  // MPI_COMM_WORLD, whose symbol would link this library to MPI, has this number in Open MPI's
+  // mpif.h.
   auto* const world = OF_MPI(MPI_Comm_f2c, caller)(0);
-  int has_two = 0;
   MPI_Group all = nullptr;
   MPI_Group theirs = nullptr;
   int result = kNobody;
-  OF_MPI(MPI_Comm_test_inter, caller)(comm, &has_two);
   OF_MPI(MPI_Comm_group, caller)(world, &all);
-  if (has_two != 0) {
-    OF_MPI(MPI_Comm_remote_group, caller)(comm, &theirs);
-  } else {
-    OF_MPI(MPI_Comm_group, caller)(comm, &theirs);
-  }
+  OF_MPI(MPI_Comm_remote_group, caller)(comm, &theirs);
   OF_MPI(MPI_Group_translate_ranks, caller)(theirs, 1, &rank, all, &result);
   OF_MPI(MPI_Group_free, caller)(&theirs);
   OF_MPI(MPI_Group_free, caller)(&all);
@@ -55,7 +55,7 @@ int translated(MPI_Comm comm, int rank, const void* caller) {
 }
 
 /// Remembers those that MUSIC uses again and again. When a new communicator gets the place of one
-/// that was freed, a wrong bell rings, and the receiver finds its message by looking.
+/// that was freed, a wrong bell rings, and receivers find their messages by looking.
 int world_rank(MPI_Comm comm, int rank, const void* caller) {
   struct Known {
     MPI_Comm comm = nullptr;
@@ -63,7 +63,10 @@ int world_rank(MPI_Comm comm, int rank, const void* caller) {
     int result = kNobody;
   };
   static thread_local std::array<Known, 64> known;
-  if (!exists() || rank < 0) {  // MPI_ANY_SOURCE, MPI_PROC_NULL
+  if (rank == MPI_ANY_SOURCE) {
+    rank = 0;  // a program that sends by MUSIC has one rank
+  }
+  if (!exists() || rank < 0) {  // MPI_PROC_NULL
     return kNobody;
   }
   const auto place = reinterpret_cast<std::uintptr_t>(comm) / 64 + static_cast<std::size_t>(rank);
@@ -87,6 +90,7 @@ int MPI_Ssend(const void* data, int count, MPI_Datatype type, int rank, int tag,
   static auto* const send = OF_MPI(MPI_Ssend, CALLER);
   begin(world_rank(comm, rank, CALLER));
   const int result = send(data, count, type, rank, tag, comm);
+  ring_partner();  // for the last piece
   end();
   return result;
 }
@@ -104,9 +108,11 @@ int MPI_Isend(const void* data, int count, MPI_Datatype type, int rank, int tag,
 int MPI_Recv(void* data, int count, MPI_Datatype type, int rank, int tag, MPI_Comm comm,
              MPI_Status* status) {
   static auto* const receive = OF_MPI(MPI_Recv, CALLER);
+  MPI_Status own{};
+  MPI_Status* const arrived = status == MPI_STATUS_IGNORE ? &own : status;
   begin(world_rank(comm, rank, CALLER));
-  const int result = receive(data, count, type, rank, tag, comm, status);
-  begin(world_rank(comm, status == MPI_STATUS_IGNORE ? rank : status->MPI_SOURCE, CALLER));
+  const int result = receive(data, count, type, rank, tag, comm, arrived);
+  begin(world_rank(comm, arrived->MPI_SOURCE, CALLER));
   ring_partner();
   end();
   return result;

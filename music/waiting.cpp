@@ -1,7 +1,8 @@
 // How programs wait for others of their job. Open MPI asks for a message again and again and calls
 // sched_yield() in between (mpi_yield_when_idle): programs that wait take the processor from those
 // that compute. `spikeloop run` preloads this sched_yield() into them: one that only waits sleeps
-// in between. docs/performance.md has figures.
+// in between, until a message rings its bell (bell.hpp) where it waits for one of MUSIC's.
+// docs/performance.md has figures.
 //
 // It enters programs of any kind: it needs libc alone (another libstdc++ may be theirs), and is
 // what POSIX says of sched_yield(): no cancellation point, errno stays.
@@ -32,7 +33,8 @@ constexpr std::int64_t kShortSleep = 100 * kMicrosecond;
 /// From 3.2 ms on this part, up to kLongestSleep.
 constexpr std::int64_t kPartOfLongWait = 32;
 constexpr std::int64_t kLongestSleep = 5'000 * kMicrosecond;
-/// Who waits for a bell sleeps at least this long: it only looks in case the sender has none.
+/// Who waits for a bell looks after this time all the same, and again when it has waited for twice
+/// as long, up to kLongestSleep apart: large messages come in pieces.
 constexpr std::int64_t kSleepForBell = 50 * kMicrosecond;
 /// A yield that takes longer gave the processor to a program that computes: whoever yields then
 /// waits for the whole time slice of each such program, and whoever sleeps goes before them.
@@ -58,7 +60,7 @@ class Waiting {
  public:
   void yield() {
     const std::int64_t called = now();
-    if (called - yielded_ > other_work_after(yielded_ - began_)) {
+    if (bell::has_begun() || called - yielded_ > other_work_after(yielded_ - began_)) {
       began_ = called;
       bell::ring_partner();
     }
@@ -82,7 +84,7 @@ class Waiting {
   }
 
   static std::int64_t sleep_after(std::int64_t waited) {
-    if (bell::will_ring()) {
+    if (bell::will_be_rung()) {
       return std::clamp(waited, kSleepForBell, kLongestSleep);
     }
     return std::min(waited / kPart,

@@ -64,7 +64,7 @@ int run_python(const std::vector<std::string>& arguments, const ScratchFolder& s
   pollfd files[] = {{python.fd(), POLLIN, 0}, {python.out(), POLLIN, 0}, {python.err(), POLLIN, 0}};
   while (!python.gone()) {
     files[0].fd = python.fd();
-    poll(files, std::size(files), -1);
+    poll(files, std::size(files), 100);
     for (pollfd& output : std::span(files).subspan(1)) {
       output.fd = output.fd >= 0 && pass_on(output.fd) ? output.fd : -1;
     }

@@ -98,7 +98,8 @@ void ProcessTree::signal(int number) const {
   }
 }
 
-void ProcessTree::order(char command) const {
+void ProcessTree::order(char command) {
+  killing_ = killing_ || command == kKillTree;
   if (subreaper_.get() >= 0) {
     send(subreaper_.get(), &command, 1, MSG_NOSIGNAL);
     ::kill(subreaper_pid_, SIGCONT);  // one that was stopped would not obey
@@ -135,13 +136,16 @@ bool ProcessTree::gone() {
 }
 
 bool ProcessTree::program_ended() {
-  // Without a pidfd it had ended, and was reaped, before we could open one.
+  // Without a pidfd it had ended before we could open one, or the system has none.
   pollfd file{program_.get(), POLLIN, 0};
-  if (program_.get() < 0 || poll(&file, 1, 0) > 0) {
+  const bool ended = program_.get() < 0 ? ::kill(pid_, 0) != 0 : poll(&file, 1, 0) > 0;
+  const auto waited = Clock::now() - subreaper_ended_;
+  // A process in uninterruptible sleep cannot be killed: then we give up.
+  if (ended || waited > 2 * kGraceWithoutSubreaper) {
     status_ = SIGTERM;
     return true;
   }
-  if (Clock::now() - subreaper_ended_ > kGraceWithoutSubreaper) {
+  if (killing_ || waited > kGraceWithoutSubreaper) {
     for (const pid_t process : descendants(pid_)) {
       ::kill(process, SIGKILL);
     }

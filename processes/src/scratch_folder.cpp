@@ -22,6 +22,18 @@ int open_folder(const std::string& path) {
   return open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
+/// Programs that end late may still write into it.
+void remove_folder(const std::string& path) {
+  for (int tries = 50; tries > 0; --tries) {
+    std::error_code error;
+    std::filesystem::remove_all(path, error);
+    if (!error) {
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
 /// In the forked process. A lock on a file ends with the last copy of the descriptor that has it.
 [[noreturn]] void remove_when_unlocked(const std::string& path) {
   sigset_t every;
@@ -32,8 +44,7 @@ int open_folder(const std::string& path) {
   closefrom(0);
   const int folder = open_folder(path);
   if (folder >= 0 && flock(folder, LOCK_EX) == 0) {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
+    remove_folder(path);
   }
   _exit(0);
 }
@@ -61,15 +72,7 @@ ScratchFolder::~ScratchFolder() {
     kill(remover_, SIGKILL);
     waitpid(remover_, nullptr, 0);
   }
-  // Programs that end late may still write into it.
-  for (int tries = 50; tries > 0; --tries) {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-    if (!error) {
-      return;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  remove_folder(path_);
 }
 
 }  // namespace spikeloop

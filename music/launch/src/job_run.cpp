@@ -174,7 +174,8 @@ bool JobRun::check() {
   }
   append(diagnostics, check_programs(effective_.file, directory_));
   // What they warn of there they say again when they run.
-  SectionChecks sections(group_, effective_.file, {file_, directory_, scratch_.descriptor()});
+  SectionChecks sections(group_, effective_.file,
+                         {file_, directory_, scratch_.descriptor(), is_experiment()});
   append(diagnostics, sections.run([this] { return outcome_.has_value(); }));
   if (!outcome_ && has_errors(diagnostics)) {
     const Diagnostic first = first_error(diagnostics, effective_.file.path);

@@ -92,13 +92,9 @@ constexpr std::string_view kScriptProgram = "spikeloop-script";
 
 /// The nodes of an experiment that share a process; `ros` says whose topics are.
 constexpr std::string_view kFusedProgram = "spikeloop-fused";
-constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true, .checked = true};
-constexpr Program kFusedOverRos{.name = kFusedProgram,
-                                .source = true,
-                                .ros = true,
-                                .commands_robot = true,
-                                .any_class = true,
-                                .checked = true};
+constexpr Program kFused{.name = kFusedProgram, .source = true, .any_class = true};
+constexpr Program kFusedOverRos{
+    .name = kFusedProgram, .source = true, .ros = true, .commands_robot = true, .any_class = true};
 
 /// The kind of a script that uses our package; null: it does not, or cannot be read, which is said
 /// when it is started.

@@ -29,21 +29,18 @@ constexpr std::string_view kError = "error: ";
 constexpr std::string_view kWarning = "warning: ";
 
 /// Also where the section does not say which of our programs it is.
-bool has_our_name(const MusicSection& section, const Program* known) {
+bool has_our_name(const MusicFile& file, const MusicSection& section) {
   const std::string name = program_of(section);
-  return known != nullptr || name == "spikeloop-node" || name == "spikeloop-ros" ||
-         name == "spikeloop-zmq";
+  return find_program(file, section) != nullptr || name == "spikeloop-node" ||
+         name == "spikeloop-ros" || name == "spikeloop-zmq";
 }
 
-/// Another program may have the name of one of ours; that one we must not start. Empty: none, or
-/// none whose section is still to be checked.
+/// Another program may have the name of one of ours; that one we must not start. Empty: none.
 std::string own_program(const MusicFile& file, const MusicSection& section,
                         const std::string& directory) {
   const MusicKey* binary = file.find_key(section, "binary");
-  const Program* known = find_program(file, section);
   std::error_code ignored;
-  if (binary == nullptr || !has_our_name(section, known) || (known != nullptr && known->checked) ||
-      !fs::is_directory(directory, ignored)) {
+  if (binary == nullptr || !has_our_name(file, section) || !fs::is_directory(directory, ignored)) {
     return "";
   }
   const std::string path =
@@ -73,7 +70,7 @@ SectionChecks::SectionChecks(ProcessGroup& group, const MusicFile& file, const P
 void SectionChecks::start(const MusicSection& section, const Places& places) {
   const std::string directory = working_directory(file_, section, places.directory);
   const std::string program = own_program(file_, section, directory);
-  if (program.empty()) {
+  if (program.empty() || (places.experiment && program_of(section) == "spikeloop-fused")) {
     return;
   }
   ProgramStart start;
@@ -190,7 +187,7 @@ Diagnostics check_job(const MusicFile& file, const RunOptions& options, bool her
   int signal = 0;
   ProcessGroup group(receiver,
                      {[](const nlohmann::json&) {}, [&signal](int number) { signal = number; }});
-  SectionChecks sections(group, effective.file, {path, directory, scratch.descriptor()});
+  SectionChecks sections(group, effective.file, {path, directory, scratch.descriptor(), false});
   append(diagnostics, sections.run([&signal] { return signal != 0; }));
   if (signal != 0) {
     return {{{}, stopped_by(signal), 128 + signal}};

@@ -22,6 +22,7 @@ class SectionChecks {
     std::string effective_file;
     std::string directory;  ///< where the programs will run
     int kept;               ///< as ProgramStart::kept
+    bool experiment;        ///< that the caller has checked: its parts need no check of their own
   };
   /// Starts all of them. The references must outlive it.
   SectionChecks(ProcessGroup& group, const MusicFile& file, const Places& places);

@@ -17,7 +17,8 @@ struct ProgramStart {
   std::vector<std::string> arguments;              ///< the program, searched in PATH, and its own
   std::map<std::string, std::string> environment;  ///< added to ours
   std::string directory;                           ///< to run in; empty: ours
-  /// Is kept open while anything of the tree lives: that of a ScratchFolder; -1: none.
+  /// A descriptor that the subreaper keeps open as long as it lives: ScratchFolder::descriptor();
+  /// -1: none.
   int kept = -1;
 };
 
@@ -47,21 +48,23 @@ class ProcessTree {
   /// Reads news of the subreaper; returns whether the tree, and not only the program, has gone.
   bool gone();
   /// The program's status as of waitpid, once it has ended; see exit_code(). SIGTERM when the
-  /// subreaper was killed: the kernel ends the program with it, and nobody knows its status.
+  /// subreaper was killed: the kernel then sends that to the program, whose own status is unknown.
   std::optional<int> status() const { return status_; }
-  /// Readable when gone() may have changed.
+  /// Readable when gone() may have changed. Call gone() ten times a second all the same: it kills a
+  /// program that goes on without its subreaper.
   int fd() const { return subreaper_.get() >= 0 ? subreaper_.get() : program_.get(); }
   /// Its standard output and standard error; do not wait.
   int out() const { return out_.get(); }
   int err() const { return err_.get(); }
 
  private:
-  void order(char command) const;
+  void order(char command);
   /// After the subreaper: whether the program has ended; kills it when it does not end by SIGTERM.
   bool program_ended();
 
   pid_t pid_ = -1;
   pid_t subreaper_pid_ = -1;
+  bool killing_ = false;
   std::optional<int> status_;
   Descriptor subreaper_;
   Descriptor program_;  ///< a pidfd: it is not our child

@@ -32,7 +32,6 @@ struct Program {
   bool any_class = false;            ///< runs a class that the launcher does not know: any ports
   bool script = false;               ///< a user's, that takes part by our Python package
   bool rounds_times = false;         ///< of the spikes it gets, to microseconds
-  bool checked = false;              ///< its section is part of an experiment that was checked
 };
 
 /// The names of our MUSIC programs that the launcher knows.
