@@ -95,7 +95,7 @@ class Sliders(unittest.TestCase):
 
     def test_changes_of_a_layout_of_several_processes(self):
         run = self.folder / "run"
-        with viewing.Run(run, "--duration", "3", "--sync", "unpaced",
+        with viewing.Run(run, "--duration", "6", "--sync", "realtime",
                          "--set", "layout={control: [scan, decoder, wheels], network: [encoder, brain]}") as job:
             viewer = viewing.Viewer(job.socket_url(), STATUS)
             viewer.until(lambda: "encoder.rate_max" in viewer.parameters or STATUS in viewer.messages)
