@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import xmlrpc.client
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "fused"))
 import ros  # noqa: E402  (the master, or the domain, of a test's own)
@@ -122,6 +123,21 @@ class Ros1Robot(Robot):
 
     def odometry(self, on):
         self._moving = on
+
+    def forget(self):
+        """The master, too, forgets nodes that were killed, as `rosnode cleanup` makes it. A subscriber of rospy tries to
+        reach them for ever, and takes no other publisher whose port is that of one of them."""
+        super().forget()
+        import rosgraph
+        master = rosgraph.Master("/robot")
+        for topic, names in master.getSystemState()[0]:
+            for name in names:
+                with contextlib.suppress(rosgraph.MasterException):  # it leaves meanwhile
+                    uri = master.lookupNode(name)
+                    try:
+                        xmlrpc.client.ServerProxy(uri).getPid("/robot")
+                    except OSError:
+                        rosgraph.Master(name).unregisterPublisher(topic, uri)
 
     def is_connected(self):
         return True  # a run begins when it is
