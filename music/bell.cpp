@@ -62,19 +62,6 @@ int number(const char* variable) {
   }
 }
 
-void ring(int rank) {
-  if (bells == nullptr || rank < 0 || rank >= size) {
-    return;
-  }
-  Bell& bell = bells[rank];
-  bell.rings.fetch_add(1);
-  if (bell.asleep.load() > 0) {
-    const int before = errno;
-    syscall(SYS_futex, &bell.rings, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
-    errno = before;
-  }
-}
-
 }  // namespace
 
 bool exists() {
@@ -117,7 +104,16 @@ bool has_begun() {
 }
 
 void ring_partner() {
-  ring(partner);
+  if (partner == kNobody) {  // as long as nothing has begun
+    return;
+  }
+  Bell& bell = bells[partner];
+  bell.rings.fetch_add(1);
+  if (bell.asleep.load() > 0) {
+    const int before = errno;
+    syscall(SYS_futex, &bell.rings, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+    errno = before;
+  }
 }
 
 }  // namespace spikeloop::bell
