@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "faults.hpp"
@@ -22,6 +23,8 @@ struct Least {
 constexpr Least kForward{0, 1};
 constexpr Least kIntoCycle{1, 3};
 constexpr Least kIntoSimulator{0, 2};
+// More would let a process run further ahead of one that is stuck.
+constexpr std::uint32_t kMostSpikeDelay = 2;
 
 std::uint32_t of_kind(const Least& least, PortKind kind) {
   return kind == PortKind::spikes ? least.spikes : least.signals;
@@ -62,6 +65,26 @@ std::uint32_t usual_delay(const Experiment& experiment, const Connection& connec
     }
   }
   return delay;
+}
+
+/// Every process's `spike_delay`, of delays that are final.
+void set_spike_delays(Experiment& experiment) {
+  std::map<std::string, std::uint32_t> shortest;
+  for (const Connection& edge : edges(experiment)) {
+    if (edge.kind == PortKind::spikes && crosses(experiment, edge)) {
+      const std::uint32_t delay = edge.delay_ticks.value_or(0);
+      const auto [known, first] =
+          shortest.try_emplace(process_of(experiment, node_of(edge.to)), delay);
+      known->second = std::min(known->second, delay);
+    }
+  }
+  for (Process& process : experiment.layout.processes) {
+    if (process.in_cycle) {
+      const auto known = shortest.find(process.name);
+      process.spike_delay =
+          known == shortest.end() ? kIntoCycle.spikes : std::min(known->second, kMostSpikeDelay);
+    }
+  }
 }
 
 /// What a command hears of the sensors and spikes behind it.
@@ -166,7 +189,12 @@ std::uint32_t music_delay(const Experiment& experiment, const Connection& edge) 
   const Connection* between = is_simulator_end(experiment, edge.to)
                                   ? from_simulator(experiment, node_of(edge.to), edge.kind)
                                   : nullptr;
-  return between == nullptr ? least_delay(experiment, edge) : between->delay_ticks.value_or(0);
+  if (between != nullptr) {
+    return between->delay_ticks.value_or(0);
+  }
+  const Process* to = find_process(experiment, node_of(edge.to));
+  const bool late = edge.kind == PortKind::spikes && to != nullptr && crosses(experiment, edge);
+  return late ? to->spike_delay : least_delay(experiment, edge);
 }
 
 std::string format_ticks(std::uint32_t ticks) {
@@ -193,6 +221,7 @@ Experiment with_layout_delays(const Experiment& experiment) {
     }
     connection.delay_ticks = connection.delay_ticks.value_or(usual_delay(experiment, connection));
   }
+  set_spike_delays(result);
   return result;
 }
 

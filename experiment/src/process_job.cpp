@@ -67,8 +67,8 @@ class ProcessWriter : JobWriter {
     add("clock_master", waits_for_clock(experiment_, process.name) ? "true" : "false");
     add("ros", name_of(experiment_.ros));
     if (process.in_cycle) {
-      add("accept_latency", seconds(2 * experiment_.tick - spare()));
-      add("spike_delay", "1");
+      add("accept_latency", seconds((process.spike_delay + 1) * experiment_.tick - spare()));
+      add("spike_delay", std::to_string(process.spike_delay));
       add("signal_delay", "2");
     }
     add("stamp_guard", rounds_times() ? "true" : "false");

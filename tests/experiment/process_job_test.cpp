@@ -1,6 +1,8 @@
 // The job that a layout makes of an experiment: a section a process.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/music_job.hpp"
 #include "tests/experiment/experiment_text.hpp"
@@ -8,6 +10,7 @@
 namespace spikeloop::test {
 namespace {
 
+using experiment::Connection;
 using testing::HasSubstr;
 
 constexpr const char* kHead = R"(experiment: cells
@@ -116,7 +119,27 @@ TEST_F(ProcessJob, DelaysBetweenSimulatorsAreMusics) {
                       experiment::music_delay(delayed, connection));
     }
   }
-  EXPECT_THAT(edges, testing::ElementsAre(2, 3, 2));
+  EXPECT_THAT(edges, testing::ElementsAre(2, 2, 2));
+}
+
+// The loop computes a tick while the simulators compute the one before: all its spikes may be late.
+TEST_F(ProcessJob, ALongerDelayOutOfSimulatorsLetsTheLoopRunATickAhead) {
+  const auto keys = [](const experiment::Experiment& cells) {
+    const MusicFile file = job_of(cells);
+    return key(file, "experiment", "accept_latency") + ", " +
+           key(file, "experiment", "spike_delay");
+  };
+  const auto delayed = [&](const std::string& ticks) {
+    return experiment("  - a -> one [2] -> b [2, delay " + ticks + "]\n  - a -> two [2]\n");
+  };
+  EXPECT_EQ(keys(delayed("1 tick")), "0.001990000, 1");
+  EXPECT_EQ(keys(delayed("9 ticks")), "0.002990000, 2") << "no further ahead of one that hangs";
+  experiment::Experiment both = delayed("9 ticks");
+  Connection other = *std::ranges::find(both.connections, "b.in", &Connection::to);
+  other.from = "two.out";
+  other.delay_ticks = 1;
+  both.connections.push_back(other);
+  EXPECT_EQ(keys(both), "0.001990000, 1") << "the shortest of all";
 }
 
 TEST_F(ProcessJob, WhatIsNotWrittenWaitsAsLongAsTheInputsFromASimulator) {

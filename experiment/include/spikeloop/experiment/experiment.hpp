@@ -134,6 +134,9 @@ struct Process {
   std::string name;
   std::set<std::string> nodes{};
   bool in_cycle = false;  ///< its data come back to it through other processes
+  /// Ticks by which MUSIC may deliver spikes late: in a cycle one, or two if all of them have a
+  /// delay of two or more. With two, this process and the others compute at the same time.
+  std::uint32_t spike_delay = 0;
 };
 
 /// How the nodes are spread over processes; a simulator has a process of its own in all of them.
