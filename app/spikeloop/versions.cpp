@@ -46,10 +46,16 @@ print()
 print(json.dumps(about))
 )";
 
-/// Half as long as an import: a run waits for it.
+/// From the names of installed packages: in less than half of the time of an import. A run waits
+/// for it.
 constexpr const char* kInstalledScript = R"(
-import importlib.metadata, json, sys
-print(json.dumps({'version': importlib.metadata.version(sys.argv[1])}))
+import os, sys
+head = sys.argv[1] + '-'
+for folder in filter(os.path.isdir, sys.path):
+    for name in os.listdir(folder):
+        if name.startswith(head) and name.endswith('-info'):
+            print('{"version": "%s"}' % os.path.splitext(name[len(head):])[0].split('-')[0])
+            sys.exit()
 )";
 
 /// What `PATH --version` prints after `before`. Without a path the probe has its finding already.

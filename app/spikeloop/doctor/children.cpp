@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <optional>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -91,16 +90,11 @@ std::string_view last_line(std::string_view text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-std::vector<Answer> ask(const std::vector<Command>& commands) {
+std::vector<Answer> ask(const std::vector<Command>& commands, const ScratchFolder* scratch) {
   const auto begin = Clock::now();
-  std::optional<ScratchFolder> scratch;
-  try {
-    scratch.emplace();
-  } catch (const FileError&) {  // without room for it the machine is examined all the same
-  }
   std::vector<Child> children;
   for (const Command& command : commands) {
-    children.push_back(command.empty() ? Child{} : start(command, scratch ? &*scratch : nullptr));
+    children.push_back(command.empty() ? Child{} : start(command, scratch));
   }
   while (std::ranges::any_of(children, &Child::is_running) && Clock::now() < begin + kPatience) {
     std::this_thread::sleep_for(kLookEvery);

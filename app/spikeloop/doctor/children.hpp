@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/processes/scratch_folder.hpp"
+
 namespace spikeloop::app::doctor {
 
 /// What has not answered by then is killed.
@@ -25,7 +27,9 @@ struct Answer {
 std::string_view last_line(std::string_view text);
 
 /// Runs all commands at once, in the environment that a job's programs have but without our Python
-/// package; the answers have their order. Nothing is left running, and no file of Open MPI's.
-std::vector<Answer> ask(const std::vector<Command>& commands);
+/// package; the answers have their order. Nothing is left running.
+/// @param scratch for the files of Open MPI's jobs, if there are such among the commands
+std::vector<Answer> ask(const std::vector<Command>& commands,
+                        const ScratchFolder* scratch = nullptr);
 
 }  // namespace spikeloop::app::doctor

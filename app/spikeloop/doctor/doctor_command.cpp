@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 
 #include "../output.hpp"
@@ -121,7 +122,12 @@ std::vector<Probe> all_probes() {
 
 int examine(bool json) {
   std::vector<Probe> probes = all_probes();
-  doctor::examine(probes);
+  std::optional<ScratchFolder> scratch;
+  try {
+    scratch.emplace();
+  } catch (const FileError&) {  // without room for it the machine is examined all the same
+  }
+  doctor::examine(probes, scratch ? &*scratch : nullptr);
   refuse_clashes(probes);
   put_result(json ? json_text(probes) : table(probes, colour_wanted()));
   return std::ranges::any_of(probes, lacks) ? TransportError::kExitCode : 0;

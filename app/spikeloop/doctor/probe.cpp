@@ -56,10 +56,10 @@ void look_as_child(const std::vector<Probe>& probes, const std::string& name) {
   put_result("\n" + json(finding).dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
-void examine(std::vector<Probe>& probes) {
+void examine(std::vector<Probe>& probes, const ScratchFolder* scratch) {
   std::vector<Command> commands;
   std::ranges::transform(probes, std::back_inserter(commands), &Probe::command);
-  const std::vector<Answer> answers = ask(commands);
+  const std::vector<Answer> answers = ask(commands, scratch);
   for (std::size_t i = 0; i < probes.size(); ++i) {
     Finding& finding = probes[i].finding;
     if (!answers[i].failure.empty()) {

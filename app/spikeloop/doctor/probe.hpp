@@ -59,8 +59,8 @@ Probe apart(std::string name, bool needed, Finding failed, std::function<Finding
 /// @throws ConfigurationError when there is no such probe
 void look_as_child(const std::vector<Probe>& probes, const std::string& name);
 
-/// Runs all commands at once, and completes the findings.
-void examine(std::vector<Probe>& probes);
+/// Runs all commands at once, and completes the findings. @param scratch as of ask()
+void examine(std::vector<Probe>& probes, const ScratchFolder* scratch = nullptr);
 
 /// Where a program is that a job would find; empty: nowhere.
 std::string in_path(const std::string& program);
