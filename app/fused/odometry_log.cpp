@@ -38,6 +38,7 @@ double yaw(const std::vector<double>& v) {
 
 OdometryLog::OdometryLog(topics::Session& session, std::string folder)
     : folder_(std::move(folder)),
+      contacts_(session),
       fields_(readers(session.dialect())),
       subscriber_(session.subscriber({.topic = kOdometryTopic,
                                       .message_type = kOdometryType,
@@ -67,6 +68,7 @@ void OdometryLog::take(std::span<const std::byte> message) {
 }
 
 void OdometryLog::tick(TimeNs time) {
+  contacts_.tick(time);
   if (first_ && time - last_.stamp < kRowPeriod) {
     return;
   }
@@ -90,7 +92,7 @@ void OdometryLog::write(const vehicle::Odometry& now) {
   }
   last_ = now;
   visited_.emplace(std::lround(now.pose.x_m / kSquare_m), std::lround(now.pose.y_m / kSquare_m));
-  file_->write(now, std::nullopt);
+  file_->write(now, contacts_.count());
 }
 
 void OdometryLog::close() {
@@ -101,12 +103,16 @@ void OdometryLog::close() {
 }
 
 nlohmann::json OdometryLog::summary() const {
-  if (!first_ || last_.stamp == first_->stamp) {
-    return nlohmann::json::object();
+  auto result = nlohmann::json::object();
+  if (first_ && last_.stamp > first_->stamp) {
+    result = {{"distance_m", distance_m_},
+              {"mean_speed_m_s", distance_m_ / to_seconds(last_.stamp - first_->stamp)},
+              {"visited_m2", static_cast<double>(visited_.size()) * kSquare_m * kSquare_m}};
   }
-  return {{"distance_m", distance_m_},
-          {"mean_speed_m_s", distance_m_ / to_seconds(last_.stamp - first_->stamp)},
-          {"visited_m2", static_cast<double>(visited_.size()) * kSquare_m * kSquare_m}};
+  if (const auto collisions = contacts_.count()) {
+    result["collisions"] = *collisions;
+  }
+  return result;
 }
 
 }  // namespace spikeloop

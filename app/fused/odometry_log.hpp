@@ -1,4 +1,4 @@
-// The path of a robot that is not ours, as its odometry tells it.
+// The path and the collisions of a robot that is not ours, as its topics tell them.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact_counter.hpp"
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/topics/session.hpp"
@@ -17,7 +18,7 @@
 namespace spikeloop {
 
 /// Writes trajectory.csv of what comes on /odom (nav_msgs/Odometry); without a message there is no
-/// file. Collisions are not known: nan.
+/// file. Collisions are those of ContactCounter; nan: not known.
 class OdometryLog {
  public:
   OdometryLog(topics::Session& session, std::string folder);
@@ -26,8 +27,8 @@ class OdometryLog {
   void tick(TimeNs time);
   /// @throws FileError.
   void close();
-  /// distance_m, mean_speed_m_s and visited_m2 (of squares 0.5 m wide) of the rows; empty without
-  /// any.
+  /// distance_m, mean_speed_m_s and visited_m2 (of squares 0.5 m wide) of the rows, when there are
+  /// any; collisions, when they are known.
   nlohmann::json summary() const;
 
  private:
@@ -35,6 +36,7 @@ class OdometryLog {
   void write(const vehicle::Odometry& now);
 
   std::string folder_;
+  ContactCounter contacts_;
   std::vector<messages::FieldReader> fields_;
   std::optional<robot::TrajectoryFile> file_;
   std::optional<vehicle::Odometry> first_;

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Over ROS: a robot that was killed and that the master still knows, a process that is killed, a
-sensor that another robot fills, the path of another robot, a process that hangs."""
+sensor that another robot fills, path and collisions of another robot, a process that hangs."""
 
 import contextlib
 import csv
 import itertools
+import json
 import math
 import os
 import pathlib
@@ -16,6 +17,9 @@ import xmlrpc.client
 
 import ros
 import runs
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "safety"))
+import robots  # noqa: E402  (that are no part of Spikeloop)
 
 HANGING = """import spikeloop, time
 
@@ -93,15 +97,34 @@ def living_robot_of_ros2(spikeloop, scratch):
         assert process.poll() is None
 
 
-def path_of_another_robot(spikeloop, scratch, version):
-    """Without `robot:` it is that of /odom: poses that the robot itself has written, and the way between them."""
-    file = runs.new_experiment(spikeloop, scratch / f"foreign-{version}.yaml", ros=version, duration="4 s")
+# A type of its own on the topic of contacts.
+BUMPER = """  button: {node: ros_sensor, topic: /bumper_states, message: std_msgs/Float64, fields: [data]}
+  pressed: {node: low_pass}
+  presses: {node: ros_command, topic: /bumper_states, message: std_msgs/Float64, fields: {data: 0}}
+connections:
+  - button -> pressed [1]
+  - decoder -> presses [2]
+"""
+
+
+def without_robot(spikeloop, path, **keys):
+    """An experiment that leaves the robot to others."""
+    file = runs.new_experiment(spikeloop, path, **keys)
     text = file.read_text()
     file.write_text("".join(line for line in text.splitlines(True) if not line.startswith("robot:")))
+    return file
+
+
+def path_of_another_robot(spikeloop, scratch, version):
+    """Without `robot:` it is that of /odom: poses that the robot itself has written, and the way between them.
+    Without contacts, here because their topic has another type, collisions are not known."""
+    file = without_robot(spikeloop, scratch / f"foreign-{version}.yaml", ros=version, duration="4 s")
+    file.write_text(file.read_text().replace("\nconnections:\n", f"\n{BUMPER}"))
     own, folder = scratch / f"own-{version}", scratch / f"foreign-{version}"
     with ros.place(version, scratch), ros.program(runs.programs() / "spikeloop-robot", "--ros", version, "--out", own):
         ros.until((own / "world.json").exists, "the robot's start")
         summary, _ = runs.run(spikeloop, file, folder)
+    assert summary["processes"]["experiment"]["counters"]["button.messages"] > 10, summary
     poses = {path: [tuple(row[name] for name in ("x_m", "y_m", "theta_rad")) for row in rows(path)]
              for path in (own, folder)}
     known = sum(pose in set(poses[own]) for pose in poses[folder])
@@ -112,6 +135,51 @@ def path_of_another_robot(spikeloop, scratch, version):
     squares = {(round(x / 0.5), round(y / 0.5)) for x, y in points}  # written with fewer digits than they are counted
     assert abs(summary["visited_m2"] - 0.25 * len(squares)) <= 0.25, (len(squares), summary)
     assert all(row["collisions"] == "nan" for row in rows(folder)) and "collisions" not in summary, summary
+
+
+def collisions_of_another_robot(spikeloop, scratch, version):
+    """They are the contacts on /bumper_states that begin, with each thing."""
+    file = without_robot(spikeloop, scratch / f"bumper-{version}.yaml", ros=version, duration="600 s")
+    file.write_text(file.read_text().replace("sectors [100]", "sectors [10]"))
+    folder = scratch / f"bumper-{version}"
+    with robots.robot(version, runs.programs(), scratch) as other:
+        other.scans(True)
+        other.odometry(True)
+        with subprocess.Popen([spikeloop, "run", file, "--out", folder]) as process:
+            try:
+                touch_things(other, folder)
+            finally:
+                process.send_signal(signal.SIGINT)
+        other.scans(False)
+        other.odometry(False)
+    assert process.returncode == 130, process.returncode
+    assert json.loads((folder / "summary.json").read_text())["collisions"] == 5
+    counts = [count for count, _ in itertools.groupby(row["collisions"] for row in rows(folder))]
+    assert counts == ["nan", "0", "1", "2", "5"], counts
+
+
+def touch_things(other, folder):
+    def newest():
+        """Of a row that is whole."""
+        lines = (folder / "trajectory.csv").read_text().split("\n")[1:-1]
+        return (float(lines[-1].split(",")[0]), lines[-1].split(",")[-1]) if lines else (0, "")
+
+    def until_counted(collisions):
+        ros.until(lambda: newest()[1] == collisions, f"the row with {collisions} collisions")
+        return newest()[0]
+
+    ros.until(lambda: (folder / "trajectory.csv").exists(), "a path")
+    until_counted("nan")
+
+    def heard_to_be_free():
+        other.touch(0)
+        return newest()[1] == "0"
+    ros.until(heard_to_be_free, "the first message about contacts")
+    for things, messages, collisions in ((1, 3, "1"), (1, 1, "2"), (3, 1, "5")):
+        for _ in range(messages):
+            other.touch(things)
+        time_s = until_counted(collisions)
+        ros.until(lambda since=time_s: newest()[0] > since + 0.6, "the end of the contact")
 
 
 def rows(folder):
@@ -161,6 +229,8 @@ def main():
             path_of_another_robot(spikeloop, scratch, version)
         killed(spikeloop, scratch)
         stalled(spikeloop, scratch)
+        for version in "12":
+            collisions_of_another_robot(spikeloop, scratch, version)
     print("a dead robot is replaced, a living one used, a killed process named, one that hangs ended")
 
 

@@ -121,6 +121,26 @@ struct String {
   void read(Cdr& cdr) { cdr >> data; }
 };
 
+/// gazebo_msgs/ContactsState: the names of the two bodies of each contact, all else empty or 0.
+struct ContactsState {
+  std::vector<std::pair<std::string, std::string>> contacts;
+
+  static const char* type() { return "gazebo_msgs::msg::dds_::ContactsState_"; }
+  std::size_t most_bytes() const { return 4096; }
+  void write(Cdr& cdr) const {
+    const std::string empty;
+    const std::uint32_t none = 0;
+    const std::array<double, 6> total_wrench{};
+    cdr << std::int32_t{0} << none << empty << static_cast<std::uint32_t>(contacts.size());
+    for (const auto& [first, second] : contacts) {
+      cdr << empty << first << second << none;
+      cdr.serializeArray(total_wrench.data(), total_wrench.size());
+      cdr << none << none << none;
+    }
+  }
+  void read(Cdr&) { throw std::logic_error("nobody receives contacts here"); }
+};
+
 /// Without dimensions.
 struct Float64MultiArray {
   std::vector<double> data;

@@ -5,6 +5,7 @@
 //     odometry 1 | 0    the same of /odom
 //     stop 1 | 0        one message on /emergency_stop
 //     manual X          one message on /cmd_vel_manual, whose linear.x is X
+//     touch N           one message on /bumper_states, with contacts with things 1 to N
 //
 // It says "ready", "done T 0" for every line, "button T N" and "driver T N" when /emergency_stop
 // has a subscriber and /cmd_vel a publisher more, "scan T 0" for every scan that it has sent,
@@ -132,6 +133,8 @@ int run(int argc, char** argv) {
       peer.topic<Bool>("rt/emergency_stop"), endpoint_qos(DATAWRITER_QOS_DEFAULT), &button);
   DataWriter* const manual = peer.publisher()->create_datawriter(
       peer.topic<Twist>("rt/cmd_vel_manual"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
+  DataWriter* const bumper = peer.publisher()->create_datawriter(
+      peer.topic<ContactsState>("rt/bumper_states"), endpoint_qos(DATAWRITER_QOS_DEFAULT));
   Sensors sensors(peer);
   std::cout << "ready" << std::endl;
   for (std::string word, number; std::cin >> word >> number;) {
@@ -147,6 +150,12 @@ int run(int argc, char** argv) {
       Twist message;
       message.values[0] = value;
       manual->write(&message);
+    } else if (word == "touch") {
+      ContactsState message;
+      for (int thing = 1; thing <= value; ++thing) {
+        message.contacts.emplace_back("chassis", std::to_string(thing));
+      }
+      bumper->write(&message);
     } else {
       refuse_word(word);
     }

@@ -67,6 +67,27 @@ class Robot:
         return min((1e3 * (at - begin) for at, value in heard if at > driven and value == 0), default=float("inf"))
 
 
+def contact_messages():
+    """The classes of gazebo_msgs, which Debian does not have, as genpy makes them."""
+    import genpy.dynamic
+    from geometry_msgs.msg import Vector3, Wrench
+    from std_msgs.msg import Header
+    line = "\n" + 80 * "=" + "\n"
+    state = """MSG: gazebo_msgs/ContactState
+string info
+string collision1_name
+string collision2_name
+geometry_msgs/Wrench[] wrenches
+geometry_msgs/Wrench total_wrench
+geometry_msgs/Vector3[] contact_positions
+geometry_msgs/Vector3[] contact_normals
+float64[] depths"""
+    parts = [f"MSG: {kind._type}\n{kind._full_text.split('=====')[0]}" for kind in (Header, Wrench, Vector3)]
+    text = "std_msgs/Header header\ngazebo_msgs/ContactState[] states"
+    made = genpy.dynamic.generate_dynamic("gazebo_msgs/ContactsState", line.join([text, state, *parts]))
+    return made["gazebo_msgs/ContactsState"], made["gazebo_msgs/ContactState"]
+
+
 class Ros1Robot(Robot):
     version = "1"
 
@@ -95,6 +116,8 @@ class Ros1Robot(Robot):
         self._twist, self._bool = Twist, Bool
         self._scans, self._odometry = publisher("/scan", LaserScan), publisher("/odom", Odometry)
         self._stop, self._manual = publisher("/emergency_stop", Bool), publisher("/cmd_vel_manual", Twist)
+        self._contacts, self._contact = contact_messages()
+        self._bumper = publisher("/bumper_states", self._contacts)
         rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnosis)
         self._scan = LaserScan(range_min=0.1, range_max=4.1, ranges=[3.0] * 10)
@@ -151,6 +174,11 @@ class Ros1Robot(Robot):
         message = self._twist()
         message.linear.x = speed
         self._manual.publish(message)
+
+    def touch(self, things):
+        names = [str(thing) for thing in range(1, things + 1)]
+        self._bumper.publish(self._contacts(states=[
+            self._contact(collision1_name="chassis", collision2_name=name) for name in names]))
 
     def end(self):
         pass
@@ -217,6 +245,9 @@ class Ros2Robot(Robot):
 
     def drive_by_hand(self, speed):
         self._lead("manual", speed)
+
+    def touch(self, things):
+        self._lead("touch", things)
 
     def end(self):
         self._process.stdin.close()

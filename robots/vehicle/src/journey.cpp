@@ -8,8 +8,7 @@
 namespace spikeloop::vehicle {
 namespace {
 
-constexpr double kCell = 0.5;                     // m
-constexpr TimeNs kEpisodeGap = kNsPerSecond / 2;  // a new touch after this is a new collision
+constexpr double kCell = 0.5;  // m
 
 // A border cell cut off by the wall counts when its cut-off centre is inside.
 std::size_t cells_along(double length) {
@@ -58,10 +57,7 @@ void Collisions::look(const mjModel& model, const mjData& data, const Parts& par
     const int geom = first ? contact.geom2 : contact.geom1;
     if (geom == parts.floor) continue;
     const int body = model.geom_bodyid[geom];
-    const int thing = body != 0 ? body : -1 - geom;
-    const auto [touch, is_new] = last_touch_.try_emplace(thing, time);
-    if (is_new || time - touch->second > kEpisodeGap) ++count_;
-    touch->second = time;
+    counter_.touch(body != 0 ? body : -1 - geom, time);
   }
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "model.hpp"
+#include "spikeloop/vehicle/collision_counter.hpp"
 
 namespace spikeloop::vehicle {
 
@@ -27,16 +27,15 @@ class Coverage {
   std::uint64_t visited_cells_ = 0;
 };
 
-/// Contact episodes between the vehicle and everything but the floor.
+/// Collisions between the vehicle and everything but the floor.
 class Collisions {
  public:
   /// Looks at the contacts of the physics step that ended at `time`.
   void look(const mjModel& model, const mjData& data, const Parts& parts, TimeNs time);
-  std::uint64_t count() const { return count_; }
+  std::uint64_t count() const { return counter_.count(); }
 
  private:
-  std::map<int, TimeNs> last_touch_;  // of a thing: body, or -1 - geom for parts of the world body
-  std::uint64_t count_ = 0;
+  CollisionCounter<int> counter_;  // of things: body, or -1 - geom for parts of the world body
 };
 
 }  // namespace spikeloop::vehicle
