@@ -28,6 +28,13 @@ TEST(Catalog, md5_with_constants_is_the_published_one) {
   EXPECT_EQ(catalog.md5("actionlib_msgs/GoalStatus"), "d388f9b87b3c471f784434d671988d4a");
 }
 
+// gazebo_msgs is not in Debian; these are the sums of its version 2.9 for Noetic.
+TEST(Catalog, contacts_have_the_sums_of_gazebo_ros) {
+  const Catalog& catalog = Catalog::builtin(Dialect::ros1);
+  EXPECT_EQ(catalog.md5("gazebo_msgs/ContactsState"), "acbcb1601a8e525bf72509f18e6f668d");
+  EXPECT_EQ(catalog.md5("gazebo_msgs/ContactState"), "48c0ffb054b8c444f870cecea1ee50d9");
+}
+
 TEST(Catalog, full_text_lists_every_part_once) {
   EXPECT_EQ(Catalog::builtin(Dialect::ros1).full_text("geometry_msgs/Twist"),
             "Vector3 linear\nVector3 angular\n\n" + std::string(80, '=') +

@@ -209,6 +209,13 @@ class Worlds(unittest.TestCase):
                                                            "linearacceleration", "angularacceleration")]
                 self.assertEqual([float(limit) for limit in limits], self.shipped.limits)
 
+    def test_gazebos_bumpers_are_of_what_does_not_touch_the_floor(self):
+        for path in VEHICLES:
+            vehicle = ElementTree.parse(path).find("model")
+            bumper = vehicle.find("link[@name='base_link']/sensor[@type='contact']")
+            self.assertEqual([part.text for part in bumper.iter("collision")], ["chassis"])
+            self.assertEqual(bumper.find("plugin").get("filename"), "libgazebo_ros_bumper.so")
+
     def test_gazebos_lasers_are_the_shipped_one(self):
         beams, first, last, nearest, farthest, rate = self.shipped.laser
         for vehicle in self.vehicles():
