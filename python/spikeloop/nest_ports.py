@@ -17,6 +17,11 @@ DEFINE_SET_SPIKE_TIMES = """
 /spikeloop_set_spike_times
 { 2 arraystore { << >> begin /spike_times Set currentdict end SetStatus } ScanThread } def
 """
+# What a recorder has, if it is more than the number on the stack below it; 0: no more.
+DEFINE_MORE_EVENTS = """
+/spikeloop_more_events
+{ GetStatus dup /n_events get 3 -1 roll gt { /events get } { pop 0 } ifelse } def
+"""
 
 
 class Recorder:
@@ -35,11 +40,12 @@ class Recorder:
     def take(self, step_ns, precise):
         """(times in ns, channels) since the last time. precise: with the offsets that neurons with
         precise spike times give, instead of rounded up to the step."""
+        nest.ll_api.sps(self.seen)
         nest.ll_api.sps(self._number)
-        nest.ll_api.sr("GetStatus /n_events get")
-        if nest.ll_api.spp() == self.seen:
+        nest.ll_api.sr("spikeloop_more_events")
+        events = nest.ll_api.spp()
+        if events == 0:
             return (), ()
-        events = self._node.get("events")
         new = slice(self.seen, None)
         self.seen = len(events["times"])
         times = events["times"][new] * step_ns
@@ -62,7 +68,8 @@ class Exchange:
         self._tick_ms = host.tick_s * 1e3
 
     def _begin(self):
-        """Asked once, because NEST answers slowly."""
+        """Defined and asked once, because NEST answers slowly."""
+        nest.ll_api.sr(DEFINE_MORE_EVENTS)
         self._step_ns = round(nest.resolution * 1e6)
         # What several threads have recorded is not in the order in which it came.
         one_thread = nest.local_num_threads == 1
