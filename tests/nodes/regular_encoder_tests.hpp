@@ -66,7 +66,7 @@ inline void expect_near_theory(const std::vector<TimeNs>& times,
 TEST_P(RegularEncoder, ConstantInputGivesSpikesAtMultiplesOfTheInterval) {
   NodeHarness node = make({3, 3}, {.keys = {{"rate_max", "300 Hz"}}});
   node.set_input({1.0, 0.0, -1.0});
-  node.run_until(100 * kNsPerSecond, 10 * kMs);
+  node.run_until(100 * kNsPerSecond, 100 * kMs);
   const std::vector<TimeNs> fast = node.times(0);
   ASSERT_EQ(fast.size(), 30'000U);
   for (std::size_t k = 0; k < fast.size(); ++k) {
@@ -97,7 +97,7 @@ TEST_P(RegularEncoder, RoundingDoesNotAddUpOverMillionsOfSpikes) {
 TEST_P(RegularEncoder, RateIsLinearBetweenItsBounds) {
   NodeHarness node = make({3, 3}, {.keys = {{"rate_min", "20"}, {"rate_max", "60"}}});
   node.set_input({-1.0, 0.5, 1.0});
-  node.run_until(10 * kNsPerSecond, kMs);
+  node.run_until(10 * kNsPerSecond, 10 * kMs);
   EXPECT_EQ(node.times(0).size(), 200U);
   EXPECT_EQ(node.times(1).size(), 500U);
   EXPECT_EQ(node.times(2).size(), 600U);
@@ -106,7 +106,7 @@ TEST_P(RegularEncoder, RateIsLinearBetweenItsBounds) {
 TEST_P(RegularEncoder, RateMayFallWithTheInput) {
   NodeHarness node = make({2, 2}, {.keys = {{"rate_min", "100"}, {"rate_max", "10"}}});
   node.set_input({-1.0, 1.0});
-  node.run_until(10 * kNsPerSecond, kMs);
+  node.run_until(10 * kNsPerSecond, 10 * kMs);
   EXPECT_EQ(node.times(0).size(), 1000U);
   EXPECT_EQ(node.times(1).size(), 100U);
 }
@@ -120,7 +120,7 @@ TEST_P(RegularEncoder, StepsFollowTheory) {
 
 TEST_P(RegularEncoder, SampledSineFollowsTheory) {
   SampledSignal signal{kMs, {}};
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     signal.values.push_back(std::sin(2 * std::numbers::pi * 1.7 * i * 1e-3));
   }
   NodeHarness node = make({1, 1}, {.keys = {{"rate_min", "5"}, {"rate_max", "211"}}});
@@ -131,7 +131,7 @@ TEST_P(RegularEncoder, SampledSineFollowsTheory) {
 TEST_P(RegularEncoder, Defect17PhaseIsConservedWhenTheRateChanges) {
   // The older encoders lost 5.5 % of the spikes with changes every 10 ms, 7.4 % every 1 ms.
   for (const TimeNs period : {10 * kMs, kMs}) {
-    const SampledSignal signal = noise(12'000, period);
+    const SampledSignal signal = noise(3000, period);
     NodeHarness node = make({1, 1});
     drive(node, signal, period);
     EXPECT_NEAR(static_cast<double>(node.spike_count()),
@@ -141,7 +141,7 @@ TEST_P(RegularEncoder, Defect17PhaseIsConservedWhenTheRateChanges) {
 }
 
 TEST_P(RegularEncoder, SpikeTimesDoNotDependOnTheTick) {
-  const SampledSignal signal = noise(100, 50 * kMs);
+  const SampledSignal signal = noise(20, 50 * kMs);
   std::vector<TimeNs> reference;
   for (const TimeNs tick : {50 * kMs, 10 * kMs, kMs, kMs / 10}) {
     for (const bool revise : {false, true}) {
@@ -149,7 +149,7 @@ TEST_P(RegularEncoder, SpikeTimesDoNotDependOnTheTick) {
       drive(node, signal, tick, revise);
       if (reference.empty()) {
         reference = node.times();
-        EXPECT_GT(reference.size(), 750U);
+        EXPECT_GT(reference.size(), 150U);
       }
       EXPECT_EQ(node.times(), reference) << "tick " << tick << " ns, revisions " << revise;
     }
@@ -224,7 +224,7 @@ TEST_P(RegularEncoder, RatesNextToZeroStaySilentAndHarmless) {
 
 TEST_P(RegularEncoder, ManyChannelsSpikeAsOneAlone) {
   // Channels beyond the first block, and blocks of which only one channel is due.
-  const SampledSignal signal = noise(200, 20 * kMs);
+  const SampledSignal signal = noise(50, 20 * kMs);
   NodeHarness alone = make({1, 1});
   drive(alone, signal, kMs);
   NodeHarness many = make({200, 200});

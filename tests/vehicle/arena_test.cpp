@@ -14,7 +14,7 @@ namespace {
 // Points on and inside a footprint's outline, worked out here.
 std::vector<std::array<double, 2>> outline(const Obstacle& o) {
   std::vector<std::array<double, 2>> points;
-  constexpr int kPoints = 200;
+  constexpr int kPoints = 100;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * std::numbers::pi * i / kPoints;
     double x = std::cos(angle);

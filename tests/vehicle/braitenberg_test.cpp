@@ -62,8 +62,10 @@ TEST_P(Braitenberg, DrivesWithoutCollision) {
 
 std::vector<Drive> drives() {
   std::vector<Drive> all;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) all.push_back({seed, 5 * kMs, 0.0});
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) all.push_back({seed, 50 * kMs, 0.618});
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    all.push_back({seed, 5 * kMs, 0.0});
+    all.push_back({seed, 50 * kMs, 0.618});
+  }
   return all;
 }
 

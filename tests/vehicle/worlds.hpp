@@ -26,8 +26,9 @@ inline const std::string kStart = R"(<numeric name="start" data="0 0 0"/>)";
 
 /// MJCF with the shipped vehicle: `numerics` go into <custom>, `bodies` into <worldbody>.
 inline std::string mjcf(const std::string& numerics, const std::string& bodies) {
-  return "<mujoco>\n<include file=\"spikeloop_vehicle.xml\"/>\n<custom>" + numerics +
-         "</custom>\n<worldbody>" + bodies + "</worldbody>\n</mujoco>\n";
+  return R"(<mujoco><size njmax="200" nconmax="50"/><include file="spikeloop_vehicle.xml"/>
+<custom>)" +
+         numerics + "</custom>\n<worldbody>" + bodies + "</worldbody>\n</mujoco>\n";
 }
 
 /// A world of a test's own that lives as long as this object.
