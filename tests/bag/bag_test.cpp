@@ -139,7 +139,7 @@ TEST_F(Bag, OfARunWithoutMessagesIsEmpty) {
 
 /// Several chunks, from a loop that never waits to one that does.
 TEST_F(Bag, PatientRecorderLosesNothing) {
-  constexpr int kMessages = 20'000;
+  constexpr int kMessages = 5'000;
   bag::Recorder recorder(file(), {.capacity_bytes = 1, .patient = true});
   const auto connection = recorder.add({"/x", "std_msgs/Float64", "a"});
   for (int i = 0; i < kMessages; ++i) {

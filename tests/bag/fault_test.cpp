@@ -111,8 +111,8 @@ TEST_F(BagFaults, WhatIsCutOffIsReadUpToThere) {
   const std::string whole = directory_.read("x.mcap");
   int before = 0;
   std::set<int> counts;
-  for (std::size_t part = 0; part <= 40; ++part) {
-    directory_.write("x.mcap", whole.substr(0, 8 + (whole.size() - 8) * part / 40));
+  for (std::size_t part = 0; part <= 20; ++part) {
+    directory_.write("x.mcap", whole.substr(0, 8 + (whole.size() - 8) * part / 20));
     const int count = std::stoi(reading());
     EXPECT_GE(count, before) << part;
     counts.insert(before = count);
@@ -149,7 +149,7 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
   const std::string whole = directory_.read("x.mcap");
   std::mt19937 random(1);
   int damaged = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
+  for (int trial = 0; trial < 400; ++trial) {
     std::string file = whole;
     // Half of them not in the messages.
     const std::size_t at = 8 + random() % (whole.size() - 8);
@@ -163,7 +163,7 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
                               HasSubstr("is neither an MCAP file")))
         << trial;
   }
-  EXPECT_GT(damaged, 300);
+  EXPECT_GT(damaged, 120);
 }
 
 /// As rosbag2 makes them.
@@ -199,8 +199,8 @@ TEST_F(BagFaults, BagThatIsCutOff) {
   write_good_bag();
   EXPECT_EQ(reading_bag(), "2000");
   const std::string whole = directory_.read("x.bag");
-  for (std::size_t part = 1; part < 40; ++part) {
-    directory_.write("x.bag", whole.substr(0, 13 + (whole.size() - 13) * part / 40));
+  for (std::size_t part = 1; part < 20; ++part) {
+    directory_.write("x.bag", whole.substr(0, 13 + (whole.size() - 13) * part / 20));
     EXPECT_THAT(reading_bag(),
                 AllOf(StartsWith("'" + path("x.bag") + "' is damaged: "),
                       EndsWith("'rosbag check' and 'rosbag reindex' may help [SL0109]")))
@@ -231,7 +231,7 @@ TEST_F(BagFaults, WrongBytesAnywhereInABag) {
   const std::string whole = directory_.read("x.bag");
   std::mt19937 random(1);
   int damaged = 0;
-  for (int trial = 0; trial < 500; ++trial) {
+  for (int trial = 0; trial < 200; ++trial) {
     std::string bag = whole;
     const std::size_t at = 13 + random() % (whole.size() - 13);
     // Text of the messages fills most of the bag, and any byte is good there.
@@ -241,7 +241,7 @@ TEST_F(BagFaults, WrongBytesAnywhereInABag) {
     damaged += result == "20" ? 0 : 1;
     EXPECT_THAT(result, AnyOf(MatchesRegex("[0-9]+"), HasSubstr("x.bag"))) << trial;
   }
-  EXPECT_GT(damaged, 20);
+  EXPECT_GT(damaged, 8);
 }
 
 }  // namespace

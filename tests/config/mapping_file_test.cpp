@@ -273,7 +273,7 @@ TEST(MappingFile, MutatedFilesAreReadOrRefused) {
   std::mt19937 random(5);
   const std::string original = twist(R"({"linear.x": {"channel": 1, "min": -1}, "angular.z": 0})",
                                      ", \"min\": -1, \"max\": 1");
-  for (int i = 0; i < test::repetitions(20000); ++i) {
+  for (int i = 0; i < test::repetitions(5000); ++i) {
     std::string text = original;
     for (unsigned k = 0; k < 1 + random() % 4; ++k) {
       text[random() % text.size()] = static_cast<char>(random() % 256);
@@ -283,7 +283,7 @@ TEST(MappingFile, MutatedFilesAreReadOrRefused) {
     } catch (const ConfigurationError&) {
     }
   }
-  EXPECT_THAT(error(std::string(1'000'000, '[')), testing::HasSubstr("not JSON: unexpected end"));
+  EXPECT_THAT(error(std::string(200'000, '[')), testing::HasSubstr("not JSON: unexpected end"));
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   EXPECT_EQ(error(deep), "m: the file holds an array, no object; write " + kExample + " [SL0105]");
 }

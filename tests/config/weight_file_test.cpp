@@ -356,7 +356,7 @@ TEST(WeightFile, MutatedFilesAreReadOrRefused) {
                                           test::data_text("readout.json"),
                                           test::data_text("sparse.json")};
   std::mt19937 random(11);
-  for (int i = 0; i < test::repetitions(20000); ++i) {
+  for (int i = 0; i < test::repetitions(5000); ++i) {
     std::string text = texts[random() % texts.size()];
     for (unsigned k = 0; k < 1 + random() % 4; ++k) {
       const std::size_t at = random() % text.size();
@@ -382,7 +382,7 @@ TEST(WeightFile, MutatedFilesAreReadOrRefused) {
 }
 
 TEST(WeightFile, DeepNestingIsRefused) {
-  const std::size_t depth = 1'000'000;
+  const std::size_t depth = 200'000;
   EXPECT_EQ(error(std::string(depth, '[') + std::string(depth, ']')),
             "w: row 0, column 0 is an array; write a finite number [SL0309]");
   EXPECT_EQ(error("{\"rows\": 1, \"columns\": 1, \"entries\": " + std::string(depth, '[') +

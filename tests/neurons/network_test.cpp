@@ -45,7 +45,7 @@ TEST(Repeater, LosesAndAddsNothingAtAnyTick) {
   std::uniform_int_distribution<TimeNs> time(1, 400 * kMs);
   std::uniform_int_distribution<int> channel(0, kChannels - 1);
   Spikes input;
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     input.push_back(make_spike(time(random), channel(random)));
   }
   for (const TimeNs grid : {TimeNs{0}, 100 * TimeNs{1'000}, kMs}) {

@@ -189,7 +189,7 @@ class RandomNetworks : public testing::TestWithParam<Case> {
 };
 
 TEST_P(RandomNetworks, SpikeTrainsEqualTheReference) {
-  const TimeNs duration = 200 * kMs;
+  const TimeNs duration = 120 * kMs;
   for (const unsigned seed : {1u, 2u}) {
     std::mt19937_64 random(seed);
     const RandomNetwork n = make(random);

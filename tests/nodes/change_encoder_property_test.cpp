@@ -12,7 +12,7 @@ constexpr std::size_t kChannels = 3;
 // Revises or invalidates the input now and then; `after(begin)` runs after every tick.
 template <typename After>
 void drive_randomly(RandomTrial& random, NodeHarness& node, HeldValues& held, After&& after) {
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 75; ++i) {
     if (random.chance(0.5)) {
       const std::vector<double> values = random.values(kChannels);
       node.set_input(values);
@@ -103,7 +103,7 @@ TEST(EncoderProperty, StepForwardEncoderNeitherLosesNorDoublesASpike) {
     const std::vector<double> rest = {0.35, -0.2, 0.0};
     node.set_input(rest);
     held.take(rest);
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 20; ++i) {
       node.step(50 * kMs);
       check(0);
     }
@@ -159,7 +159,7 @@ TEST(EncoderProperty, TimeToFirstSpikeEncoderNeitherLosesNorDoublesASpike) {
     NodeHarness node("time_to_first_spike_encoder", {kChannels, kChannels}, {.keys = keys});
     std::vector<double> x(kChannels, std::nan(""));
     std::vector<Spike> expected;
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 75; ++i) {
       if (random.chance(0.5)) {
         const std::vector<double> values = random.values(kChannels);
         node.set_input(values);

@@ -35,7 +35,7 @@ class Trial {
         counts_(kChannels, 0) {}
 
   void run() {
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < 30; ++i) {
       if (uniform() < 0.7) {
         revise();
       } else if (uniform() < 0.1) {

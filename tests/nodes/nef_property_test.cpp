@@ -125,7 +125,7 @@ class Trial {
 };
 
 TEST(NefProperty, SpikesDoNotDependOnHowTimeIsCut) {
-  for (int seed = 0; seed < test::repetitions(400) && !HasFatalFailure(); ++seed) {
+  for (int seed = 0; seed < test::repetitions(200) && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     Trial(seed).run();
   }

@@ -107,7 +107,7 @@ TEST_F(Status, APathThatLeadsNowhereIsNoLauncher) {
 
 TEST_F(Status, AFullSocketDropsProgressAndDelaysTheReport) {
   const Sender sender("a");
-  for (int i = 0; i < 100'000; ++i) {
+  for (int i = 0; i < 10'000; ++i) {
     sender.progress(i, i, 0);
   }
   std::thread reporter([&sender] { sender.report({}, {{"last", true}}); });
@@ -119,13 +119,13 @@ TEST_F(Status, AFullSocketDropsProgressAndDelaysTheReport) {
   }
   reporter.join();
   EXPECT_GE(progress, 1u);
-  EXPECT_LT(progress, 100'000u);
+  EXPECT_LT(progress, 10'000u);
   EXPECT_EQ(message["summary"]["last"], true);
 }
 
 TEST_F(Status, AReceiverThatNeverReadsHoldsNobodyForLong) {
   const Sender sender("a");
-  for (int i = 0; i < 100'000; ++i) {
+  for (int i = 0; i < 10'000; ++i) {
     sender.progress(i, i, 0);
   }
   sender.report({}, {});
