@@ -17,13 +17,18 @@ All of it is one run of Brian2's. docs/simulators.md has the rules.
 
 import importlib
 import math
+import sys
 
 import numpy as np
 
 from .frames import with_room
 from .music_host import Host, HostError
 
+# Cython, which Brian2 imports, takes 0.4 s for Pythran, for an option that Brian2 does not use.
+sys.modules.setdefault("pythran", None)
 brian2 = with_room(importlib.import_module, "brian2")
+if sys.modules["pythran"] is None:
+    del sys.modules["pythran"]
 from brian2.core.base import BrianObject  # noqa: E402
 from brian2.core.spikesource import SpikeSource  # noqa: E402
 from brian2.core.variables import Variables  # noqa: E402
