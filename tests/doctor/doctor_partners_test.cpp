@@ -231,12 +231,14 @@ TEST(DoctorPython, ImportsWhatIsThere) {
   // Packages that the real Python finds first.
   const TemporaryDirectory packages;
   packages.write("neuron.py", "__version__ = '8.0'\nprint('NEURON -- a banner')\n");
+  packages.write("brian2.py", "__version__ = '2.5.1'\n");
   packages.write("nest.py",
                  "__version__ = '3.3'\nclass ll_api:\n  @staticmethod\n  def sli_func(text):\n    "
                  "return text == 'statusdict/have_music ::'\n");
   const Examination seen = examine({kRealPython, {"PYTHONPATH", packages.path().string()}});
   const std::string place = packages.path().string();
   EXPECT_EQ(seen.line("NEURON"), "ok | 8.0, " + place + " | ");
+  EXPECT_EQ(seen.line("Brian2"), "ok | 2.5.1, " + place + " | ");
   EXPECT_EQ(seen.line("NEST"), "ok | 3.3, " + place + ", with MUSIC | ");
   packages.write("nest.py",
                  "class ll_api:\n  @staticmethod\n  def sli_func(text):\n    return False\n");
