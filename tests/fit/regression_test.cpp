@@ -36,7 +36,7 @@ std::vector<double> by_descent(const std::vector<std::vector<double>>& activitie
   const std::size_t neurons = activities[0].size();
   const auto samples = static_cast<double>(targets.size());
   std::vector<double> weights(neurons, 0.0);
-  for (int round = 0; round < 20'000; ++round) {
+  for (int round = 0; round < 2000; ++round) {
     std::vector<double> slope(neurons);
     for (std::size_t n = 0; n < neurons; ++n) {
       slope[n] = strength * strength * weights[n];

@@ -124,7 +124,7 @@ TEST(Camera, LookingChangesNothing) {
     Camera camera(vehicle, {});
     std::vector<double> trace;
     vehicle.command(0.6, 0.4);
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 40; ++i) {
       vehicle.step(25 * kMs);
       if (look) camera.look(vehicle);
       const auto odometry = vehicle.odometry();

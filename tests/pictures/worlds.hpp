@@ -23,8 +23,10 @@ class World {
   explicit World(const std::string& bodies, const std::string& start = "0 0 0")
       : path_(directory_.write(
             "world.xml",
-            "<mujoco><include file=\"spikeloop_vehicle.xml\"/><visual><headlight ambient=\"1 1 1\" "
-            "diffuse=\"0 0 0\" specular=\"0 0 0\"/><map znear=\"0.002\"/></visual><custom><numeric "
+            "<mujoco><size njmax=\"200\" nconmax=\"50\"/><include "
+            "file=\"spikeloop_vehicle.xml\"/><visual><headlight ambient=\"1 1 1\" "
+            "diffuse=\"0 0 0\" specular=\"0 0 0\"/><map znear=\"0.002\"/><quality "
+            "shadowsize=\"256\"/></visual><custom><numeric "
             "name=\"arena\" data=\"-3 -3 3 3\"/><numeric name=\"start\" data=\"" +
                 start +
                 "\"/></custom><worldbody><geom name=\"floor\" type=\"plane\" size=\"9 9 0.1\" "
