@@ -209,7 +209,9 @@ constexpr Explanation kExplanations[] = {
      "Ticks, process numbers, barriers or ports of its applications do not fit together, and the "
      "job would hang or lose data. The message says what to change."},
     {Code::program, "A program that a job starts cannot be started",
-     "Its file is missing, is not executable, or names an interpreter that is not there."},
+     "Its file is missing, is not executable, or names an interpreter that is not there. "
+     "`scripts/build` builds a missing program of Spikeloop; `spikeloop doctor` lists the missing "
+     "ones."},
 
     {Code::no_ros_master, "No ROS master answers",
      "Start one by roscore, or set ROS_MASTER_URI to the address of one that runs."},

@@ -24,6 +24,7 @@ constexpr const char* kFooter = R"(Examples:
 
 Draws figures of a run of an experiment or a .music file, and reports missing data:
   trajectory  the robot's path through its arena
+  episodes    the return of every episode, and the success rate
   spikes      sensors, spikes and rates of every population, commands, above one time axis
   signals     outputs of the other nodes
   latency     from a sensor message to the first command computed from it, in wall time
@@ -108,8 +109,10 @@ void add(CLI::App& app, Action& action) {
   command->add_option("--format", given->format, "File format")
       ->check(CLI::IsMember({"png", "svg", "pdf"}))
       ->capture_default_str();
-  command->add_option("--from", given->from, "Start of the time axis, s")->type_name("S");
-  command->add_option("--to", given->to, "End of the time axis, s")->type_name("S");
+  command->add_option("--from", given->from, "Start of the time axis, in s or with a unit (2500ms)")
+      ->type_name("TIME");
+  command->add_option("--to", given->to, "End of the time axis, in s or with a unit")
+      ->type_name("TIME");
   command->add_option("--sensor", given->sensor, "Node or process that recorded the sensor")
       ->type_name("LABEL");
   command->add_option("--network", given->network, "Draw only spikes of this node or process")

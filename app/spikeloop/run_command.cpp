@@ -132,7 +132,8 @@ void add_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--hostfile", job.hostfile, "Open MPI hostfile of the job")
       ->check(named("hostfile"))
       ->needs(out);
-  command.add_flag("--roscore", job.roscore, "Start a ROS 1 master if none responds");
+  command.add_flag("--roscore", job.roscore,
+                   "Start a ROS 1 master, at a free port, if none responds");
   auto* robot =
       command.add_flag("--robot", job.robot, "Start spikeloop-robot if /scan has no publisher");
   command
