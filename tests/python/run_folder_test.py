@@ -81,13 +81,15 @@ class DocumentationTest(Folder):
         blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
         self.assertEqual(len(blocks), 2)
         fake_run.make(self.folder, duration_s=5.0)
+        (self.folder / "network.h5").rename(self.folder / "brain.h5")
+        (self.folder / "command.h5").rename(self.folder / "wheels.h5")
         before = os.getcwd()
         self.addCleanup(os.chdir, before)
         os.chdir(self.folder)
         for block in blocks:
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):
-                exec(block.replace("runs/braitenberg/", "").replace("runs/braitenberg", "."), {})
+                exec(block.replace("runs/explorer-1", "."), {})
             self.assertNotEqual(printed.getvalue(), "", block)
 
 
