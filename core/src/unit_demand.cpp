@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdlib>
 
 namespace spikeloop {
@@ -11,6 +12,22 @@ namespace {
 bool has_unit(const ParameterDescription& parameter) {
   return parameter.type == ParameterType::number && !parameter.unit.empty() &&
          parameter.unit != "1";
+}
+
+/// "tau: 30 ms". Of seconds and milliseconds the one that is nearer to the default; both where it
+/// says nothing.
+std::string example_of(const ParameterDescription& parameter, const std::string& text) {
+  const std::string in_unit = fmt::format("{}: {} {}", parameter.name, text, parameter.unit);
+  if (parameter.unit != "s") {
+    return in_unit;
+  }
+  const std::string in_ms = fmt::format("{}: {} ms", parameter.name, text);
+  const double usual = std::strtod(parameter.default_value.value_or("").c_str(), nullptr);
+  if (usual == 0) {
+    return in_ms + "  or  " + in_unit;
+  }
+  const double factor = std::abs(std::strtod(text.c_str(), nullptr) / usual);
+  return factor > std::sqrt(1000.0) ? in_ms : in_unit;
 }
 
 }  // namespace
@@ -25,8 +42,9 @@ void demand_unit(const std::string& what, const ParameterDescription& parameter,
     throw ConfigurationError(
         written.where,
         with_code(Code::wrong_unit,
-                  "{0}key '{1}': {2} has no unit; write for example  {1}: {2} {3}",
-                  what.empty() ? "" : what + ": ", parameter.name, text, parameter.unit));
+                  "{}key '{}': {} has no unit; write for example  {}",
+                  what.empty() ? "" : what + ": ", parameter.name, text,
+                  example_of(parameter, text)));
   }
 }
 

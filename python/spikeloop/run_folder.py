@@ -102,6 +102,12 @@ def did_you_mean(word, candidates):
     return f"; known: {', '.join(candidates)}" if candidates else ""
 
 
+def counters_of(summary):
+    """Counters by name, also of an experiment whose processes have their own: {"wheels.sent": 200}."""
+    processes = summary.get("processes", {}).values()
+    return {name: value for part in (*processes, summary) for name, value in part.get("counters", {}).items()}
+
+
 class Recording:
     """What a node or process recorded: `run["encoder"].spikes.times_s`."""
 
@@ -141,7 +147,7 @@ class RunFolder:
 
     def counters(self):
         """Counters of the nodes by name: "encoder.spikes", "wheels.sent", ..."""
-        return self.summary().get("counters", {})
+        return counters_of(self.summary())
 
     def neo_block(self):
         """All recordings as a Block of Neo (python3-neo): a SpikeTrain for every channel of spikes,

@@ -22,7 +22,7 @@ import time
 from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words
 from .progress import Progress, Stopped, end_process, note_signals
-from .run_folder import did_you_mean
+from .run_folder import counters_of, did_you_mean
 from .summary import ROWS
 from .whole_file import write_whole
 
@@ -181,7 +181,7 @@ class Sweep:
             if exit_code == 0:
                 return  # whatever the table says, it has no results: it runs again
         row.update({key: str(summary[key]) for key in MEASURED if summary.get(key) is not None})
-        counters = summary.get("counters", {})
+        counters = counters_of(summary)
         self.counters.update(counters)
         row.update({name: str(counters[name]) for name in self.columns if name in counters})
         lines = said.strip().splitlines()

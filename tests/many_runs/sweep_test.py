@@ -2,6 +2,7 @@
 """spikeloop sweep: the table, failing runs, stopping and going on; the same runs as by hand."""
 
 import csv
+import json
 import os
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import time
 import unittest
 
 import explorer
+from spikeloop.run_folder import RunFolder
 
 FAST = ("--set", "sync=lockstep", "--set", "duration=0.5 s")
 
@@ -43,6 +45,18 @@ class Sweep(explorer.Folder):
         explorer.spikeloop("run", self.file, "--sync", "lockstep", "--duration", "0.5", "--seed", 2,
                            "--set", "encoder.rate_max=100 Hz", "--out", self.folder / "run")
         self.assertTrue(explorer.same(explorer.recorded(self.out / "002"), explorer.recorded(self.folder / "run")))
+
+    def test_counters_of_an_experiment_with_a_script(self):
+        self.file = self.with_script()
+        _, said = self.sweep(*FAST, "--set", "seed=1..2", "--columns", "encoder.spikes,wheels.sent,wheels.snt", "-q")
+        self.assertIn("no run has a counter 'wheels.snt'; did you mean 'wheels.sent'?", said)
+        self.assertEqual(said.count("warning"), 1, said)
+        for row in rows_of(self.out):
+            summary = json.loads((self.out / row["run"] / "summary.json").read_text())
+            counters = summary["processes"]["experiment"]["counters"]
+            for name in ("encoder.spikes", "wheels.sent"):
+                self.assertEqual(int(row[name]), counters[name])
+            self.assertEqual(RunFolder(self.out / row["run"]).counters()["wheels.sent"], counters["wheels.sent"])
 
     def test_runs_that_fail_are_named(self):
         _, said = self.sweep(*FAST, "--set", "encoder.rate_max=[100 Hz, 5 mV, 50 Hz]", code=1)

@@ -17,6 +17,7 @@ import pathlib
 
 from . import chain
 from ..progress import end_process
+from ..run_folder import counters_of
 
 BUILD_LIMIT_S = 300  # simulators that make a neuron a call in Python take their time
 END_S = 30  # for a job to end once it was stopped
@@ -155,14 +156,12 @@ def _trial(build_s, run_s, factor, spikes):
 
 
 def _evaluated(setting, summary, total_s):
-    counters = summary.get("counters", {})
+    counters = counters_of(summary)
     run_s = summary["wall_s"]
     if "processes" in summary:
         processes = summary["processes"].values()
         # The source alone may be far ahead of the others.
         run_s = max(wall_s(process) for process in processes)
-        counters = {key: value for process in processes
-                    for key, value in process["counters"].items()}
     encoded, decoded = counters["encoder.spikes"], counters["decoder.spikes"]
     trial = _trial(total_s - run_s, run_s, setting.duration_s / run_s, decoded)
     check_spikes(setting, encoded, decoded)
