@@ -197,7 +197,10 @@ def script_parameter(name, value):
 
     Raises NodeError for a table.
     """
-    parameter = value if isinstance(value, Parameter) else Parameter(value)
+    try:
+        parameter = value if isinstance(value, Parameter) else Parameter(value)
+    except NodeError as error:
+        raise NodeError(f"'{name}': {error}") from None
     if isinstance(parameter, Weights):
         raise NodeError(f"parameter '{name}' is a table; take its file's name, as "
                         f"{name}=spikeloop.Parameter(type=str), and read it with numpy.load")

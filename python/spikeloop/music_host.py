@@ -136,6 +136,7 @@ class Host:
 
     def __init__(self, *, spikes_in=None, spikes_out=None, signals_in=None, signals_out=None,
                  **parameters):
+        _refuse_unknown_ports(parameters)
         ports = _declared_ports({("spikes", True): spikes_in, ("spikes", False): spikes_out,
                                  ("signal", True): signals_in, ("signal", False): signals_out})
         declared = [script_parameter(name, value).plain(name) for name, value in parameters.items()]
@@ -316,6 +317,13 @@ def music(*, spikes_in=None, spikes_out=None, signals_in=None, signals_out=None,
     """
     return Host(spikes_in=spikes_in, spikes_out=spikes_out, signals_in=signals_in,
                 signals_out=signals_out, **parameters)
+
+
+def _refuse_unknown_ports(parameters):
+    for name, value in parameters.items():
+        if isinstance(value, dict):
+            raise HostError(f"'{name}' is a dict, but not an argument for ports"
+                            f"{did_you_mean(name, ('spikes_in', 'spikes_out', 'signals_in', 'signals_out'))}")
 
 
 def _declared_ports(groups):

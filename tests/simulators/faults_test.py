@@ -315,6 +315,8 @@ EXPECTED = [
     "a port is named 3; write a name, such as 'in'",
     "parameter 'weights' is a table; take its file's name, as weights=spikeloop.Parameter(type=str), "
     "and read it with numpy.load",
+    "'spikes_ou' is a dict, but not an argument for ports; did you mean 'spikes_out'?",
+    "'gain': a parameter of type list; write a number, a text, True or False, or spikeloop.Weights for a table",
     "spikeloop.music has been called before; a script has one host",
     "tick.spikes('inn'): spikes_in of spikeloop.music has no 'inn'; did you mean 'in'?",
     "tick.spikes('image'): spikes_in of spikeloop.music has no 'image'; known: in",

@@ -18,6 +18,8 @@ refused(spikeloop.music, spikes_in={"in": 0})
 refused(spikeloop.music, spikes_in={"in": 2}, signals_out={"in": 2})
 refused(spikeloop.music, spikes_in={3: 2})
 refused(spikeloop.music, spikes_in={"in": 2}, weights=spikeloop.Weights())
+refused(spikeloop.music, spikes_in={"in": 2}, spikes_ou={"out": 10})
+refused(spikeloop.music, spikes_in={"in": 2}, gain=[1])
 with spikeloop.music(spikes_in={"in": None}, spikes_out={"out": None}, signals_in={"image": 3},
                      signals_out={"level": 2}) as host:
     refused(spikeloop.music, spikes_in={"in": 2})
