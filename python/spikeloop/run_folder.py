@@ -278,8 +278,10 @@ class RunFolder:
     def _open(self, label):
         file = self._file(label)
         if label not in self.labels:
-            raise RunFolderError(f"'{file}' is missing: write record=true into the section "
-                                 f"'{label}'{did_you_mean(label, self.labels)}")
+            known = did_you_mean(label, self.labels)
+            if (self.path / "resolved.json").exists():  # an experiment records what it can
+                raise RunFolderError(f"'{self.path}' has no recording of '{label}'{known}")
+            raise RunFolderError(f"'{file}' is missing: write record=true into the section '{label}'{known}")
         require_regular(file)
         try:
             opened = h5py.File(file, "r")

@@ -137,6 +137,8 @@ class ErrorTest(Folder):
                   "into the section 'senor'; did you mean 'sensor'?")
         self.says(lambda: run.spikes("q"), "'FOLDER/q.h5' is missing: write record=true into the "
                   "section 'q'; known: future, network, sensor")
+        (self.folder / "resolved.json").write_text("{}")
+        self.says(lambda: run.spikes("q"), "'FOLDER' has no recording of 'q'; known: future, network, sensor")
         self.says(lambda: run.signal("sensor", "outt"), "'FOLDER/sensor.h5' has no signal 'outt'; "
                   "did you mean 'out'?")
         self.says(lambda: run.signal("network"), "'FOLDER/network.h5' has no signal")
