@@ -22,7 +22,8 @@ std::string example_of(const ParameterDescription& parameter, const std::string&
     return in_unit;
   }
   const std::string in_ms = fmt::format("{}: {} ms", parameter.name, text);
-  const double usual = std::strtod(parameter.default_value.value_or("").c_str(), nullptr);
+  const std::string written = parameter.default_value.value_or("");
+  const double usual = written.empty() ? 0 : parse_quantity(written, parameter.unit);
   if (usual == 0) {
     return in_ms + "  or  " + in_unit;
   }
@@ -41,8 +42,7 @@ void demand_unit(const std::string& what, const ParameterDescription& parameter,
   if (bare && number != 0 && has_unit(parameter)) {
     throw ConfigurationError(
         written.where,
-        with_code(Code::wrong_unit,
-                  "{}key '{}': {} has no unit; write for example  {}",
+        with_code(Code::wrong_unit, "{}key '{}': {} has no unit; write for example  {}",
                   what.empty() ? "" : what + ": ", parameter.name, text,
                   example_of(parameter, text)));
   }

@@ -1,5 +1,6 @@
 #include "spikeloop/core/parameters.hpp"
 
+#include "spikeloop/core/unit_demand.hpp"
 #include "support.hpp"
 
 namespace spikeloop {
@@ -45,6 +46,27 @@ TEST(Quantity, SaysWhatIsWrong) {
       "'3 parsec': 'parsec' is not a unit of length here; write one of: mm, cm, m, km [SL0202]");
   EXPECT_EQ(quantity_error("3 s", "1"),
             "'3 s': this number has no unit, 's' cannot stand behind it; write 3 [SL0202]");
+}
+
+std::string unit_error(const std::string& unit, const std::optional<std::string>& usual,
+                       const std::string& written) {
+  return message_of<ConfigurationError>([&] {
+    demand_unit("", {.name = "tau", .unit = unit, .default_value = usual}, {written, {}});
+  });
+}
+
+TEST(UnitDemand, ShowsTheUnitThatIsNearerToTheDefault) {
+  const std::string begin = "key 'tau': 30 has no unit; write for example  ";
+  EXPECT_EQ(unit_error("s", "0.03", "30"), begin + "tau: 30 ms [SL0202]");
+  EXPECT_EQ(unit_error("s", "500 ms", "30"), begin + "tau: 30 ms [SL0202]");
+  EXPECT_EQ(unit_error("s", "10", "30"), begin + "tau: 30 s [SL0202]");
+  EXPECT_EQ(unit_error("s", "0.03", "0.02"),
+            "key 'tau': 0.02 has no unit; write for example  tau: 0.02 s [SL0202]");
+  for (const auto& nothing : {std::optional<std::string>(), std::optional<std::string>(""),
+                              std::optional<std::string>("0")}) {
+    EXPECT_EQ(unit_error("s", nothing, "30"), begin + "tau: 30 ms  or  tau: 30 s [SL0202]");
+  }
+  EXPECT_EQ(unit_error("Hz", "0.03", "30"), begin + "tau: 30 Hz [SL0202]");
 }
 
 std::vector<ParameterDescription> declared() {

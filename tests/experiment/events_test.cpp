@@ -74,7 +74,7 @@ TEST_F(Events, WhatIsWrongIsSaid) {
                           "'split'?; write one of: both, on, off, split [SL0205]"));
   EXPECT_THAT(faults(events(", latency: 20")),
               ElementsAre("x.yaml:4:80: node 'eye': key 'latency': 20 has no unit; write for "
-                          "example  latency: 20 s [SL0202]"));
+                          "example  latency: 20 ms [SL0202]"));
   EXPECT_THAT(faults(events(", region: [0, 0, 4, 4]")),
               ElementsAre("x.yaml:4:71: node 'eye': unknown key 'region'; known: topic, message, "
                           "polarity, downsample, roi, latency, refractory, timeout [SL0103]"));

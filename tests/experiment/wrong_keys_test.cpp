@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(
              "x.yaml:7:43: node 'encoder': key 'rate_max': 200 has no unit; write for "
              "example  rate_max: 200 Hz [SL0202]",
              "x.yaml:9:40: node 'decoder': key 'tau': 30 has no unit; write for example  "
-             "tau: 30 s [SL0202]"}}),
+             "tau: 30 ms [SL0202]"}}),
     [](const auto& row) { return "row" + std::to_string(row.index); });
 
 }  // namespace

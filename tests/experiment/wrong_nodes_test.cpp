@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"emergency stop without a unit",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {timeout: 1}"}},
                   {"x.yaml:10:127: key 'emergency_stop': key 'timeout': 1 has no unit; write for "
-                   "example  timeout: 1 s [SL0202]"}},
+                   "example  timeout: 1 ms  or  timeout: 1 s [SL0202]"}},
         WrongFile{"emergency stop that is not a truth value",
                   {{"angular.z: 1}", "angular.z: 1}, emergency_stop: {required: often}"}},
                   {"x.yaml:10:128: key 'emergency_stop': key 'required': 'often' is not a truth "
