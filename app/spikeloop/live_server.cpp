@@ -69,6 +69,7 @@ bool is_this_machine(const std::string& host) {
 
 void add_address_options(CLI::App& command, LiveOptions& options) {
   command.add_option("--live-port", options.port, "Port of the live view; 0: any")
+      ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command
       .add_option("--live-host", options.host,

@@ -105,6 +105,11 @@ TEST(CommandLine, SaysWhichNumberAnOptionTakes) {
             "spikeloop: --duration ''" + duration + "\n");
   EXPECT_EQ(type({"run", "x.music", "--duration", "5 parsecs"}).err,
             "spikeloop: --duration '5 parsecs'" + duration + "\n");
+  for (const std::string port : {"99999", "-1"}) {
+    EXPECT_EQ(type({"view", "runs", "--live-port", port}).err,
+              "spikeloop: --live-port: Value " + port +
+                  " not in range 0 to 65535; see spikeloop view --help\n");
+  }
 }
 
 TEST(CommandLine, NumbersMayHaveUnits) {
