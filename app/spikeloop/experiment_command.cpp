@@ -25,6 +25,7 @@
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/fused/robot_sensors.hpp"
 #include "spikeloop/fused/run.hpp"
+#include "spikeloop/launch/folders.hpp"
 #include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/process_tree.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -391,7 +392,9 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
 }
 
 WrittenJob write_music_job(const Experiment& experiment, const std::string& folder) {
-  return write_job(experiment::music_job(experiment, folder), folder);
+  const std::string whole = std::filesystem::absolute(folder).lexically_normal().string();
+  const auto job = experiment::music_job(experiment, whole);  // may be refused
+  return write_job(job, launch::make_folder(whole));
 }
 
 WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder) {

@@ -119,7 +119,7 @@ int export_file(const Arguments& arguments) {
       put(stderr, "spikeloop: warning: key 'layout': an exported job has one program per node\n");
     }
     Arguments job = arguments;
-    const WrittenJob written = write_music_job(experiment, launch::make_folder(arguments.folder));
+    const WrittenJob written = write_music_job(experiment, arguments.folder);
     job.file = written.path;
     return export_job(job, written.places);
   });

@@ -226,6 +226,15 @@ TEST(Export, SpeaksOfTheExperimentsLines) {
   EXPECT_THAT(outcome.err, testing::StartsWith("spikeloop: x.yaml:4:3: a time of "));
 }
 
+TEST(Export, WhatIsRefusedLeavesNoFolder) {
+  const TemporaryDirectory directory;
+  directory.write("x.yaml", spikeloop({"new"}, directory).out);
+  const Outcome outcome = spikeloop({"export", "x.yaml", "--out", "jobs/job"}, directory);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("an exported job reaches the robot over ROS"));
+  EXPECT_FALSE(std::filesystem::exists(directory.path() / "jobs"));
+}
+
 TEST(Run, TimeoutsAreForSeveralProcesses) {
   const TemporaryDirectory directory;
   directory.write("x.yaml", spikeloop({"new"}, directory).out);
