@@ -294,6 +294,9 @@ NodeClass network_class(const NetworkFile& network) {
                            static_cast<std::uint32_t>(record.potential.size()),
                            "Recorded membrane potentials, mV"));
       ports.back().unit = kPotentialUnit;
+      for (const std::uint32_t member : record.potential) {
+        ports.back().channels.push_back(fmt::format("{} {}", population.name, member));
+      }
     }
   }
   node_class.create = [network](const NodeSetup& setup) {

@@ -212,7 +212,8 @@ std::unique_ptr<Sink> Recorder::output_sink(const GraphDescription& description,
   return port.kind == PortKind::spikes
              ? spike_sink(port.name, port.width,
                           known == nullptr ? std::vector<Population>() : known->populations)
-             : signal_sink(port.name, port.width, known == nullptr ? "1" : known->unit);
+             : signal_sink(port.name, port.width, known == nullptr ? "1" : known->unit,
+                           known == nullptr ? std::vector<std::string>() : known->channels);
 }
 
 std::function<void(TimeNs, double)> Recorder::value_writer(const std::string& stream,

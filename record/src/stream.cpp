@@ -11,6 +11,7 @@ namespace {
 /// Channels of a stream. Compression takes a third of a core for a million spikes a second, which
 /// more neurons may well have.
 constexpr std::uint32_t kMostCompressed = 10'000;
+constexpr std::size_t kMostNames = 1000;  // an attribute has room for 64 KiB
 
 }  // namespace
 
@@ -148,8 +149,7 @@ void SpikeStream::append() {
 }
 
 void SpikeStream::write_populations(const std::vector<Population>& populations) const {
-  constexpr std::size_t kMost = 1000;  // an attribute has room for 64 KiB
-  if (populations.empty() || populations.size() > kMost) {
+  if (populations.empty() || populations.size() > kMostNames) {
     return;
   }
   std::vector<std::string> names;
@@ -182,7 +182,7 @@ SignalStream::SignalStream(std::string name, std::uint32_t width, const std::str
                            const std::string& path, std::size_t rows)
     : Stream(std::move(name), width), ring_(rows * (width + 1)) {
   make_group(parent, path);
-  if (!channels.empty()) {
+  if (!channels.empty() && channels.size() <= kMostNames) {
     hdf5::Attributes(group(), path).write("channels", channels);
   }
   const bool compressed = width <= kMostCompressed;

@@ -73,7 +73,7 @@ nodes:
         - {from: input, to: first, rule: one_to_one, delay: 1 ms}
       output: [first, second]
       record:
-        second: {spikes: true, V_m: [0]}
+        second: {spikes: true, V_m: [1, 0]}
   decoder: {node: rate_window}
   wheels: {node: ros_command, topic: /cmd_vel, message: geometry_msgs/Twist, fields: {linear.x: {channel: 1, scale: 0.01}}}
   seen: {node: delay, delay: 1 ms}
@@ -93,6 +93,7 @@ def what_the_pictures_need(spikeloop, folder):
     assert [(population.name, population.size) for population in spikes_plot.populations(
         [stream for stream in found.spikes if stream.label == "brain"])] == [("first", 10), ("second", 2)]
     potential, = (signal for signal in found.signals if signal.stream == "second_V_m")
+    assert potential.channels == ["second 1", "second 0"], potential.channels
     assert potential.unit == "mV" and -75 < potential.values.min() < potential.values.max() < -50, potential
     light, = (signal for signal in found.sensors if signal.label == "light")
     assert (light.channels, light.quantities) == (["left", "right"], [("illuminance", "lux")] * 2), light

@@ -49,6 +49,7 @@ struct PortDescription {
   std::string text;                       ///< one line
   std::string unit = "1";                 ///< of a signal's values
   std::vector<Population> populations{};  ///< of spikes, in the order of the channels; empty: one
+  std::vector<std::string> channels{};    ///< of a signal: names of its channels; empty: none
 };
 
 /// How a node goes back to the state of the beginning. A plug-in's never does: it may have a state,

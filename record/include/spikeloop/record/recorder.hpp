@@ -84,8 +84,8 @@ class Recorder {
                                     const std::string& unit,
                                     const std::vector<std::string>& channels = {});
 
-  /// One of the two, for the output `end` of a graph, with the unit or the populations that its
-  /// port has.
+  /// One of the two, for the output `end` of a graph, with the unit and the names that its port
+  /// has.
   std::unique_ptr<Sink> output_sink(const GraphDescription& description, const std::string& end,
                                     const EndpointPort& port);
 
