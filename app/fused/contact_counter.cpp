@@ -1,5 +1,6 @@
 #include "contact_counter.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -12,15 +13,15 @@ namespace {
 constexpr const char* kContactsTopic = "bumper_states";  // of gazebo_ros_bumper
 constexpr const char* kContactsType = "gazebo_msgs/ContactsState";
 
-messages::TextField names(const topics::Session& session, const char* path) {
+messages::TextField name_field(const topics::Session& session, const char* path) {
   return {messages::Catalog::for_type(session.dialect(), kContactsType), kContactsType, path};
 }
 
 }  // namespace
 
 ContactCounter::ContactCounter(topics::Session& session)
-    : first_(names(session, "states.collision1_name")),
-      second_(names(session, "states.collision2_name")),
+    : first_(name_field(session, "states.collision1_name")),
+      second_(name_field(session, "states.collision2_name")),
       subscriber_(session.subscriber({.topic = kContactsTopic,
                                       .message_type = kContactsType,
                                       .queue = 10,  // a short contact is in one message alone
@@ -45,7 +46,7 @@ void ContactCounter::take(std::span<const std::byte> message) {
     counter_.emplace();
   }
   for (std::size_t i = 0; i < first.size(); ++i) {
-    counter_->touch({std::string(first[i]), std::string(second[i])}, *now_);
+    counter_->touch(std::minmax(std::string(first[i]), std::string(second[i])), *now_);
   }
 }
 

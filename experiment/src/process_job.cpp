@@ -55,7 +55,8 @@ class ProcessWriter : JobWriter {
 
  private:
   /// A part of a tick: what the acceptable latencies of a cycle have to spare, so that they add up
-  /// to a tick a process, though spikes are late by one alone. It serves for cycles of 99 programs.
+  /// to a tick a process, though spikes are late by whole ticks alone. It serves for cycles of 99
+  /// programs.
   TimeNs spare() const { return std::max<TimeNs>(1, experiment_.tick / 100); }
 
   void write_process(const Process& process) {

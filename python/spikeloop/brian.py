@@ -26,9 +26,11 @@ from .music_host import Host, HostError
 
 # Cython, which Brian2 imports, takes 0.4 s for Pythran, for an option that Brian2 does not use.
 sys.modules.setdefault("pythran", None)
-brian2 = with_room(importlib.import_module, "brian2")
-if sys.modules["pythran"] is None:
-    del sys.modules["pythran"]
+try:
+    brian2 = with_room(importlib.import_module, "brian2")
+finally:
+    if sys.modules["pythran"] is None:
+        del sys.modules["pythran"]
 from brian2.core.base import BrianObject  # noqa: E402
 from brian2.core.spikesource import SpikeSource  # noqa: E402
 from brian2.core.variables import Variables  # noqa: E402

@@ -14,6 +14,7 @@ Files (docs/run-folder.md):
     resolved.json   an experiment with every default
 """
 
+import collections
 import csv
 import dataclasses
 import difflib
@@ -103,9 +104,11 @@ def did_you_mean(word, candidates):
 
 
 def counters_of(summary):
-    """Counters by name, also of an experiment whose processes have their own: {"wheels.sent": 200}."""
-    processes = summary.get("processes", {}).values()
-    return {name: value for part in (*processes, summary) for name, value in part.get("counters", {}).items()}
+    """Counters by name, also of an experiment whose processes have their own: {"wheels.sent": 200}; without
+    those that several processes have, like `ticks`."""
+    parts = [part.get("counters", {}) for part in (summary, *summary.get("processes", {}).values())]
+    owners = collections.Counter(name for part in parts for name in part)
+    return {name: value for part in parts for name, value in part.items() if owners[name] == 1}
 
 
 class Recording:

@@ -115,7 +115,7 @@ def _draw_path(axes, track):
 
 def _draw_collisions(axes, track):
     """Marks the rows in which the count of collisions rose; False when it never did."""
-    rows = np.flatnonzero(np.diff(track["collisions"], prepend=0.0) > 0)
+    rows = np.flatnonzero(np.diff(np.nan_to_num(track["collisions"]), prepend=0.0) > 0)
     x, y = track["x_m"][rows], track["y_m"][rows]
     axes.plot(x, y, zorder=6, **COLLISION)  # smaller than the mark of the end, which it may lie on
     return len(rows) > 0

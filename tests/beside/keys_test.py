@@ -49,7 +49,7 @@ def main():
         for layout in ("fused", "separate"):
             printed = said(folder, "tau: 30", layout, code=2)
             assert "here/experiment.yaml:11:10: node 'brain': key 'tau': 30 has no unit; " \
-                "write for example  tau: 30 s" in printed, printed
+                "write for example  tau: 30 ms" in printed, printed
             for key, told in (("tau: 30 ms", "0.03 2.0"), ("tau: 0", "0.0 2.0"), ("gain: 3", "0.02 3.0")):
                 printed = said(folder, key, layout)
                 assert f"told {folder} {told}" in printed, printed

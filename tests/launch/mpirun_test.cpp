@@ -55,6 +55,12 @@ class Variable {
   std::optional<std::string> before_;
 };
 
+TEST(MpirunCommand, LeavesAChoiceOfNetworksToTheUser) {
+  const Variable layers("OMPI_MCA_btl", "self,tcp");
+  const auto command = mpirun_command(parse_music(kJob, "f"), "/run/x.music", {});
+  EXPECT_THAT(command, testing::Not(testing::Contains("pml")));
+}
+
 TEST(MpirunCommand, OnSeveralHostsNodesLookForEachOtherAsHere) {
   const Variable domain("ROS_DOMAIN_ID", "7");
   const Variable range("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");

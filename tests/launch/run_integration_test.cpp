@@ -210,6 +210,7 @@ TEST(Run, CtrlCEndsTheLoops) {
 
 /// Nobody listens yet when the signal comes: not even mpirun.
 TEST(Run, CtrlCAtTheStartLetsNobodyTick) {
+  int rounds = 0;
   for (const auto delay : {2ms, 5ms, 10ms, 20ms, 40ms}) {
     const TwoPrograms job("stoptime=1000", "stoptime=1000");
     Child child(job.command());
@@ -217,7 +218,10 @@ TEST(Run, CtrlCAtTheStartLetsNobodyTick) {
       std::this_thread::sleep_for(1ms);
     }
     std::this_thread::sleep_for(delay);
-    ASSERT_EQ(child.output(), "") << "too late";
+    if (!child.output().empty()) {
+      continue;  // the job was faster
+    }
+    ++rounds;
     child.signal(SIGINT);
     const Outcome outcome = child.wait();
     EXPECT_EQ(outcome.exit_code, 130);
@@ -226,6 +230,7 @@ TEST(Run, CtrlCAtTheStartLetsNobodyTick) {
     EXPECT_EQ(outcome.left_behind, 0);
     EXPECT_EQ(job.summary()["exit_code"], 130);
   }
+  EXPECT_GT(rounds, 0);
 }
 
 TEST(Run, SigtermDoesTheSame) {

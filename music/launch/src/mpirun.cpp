@@ -157,8 +157,10 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     // MPI looks at its sockets every 10 ms. It has none here, and music/waiting.cpp takes each look
     // for the end of a wait.
     settings.emplace_back("mpi_event_tick_rate", "1000000");  // microseconds
-    // What MPI takes here in any case. To look for networks of clusters takes 0.2 s.
-    settings.emplace_back("pml", "ob1");
+    // To look for the networks of clusters takes 0.2 s.
+    if (std::getenv("OMPI_MCA_pml") == nullptr && std::getenv("OMPI_MCA_btl") == nullptr) {
+      settings.emplace_back("pml", "ob1");
+    }
   }
   // Waiting programs ask again and again: without yielding and free placement they starve each
   // other.

@@ -282,9 +282,6 @@ nlohmann::json CommandSink::summary() const {
 
 std::string CommandSink::missing_data() const {
   const auto reason = channel_.stopped_by();
-  if (settings_.clock == CommandClock::wall && settings_.with_data_stamp && age_.messages() == 0) {
-    return "the robot was not driven: no message with a reading has arrived";
-  }
   const bool missing = reason == StopReason::sensor_silent || reason == StopReason::stale;
   return missing ? "the robot was stopped when the run ended: " +
                        stop_cause(*reason, settings_, silent_sensor_)

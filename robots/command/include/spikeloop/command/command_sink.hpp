@@ -125,9 +125,8 @@ class CommandSink : public Sink {
   /// latency_clock: wall or simulated, the time that these are of. stopped_s: the channel's
   /// stood_for().
   nlohmann::json summary() const;
-  /// At the end of a run: "the robot was not driven: ...", when no data ever arrived, or "the robot
-  /// was stopped when the run ended: ...", when they are missing then (a sensor is silent, or what is
-  /// known is too old); empty otherwise.
+  /// At the end of a run: "the robot was stopped when the run ended: ...", when it is for want of
+  /// data (a sensor is silent, or what is known is too old); empty otherwise.
   std::string missing_data() const;
 
  private:
