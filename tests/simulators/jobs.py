@@ -13,6 +13,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -20,6 +21,9 @@ import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent / "support"))
+from calls import assert_says  # noqa: E402, F401
+
 SINE = HERE.parents[1] / "examples/05_encoder_python/sine.py"
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 SPIKELOOP = PROGRAMS / "spikeloop"
