@@ -3,18 +3,15 @@
 import json
 import os
 import pathlib
-import subprocess
+import sys
 
-SPIKELOOP = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop"
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from calls import SPIKELOOP, assert_says, spikeloop  # noqa: E402, F401
 
 
 def bench(*arguments, code=0, folder=None, **environment):
     """(standard output, standard error)."""
-    done = subprocess.run([SPIKELOOP, "bench", *map(str, arguments)], capture_output=True, text=True,
-                          check=False, cwd=folder, timeout=400, env={**os.environ, **environment})
-    assert done.returncode == code, \
-        f"{arguments}: exit code {done.returncode}, not {code}:\n{done.stdout}{done.stderr}"
-    return done.stdout, done.stderr
+    return spikeloop("bench", *arguments, code=code, cwd=folder, timeout=400, env={**os.environ, **environment})
 
 
 def results(folder):

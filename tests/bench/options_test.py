@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-from bench_program import SPIKELOOP, bench
+from bench_program import SPIKELOOP, assert_says, bench
 
 WRONG = (
     (("--part", "e"), "--part: unknown part 'e'; write some of a,b,c,d"),
@@ -19,14 +19,10 @@ WRONG = (
     (("--encoders", "linear"), "--encoders: unknown encoder 'linear'; write some of rate,poisson,nef"),
     (("--trials", "0"),
      "--trials: '0' cannot be; write a whole number from 1 to 1000, as in --trials 5"),
-    (("--trials", "2.5"),
-     "--trials: '2.5' cannot be; write a whole number from 1 to 1000, as in --trials 5"),
-    (("--steps", "many"),
-     "--steps: 'many' cannot be; write a whole number from 1 to 100000, as in --steps 5"),
-    (("--neurons", "-1"),
-     "--neurons: '-1' cannot be; write a whole number from 1 to 16777216, as in --neurons 5"),
-    (("--most", "20000000"),
-     "--most: '20000000' cannot be; write a whole number from 1 to 16777216, as in --most 5"),
+    (("--trials", "2.5"), "--trials: '2.5' ... 1 ... 1000, ... --trials 5"),
+    (("--steps", "many"), "--steps: 'many' ... 1 ... 100000, ... --steps 5"),
+    (("--neurons", "-1"), "--neurons: '-1' ... 1 ... 16777216, ... --neurons 5"),
+    (("--most", "20000000"), "--most: '20000000' ... 1 ... 16777216, ... --most 5"),
     (("--ticks", "1,0"),
      "--ticks: '0' cannot be; write ms from 0.1 to 1000, divided by commas, as in --ticks 1,10,50"),
     (("--rates", "1;2"),
@@ -39,8 +35,7 @@ WRONG = (
      "--limit: '10 mV' cannot be; write the wall seconds that a run may take, at least 0.05, as in "
      "--limit 30"),
     (("--learning", "--tasks", "lanes"), "--tasks: unknown task 'lanes'; did you mean 'lane'?"),
-    (("--learning", "--seeds", "0"),
-     "--seeds: '0' cannot be; write a whole number from 1 to 10000, as in --seeds 5"),
+    (("--learning", "--seeds", "0"), "--seeds: '0' ... 1 ... 10000, ... --seeds 5"),
     (("--learning", "--ticks", "1"), "--ticks excludes --learning; see spikeloop bench --help"),
     (("--seeds", "3"), "--seeds requires --learning; see spikeloop bench --help"),
     (("--qiuck",), "unknown option '--qiuck'; did you mean '--quick'?"),
@@ -52,7 +47,8 @@ class Options(unittest.TestCase):
         for arguments, said in WRONG:
             with self.subTest(arguments=arguments):
                 out, error = bench(*arguments, code=2)
-                self.assertEqual((out, error), ("", f"spikeloop: {said}\n"))
+                self.assertEqual((out, error.count("\n")), ("", 1), error)
+                assert_says(error, f"spikeloop: {said}")
 
     def test_ticks_that_are_no_part_of_the_duration(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -60,8 +56,7 @@ class Options(unittest.TestCase):
             self.assertEqual(error, "spikeloop: --duration 10 is not a whole number of ticks of 3 ms; write "
                                     "another duration, or --ticks that divide it\n")
             _, error = bench("--duration", "0.06", "--part", "a", "--out", f"{folder}/x", code=2)
-            self.assertEqual(error, "spikeloop: --duration 0.06 is not a whole number of ticks of 50 ms; "
-                                    "write another duration, or --ticks that divide it\n")
+            assert_says(error, "spikeloop: --duration 0.06 ... 50 ms; ... --ticks ")
             self.assertFalse(pathlib.Path(f"{folder}/x").exists())
 
     def test_folders(self):
@@ -70,11 +65,10 @@ class Options(unittest.TestCase):
             self.assertEqual(error, f"spikeloop: '{folder}/x/results.json' has no results to draw; leave "
                                     "out --draw\n")
             _, error = bench("--out", "/proc/none", code=4)
-            self.assertEqual(error, "spikeloop: cannot make '/proc/none': No such file or directory\n")
+            assert_says(error, "spikeloop: cannot make '/proc/none': ")
             (pathlib.Path(folder) / "results.json").write_text("{}")
             _, error = bench("--draw", "--out", folder, code=4)
-            self.assertIn("is not what spikeloop bench writes: the file has no 'duration_s'; move it "
-                          "away, or write another folder", error)
+            assert_says(error, f"'{folder}/results.json' ... 'duration_s'; ")
             _, error = bench("--out", "", code=2)
             self.assertIn("the name of the folder is empty; write one", error)
 

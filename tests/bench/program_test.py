@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-from bench_program import bench, results
+from bench_program import assert_says, bench, results
 
 TINY = ("--duration", "1", "--trials", "1", "--neurons", "100", "--rates", "5,80",
         "--ticks", "50,10", "--steps", "2", "--limit", "60")  # a busy machine ends its runs, too
@@ -98,7 +98,7 @@ class Program(unittest.TestCase):
         self.assertEqual({point["simulator"] for point in found["points"] if point not in of_b},
                          {"builtin"})
         _, error = bench("--quick", "--part", "d", "--ticks", "3", "--out", self.out, code=2)
-        self.assertIn("--duration 1 is not a whole number of ticks of 3 ms", error)
+        assert_says(error, "--duration 1 ... 3 ms")
 
     def test_what_fails_is_told(self):
         """The readout cannot be reached: an encoder without a first scan sends nothing."""
@@ -115,12 +115,11 @@ class Program(unittest.TestCase):
         (modules / "nest.py").write_text("raise ModuleNotFoundError(\"No module named 'nest'\")\n")
         nest = ("--part", "a", "--simulators", "nest", "--encoders", "rate", "--layouts", "separate")
         said, _ = bench(*nest, "--out", self.out, PYTHONPATH=str(modules))
-        self.assertIn("not measured: rate, NEST, separate, tick 50 ms: NEST is not installed", said)
-        self.assertIn("not measured: rate, NEST, alone, tick 50 ms: NEST is not installed", said)
+        for layout in ("separate", "alone"):
+            self.assertIn(f"not measured: rate, NEST, {layout}, tick 50 ms: NEST is not installed", said)
         (modules / "nest.py").write_text("raise ImportError('libmpi.so is gone')\n")
         said, _ = bench(*nest, "--out", self.out, PYTHONPATH=str(modules))
-        self.assertIn("separate, tick 50 ms: NEST cannot be imported: ImportError: libmpi.so is gone",
-                      said)
+        assert_says(said, "separate, tick 50 ms: NEST ... ImportError: libmpi.so is gone")
         self.assertNotIn("NEST is not installed", said)
 
 

@@ -54,11 +54,8 @@ class Keeping(Folder):
 
     def test_errors(self):
         file = self.folder / results.NAME
-        for text, said in (("{", "is not what spikeloop bench writes; move it away, or write another "
-                                 "folder with --out"),
-                           ("[]", "is not what spikeloop bench writes"),
-                           ('{"points": []}', "is not what spikeloop bench writes: the file has no "
-                                              "'duration_s'; move it away, or write another folder"),
+        for text, said in (("{", "is not what .*; move it away, or write another folder with --out"), ("[]", "is not what "),
+                           ('{"points": []}', ".* 'duration_s'; move"),
                            ('{"format": 2}', "was written by a newer Spikeloop; write another folder "
                                              "with --out")):
             with self.subTest(text=text):
@@ -87,8 +84,7 @@ class Keeping(Folder):
 
     def test_a_folder_that_cannot_be_written(self):
         kept = results.Results(pathlib.Path("/proc"), {"duration_s": 10.0})
-        with self.assertRaisesRegex(results.ResultsError,
-                                    "cannot write '/proc/results.json': No such file or directory"):
+        with self.assertRaisesRegex(results.ResultsError, "^cannot write '/proc/results.json': "):
             kept.keep()
 
 
@@ -158,8 +154,7 @@ class Showing(Folder):
         with self.assertRaisesRegex(results.ResultsError,
                                     f"^cannot write '{self.folder}/c.png': No space left on device$"):
             pictures.draw(document, self.folder)
-        with self.assertRaisesRegex(results.ResultsError,
-                                    "^cannot write '/proc/c.png': No such file or directory$"):
+        with self.assertRaisesRegex(results.ResultsError, "^cannot write '/proc/c.png': "):
             pictures.draw(document, pathlib.Path("/proc"))
 
     def test_the_papers_values_are_in_the_pictures(self):

@@ -98,8 +98,7 @@ class RealRuns(unittest.TestCase):
 
 class NoProgram(unittest.TestCase):
     def test_is_told(self):
-        with self.assertRaisesRegex(trial.TrialError,
-                                    "^cannot start '/nowhere/spikeloop': No such file or directory$"):
+        with self.assertRaisesRegex(trial.TrialError, "^cannot start '/nowhere/spikeloop': "):
             trial.run(pathlib.Path("/nowhere"), setting(), 60)
 
 

@@ -1,29 +1,22 @@
 """The experiment that `spikeloop new` prints, in a folder of a test's own."""
 
-import os
 import pathlib
-import subprocess
+import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
-PROGRAM = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop"
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
+from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
+
 SCRIPT = """import spikeloop
 with spikeloop.music(spikes_in={"in": 10}, spikes_out={"out": 10}) as host:
     for tick in host:
         times, channels = tick.spikes("in")
         tick.send("out", times, channels)
 """
-
-
-def spikeloop(*words, code=0, cwd=None, **options):
-    """(standard output, standard error)"""
-    done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False, cwd=cwd,
-                          timeout=120, **options)
-    assert done.returncode == code, f"{words}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
-    return done.stdout, done.stderr
 
 
 def recorded(folder):

@@ -193,7 +193,7 @@ class Agents(unittest.TestCase):
                 (CAR.replace("tick: 2 ms", "tick: 5 ms"), {}, "is 20 ms, 4 ticks, but .* the action on it take 7 ticks; write  tick: 2.5 ms  or"),
                 (CAR, {"ticks": 26}, "26 ticks are not a whole number of steps .* each of 10; write  ticks=20"),
                 (CAR, {"settings": {"ros": 2}}, "leave  ros  out"),
-                (CAR.replace("mountain_car", "mountain_cr"), {}, "did you mean 'mountain_car'")):
+                (CAR.replace("mountain_car", "mountain_cr"), {}, "'mountain_cr'.* 'mountain_car'")):
             with self.subTest(part), self.assertRaisesRegex(spikeloop.SpikeloopError, part) as caught:
                 spikeloop.gymnasium_env(self.file(text), **arguments).close()
             self.assertIn("experiment.yaml", str(caught.exception))
@@ -203,7 +203,7 @@ class Agents(unittest.TestCase):
             env.reset()
             with self.assertRaisesRegex(spikeloop.SpikeloopError, "'agent.value' has 1 channels"):
                 env.step([0, 1])
-            with self.assertRaisesRegex(spikeloop.SpikeloopError, "there is no action 7"):
+            with self.assertRaisesRegex(spikeloop.SpikeloopError, " action 7"):
                 env.step(7)
         with self.assertRaisesRegex(spikeloop.SpikeloopError, "closed; make another"):
             env.reset()

@@ -66,24 +66,24 @@ class Interface(explorer.Folder):
     def test_results_are_not_replaced_unless_forced(self):
         self.experiment.run(out=self.folder / "a")
         before = explorer.recorded(self.folder / "a")
-        with self.assertRaisesRegex(spikeloop.SpikeloopError, "has the results of a run; write --force") as caught:
+        with self.assertRaisesRegex(spikeloop.SpikeloopError, f"{self.folder}/a.* --force") as caught:
             self.experiment.run(out=self.folder / "a", seed=2)
         self.assertEqual((caught.exception.code, caught.exception.exit_code), ("SL0109", 2))
         self.assertTrue(explorer.same(before, explorer.recorded(self.folder / "a")))
         self.experiment.run(out=self.folder / "a", seed=2, force=True)
         self.assertEqual(spikeloop.open_run(self.folder / "a").summary()["seed"], 2)
-        with self.assertRaisesRegex(spikeloop.SpikeloopError, "no run folder|not a run folder|is no"):
+        with self.assertRaisesRegex(spikeloop.SpikeloopError, f"{self.folder}/nowhere"):
             spikeloop.open_run(self.folder / "nowhere")
 
     def test_errors_have_the_codes_of_diagnostics(self):
-        for set_, code, text in (({"encoder.rate_max": "200 mV"}, "SL0202", "'mV' is not a unit"),
+        for set_, code, text in (({"encoder.rate_max": "200 mV"}, "SL0202", "'mV' "),
                                  ({"encodr.rate_max": "1 Hz"}, "SL0301", "did you mean 'encoder'")):
             with self.assertRaisesRegex(spikeloop.SpikeloopError, text) as caught:
                 self.experiment.run(set=set_)
             self.assertEqual((caught.exception.code, caught.exception.exit_code), (code, 2))
-        with self.assertRaisesRegex(spikeloop.SpikeloopError, "No such file") as caught:
+        with self.assertRaisesRegex(spikeloop.SpikeloopError, "nowhere.yaml") as caught:
             spikeloop.load(self.folder / "nowhere.yaml")
-        self.assertEqual(caught.exception.exit_code, 4)
+        self.assertEqual((caught.exception.code, caught.exception.exit_code), ("SL0109", 4))
 
     def test_ctrl_c_stops_the_run_and_is_an_exception(self):
         script = ("import sys, spikeloop\n"
@@ -119,7 +119,7 @@ class Interface(explorer.Folder):
         self.assertEqual(self.experiment["experiment"], "3")
         for text in ("pilot #3: a", "[1, 2]", "~"):
             self.experiment["experiment"] = text
-            with self.assertRaisesRegex(spikeloop.SpikeloopError, f"'{re.escape(text)}' is not a valid"):
+            with self.assertRaisesRegex(spikeloop.SpikeloopError, f"'{re.escape(text)}' .*SL0106"):
                 self.experiment["seed"]
 
     def test_a_block_of_neo(self):

@@ -4,7 +4,6 @@
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 import types
@@ -16,27 +15,25 @@ from spikeloop.run_folder import RunFolder
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "fused"))
 import ros  # noqa: E402
+import runs  # noqa: E402
 
 
-def plot(spikeloop, *arguments, code=0, **environment):
+def plot(*arguments):
     """Names of the pictures and what was said."""
-    done = subprocess.run([spikeloop, "plot", *map(str, arguments)], capture_output=True, text=True,
-                          check=False, env={**os.environ, **environment})
-    assert done.returncode == code, f"{arguments}: exit code {done.returncode}:\n{done.stderr}"
-    return [pathlib.Path(line).name for line in done.stdout.splitlines()], done.stderr
+    out, said = runs.spikeloop("plot", *arguments)
+    return [pathlib.Path(line).name for line in out.splitlines()], said
 
 
-def run(spikeloop, *arguments):
-    subprocess.run([spikeloop, "run", "-q", *map(str, arguments)], check=True)
+def run(*arguments):
+    runs.spikeloop("run", "-q", *arguments)
 
 
-def an_experiment(spikeloop, folder):
+def an_experiment(folder):
     """All pictures of a robot's run in lockstep, which has no latency to draw; it is recorded all the same."""
-    text = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
-    (folder / "explorer.yaml").write_text(text)
+    (folder / "explorer.yaml").write_text(runs.spikeloop("new")[0])
     out = folder / "drive"
-    run(spikeloop, folder / "explorer.yaml", "--sync", "lockstep", "--duration", "2", "--out", out)
-    pictures, said = plot(spikeloop, out)
+    run(folder / "explorer.yaml", "--sync", "lockstep", "--duration", "2", "--out", out)
+    pictures, said = plot(out)
     assert (pictures, said) == (["trajectory.png", "spikes.png", "signals.png"], "")
     with h5py.File(out / "wheels.h5") as file:
         latency = file["signals/latency"]
@@ -47,7 +44,7 @@ def an_experiment(spikeloop, folder):
     assert len(values) == summary["scans"] == 40, (len(values), summary["scans"])
     # In lockstep a scan's command leaves a tick later; there is a scan every 50 ms.
     assert np.all(values == 1.0) and np.all(np.diff(times[1:]) == 50_000_000), (values, times)
-    pictures, _ = plot(spikeloop, out, "--format", "pdf", "--from", "500 ms", "--to", "1", "--out",
+    pictures, _ = plot(out, "--format", "pdf", "--from", "500 ms", "--to", "1", "--out",
                        folder / "figures")
     assert pictures == ["trajectory.pdf", "spikes.pdf", "signals.pdf"], pictures
     return out
@@ -84,11 +81,11 @@ connections:
 """
 
 
-def what_the_pictures_need(spikeloop, folder):
+def what_the_pictures_need(folder):
     """Names of populations, units, lamps and goals come with the run."""
     (folder / "maze.yaml").write_text(MAZE)
     out = folder / "maze"
-    run(spikeloop, folder / "maze.yaml", "--out", out)
+    run(folder / "maze.yaml", "--out", out)
     found = parts.find(RunFolder(out))
     assert [(population.name, population.size) for population in spikes_plot.populations(
         [stream for stream in found.spikes if stream.label == "brain"])] == [("first", 10), ("second", 2)]
@@ -106,11 +103,11 @@ def what_the_pictures_need(spikeloop, folder):
         ("goal_left", -1.75, 0.45), ("goal_right", 1.75, 0.45)], world["goals"]
     decoder, = (signal for signal in found.signals if signal.label == "decoder")
     assert decoder.channels[:3] == ["channel 0", "to linear.x", "channel 2"], decoder.channels
-    pictures, said = plot(spikeloop, out)
+    pictures, said = plot(out)
     assert (pictures, said) == (["trajectory.png", "spikes.png", "signals.png"], ""), (pictures, said)
 
 
-def two_commands(spikeloop, folder, drive):
+def two_commands(folder, drive):
     """A summary counts the messages of both."""
     (folder / "two.yaml").write_text(f"""experiment: two
 duration: 500 ms
@@ -124,14 +121,14 @@ connections:
   - scan -> b [100]
 """)
     with ros.domain():
-        run(spikeloop, folder / "two.yaml", "--out", folder / "two")
+        run(folder / "two.yaml", "--out", folder / "two")
     summary = json.loads((folder / "two/summary.json").read_text())
     process, = summary["processes"].values()
     each = [process["counters"][f"{name}.commands"] for name in "ab"]
     assert summary["commands"] == sum(each) and min(each) > 0, (summary["commands"], each)
 
 
-def a_music_job(spikeloop, folder, drive):
+def a_music_job(folder, drive):
     (folder / "job.music").write_text(f"""stoptime=1
 [scan]
 np=1
@@ -147,22 +144,21 @@ node=rate_window
 scan.out -> cells.in [100]
 cells.out -> readout.in [100]
 """)
-    run(spikeloop, folder / "job.music", "--record", "--out", folder / "job")
-    pictures, said = plot(spikeloop, folder / "job")
+    run(folder / "job.music", "--record", "--out", folder / "job")
+    pictures, said = plot(folder / "job")
     assert pictures[0] == "spikes.png", pictures
     assert "no command among what is recorded" in said, said
     assert "latency.png is not drawn: no latency is recorded" in said, said
 
 
-def errors(spikeloop, folder, drive):
+def errors(folder, drive):
     empty = folder / "empty"
     empty.mkdir()
     fake = folder / "fake" / "matplotlib"
     fake.mkdir(parents=True)
     (fake / "__init__.py").write_text("raise ModuleNotFoundError('gone', name='matplotlib')\n")
     for arguments, environment, code, expected in (
-            ((folder / "none",), {}, 4, "none' is not a folder; name the folder"),
-            ((empty,), {}, 4, "is not a run folder: it has neither a recording"),
+            ((folder / "none",), {}, 4, f"'{folder}/none' "), ((empty,), {}, 4, f"'{empty}' "),
             ((drive, "--from", "2", "--to", "1"), {}, 2,
              "--from 2 is not before --to 1; exchange them"),
             ((drive, "--from", "soon"), {}, 2, "--from: 'soon' is not a moment of a run; write"),
@@ -171,22 +167,20 @@ def errors(spikeloop, folder, drive):
             ((), {}, 2, "RUN is required"),
             ((drive, "--out", "/proc/none"), {}, 4, "cannot make '/proc/none'"),
             ((drive, "--network", "brian"), {}, 1, "did you mean 'brain'?"),
-            ((drive,), {"PYTHON": "/nowhere/python3"}, 3, "there is no python3, which draws"),
+            ((drive,), {"PYTHON": "/nowhere/python3"}, 3, "python3-matplotlib ... PYTHON "),
             ((drive,), {"PYTHONPATH": str(fake.parent)}, 3,
              "Python's package matplotlib is missing")):
-        _, said = plot(spikeloop, *arguments, code=code, **environment)
-        assert expected in said, f"{arguments}: {said}"
+        runs.refused(expected, "plot", *arguments, code=code, env={**os.environ, **environment})
 
 
 def main():
-    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        drive = an_experiment(spikeloop, folder)
-        what_the_pictures_need(spikeloop, folder)
-        two_commands(spikeloop, folder, drive)
-        a_music_job(spikeloop, folder, drive)
-        errors(spikeloop, folder, drive)
+        drive = an_experiment(folder)
+        what_the_pictures_need(folder)
+        two_commands(folder, drive)
+        a_music_job(folder, drive)
+        errors(folder, drive)
 
 
 if __name__ == "__main__":
