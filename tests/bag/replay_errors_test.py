@@ -31,12 +31,12 @@ output: [r]
 
 
 class Replays:
-    def __init__(self, spikeloop, scratch):
-        self.spikeloop, self.scratch = spikeloop, scratch
+    def __init__(self, scratch):
+        self.scratch = scratch
 
     def refused(self, folder, why, *more, code=2):
-        printed = bags.spikeloop(self.spikeloop, "replay", self.scratch / folder, *more, code=code)
-        assert f"spikeloop: {why}" in printed, f"expected:\n{why}\nprinted:\n{printed}"
+        printed = bags.spikeloop("replay", self.scratch / folder, *more, code=code)
+        runs.assert_says(printed, f"spikeloop: {why}")
         assert not list(self.scratch.glob(f"{folder}-replay-*")), "a folder was made"
 
     def cannot(self, folder, why):
@@ -55,14 +55,14 @@ def change(path, key, value):
 
 def no_runs(replays):
     scratch = replays.scratch
-    replays.refused("nowhere", f"cannot read '{scratch}/nowhere': No such file or directory", code=4)
-    replays.refused("good.bag", f"cannot read '{scratch}/good.bag': Not a directory", code=4)
+    replays.refused("nowhere", f"cannot read '{scratch}/nowhere': ... [SL0109]", code=4)
+    replays.refused("good.bag", f"cannot read '{scratch}/good.bag': ... [SL0109]", code=4)
     (scratch / "empty").mkdir()
     replays.cannot("empty", "it is not a run folder, there is no resolved.json in it; write the folder "
                             "that  spikeloop run FILE.yaml  has named")
     (scratch / "loop.music").write_text(MUSIC)
     (scratch / "net.yaml").write_text(NETWORK)
-    bags.spikeloop(replays.spikeloop, "run", scratch / "loop.music", "--out", scratch / "music")
+    bags.spikeloop("run", scratch / "loop.music", "--out", scratch / "music")
     replays.cannot("music", "it is the run of a .music file, whose messages are not recorded; its "
                             "recordings (record=true) are sources for spike_playback and "
                             "signal_playback")
@@ -70,7 +70,7 @@ def no_runs(replays):
 
 def incomplete_runs(replays):
     scratch = replays.scratch
-    bags.spikeloop(replays.spikeloop, "run", scratch / "x.yaml", "--no-record", "--out",
+    bags.spikeloop("run", scratch / "x.yaml", "--no-record", "--out",
                    scratch / "unrecorded")
     replays.cannot("unrecorded", "it was run with --no-record; run it without")
     for name, why in (("messages.mcap", "the messages that its nodes took"),
@@ -96,15 +96,15 @@ def incomplete_runs(replays):
     (folder / "resolved.json").write_text(json.dumps(resolved))
     replays.cannot("old", "an earlier version ran it, which kept no messages; run it again")
     replays.refused("run", f"--out: '{scratch}/run' is the run itself, which a new run would empty; "
-                           "write another folder, or leave it out", "--out", scratch / "run")
+                           "write another folder, or leave it out [SL0109]", "--out", scratch / "run")
     assert (scratch / "run/messages.mcap").exists()
 
 
 def doubts(replays):
     """The run can be replayed, but something speaks against the same spikes."""
     def told(name, text, code=0):
-        printed = bags.spikeloop(replays.spikeloop, "replay", replays.scratch / name, code=code)
-        assert f"spikeloop: warning: {text}" in printed, f"expected:\n{text}\nprinted:\n{printed}"
+        printed = bags.spikeloop("replay", replays.scratch / name, code=code)
+        runs.assert_says(printed, f"spikeloop: warning: {text}")
 
     change(replays.copy("dropped") / "summary.json", "messages_dropped", 3)
     told("dropped", "the run lost 3 messages, as the disk was too slow: spikes may differ")
@@ -123,14 +123,13 @@ def doubts(replays):
 
 
 def main():
-    spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         bags.write(scratch / "good.bag",
                    [(10**9 + i * 50_000_000, message) for i, message in enumerate(bags.arena(20))])
         bags.experiment(scratch / "x.yaml", "good.bag")
-        bags.spikeloop(spikeloop, "run", scratch / "x.yaml", "--out", scratch / "run")
-        replays = Replays(spikeloop, scratch)
+        bags.spikeloop("run", scratch / "x.yaml", "--out", scratch / "run")
+        replays = Replays(scratch)
         no_runs(replays)
         incomplete_runs(replays)
         doubts(replays)

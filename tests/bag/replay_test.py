@@ -6,7 +6,6 @@ spikes."""
 import json
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -77,7 +76,7 @@ def replayed(spikeloop, folder, *more, **options):
     number = 1
     while (folder.parent / f"{folder.name}-replay-{number}").exists():
         number += 1
-    printed = bags.spikeloop(spikeloop, "replay", folder, *more, **options)
+    printed = bags.spikeloop("replay", folder, *more, **options)
     again = folder.parent / f"{folder.name}-replay-{number}"
     count = same(folder, again)
     assert f"spikeloop: {count:,} spikes: the same in both runs" in printed, printed
@@ -164,11 +163,10 @@ def changed_files(spikeloop, scratch):
     network = scratch / "net.yaml"
     network.write_text(network.read_text().replace("1 ms", "2 ms"))
     file.unlink()  # the run's own copies are used
-    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed")
-    assert f"'{network}' has changed since the run: its copy in the run folder is used" in printed, printed
+    printed = bags.spikeloop("replay", scratch / "changed")
+    runs.assert_says(printed, f"'{network}' has changed since the run: its copy in the run folder is used")
     shutil.copy(network, scratch / "changed/experiment-files/net.yaml")
-    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", "--out", scratch / "other",
-                             code=6)
+    printed = bags.spikeloop("replay", scratch / "changed", "--out", scratch / "other", code=6)
     assert f"warning: '{network}' has changed since the run: spikes may differ" in printed, printed
     first = [train["brain", "out"] for train in map(spikes, (scratch / "changed", scratch / "other"))]
     (mine, channel), (theirs, other) = [(times[0], ids[0]) for times, ids in first]
@@ -180,9 +178,8 @@ def changed_files(spikeloop, scratch):
     assert expected in printed, (printed, expected)
     network.unlink()
     (scratch / "changed/experiment-files/net.yaml").unlink()
-    printed = bags.spikeloop(spikeloop, "replay", scratch / "changed", code=2)
-    assert f"'{network}' is gone since the run" in printed, printed
-    assert re.search(r"key 'network': there is no network file", printed), printed
+    printed = bags.spikeloop("replay", scratch / "changed", code=2)
+    runs.assert_says(printed, f"'{network}' is gone since the run", "key 'network': ... net.yaml' ... [SL0108]")
 
 
 def interrupted(spikeloop, scratch):

@@ -46,8 +46,7 @@ def main():
         assert len(scans) > 20 and stamps == list(range(stamps[0], stamps[0] + len(stamps))), stamps
         moved = [struct.unpack_from("<d", data, 12)[0] for _, data in file.raw("/arm")]
         assert len(set(moved)) > 10, moved
-        printed = bags.spikeloop(spikeloop, "replay", scratch / "run")
-        assert "the same in both runs" in printed, printed
+        bags.spikeloop("replay", scratch / "run")
         again = scratch / "again.yaml"
         again.write_text(EXPERIMENT.replace("ros: 2\n", "").replace("{simulator: mujoco}", "{bag: run/messages.mcap}"))
         runs.run(spikeloop, again, scratch / "again")

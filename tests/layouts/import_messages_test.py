@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """What `spikeloop import` says, file, line and column, and what it leaves out."""
 
-import argparse
 import pathlib
-import subprocess
+import sys
 import tempfile
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from calls import refused, spikeloop  # noqa: E402
 
 # As ros_music_adapter's example of a vehicle: a PyNEST script between the adapters.
 VEHICLE = """music_timestep=0.01
@@ -77,20 +79,13 @@ connections:
 PAIR = "[a]\nnp=1\nbinary={a}\n{keys}[b]\nnp=1\nbinary={b}\n{more}a.{out} -> b.in [2]\n"
 
 
-def call(spikeloop, folder, *arguments, code):
-    done = subprocess.run([spikeloop, "import", *arguments], capture_output=True, text=True,
-                          check=False, cwd=folder)
-    assert done.returncode == code, f"{arguments}: {done.returncode}\n{done.stdout}{done.stderr}"
-    return done.stdout, done.stderr
-
-
-def a_foreign_program(spikeloop, folder):
+def a_foreign_program(folder):
     (folder / "vehicle.music").write_text(VEHICLE)
     (folder / "weights.dat").write_text("[[0.5, 0], [0, 0.5]]")
     (folder / "twist.dat").write_text(
         '{"message_type": "Twist", "mapping": {"linear.x": 0, '
         '"angular.z": {"channel": 1, "scale": 0.5}}, "min": -1, "max": 1}')
-    out, said = call(spikeloop, folder, "vehicle.music", code=1)
+    out, said = spikeloop("import", "vehicle.music", code=1, cwd=folder)
     assert out == IMPORTED, out
     assert ("error: vehicle.music:12:1: [nest] runs nest_script.py, which is none of Spikeloop's "
             "programs: an experiment cannot start it; keep  spikeloop run vehicle.music [SL0603]\n"
@@ -103,19 +98,19 @@ def a_foreign_program(spikeloop, folder):
     (folder / "n.yaml").write_text(
         "populations: {i: {model: input, size: 20}, o: {model: repeater, size: 2}}\n"
         "connections: [{from: i, to: o, rule: all_to_all, delay: 1 ms}]\noutput: [o]\n")
-    _, said = call(spikeloop, folder, "vehicle.music", "--out", "v.yaml", code=0)
+    _, said = spikeloop("import", "vehicle.music", "--out", "v.yaml", cwd=folder)
     assert said == "", said
     text = (folder / "v.yaml").read_text()
     assert "duration: 2 s\n" in text and "real_time_factor: 0.5\n" in text, text
     assert "network: n.yaml\n" in text, text
-    subprocess.run([spikeloop, "check", "v.yaml"], cwd=folder, check=True, capture_output=True)
+    spikeloop("check", "v.yaml", cwd=folder)
 
 
 def pair(a, b="rate_encoder", keys="", more="", out="out"):
     return PAIR.format(a=a, b=b, keys=keys, more=more, out=out)
 
 
-def messages(spikeloop, folder):
+def messages(folder):
     (folder / "empty.json").write_text('{"message_type": "Twist", "mapping": {}}')
     (folder / "bad.py").write_text("nonsense(")
     sensor = "ros_topic=/scan\nmessage_type=Laserscan\n"
@@ -127,14 +122,14 @@ def messages(spikeloop, folder):
              "x.music:1:1: key 'ros_topic' is missing; write for example  "
              "ros_topic=/dvs/events"),
             (pair("ros_event_sensor_adapter", "linear_decoder", "ros_topic=/e\nroi=1,2\n"), 1,
-             "x.music:5:1: key 'roi': '1,2' is not a list of 4"),
+             "x.music:5:1: key 'roi': '1,2' ... 4"),
             (pair("ros_sensor_adapter"), 1,
              "x.music:1:1: key 'ros_topic' is missing; write for example  ros_topic=/scan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/scan\n"), 1,
              "x.music:1:1: key 'message_type' is missing; write for example  "
              "message_type=sensor_msgs/LaserScan"),
             (pair("ros_sensor_adapter", keys="ros_topic=/s\nmessage_type=Scan\n"), 1,
-             "x.music:5:1: unknown message type 'Scan'"),
+             "x.music:5:1: ... 'Scan' ... [SL0502]"),
             (pair("ros_sensor_adapter", "ros_command_adapter", sensor), 1,
              "x.music:6:1: key 'ros_topic' is missing; write for example  ros_topic=/cmd_vel"),
             (pair("ros_sensor_adapter", "cont_ros_adapter", sensor,
@@ -142,7 +137,7 @@ def messages(spikeloop, folder):
              "x.music:9:1: the mapping 'empty.json' has no field: all that it sends is 0; map a "
              "field"),
             (pair("ros_sensor_adapter", "cont_ros_adapter", sensor + "strict=true\n",
-                  "strict=true\n"), 1, "there is no mapping file 'mapping.json'"),
+                  "strict=true\n"), 1, "'mapping.json'"),
             (pair("ros_sensor_adapter", "connect_adapter", sensor, "strict=true\n"), 1,
              "there is no weights file 'connection_weights.dat'"),
             (pair("ros_sensor_adapter", "discretize_adapter", sensor), 1,
@@ -153,7 +148,7 @@ def messages(spikeloop, folder):
             (pair("spike_playback", "spikeloop-network"), 1,
              "x.music:4:1: section 'b' has no network; write network=brain.yaml"),
             (pair("ros_sensor_adapter", "spikeloop-node", sensor, "node=rate_encodr\n"), 1,
-             "x.music:9:1: unknown node class 'rate_encodr'; did you mean 'rate_encoder'?"),
+             "x.music:9:1: ... 'rate_encodr'; ... 'rate_encoder'? ... [SL0401]"),
             (pair("ros_sensor_adapter", "spikeloop-node", sensor), 1,
              "x.music:6:1: section 'b' has no node; write node=rate_encoder"),
             (pair("ros_sensor_adapter", "spikeloop-node", sensor, "node=n\nplugin=none.py\n"), 1,
@@ -174,11 +169,10 @@ def messages(spikeloop, folder):
                   "ros_topic=/c\nsensor_mapping_filename=none.json\n"), 0,
              "key 'sensor_mapping_filename' has no counterpart in an experiment"),
             (pair("ros_sensor_adapter", keys=sensor, more="rate_mox=3\n"), 0,
-             "warning: x.music:9:1: key 'rate_mox' has no counterpart in an experiment and is left "
-             "out"),
+             "warning: x.music:9:1: key 'rate_mox' has no counterpart in an experiment and is left out"),
             (pair("ros_sensor_adapter", keys=sensor).replace("[b]", "[b-1]")
              .replace("b.in", "b-1.in"), 0,
-             "'b-1' is not a valid node name, it is called 'b_1': random numbers depend on the name"),
+             "'b-1' ... 'b_1': random numbers depend on the name"),
             (pair("spike_playback", "linear_decoder", "file=r.h5\n", "accept_latency=0.002\n"), 0,
              "the spikes of a.out -> b.in come 2 ticks late in the job, and have their own times"),
             (pair("ros_sensor_adapter", keys="np=x\n"), 2, "x.music:4:1: "),
@@ -186,32 +180,27 @@ def messages(spikeloop, folder):
             ("a = \n[", 2, "x.music:2:")):
         (folder / "r.h5").write_text("")
         (folder / "x.music").write_text(text)
-        _, said = call(spikeloop, folder, "x.music", code=code)
-        assert expected in said, f"{text}\n{said}\nexpected: {expected}"
+        refused(expected, "import", "x.music", code=code, cwd=folder)
 
 
-def command_line(spikeloop, folder):
+def command_line(folder):
     (folder / "x.music").write_text(VEHICLE)
     for arguments, code, expected in (
             (("none.music",), 4, "none.music"),
             (("x.yaml",), 2, "'x.yaml' is an experiment already; write  spikeloop run x.yaml"),
             (("x.music", "--out", "x.txt"), 2,
-             "--out: 'x.txt' is not a valid experiment file name; write one that ends in .yaml"),
+             "--out: 'x.txt' ... .yaml"),
             (("x.music", "--out", "/proc/none/x.yaml"), 4, "/proc/none/x.yaml"),
             ((), 2, "FILE is required")):
-        _, said = call(spikeloop, folder, *arguments, code=code)
-        assert expected in said, f"{arguments}: {said}"
+        refused(expected, "import", *arguments, code=code, cwd=folder)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--spikeloop", required=True)
-    program = str(pathlib.Path(parser.parse_args().spikeloop).resolve())
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        a_foreign_program(program, folder)
-        messages(program, folder)
-        command_line(program, folder)
+        a_foreign_program(folder)
+        messages(folder)
+        command_line(folder)
 
 
 if __name__ == "__main__":

@@ -3,14 +3,13 @@
 import csv
 import pathlib
 import struct
-import subprocess
 import tempfile
 import unittest
 
 import browser
 import numpy as np
 import viewing
-from runs import fingerprint, programs, run
+from runs import fingerprint, programs, run, spikeloop
 
 SPIKELOOP = programs() / "spikeloop"
 END_NS = 40 * 10**9  # of the runs
@@ -54,8 +53,7 @@ class Learning(unittest.TestCase):
 
     def lake(self):
         path = self.folder / "lake.yaml"
-        path.write_text(subprocess.run([SPIKELOOP, "new", "lake", "--environment", "frozen_lake"],
-                                       capture_output=True, text=True, check=True, timeout=60).stdout)
+        path.write_text(spikeloop("new", "lake", "--environment", "frozen_lake")[0])
         return path
 
     def watched(self, experiment, topics, *arguments):

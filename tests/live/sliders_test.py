@@ -1,7 +1,6 @@
 """Parameters that are changed while a run goes on: in the browser, over the protocol, and in the replay."""
 
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
@@ -9,18 +8,14 @@ import browser
 import h5py
 import numpy
 import viewing
-from runs import fingerprint, programs
+from runs import fingerprint, refused, spikeloop
 
 STATUS = "/spikeloop/status"
-SPIKELOOP = programs() / "spikeloop"
 
 
 def again(command, folder, made, *more):
-    """A run once more; what was printed."""
-    done = subprocess.run([SPIKELOOP, command, folder, "--out", made, "--force", "-q", *more],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    """A run once more; a replay has the same spikes."""
+    spikeloop(command, folder, "--out", made, "--force", "-q", *more)
 
 
 class Sliders(unittest.TestCase):
@@ -57,7 +52,7 @@ class Sliders(unittest.TestCase):
         at = int(time)
         before, after = self.rate(run, at - 50_000_000, at), self.rate(run, at, at + 50_000_000)
         self.assertGreater(after, 2 * before)
-        self.assertIn("the same in both runs", again("replay", run, self.folder / "replay"))
+        again("replay", run, self.folder / "replay")
         self.assertEqual((self.folder / "replay/changes.csv").read_text(), (run / "changes.csv").read_text())
 
     def test_a_run_that_is_repeated_has_the_changes_too(self):
@@ -103,12 +98,11 @@ class Sliders(unittest.TestCase):
             code, printed = job.end()
         self.assertEqual(code, 0, printed)
         self.assertIn(",encoder.rate_max,50", (run / "changes.csv").read_text())
-        self.assertIn("the same in both runs", again("replay", run, self.folder / "replay"))
+        again("replay", run, self.folder / "replay")
 
     def test_changes_hold_from_their_time_on_in_whatever_order_they_stand(self):
         run = self.folder / "run"
-        subprocess.run([SPIKELOOP, "run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q"], check=True,
-                       stdout=subprocess.DEVNULL)
+        spikeloop("run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q")
         rows = ["600000000,encoder.rate_max,100", "300000000,encoder.rate_min,20"]  # of two processes
         for name, order in (("one", rows), ("two", rows[::-1])):
             (run / "changes.csv").write_text("\n".join(["t_ns,parameter,value", *order]) + "\n")
@@ -119,8 +113,7 @@ class Sliders(unittest.TestCase):
 
     def test_changes_that_were_written_by_hand(self):
         run = self.folder / "run"
-        subprocess.run([SPIKELOOP, "run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q"], check=True,
-                       stdout=subprocess.DEVNULL)
+        spikeloop("run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q")
         for rows, wrong in (("time,x\n", "changes.csv:1: this is not a row  t_ns,parameter,value"),
                             ("t_ns,parameter,value\n1,encoder,2\n", "changes.csv:2: this is not a row"),
                             ("t_ns,parameter,value\n1,encoder.rate_max,x\n", "changes.csv:2: this is not a row"),
@@ -128,10 +121,7 @@ class Sliders(unittest.TestCase):
                             ("t_ns,parameter,value\n1,encoder.seed,2\n", "'1,encoder.seed,2' is no change"),
                             ("t_ns,parameter,value\n1,encoder.rate_max,-2\n", "'1,encoder.rate_max,-2' is no change")):
             (run / "changes.csv").write_text(rows)
-            done = subprocess.run([SPIKELOOP, "replay", run, "--out", self.folder / "replay"], capture_output=True,
-                                  text=True, check=False)
-            self.assertEqual(done.returncode, 2, rows + done.stderr)
-            self.assertIn(wrong, done.stderr)
+            refused(wrong, "replay", run, "--out", self.folder / "replay")
 
 
 if __name__ == "__main__":

@@ -31,9 +31,8 @@ class Stop(unittest.TestCase):
             viewer.send(op="subscribeParameterUpdates", parameterNames=["run.stop"])
             viewer.set("run.stop", True)
             began = time.monotonic()
-            stopped = [{"node": "wheels", "level": "error",
-                        "text": "the robot is stopped: STOP is pressed in the live view"}]
-            viewer.until(lambda: viewer.status()["commands"] == stopped)
+            viewer.until(lambda: [(state["node"], state["level"], "STOP" in state["text"])
+                                  for state in viewer.status()["commands"]] == [("wheels", "error", True)])
             took = time.monotonic() - began
             self.assertTrue(viewer.parameters["run.stop"])
             # A zero is the last command; 16 zeros of linear and angular.
@@ -42,7 +41,7 @@ class Stop(unittest.TestCase):
             viewer.until(lambda: viewer.status()["commands"] == driven)
             code, printed = job.interrupt()
         self.assertEqual(code, 130, printed)
-        self.assertIn("STOP is pressed in the live view", printed)
+        self.assertIn("STOP ", printed)
         return took
 
     def test_stop_in_one_process(self):
@@ -59,8 +58,7 @@ class Stop(unittest.TestCase):
             viewer = viewing.Viewer(job.socket_url(), STATUS, "/cmd_vel")
             viewer.set("run.stop", True)  # no process is there yet
             viewer.until(lambda: viewer.parameters.get("run.stop"))
-            pressed = "the robot is stopped: STOP is pressed in the live view"
-            viewer.until(lambda: any(pressed in str(message) for _, message in viewer.messages.get(STATUS, [])))
+            viewer.until(lambda: any("STOP " in str(message) for _, message in viewer.messages.get(STATUS, [])))
             viewer.until(lambda: viewer.status()["simulated_s"] > 1)
             self.assertEqual([text for _, text in viewer.messages.get("/cmd_vel", []) if any(text[-48:])], [])
             self.assertEqual(viewer.statuses, [])

@@ -12,7 +12,7 @@ import browser
 import h5py
 import viewing
 from mcap_file import McapFile
-from runs import programs, run
+from runs import programs, refused, run, spikeloop
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
@@ -116,10 +116,10 @@ class RecordedRuns(unittest.TestCase):
 
     def test_one_file_has_all(self):
         file = self.folder.parent / "run.mcap"
-        command = [SPIKELOOP, "view", self.folder, "--out", file]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
-        self.assertEqual(done.stdout, f"{file}\n")
-        self.assertIn("finished: 12.0 of 12 s", done.stderr)
+        command = ["view", self.folder, "--out", file]
+        out, said = spikeloop(*command)
+        self.assertEqual(out, f"{file}\n")
+        self.assertIn("finished: 12.0 of 12 s", said)
         exported, messages = McapFile(file), McapFile(self.folder / "messages.mcap")
         self.assertTrue(exported.ended)
         self.assertEqual(exported.attachments, messages.attachments)
@@ -147,10 +147,8 @@ class RecordedRuns(unittest.TestCase):
             spikes = first["spikes/out/timestamps_ns"][()]
             self.assertEqual(list(spikes), list(second["spikes/out/timestamps_ns"][:len(spikes)]))
             self.assertGreater(len(spikes), 10_000)
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("write --force to replace it", done.stderr)
-        subprocess.run([*command, "--force"], check=True, timeout=120)
+        refused("write --force to replace it", *command)
+        spikeloop(*command, "--force")
 
     def same_channels_as_the_view(self, exported):
         with View(self.folder) as shown:
@@ -212,22 +210,18 @@ class RecordedRuns(unittest.TestCase):
     def test_what_is_no_run(self):
         (self.folder.parent / "folder.mcap").mkdir()
         for arguments, code, wrong in (
-                (["view", self.folder.parent], 2, "cannot be shown: it is not a run folder"),
+                (["view", self.folder.parent], 2, f"'{self.folder.parent}' cannot be shown: ... [SL0109]"),
                 (["view", self.folder, "--out", "run.bag"], 2, "write a name with .mcap"),
                 (["view", self.folder, "--out", self.folder / "messages.mcap", "--force"], 2, "would be overwritten"),
                 (["view", self.folder, "--out", self.folder / "no/folder.mcap"], 4, "cannot create"),
                 (["view", self.folder, "--out", self.folder.parent / "folder.mcap", "--force"], 2, "not a regular file"),
                 (["view", self.folder, "--force"], 2, "--force requires --out"),
-                (["view", "/nowhere"], 2, "it is not a run folder"), (["view"], 2, "RUN is required"),
+                (["view", "/nowhere"], 2, "'/nowhere' ... [SL0109]"), (["view"], 2, "RUN is required"),
                 (["view", self.folder, "--live-host", "192.0.2.1"], 3, "no IPv4 address of this machine")):
-            done = subprocess.run([SPIKELOOP, *arguments], capture_output=True, text=True, check=False, timeout=60)
-            self.assertEqual(done.returncode, code, f"{arguments}: {done.stderr}")
-            self.assertIn(wrong, done.stderr)
+            refused(wrong, *arguments, code=code)
         for recording in self.folder.glob("*.h5"):
             recording.unlink()
-        done = subprocess.run([SPIKELOOP, "view", self.folder], capture_output=True, text=True, check=False, timeout=60)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("has no recordings; run the experiment without --no-record", done.stderr)
+        refused("has no recordings; run the experiment without --no-record", "view", self.folder)
 
 
 if __name__ == "__main__":

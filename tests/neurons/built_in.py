@@ -2,9 +2,7 @@
 
 import collections
 import json
-import os
 import pathlib
-import subprocess
 import sys
 
 import h5py
@@ -12,13 +10,14 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "python"))
+sys.path.append(str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parents[1] / "python"))
 
 import fake_run  # noqa: E402
+from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
 from spikeloop.run_folder import RunFolder  # noqa: E402
 
-PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
-SPIKELOOP = str(PROGRAMS / "spikeloop")
+PROGRAMS = pathlib.Path(SPIKELOOP).parent
 MS = 1_000_000
 
 Spikes = collections.namedtuple("Spikes", "times_ns channels")
@@ -112,9 +111,5 @@ def run(folder, network, seconds, given=None, width=0, signal=None, tick="1 ms",
     experiment = {"experiment": "network", "tick": tick, "duration": f"{seconds} s", "seed": seed,
                   "sync": "unpaced", "nodes": nodes, "connections": connections}
     (folder / "network.yaml").write_text(json.dumps(experiment, indent=1))  # JSON is YAML
-    done = subprocess.run([SPIKELOOP, "run", str(folder / "network.yaml"), "--out",
-                           str(folder / "run"), "--force", *arguments], capture_output=True, text=True,
-                          timeout=300)
-    output = done.stdout + done.stderr
-    assert done.returncode == expect, f"exit code {done.returncode}:\n{output}"
-    return Run(folder / "run", output)
+    printed = spikeloop("run", folder / "network.yaml", "--out", folder / "run", "--force", *arguments, code=expect)
+    return Run(folder / "run", "".join(printed))

@@ -468,8 +468,7 @@ class Function(Case):
         done = subprocess.run([NETWORK, "--check", str(path)], capture_output=True, text=True,
                               timeout=60, env=dict(os.environ), check=False)
         self.assertEqual(done.returncode, 2)
-        self.assertIn(f"{path}:{line}:1: key 'rates': 'place' is of model signal_input, which has no "
-                      "rate", done.stderr)
+        built_in.assert_says(done.stderr, f"{path}:{line}:1: key 'rates': 'place' ... signal_input, ... [SL0405]")
 
     def test_check_prints_rates(self):
         network = copy.deepcopy(actor_critic())

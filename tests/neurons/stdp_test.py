@@ -5,7 +5,6 @@ import json
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 import unittest
 
@@ -291,10 +290,8 @@ class Kept(Case):
             "record=true\n[rate]\nnp=1\nbinary=spikeloop-node\nnode=rate_window\n"
             "brain.out -> rate.in [2]\n")
         for arguments in ((), ("--out", str(self.folder / "out"))):
-            done = subprocess.run([built_in.SPIKELOOP, "run", "job/job.music", *arguments],
-                                  cwd=self.folder, capture_output=True, text=True, timeout=120,
-                                  env={**os.environ, "SPIKELOOP_OUT": ""}, check=False)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            built_in.spikeloop("run", "job/job.music", *arguments, cwd=self.folder,
+                               env={**os.environ, "SPIKELOOP_OUT": ""})
             self.assertEqual(sorted(path.name for path in job.iterdir()),
                              ["brain.h5", "brain.w.npy", "job.music", "net.yaml"])
         self.assertGreater(np.ptp(np.load(job / "brain.w.npy")), 0.1)

@@ -12,6 +12,7 @@ import xmlrpc.client
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "fused"))
 import ros  # noqa: E402  (the master, or the domain, of a test's own)
+import runs  # noqa: E402, F401
 
 
 RECENT_S = 0.35  # commands that do not change are repeated ten times a second

@@ -3,14 +3,11 @@
 simulated time, and nowhere else; an exported job refuses the key."""
 
 import contextlib
-import json
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-from robots import ros
+from robots import ros, runs
 
 EXPERIMENT = """experiment: silent
 duration: 3 s
@@ -30,12 +27,9 @@ connections:
 def run(spikeloop, folder, version, more):
     (folder / "silent.yaml").write_text(EXPERIMENT.format(more=more))
     over = ["--ros", version] if version else []
-    done = subprocess.run([spikeloop, "run", str(folder / "silent.yaml"), *over, "--out", str(folder / "run")],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done
-    summary = json.loads((folder / "run/summary.json").read_text())
+    summary, said = runs.run(spikeloop, folder / "silent.yaml", folder / "run", *over)
     counters = summary["processes"]["experiment"]["counters"] if version else summary["counters"]
-    return done.stderr, summary["distance_m"], counters["wheels.stops_no_spike"]
+    return said, summary["distance_m"], counters["wheels.stops_no_spike"]
 
 
 def stops(spikeloop, version):
@@ -46,23 +40,21 @@ def stops(spikeloop, version):
     with tempfile.TemporaryDirectory() as folder:
         said, distance, stopped = run(spikeloop, pathlib.Path(folder), version, ", spike_timeout: 1 s")
     assert stopped == 1 and 0 < distance < 0.6 * driven, (stopped, distance, driven)
-    assert "node 'wheels' at 1.002 s: the robot is stopped: no spike for spike_timeout, 1 s" in said, said
+    runs.assert_says(said, "node 'wheels' at 1.002 s: ... spike_timeout, 1 s")
 
 
-def is_refused(spikeloop):
+def is_refused():
     """In an exported job."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "silent.yaml"
         file.write_text(EXPERIMENT.format(more=", spike_timeout: 1 s").replace("lockstep", "realtime\nros: 2"))
-        done = subprocess.run([spikeloop, "export", str(file), "--out", folder + "/job"],
-                              capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "silent.yaml:" in done.stderr and "key 'spike_timeout': an " \
-        "exported job has none, because no spike reaches the command's program; leave it out" in done.stderr, done
+        runs.refused("silent.yaml ... key 'spike_timeout': an exported job has none, because no spike reaches the "
+                     "command's program; leave it out", "export", file, "--out", folder + "/job")
 
 
 def main():
-    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
-    is_refused(spikeloop)
+    spikeloop = str(runs.programs() / "spikeloop")
+    is_refused()
     for version in ("", "1", "2"):
         with ros.domain() if version == "2" else contextlib.nullcontext():
             stops(spikeloop, version)
