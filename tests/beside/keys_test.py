@@ -1,13 +1,12 @@
 #!/usr/bin/python3
 """What a script in an experiment is told of the file: its keys carry units, and its directory is the file's."""
 
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
+from experiments import runs
+
 EXPERIMENT = """experiment: keys
 duration: 10 ms
 sync: unpaced
@@ -32,13 +31,11 @@ with spikeloop.music(spikes_in={"in": 2}, spikes_out={"out": 2}, gain=2.0,
 """
 
 
-def said(folder, key, layout, code=0):
+def says(expected, folder, key, layout, code=0):
     (folder / "experiment.yaml").write_text(EXPERIMENT.format(key=key))
-    done = subprocess.run([str(PROGRAMS / "spikeloop"), "run", f"{folder.name}/experiment.yaml", "--layout",
-                           layout, "--out", "out", "--force"], cwd=folder.parent, capture_output=True, text=True,
-                          check=False, timeout=120)
-    assert done.returncode == code, done
-    return done.stdout + done.stderr
+    printed = runs.spikeloop("run", f"{folder.name}/experiment.yaml", "--layout", layout, "--out", "out", "--force",
+                             code=code, cwd=folder.parent)
+    runs.assert_says("".join(printed), expected)
 
 
 def main():
@@ -47,12 +44,10 @@ def main():
         (folder / "models").mkdir(parents=True)
         (folder / "models/brain.py").write_text(BRAIN)
         for layout in ("fused", "separate"):
-            printed = said(folder, "tau: 30", layout, code=2)
-            assert "here/experiment.yaml:11:10: node 'brain': key 'tau': 30 has no unit; " \
-                "write for example  tau: 30 ms" in printed, printed
+            says("here/experiment.yaml:11:10: node 'brain': key 'tau': 30 ... tau: 30 ms [SL0202]", folder, "tau: 30",
+                 layout, code=2)
             for key, told in (("tau: 30 ms", "0.03 2.0"), ("tau: 0", "0.0 2.0"), ("gain: 3", "0.02 3.0")):
-                printed = said(folder, key, layout)
-                assert f"told {folder} {told}" in printed, printed
+                says(f"told {folder} {told}", folder, key, layout)
     print("scripts in experiments: units, directory")
 
 

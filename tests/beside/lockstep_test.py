@@ -3,7 +3,6 @@
 not; every spike comes back once, and reaches the nodes a tick later; a replay gives the same."""
 
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -51,9 +50,7 @@ def hesitating(scratch, expected):
 
 
 def replayed(scratch):
-    done = subprocess.run([experiments.SPIKELOOP, "replay", str(scratch / "run0"), "--out",
-                           str(scratch / "again")], capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and "the same in both runs" in done.stdout, done
+    runs.spikeloop("replay", scratch / "run0", "--out", scratch / "again")
     experiments.assert_same(experiments.spikes(scratch / "run0", "brain"),
                             experiments.spikes(scratch / "again", "brain"), "the replay")
 

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+from experiments import runs
+
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
 JOB = """stoptime=0.01
 [a]
@@ -33,11 +35,7 @@ print("got", sum(got))
 
 def said(scratch, command, keys="script=a.py", code=0, **environment):
     (scratch / "job.music").write_text(JOB.format(a=keys))
-    done = subprocess.run([str(PROGRAMS / "spikeloop"), command, "job.music"], cwd=scratch,
-                          capture_output=True, text=True, check=False,
-                          env={**os.environ, **environment})
-    assert done.returncode == code, done
-    return done.stdout + done.stderr
+    return "".join(runs.spikeloop(command, "job.music", code=code, cwd=scratch, env={**os.environ, **environment}))
 
 
 def main():
@@ -49,21 +47,19 @@ def main():
         assert "b: got 10" in said(scratch, "run")
         for command in ("check", "run"):
             printed = said(scratch, command, "script=c.py", 2)
-            assert "job.music:5:3: key 'script': there is no script 'c.py', seen from " in printed \
-                and "; write its path from there" in printed, printed
+            runs.assert_says(printed, "job.music:5:3: key 'script': ... 'c.py', ... [SL0108]")
             printed = said(scratch, command, "seed=1", 2)
-            assert "job.music:2:1: key 'script' is missing: a file in Python that " \
-                "spikeloop-script runs; write  script=brain.py" in printed, printed
-        printed = said(scratch, "run", code=3, PYTHON="/nowhere/python3")
-        assert "cannot start '/nowhere/python3': No such file or directory; install it (Debian: apt " \
-            "install python3), or set PYTHON to another one" in printed, printed
+            runs.assert_says(printed, "job.music:2:1: key 'script' is missing: a file in Python that "
+                             "spikeloop-script runs; write  script=brain.py")
+        runs.assert_says(said(scratch, "run", code=3, PYTHON="/nowhere/python3"),
+                         "'/nowhere/python3': ... apt install python3), ... PYTHON ")
         printed = said(scratch, "import", code=1)
         assert "job.music:2:1: [a] runs the script a.py, whose delays are others in an experiment; " \
             "write  a: {simulator: python, script: a.py}  into one by hand" in printed, printed
     alone = subprocess.run([PROGRAMS / "spikeloop-script"], capture_output=True, text=True,
                            check=False)
-    assert alone.returncode == 2 and "is started by MUSIC; write a section with " \
-        "binary=spikeloop-script and script=FILE.py" in alone.stderr, alone
+    assert alone.returncode == 2, alone
+    runs.assert_says(alone.stderr, " binary=spikeloop-script ... script=FILE.py")
     told = subprocess.run([PROGRAMS / "spikeloop-script", "--help"], capture_output=True, text=True,
                           check=True)
     assert "script=brain.py" in told.stdout, told

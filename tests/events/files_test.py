@@ -3,7 +3,6 @@
 every time; and the experiment is one that check likes."""
 
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -55,11 +54,8 @@ eye.out -> brain.in [48]
 """
 
 
-def call(spikeloop, folder, *arguments):
-    done = subprocess.run([spikeloop, *arguments], capture_output=True, text=True, check=False,
-                          cwd=folder)
-    assert done.returncode == 0, f"{arguments}: {done.stdout}{done.stderr}"
-    return done.stdout
+def call(folder, *words):
+    return runs.spikeloop(*words, cwd=folder)[0]
 
 
 def eye_of(text):
@@ -67,25 +63,24 @@ def eye_of(text):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         (folder / "job.music").write_text(JOB)
-        call(spikeloop, folder, "import", "job.music", "--out", "first.yaml")
+        call(folder, "import", "job.music", "--out", "first.yaml")
         first = (folder / "first.yaml").read_text()
         assert eye_of(first) == EYE and "\nros: 2\n" in first, first
-        call(spikeloop, folder, "check", "first.yaml")
-        call(spikeloop, folder, "export", "first.yaml", "--out", "job")
+        call(folder, "check", "first.yaml")
+        call(folder, "export", "first.yaml", "--out", "job")
         job = next((folder / "job").glob("*.music"))
-        call(spikeloop, folder, "check", str(job))
-        call(spikeloop, folder, "import", str(job), "--out", "second.yaml")
+        call(folder, "check", str(job))
+        call(folder, "import", str(job), "--out", "second.yaml")
         assert eye_of((folder / "second.yaml").read_text()) == EYE
         # What the file does not say is the program's own.
         (folder / "usual.music").write_text(USUAL)
-        usual = call(spikeloop, folder, "import", "usual.music")
+        usual = call(folder, "import", "usual.music")
         assert eye_of(usual) == ("  eye:\n    node: ros_event_sensor\n    topic: /dvs/events\n"
                                  "    message: dvs_msgs/EventArray\n"), usual
-        graph = call(spikeloop, folder, "graph", "first.yaml")
+        graph = call(folder, "graph", "first.yaml")
         assert "ros_event_sensor" in graph and "/dvs/events" in graph, graph
     print("the same files in both directions")
 

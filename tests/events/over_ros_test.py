@@ -113,9 +113,7 @@ def fused(spikeloop, version, encoding):
         assert got == want, (got[:5], want[:5])
         summary = json.loads((scratch / "run/summary.json").read_text())
         assert summary["processes"]["experiment"]["counters"]["eye.messages"] == 60, summary
-        replay = subprocess.run([spikeloop, "replay", str(scratch / "run"), "--out",
-                                 str(scratch / "again")], capture_output=True, text=True, check=False)
-        assert replay.returncode == 0, replay.stdout + replay.stderr
+        runs.spikeloop("replay", scratch / "run", "--out", scratch / "again")
 
 
 def separate(spikeloop, version, encoding):

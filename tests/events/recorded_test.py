@@ -4,7 +4,6 @@ to the nanosecond, in every encoding and whatever is taken of the picture."""
 
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
@@ -33,11 +32,10 @@ PERIOD_NS = 10_000_000
 LATENCY_NS = 15_000_000
 
 
-def write_bag(spikeloop, path, type_, messages):
+def write_bag(path, type_, messages):
     """A message every 10 ms, with the sum that `spikeloop describe` tells: genpy says the same
     (tests/messages/event_oracle_test.cpp)."""
-    text = subprocess.run([spikeloop, "describe", type_], capture_output=True, text=True,
-                          check=True).stdout
+    text, _ = runs.spikeloop("describe", type_)
     assert type_ in text, text
     md5 = re.search(r"\b[0-9a-f]{32}\b", text)[0]
     class_ = type("Message", (), {"_type": type_, "_md5sum": md5, "_full_text": "none"})
@@ -73,7 +71,7 @@ def main():
             type_ = camera.ARRAY if encoding is None else camera.PACKET
             data = (camera.arrays(messages, "1") if encoding is None
                     else camera.packets(messages, encoding, "1"))
-            write_bag(spikeloop, scratch / "events.bag", type_, data)
+            write_bag(scratch / "events.bag", type_, data)
             file = scratch / "events.yaml"
             file.write_text(EXPERIMENT.format(
                 bag="events.bag", message=type_, width=width, width_of_eye="",
@@ -86,9 +84,7 @@ def main():
             assert counters["eye.late_events"] == 0 and counters["eye.malformed"] == 0, counters
             seen += len(want)
             # The recorded messages give the same spikes.
-            done = subprocess.run([spikeloop, "replay", str(scratch / "run"), "--out",
-                                   str(scratch / "again")], capture_output=True, text=True, check=False)
-            assert done.returncode == 0, done.stdout + done.stderr
+            runs.spikeloop("replay", scratch / "run", "--out", scratch / "again")
             assert recorded(scratch / "again") == want
     print(f"{seen} events, each at its pixel and time")
 

@@ -6,7 +6,6 @@ import csv
 import json
 import math
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -206,9 +205,7 @@ def check_repetition(spikeloop, folder):
     assert runs.fingerprint(folder / "again") == runs.fingerprint(folder / "one")
     runs.run(spikeloop, folder / "car.yaml", folder / "other", "--seed", "2")
     assert runs.fingerprint(folder / "other") != runs.fingerprint(folder / "one")
-    replay = subprocess.run([spikeloop, "replay", str(folder / "one"), "--out", str(folder / "replay")],
-                            capture_output=True, text=True, check=False)
-    assert replay.returncode == 0, replay.stderr
+    runs.spikeloop("replay", folder / "one", "--out", folder / "replay")
     resolved = json.loads((folder / "one" / "resolved.json").read_text())
     assert resolved["robot"]["environment"] == "mountain_car", resolved["robot"]
     assert resolved["episodes"]["pause_ns"] == 90_000_000, resolved["episodes"]
@@ -259,9 +256,7 @@ def check_goal_and_collision(spikeloop, folder):
     assert set(rewards[:, 0]) == {0, -0.5}
     for setting, part in (("episodes.goal=goal_middle", "no goal 'goal_middle'; write one of: goal_left, goal_right"),
                           ("robot.world=arena", "no goal 'goal_left'; leave  goal  out")):
-        done = subprocess.run([spikeloop, "check", str(folder / "maze.yaml"), "--set", "episodes.goal=goal_left",
-                               "--set", setting], capture_output=True, text=True, check=False)
-        assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+        runs.refused(part, "check", folder / "maze.yaml", "--set", "episodes.goal=goal_left", "--set", setting)
 
 
 def lane_of(position, heading):
@@ -311,9 +306,7 @@ def check_lane(spikeloop, folder):
     assert len(starts) == 5, starts
     off = (folder / "lane.xml").read_text().replace("</custom>", '<numeric name="start" data="0 -3 0"/></custom>')
     (folder / "lane.xml").write_text(off)
-    done = subprocess.run([spikeloop, "run", str(folder / "lane.yaml"), "--out", str(folder / "off")],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode != 0 and "lane.xml: numeric 'start' = (0, -3) is not on a lane" in done.stderr, done.stderr
+    runs.refused("lane.xml: numeric 'start' = (0, -3) is not on a lane", "run", folder / "lane.yaml", "--out", folder / "off")
 
 
 def spikes(folder, node):
@@ -350,9 +343,8 @@ def check_reset(spikeloop, folder):
     gone_on = np.load(folder / "goes_on" / "brain.w.npy")[0, 0]
     assert weight > 1e-3 and abs(weight - gone_on) < 0.05 * weight, (weight, gone_on)  # it is learned all the time
     assert slow.max() < 0.2 * signal_max(folder / "goes_on"), "the slow neuron grows for one episode"
-    replay = subprocess.run([spikeloop, "replay", str(folder / "reset"), "--out", str(folder / "no")],
-                            capture_output=True, text=True, check=False)
-    assert replay.returncode != 0 and "cannot be replayed" in replay.stderr, replay.stderr
+    runs.refused("experiment.yaml:5:11: key 'episodes': ... spikeloop run FOLDER [SL0208]", "replay", folder / "reset", "--out",
+                 folder / "no")
     rain = times[channels == 2]
     mean = 100e-9 * at[-1]
     assert abs(len(rain) - mean) < 5 * mean ** 0.5 and np.unique(rain, return_counts=True)[1].max() < 5, len(rain)
@@ -390,8 +382,7 @@ def check_reset_of_nodes(spikeloop, folder):
 
 def check_cart_pole(spikeloop, folder):
     """What `spikeloop new` prints balances the pole."""
-    (folder / "pole.yaml").write_text(subprocess.run([spikeloop, "new", "--environment", "cart_pole"], check=True,
-                                                     capture_output=True, text=True).stdout)
+    (folder / "pole.yaml").write_text(runs.spikeloop("new", "--environment", "cart_pole")[0])
     summary, _ = runs.run(spikeloop, folder / "pole.yaml", folder / "pole")
     assert summary["episodes"] == summary["successes"] == 20, summary
     text = (folder / "pole.yaml").read_text()
@@ -411,43 +402,35 @@ def check_errors(spikeloop, folder):
     """What check says."""
     (folder / "arm.xml").write_text('<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody></mujoco>')
     for setting, part in (
-            ("robot.environment=mountain_cr", "there is no environment 'mountain_cr'; did you mean 'mountain_car'?"),
-            ("robot.step=15 ms", "a step of the environment, 15 ms, is not a whole number of ticks of 10 ms"),
+            ("robot.environment=mountain_cr", "'mountain_cr' ... 'mountain_car'? ... [SL0205]"),
+            ("robot.step=15 ms", "a step of the environment, 15 ms, ... 10 ms ... [SL0207]"),
             ("robot.world=arena", "key 'world' is for a robot in MuJoCo"),
             ("robot.slippery=true", "key 'slippery' is for frozen_lake"),
             ("ros=2", "an environment has no topics of ROS"),
-            ("car.topic=/scan", "the robot has no topic /scan there"),
+            ("car.topic=/scan", "/scan ... [SL0507]"),
             ("push={simulator: python, script: push.py}", "count and reset are for a run of one process"),
             ("episodes.reset=[action]", "node 'action' cannot begin anew, because it is an output of the experiment"),
             ("episodes.reset=[car]", "node 'car' cannot begin anew, because it is an input of the experiment"),
             ("episodes.reset=[push, push]", "node 'push' is listed twice"),
             ("episodes.reset=[all, push]", "'all' stands alone; write  reset: all"),
-            ("episodes.reset=[pusch]", "there is no node 'pusch'; did you mean 'push'?"),
+            ("episodes.reset=[pusch]", "'pusch' ... 'push'? ... [SL0301]"),
             ("robot={simulator: mujoco, model: arm.xml}", "only the vehicle and environments have episodes"),
             ("robot={simulator: mujoco}", "pause_observation is for an environment"),
             ("episodes.collision_reward=-1", "collision_reward and goal are for the vehicle"),
             ("episodes.count=0", "count")):
-        done = subprocess.run([spikeloop, "check", str(folder / "car.yaml"), "--set", setting],
-                              capture_output=True, text=True, check=False)
-        assert done.returncode != 0 and part in done.stderr, (setting, done.stderr)
+        runs.refused(part, "check", folder / "car.yaml", "--set", setting)
     (folder / "gain.py").write_text(GAIN)
     (folder / "gain.yaml").write_text(CAR.replace("reward: -0.4", "reward: -0.4, reset: [push]")
                                       .replace("node: function, function", "node: gain, text")
                                       .replace("nodes:", "plugins: [gain.py]\nnodes:"))
-    done = subprocess.run([spikeloop, "check", str(folder / "gain.yaml")], capture_output=True, text=True, check=False)
-    assert "node 'push' cannot begin anew, because plug-ins have a state of their own" in done.stderr, done.stderr
-    for options, part in ((["--render", "x.png"], "this experiment has none"),
-                          (["--ros", "2"], "an environment has no topics of ROS")):
-        done = subprocess.run([spikeloop, "run", str(folder / "car.yaml"), "--out", str(folder / "none"), *options],
-                              capture_output=True, text=True, check=False)
-        assert done.returncode != 0 and part in done.stderr, (options, done.stderr)
-    done = subprocess.run([spikeloop, "new", "--environment", "cart_pol"], capture_output=True, text=True, check=False)
-    assert done.returncode != 0 and "write one of: cart_pole, frozen_lake, lane, mountain_car, t_maze, water_maze" in done.stderr, done.stderr
-    wrong = CAR.replace("x1 > 0 ? 2 : 0", "7")
-    (folder / "wrong.yaml").write_text(wrong)
-    done = subprocess.run([spikeloop, "run", str(folder / "wrong.yaml"), "--out", str(folder / "wrong")],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode != 0 and "there is no action 7; send a whole number from 0 to 2" in done.stderr, done.stderr
+    runs.refused("node 'push' cannot begin anew, because plug-ins have a state of their own", "check", folder / "gain.yaml")
+    for options, part in ((["--render", "x.png"], "--render "), (["--ros", "2"], "an environment has no topics of ROS")):
+        runs.refused(part, "run", folder / "car.yaml", "--out", folder / "none", *options)
+    runs.refused("write one of: cart_pole, frozen_lake, lane, mountain_car, t_maze, water_maze", "new", "--environment",
+                 "cart_pol")
+    (folder / "wrong.yaml").write_text(CAR.replace("x1 > 0 ? 2 : 0", "7"))
+    runs.refused("'mountain_car': ... action 7; ... 0 ... 2 [SL0203]", "run", folder / "wrong.yaml", "--out",
+                 folder / "wrong")
 
 
 def main():

@@ -6,7 +6,6 @@ import contextlib
 import csv
 import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -30,9 +29,7 @@ def drive(spikeloop, scratch, version):
         assert (scratch / "run" / name).exists(), name
     assert json.loads((scratch / "run/resolved.json").read_text())["ros"] == version
     # The recorded messages give the same spikes, whichever ROS brought them.
-    replay = subprocess.run([spikeloop, "replay", str(scratch / "run"), "--out",
-                             str(scratch / "again")], capture_output=True, text=True, check=False)
-    assert replay.returncode == 0, replay.stderr
+    runs.spikeloop("replay", scratch / "run", "--out", scratch / "again")
     return summary["latency_median_ms"]
 
 

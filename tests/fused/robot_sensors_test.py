@@ -5,7 +5,6 @@ filmed or not; and what is said where there is no such sensor."""
 import contextlib
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -69,21 +68,14 @@ def same_everywhere(spikeloop, scratch):
 
 
 def refused(spikeloop, scratch):
-    done = subprocess.run([spikeloop, "check", written(scratch, "dark.yaml", world="arena")],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and (
-        "key 'topic': the robot sends nothing on /light in this world, which has no lamps; write  "
-        "world: phototaxis  or  t_maze, or give yours sites lamp_* (docs/robot.md)") in done.stderr, done
-    done = subprocess.run([spikeloop, "check", written(scratch, "no_lane.yaml"), "--set", "light.topic=/lane"],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and (
-        "key 'topic': the robot sends nothing on /lane in this world, which has no lanes; write  "
-        "world: lane, or give yours boxes lane_* (docs/robot.md)") in done.stderr, done
-    near = str(written(scratch, "near.yaml"))
+    runs.refused("key 'topic': the robot sends nothing on /light in this world, which has no lamps; write  "
+                 "world: phototaxis  or  t_maze, or give yours sites lamp_* (docs/robot.md)",
+                 "check", written(scratch, "dark.yaml", world="arena"))
+    runs.refused("key 'topic': the robot sends nothing on /lane in this world, which has no lanes; write  "
+                 "world: lane, or give yours boxes lane_* (docs/robot.md)",
+                 "check", written(scratch, "no_lane.yaml"), "--set", "light.topic=/lane")
     without = {key: value for key, value in os.environ.items() if "DISPLAY" not in key}
-    done = subprocess.run([spikeloop, "run", near, "--view", "--out", str(scratch / "view")],
-                          capture_output=True, text=True, check=False, env=without)
-    assert done.returncode == 3 and "there is no display" in done.stderr, done
+    runs.refused("display", "run", written(scratch, "near.yaml"), "--view", "--out", scratch / "view", code=3, env=without)
     own = scratch / "alone.yaml"
     own.write_text("""experiment: alone
 duration: 1 s
@@ -95,10 +87,8 @@ connections:
   - {from: drive.out, to: back.in, width: 1}
   - {from: back.out, to: drive.in, width: 1, delay: 1 ticks}
 """)
-    done = subprocess.run([spikeloop, "run", own, "--render", "x.png"], capture_output=True, text=True,
-                          check=False, cwd=scratch)
-    assert done.returncode == 2 and (
-        "--render shows a simulated robot, and this experiment has none; leave it out") in done.stderr, done
+    runs.refused("--render shows a simulated robot, and this experiment has none; leave it out",
+                 "run", own, "--render", "x.png", cwd=scratch)
 
 
 def main():

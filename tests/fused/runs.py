@@ -5,8 +5,12 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 
 import h5py
+
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
+from calls import assert_says, refused, spikeloop  # noqa: E402, F401
 
 
 def programs():

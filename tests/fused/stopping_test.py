@@ -48,9 +48,7 @@ def interrupted(spikeloop, scratch):
     while not (folder / "encoder.h5").exists():
         time.sleep(0.05)
     time.sleep(0.5)
-    second = subprocess.run([spikeloop, "run", str(file), "--out", str(folder)],
-                            capture_output=True, text=True, check=False)
-    assert second.returncode == 4 and "another run that has not ended writes" in second.stderr, second
+    runs.refused(f"'{folder}'; ... --out [SL0109]", "run", file, "--out", folder, code=4)
     process.send_signal(signal.SIGINT)
     _, printed = process.communicate(timeout=20)
     assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
@@ -91,9 +89,8 @@ nodes:
   decoder: {{node: rate_window}}
 connections: [old -> decoder]
 """)
-    done = subprocess.run([spikeloop, "run", str(file), "--out", str(scratch / "long")],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "lies in the run folder, which a run empties" in done.stderr, done
+    runs.refused(f"{file}:4:37: key 'file': ... {scratch}/long/encoder.h5 ... --out [SL0109]",
+                 "run", file, "--out", scratch / "long")
     assert (scratch / "long/encoder.h5").exists()
 
 
@@ -133,7 +130,7 @@ def not_a_number(spikeloop, scratch):
     file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
     summary, printed = runs.run(spikeloop, file, scratch / "nan", "--duration", "2")
     assert printed.count(": the robot is stopped: ") == 1, printed
-    assert "s: the robot is stopped: there is no value from 'odd.out' to send (NaN)" in printed, printed
+    runs.assert_says(printed, "s: the robot is stopped: ... 'odd.out' ... (NaN)")
     assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
 
 
@@ -145,8 +142,7 @@ def old_data(spikeloop, scratch):
     summary, printed = runs.run(spikeloop, file, scratch / "old", "--duration", "2")
     assert summary["counters"]["wheels.stops_data_too_old"] >= 38, summary
     assert summary["counters"]["wheels.resumed"] >= 38, summary
-    said = "s: the robot is stopped: the data are older than max_age, 10 ms"
-    assert 1 <= printed.count(said) <= 2 and "warning: node 'wheels' at " in printed, printed
+    assert 1 <= printed.count(" max_age, 10 ms") <= 2 and "warning: node 'wheels' at " in printed, printed
 
 
 def wrong_options(spikeloop, scratch):
@@ -154,11 +150,8 @@ def wrong_options(spikeloop, scratch):
     for arguments, text in (
             (["--roscore"], "--roscore is for .music files, an experiment file says such things "
                             "itself; leave it out"),
-            (["--layout", "separate"], "needs all sensors and commands in one process; put them together, or write"),
-            (["--sync", "locked"], "--sync")):
-        done = subprocess.run([spikeloop, "run", str(file), *arguments], cwd=scratch,
-                              capture_output=True, text=True, check=False)
-        assert done.returncode == 2 and text in done.stderr, done
+            (["--layout", "separate"], "[SL0601]"), (["--sync", "locked"], "--sync")):
+        runs.refused(text, "run", file, *arguments, cwd=scratch)
     open_end = scratch / "end.yaml"
     open_end.write_text(
         "nodes: {a: {simulator: builtin, network: {populations: {n: {model: iaf_psc_delta, size: 1}},"
@@ -166,15 +159,10 @@ def wrong_options(spikeloop, scratch):
         "connections: [a -> r]\nduration: 1 s\nsync: unpaced\n")
     runs.run(spikeloop, open_end, scratch / "end")
     runs.run(spikeloop, open_end, scratch / "apart", "--layout", "separate")
-    done = subprocess.run([spikeloop, "export", str(open_end), "--out", str(scratch / "job")], cwd=scratch,
-                          capture_output=True, text=True, check=False)
-    text = "end.yaml:2:3: nothing is connected to an output of 'r', and a program in an exported job knows"
-    assert done.returncode == 2 and text in done.stderr, done
+    runs.refused("end.yaml:2:3: ... 'r' ... [SL0305]", "export", open_end, "--out", scratch / "job")
     music = scratch / "a.music"
     music.write_text("[a]\nnp=1\nbinary=b\n")
-    done = subprocess.run([spikeloop, "run", str(music), "--no-record"], cwd=scratch,
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "--no-record is for experiment files; leave it out" in done.stderr
+    runs.refused("--no-record is for experiment files; leave it out", "run", music, "--no-record", cwd=scratch)
 
 
 def main():

@@ -4,7 +4,6 @@ learns; the same seed gives the same bits."""
 
 import csv
 import pathlib
-import subprocess
 import tempfile
 
 import h5py
@@ -69,8 +68,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         folder = pathlib.Path(directory)
         experiment = folder / "water_maze.yaml"
-        experiment.write_text(subprocess.run([spikeloop, "new", "--environment", "water_maze"], check=True,
-                                             capture_output=True, text=True).stdout)
+        experiment.write_text(runs.spikeloop("new", "--environment", "water_maze")[0])
 
         def swim(name, seed, count):
             runs.run(spikeloop, experiment, folder / name, "--set", f"seed={seed}",
