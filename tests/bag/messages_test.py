@@ -51,10 +51,10 @@ def sensor_rows(file):
     return (times - TICK).tolist(), values
 
 
-def kept_messages(spikeloop, scratch):
+def kept_messages(scratch):
     file = scratch / "kept.yaml"
     file.write_text(KEPT.format(sync="lockstep"))
-    summary, _ = runs.run(spikeloop, file, scratch / "kept")
+    summary, _ = runs.run(file, scratch / "kept")
     file = McapFile(scratch / "kept/messages.mcap")
     assert file.ended
     resolved = (scratch / "kept/resolved.json").read_bytes()
@@ -99,7 +99,7 @@ def compare(messages, folder):
     assert time == 20 * 10**9 and last.linear.x == 0 and last.angular.z == 0, last
 
 
-def foreign_bag(spikeloop, scratch, **options):
+def foreign_bag(scratch, **options):
     """Arrival times of the wall clock; the bag begins 0.1 s before the first scan."""
     begin = 1_700_000_000_123_456_789
     scans = bags.arena(60)
@@ -111,8 +111,7 @@ def foreign_bag(spikeloop, scratch, **options):
             bag.write("/scan", message, bags.genpy.Time(time // 10**9, time % 10**9))
     for sync in ("lockstep", "unpaced", "realtime"):
         folder = scratch / f"foreign-{sync}"
-        summary, _ = runs.run(spikeloop, bags.experiment(scratch / "foreign.yaml", path, sync),
-                              folder)
+        summary, _ = runs.run(bags.experiment(scratch / "foreign.yaml", path, sync), folder)
         # The first tick that is not before.
         expected = [-(-(time - begin) // TICK) * TICK for time in times]
         used, values = sensor_rows(folder / "scan.h5")
@@ -135,12 +134,12 @@ def full_disk(scratch):
     runs.assert_says(said, f"'{scratch}/full/messages.mcap': File too large", "messages are lost")
 
 
-def killed(spikeloop, scratch):
+def killed(scratch):
     """What the run had kept is there, but for its last half second."""
     file = scratch / "killed.yaml"
     file.write_text(KEPT.format(sync="realtime"))
     folder = scratch / "killed"
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)], stderr=subprocess.DEVNULL)
+    process = subprocess.Popen([runs.SPIKELOOP, "run", str(file), "--out", str(folder)], stderr=subprocess.DEVNULL)
     messages = folder / "messages.mcap"
     while not messages.exists() or len(McapFile(messages).raw("/scan")) < 40:
         time.sleep(0.1)
@@ -156,25 +155,24 @@ def killed(spikeloop, scratch):
     assert len(times) == len(file.raw("/scan")), times
 
 
-def nothing_is_kept(spikeloop, scratch):
+def nothing_is_kept(scratch):
     file = scratch / "none.yaml"
     file.write_text(KEPT.format(sync="lockstep"))
-    summary, _ = runs.run(spikeloop, file, scratch / "kept", "--no-record", "--duration", "1")
+    summary, _ = runs.run(file, scratch / "kept", "--no-record", "--duration", "1")
     assert "messages_recorded" not in summary, summary
     assert not (scratch / "kept/messages.mcap").exists()  # nor that of the run before
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        kept_messages(spikeloop, scratch)
-        foreign_bag(spikeloop, scratch)
-        foreign_bag(spikeloop, scratch, compression="bz2")
-        foreign_bag(spikeloop, scratch, compression="lz4")
+        kept_messages(scratch)
+        foreign_bag(scratch)
+        foreign_bag(scratch, compression="bz2")
+        foreign_bag(scratch, compression="lz4")
         full_disk(scratch)
-        killed(spikeloop, scratch)
-        nothing_is_kept(spikeloop, scratch)
+        killed(scratch)
+        nothing_is_kept(scratch)
     print("rosbag reads the messages of a run, and a run those of a bag of rosbag's")
 
 

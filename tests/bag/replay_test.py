@@ -71,7 +71,7 @@ def same(first, second):
     return sum(len(trains[0]) for trains in first.values())
 
 
-def replayed(spikeloop, folder, *more, **options):
+def replayed(folder, *more, **options):
     """How many spikes the program says are the same; and a comparison of our own."""
     number = 1
     while (folder.parent / f"{folder.name}-replay-{number}").exists():
@@ -84,16 +84,16 @@ def replayed(spikeloop, folder, *more, **options):
     return count, again
 
 
-def in_lockstep(spikeloop, scratch):
+def in_lockstep(scratch):
     file = both(scratch)
-    runs.run(spikeloop, file, scratch / "step", "--seed", "7", "--duration", "4")
-    count, again = replayed(spikeloop, scratch / "step")
+    runs.run(file, scratch / "step", "--seed", "7", "--duration", "4")
+    count, again = replayed(scratch / "step")
     summary = json.loads((again / "summary.json").read_text())
     assert summary["simulated_s"] == 4 and summary["seed"] == 7, summary
     # From elsewhere, and of a replay itself.
     (scratch / "elsewhere").mkdir()
-    replayed(spikeloop, again, cwd=scratch / "elsewhere")
-    replayed(spikeloop, scratch / "step", "-q")
+    replayed(again, cwd=scratch / "elsewhere")
+    replayed(scratch / "step", "-q")
     print(count, "spikes in lockstep")
 
 
@@ -112,11 +112,11 @@ def hesitate(folder, seconds=0.13):
     os.kill(int(pid[0]), signal.SIGCONT)
 
 
-def over_ros(spikeloop, scratch):
+def over_ros(scratch):
     """The robot is a process of its own, and wall time decides when a scan comes."""
     folder = scratch / "ros"
     threading.Thread(target=hesitate, args=[folder], daemon=True).start()
-    summary, _ = runs.run(spikeloop, both(scratch, "realtime", "1"), folder)
+    summary, _ = runs.run(both(scratch, "realtime", "1"), folder)
     assert summary["layout"] == "fused" and summary["scans"] > 60, summary
     assert summary["messages_dropped"] == 0, summary
     messages = McapFile(folder / "messages.mcap")
@@ -129,28 +129,23 @@ def over_ros(spikeloop, scratch):
         ticks = (file["signals/out/times_ns"][:] - 1_000_000).tolist()
         assert len(ticks) > 30 and set(ticks) <= set(stamps), (ticks, stamps)
     assert len({stamp % 50_000_000 for stamp in stamps}) > 1, "wall time decided nothing"
-    count, _ = replayed(spikeloop, folder)
+    count, _ = replayed(folder)
     print(count, "spikes in real time over ROS 1")
 
 
-def stopped(spikeloop, scratch):
+def stopped(scratch):
     folder = scratch / "stopped"
     file = both(scratch, "realtime")
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
-                               stderr=subprocess.PIPE, text=True)
-    while not (folder / "grid.h5").exists():
-        time.sleep(0.05)
+    process = runs.started(file, folder)
     time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=20)
-    assert process.returncode == 130
+    runs.interrupt(process)
     simulated = json.loads((folder / "summary.json").read_text())["simulated_s"]
     assert 0.2 < simulated < 4.9, simulated
-    _, again = replayed(spikeloop, folder)
+    _, again = replayed(folder)
     assert json.loads((again / "summary.json").read_text())["simulated_s"] == simulated
 
 
-def changed_files(spikeloop, scratch):
+def changed_files(scratch):
     """The network that answers is not the one of the run."""
     (scratch / "net.yaml").write_text(
         "populations:\n  i: {model: input, size: 10}\n  r: {model: repeater, size: 10}\n"
@@ -158,8 +153,8 @@ def changed_files(spikeloop, scratch):
     file = both(scratch)
     text = file.read_text().replace("nodes:\n", "nodes:\n  brain: {simulator: builtin, network: net.yaml}\n")
     file.write_text(text.replace("eye [10] -> decoder", "eye [10] -> brain [10] -> decoder"))
-    runs.run(spikeloop, file, scratch / "changed")
-    replayed(spikeloop, scratch / "changed")
+    runs.run(file, scratch / "changed")
+    replayed(scratch / "changed")
     network = scratch / "net.yaml"
     network.write_text(network.read_text().replace("1 ms", "2 ms"))
     file.unlink()  # the run's own copies are used
@@ -182,29 +177,22 @@ def changed_files(spikeloop, scratch):
     runs.assert_says(printed, f"'{network}' is gone since the run", "key 'network': ... net.yaml' ... [SL0108]")
 
 
-def interrupted(spikeloop, scratch):
+def interrupted(scratch):
     """A replay that is stopped compares nothing."""
     file = both(scratch)
-    runs.run(spikeloop, file, scratch / "long", "--duration", "120")
-    process = subprocess.Popen([spikeloop, "replay", str(scratch / "long")],
-                               stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    while not (scratch / "long-replay-1/grid.h5").exists():
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    printed, errors = process.communicate(timeout=20)
-    assert process.returncode == 130 and "stopped by Ctrl-C" in errors, errors
-    assert "same" not in printed, printed
+    runs.run(file, scratch / "long", "--duration", "120")
+    process = runs.started(scratch / "long", scratch / "again", command="replay")
+    assert "same" not in runs.interrupt(process)
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        in_lockstep(spikeloop, scratch)
-        over_ros(spikeloop, scratch)
-        stopped(spikeloop, scratch)
-        changed_files(spikeloop, scratch)
-        interrupted(spikeloop, scratch)
+        in_lockstep(scratch)
+        over_ros(scratch)
+        stopped(scratch)
+        changed_files(scratch)
+        interrupted(scratch)
     print("replays give the same spikes")
 
 

@@ -28,13 +28,12 @@ ARM = "string<=8 name\nfloat64 angle\n"
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch, ros.domain():
         scratch = pathlib.Path(scratch)
         (scratch / "my_robot/msg").mkdir(parents=True)
         (scratch / "my_robot/msg/Arm.msg").write_text(ARM)
         (scratch / "arm.yaml").write_text(EXPERIMENT)
-        runs.run(spikeloop, scratch / "arm.yaml", scratch / "run")
+        runs.run(scratch / "arm.yaml", scratch / "run")
         file = McapFile(scratch / "run/messages.mcap")
         assert file.type_of("/scan")[:3] == ("sensor_msgs/msg/LaserScan", "cdr", "ros2msg")
         assert file.type_of("/arm") == ("my_robot/msg/Arm", "cdr", "ros2msg", ARM)
@@ -49,7 +48,7 @@ def main():
         bags.spikeloop("replay", scratch / "run")
         again = scratch / "again.yaml"
         again.write_text(EXPERIMENT.replace("ros: 2\n", "").replace("{simulator: mujoco}", "{bag: run/messages.mcap}"))
-        runs.run(spikeloop, again, scratch / "again")
+        runs.run(again, scratch / "again")
         assert McapFile(scratch / "again/messages.mcap").raw("/scan") == scans
     print(f"{len(scans)} scans and {len(moved)} commands of ROS 2, kept and repeated")
 

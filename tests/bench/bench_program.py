@@ -7,6 +7,7 @@ import sys
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from calls import SPIKELOOP, assert_says, spikeloop  # noqa: E402, F401
+from folder import FolderCase  # noqa: E402, F401
 
 
 def bench(*arguments, code=0, folder=None, **environment):

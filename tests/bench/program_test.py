@@ -1,12 +1,10 @@
 #!/usr/bin/python3
 """A tiny bench from end to end, what it leaves, and that it goes on where it was."""
 
-import pathlib
 import sys
-import tempfile
 import unittest
 
-from bench_program import assert_says, bench, results
+from bench_program import FolderCase, assert_says, bench, results
 
 TINY = ("--duration", "1", "--trials", "1", "--neurons", "100", "--rates", "5,80",
         "--ticks", "50,10", "--steps", "2", "--limit", "60")  # a busy machine ends its runs, too
@@ -15,11 +13,9 @@ ALL = (*TINY, "--simulators", "none,builtin", "--most", "100")
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-class Program(unittest.TestCase):
+class Program(FolderCase):
     def setUp(self):
-        self._temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self._temporary.cleanup)
-        self.folder = pathlib.Path(self._temporary.name)
+        super().setUp()
         self.out = self.folder / "out"
 
     def test_all_parts(self):

@@ -2,9 +2,9 @@
 
 import json
 import pathlib
-import tempfile
 import unittest
 
+from bench_program import FolderCase
 from spikeloop.bench import chain, paper, pictures, results, search, sweeps, table
 
 
@@ -17,12 +17,7 @@ def trial(factor):
     return {"build_s": 0.1, "run_s": 10 / factor, "real_time_factor": factor, "spikes": 15_000}
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self._temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self._temporary.cleanup)
-        self.folder = pathlib.Path(self._temporary.name)
-
+class Folder(FolderCase):
     def results(self):
         return results.Results(self.folder, {**paper.as_json(), "duration_s": 10.0})
 

@@ -6,13 +6,13 @@ import json
 import os
 import pathlib
 import signal
-import subprocess
 import sys
 import tempfile
 import time
 
 import experiments
 from experiments import runs
+import jobs  # of tests/support, which runs knows
 
 KILLED = "'brain' (echo.py) ... 9 (Killed)"
 BRAIN = "simulator: python\nscript: echo.py"
@@ -82,18 +82,11 @@ def wait_until_it_drives(folder, process):
     raise AssertionError(process.communicate())
 
 
-def started(file, folder):
-    return subprocess.Popen([experiments.SPIKELOOP, "run", str(file), "--out", str(folder)],
-                            stderr=subprocess.PIPE, text=True)
-
-
 def interrupted(scratch):
     file = experiments.explorer(scratch, BRAIN, sync="realtime", duration="60 s")
-    process = started(file, scratch / "interrupted")
+    process = runs.started(file, scratch / "interrupted")
     wait_until_it_drives(scratch / "interrupted", process)
-    process.send_signal(signal.SIGINT)
-    _, printed = process.communicate(timeout=60)
-    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    runs.interrupt(process)
     summary = json.loads((scratch / "interrupted/summary.json").read_text())
     assert 0 < summary["simulated_s"] < 60, summary
     sent = experiments.spikes(scratch / "interrupted", "encoder")
@@ -104,29 +97,13 @@ def interrupted(scratch):
     assert counters["wheels.stops_ended"] == 1, counters
 
 
-def script_of(launcher):
-    """The process of the script that this launcher's run has."""
-    found = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True,
-                           check=True).stdout.splitlines()[1:]
-    table = {int(line.split()[0]): (int(line.split()[1]), line) for line in found}
-    def below(pid):
-        while pid in table and pid != launcher:
-            pid = table[pid][0]
-        return pid == launcher
-    scripts = [pid for pid, (_, line) in table.items() if "echo.py" in line and below(pid)]
-    assert len(scripts) == 1, found
-    return scripts[0]
-
-
 def killed_over_ros(scratch):
     """The robot of a simulator that is gone stands."""
     file = experiments.explorer(scratch, BRAIN, sync="realtime", ros="1", duration="60 s")
-    process = started(file, scratch / "dead")
+    process = runs.started(file, scratch / "dead")
     wait_until_it_drives(scratch / "dead", process)
-    os.kill(script_of(process.pid), signal.SIGKILL)
-    _, printed = process.communicate(timeout=60)
-    assert process.returncode == 137, printed
-    runs.assert_says(printed, KILLED)
+    os.kill(jobs.find(process.pid, "echo.py"), signal.SIGKILL)
+    runs.ended(process, 137, KILLED)
     assert abs(speeds(scratch / "dead")[-1]) < 0.05, speeds(scratch / "dead")[-5:]
 
 

@@ -1,6 +1,5 @@
 """Experiments with a simulator among their nodes, and what they leave; for the tests beside this file."""
 
-import os
 import pathlib
 import shutil
 import sys
@@ -11,8 +10,7 @@ import numpy as np
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "fused"))
 import runs  # noqa: E402
-
-SPIKELOOP = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
+from runs import run  # noqa: E402, F401
 
 BUILTIN = """\
     simulator: builtin
@@ -28,18 +26,13 @@ BUILTIN = """\
 
 def explorer(folder, brain, **keys):
     """What `spikeloop new` prints, with these lines in the built-in network's place."""
-    file = runs.new_experiment(SPIKELOOP, folder / "explorer.yaml", **keys)
+    file = runs.new_experiment(folder / "explorer.yaml", **keys)
     text = file.read_text()
     assert BUILTIN in text, text
     file.write_text(text.replace(BUILTIN, "".join(f"    {line}\n" for line in brain.splitlines())))
     for script in (HERE / "scripts").glob("*.py"):
         shutil.copy(script, folder)
     return file
-
-
-def run(experiment, folder, *more, code=0):
-    """As runs.run."""
-    return runs.run(SPIKELOOP, experiment, folder, *more, code=code)
 
 
 def spikes(folder, node):

@@ -5,7 +5,6 @@ between, and those that its rules say: of a script (spikes and continuous values
 import itertools
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
@@ -146,7 +145,7 @@ def parts(scratch, beams, ticks_us):
         recorded = sorted(file.stem for file in folder.glob("*.h5"))
         assert recorded == ["beams", "brain", "came", "encoder", "level"], recorded
     replayed = folder.parent / f"{folder.name}-again"  # in several processes
-    subprocess.run([experiments.SPIKELOOP, "replay", "-q", folder, "--out", replayed], check=True)
+    experiments.runs.spikeloop("replay", "-q", folder, "--out", replayed)
     assert sorted(file.stem for file in replayed.glob("*.h5")) == recorded
 
 

@@ -79,7 +79,7 @@ def recorded(folder):
         return sorted(zip(group["timestamps_ns"][:].tolist(), group["node_ids"][:].tolist()))
 
 
-def watch(spikeloop, folder, version, encoding, *more):
+def watch(folder, version, encoding, *more):
     """The events of a run as they should be and as they were recorded, from the first one on."""
     type_ = camera.ARRAY if encoding is None else camera.PACKET
     file = folder / "events.yaml"
@@ -90,7 +90,7 @@ def watch(spikeloop, folder, version, encoding, *more):
     pipe = subprocess.Popen([os.environ["MESSAGE_PIPE"], version, "/events", type_], text=True,
                             stdin=subprocess.PIPE)
     try:
-        run = Run([spikeloop, "run", str(file), "--out", str(folder / "run"), *more])
+        run = Run([runs.SPIKELOOP, "run", str(file), "--out", str(folder / "run"), *more])
         try:
             assert run.silent.wait(60), run.text
             play(pipe, data)
@@ -106,30 +106,29 @@ def watch(spikeloop, folder, version, encoding, *more):
     return [[(stamp - spikes[0][0], channel) for stamp, channel in spikes] for spikes in (want, got)]
 
 
-def fused(spikeloop, version, encoding):
+def fused(version, encoding):
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        want, got = watch(spikeloop, scratch, version, encoding)
+        want, got = watch(scratch, version, encoding)
         assert got == want, (got[:5], want[:5])
         summary = json.loads((scratch / "run/summary.json").read_text())
         assert summary["processes"]["experiment"]["counters"]["eye.messages"] == 60, summary
         runs.spikeloop("replay", scratch / "run", "--out", scratch / "again")
 
 
-def separate(spikeloop, version, encoding):
+def separate(version, encoding):
     """MUSIC's border has times in seconds: a nanosecond is rounded."""
     with tempfile.TemporaryDirectory() as scratch:
-        want, got = watch(spikeloop, pathlib.Path(scratch), version, encoding, "--layout", "separate")
+        want, got = watch(pathlib.Path(scratch), version, encoding, "--layout", "separate")
         assert [channel for _, channel in got] == [channel for _, channel in want]
         assert max(abs(a[0] - b[0]) for a, b in zip(got, want)) <= 1000, (got[:5], want[:5])
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     for version, first, second in (("1", camera.Evt3(), None), ("2", camera.Evt2(), camera.Evt3())):
         with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)):
-            fused(spikeloop, version, first)
-            separate(spikeloop, version, second)
+            fused(version, first)
+            separate(version, second)
         print(f"1500 events over ROS {version} in each layout")
 
 

@@ -58,7 +58,6 @@ def expected(messages, channel_of):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     seen = 0
     cases = [(encoding, "", 48, camera.whole) for encoding in (camera.Evt3(), camera.Evt2(),
                                                                camera.Mono(), None)]
@@ -76,7 +75,7 @@ def main():
             file.write_text(EXPERIMENT.format(
                 bag="events.bag", message=type_, width=width, width_of_eye="",
                 keys=", ".join(filter(None, [keys, "latency: 15 ms"]))) + "duration: 250 ms\n")
-            summary, _ = runs.run(spikeloop, file, scratch / "run")
+            summary, _ = runs.run(file, scratch / "run")
             want = expected(messages, channel_of)
             assert recorded(scratch / "run") == want, (case, recorded(scratch / "run")[:5], want[:5])
             counters = summary["counters"]

@@ -164,10 +164,10 @@ def drive(position):
     return path
 
 
-def check_car(spikeloop, folder):
+def check_car(folder):
     (folder / "car.yaml").write_text(CAR)
     (folder / "push.py").write_text("import spikeloop\n")
-    summary, _ = runs.run(spikeloop, folder / "car.yaml", folder / "one")
+    summary, _ = runs.run(folder / "car.yaml", folder / "one")
     found = rows(folder / "one")
     assert len(found) == 4 == summary["episodes"] and summary["exit_reason"] == "finished", summary
     times, states = signal(folder / "one", "episode")
@@ -199,11 +199,11 @@ def check_car(spikeloop, folder):
     assert len({row["begin_s"] for row in found}) == 4
 
 
-def check_repetition(spikeloop, folder):
+def check_repetition(folder):
     """The seed decides; a finer tick changes when a push arrives, and nothing else of the task."""
-    runs.run(spikeloop, folder / "car.yaml", folder / "again")
+    runs.run(folder / "car.yaml", folder / "again")
     assert runs.fingerprint(folder / "again") == runs.fingerprint(folder / "one")
-    runs.run(spikeloop, folder / "car.yaml", folder / "other", "--seed", "2")
+    runs.run(folder / "car.yaml", folder / "other", "--seed", "2")
     assert runs.fingerprint(folder / "other") != runs.fingerprint(folder / "one")
     runs.spikeloop("replay", folder / "one", "--out", folder / "replay")
     resolved = json.loads((folder / "one" / "resolved.json").read_text())
@@ -211,10 +211,10 @@ def check_repetition(spikeloop, folder):
     assert resolved["episodes"]["pause_ns"] == 90_000_000, resolved["episodes"]
 
 
-def check_maze(spikeloop, folder):
+def check_maze(folder):
     """A vehicle that always turns right: right when the cue is there."""
     (folder / "maze.yaml").write_text(MAZE)
-    summary, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "maze")
+    summary, _ = runs.run(folder / "maze.yaml", folder / "maze")
     found = rows(folder / "maze")
     assert len(found) == 6 == summary["episodes"], summary
     assert {row["return"] for row in found} == {"1", "-1"}, found
@@ -232,20 +232,20 @@ def check_maze(spikeloop, folder):
         assert scanned[first] - float(row["begin_s"]) < 0.003, scanned[first]
     assert set(rewards[:, 0]) == {-1, 0, 1}
     # A command that nobody repeats holds in the next episode, too.
-    once, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "once", "--set", "wheels.command_rate=0 Hz")
+    once, _ = runs.run(folder / "maze.yaml", folder / "once", "--set", "wheels.command_rate=0 Hz")
     assert [row["success"] for row in rows(folder / "once")] == [row["success"] for row in found], once
-    short, _ = runs.run(spikeloop, folder / "maze.yaml", folder / "short", "--set", "episodes.time_limit=1 s")
+    short, _ = runs.run(folder / "maze.yaml", folder / "short", "--set", "episodes.time_limit=1 s")
     assert short["episodes"] == 6 and short["successes"] == 0, short
     assert {(row["end"], row["steps"]) for row in rows(folder / "short")} == {("time_limit", "50")}
 
 
-def check_goal_and_collision(spikeloop, folder):
+def check_goal_and_collision(folder):
     """The same path is right or wrong, as the named goal says; straight on it ends at the wall."""
     for goal, value in (("goal_right", 1), ("goal_left", -1)):
-        runs.run(spikeloop, folder / "maze.yaml", folder / goal, "--set", f"episodes.goal={goal}",
+        runs.run(folder / "maze.yaml", folder / goal, "--set", f"episodes.goal={goal}",
                  "--set", "episodes.collision_reward=-0.5")
         assert {(row["return"], row["success"]) for row in rows(folder / goal)} == {(str(value), str(max(value, 0)))}
-    runs.run(spikeloop, folder / "maze.yaml", folder / "wall", "--set", "right.function=0.5; 0",
+    runs.run(folder / "maze.yaml", folder / "wall", "--set", "right.function=0.5; 0",
              "--set", "episodes.collision_reward=-0.5", "--set", "episodes.pause=40 ms")
     found = rows(folder / "wall")
     assert {(row["return"], row["success"], row["end"]) for row in found} == {("-0.5", "0", "terminated")}, found
@@ -272,13 +272,13 @@ def lane_of(position, heading):
     return min(found)[1:]
 
 
-def check_lane(spikeloop, folder):
+def check_lane(folder):
     """A vehicle that drives straight on: distance, reward and end of every step from its odometry."""
     boxes = [f'<geom name="lane_{i}" type="box" size="{a} {b} 0.002" pos="{x} {y} 0.002" euler="0 0 {turn}" '
              'contype="0" conaffinity="0"/>' for i, (x, y, a, b, turn) in enumerate(LANE_BOXES)]
     (folder / "lane.xml").write_text(LANE_WORLD.replace("BOXES", "\n".join(boxes)))
     (folder / "lane.yaml").write_text(LANE)
-    summary, _ = runs.run(spikeloop, folder / "lane.yaml", folder / "lane")
+    summary, _ = runs.run(folder / "lane.yaml", folder / "lane")
     found = rows(folder / "lane")
     assert len(found) == 5 == summary["episodes"], summary
     times, where = signal(folder / "lane", "where")
@@ -315,12 +315,12 @@ def spikes(folder, node):
         return group["timestamps_ns"][:], group["node_ids"][:]
 
 
-def check_reset(spikeloop, folder):
+def check_reset(folder):
     """A network begins every episode as the first one, but for its weights; its noise goes on."""
     (folder / "lake.yaml").write_text(LAKE)
-    runs.run(spikeloop, folder / "lake.yaml", folder / "reset")
+    runs.run(folder / "lake.yaml", folder / "reset")
     (folder / "on.yaml").write_text(LAKE.replace(", reset: [brain]", ""))
-    runs.run(spikeloop, folder / "on.yaml", folder / "goes_on")
+    runs.run(folder / "on.yaml", folder / "goes_on")
     begins = [round(float(row["begin_s"]) * 1e9) for row in rows(folder / "reset")][1:]
     assert len(begins) == 5, begins
     length = begins[1] - begins[0]
@@ -360,11 +360,11 @@ def recorded(folder, node, begin, length):
     return (times[part] - begin).tolist(), values[part].tobytes()
 
 
-def check_reset_of_nodes(spikeloop, folder):
+def check_reset_of_nodes(folder):
     """After the reset nodes do what they did at the begin of the run, to the bit; Poisson spikes are others."""
     (folder / "nodes.yaml").write_text(NODES)
-    runs.run(spikeloop, folder / "nodes.yaml", folder / "anew")
-    runs.run(spikeloop, folder / "nodes.yaml", folder / "on", "--set", "episodes={count: 4, pause: 40 ms}")
+    runs.run(folder / "nodes.yaml", folder / "anew")
+    runs.run(folder / "nodes.yaml", folder / "on", "--set", "episodes={count: 4, pause: 40 ms}")
     begins = [round(float(row["begin_s"]) * 1e9) for row in rows(folder / "anew")]
     length = begins[2] - begins[1]
     for node in ("scaled", "phase", "rate", "smooth", "steps", "sum"):
@@ -380,15 +380,15 @@ def check_reset_of_nodes(spikeloop, folder):
     assert set(resolved["episodes"]["reset"]) == {"down", "scaled", "phase", "rate", "smooth", "steps", "sum", "rain"}
 
 
-def check_cart_pole(spikeloop, folder):
+def check_cart_pole(folder):
     """What `spikeloop new` prints balances the pole."""
     (folder / "pole.yaml").write_text(runs.spikeloop("new", "--environment", "cart_pole")[0])
-    summary, _ = runs.run(spikeloop, folder / "pole.yaml", folder / "pole")
+    summary, _ = runs.run(folder / "pole.yaml", folder / "pole")
     assert summary["episodes"] == summary["successes"] == 20, summary
     text = (folder / "pole.yaml").read_text()
     assert text.count("-> push [1]") == 1, text
     (folder / "anew.yaml").write_text(text.replace("-> push [1]", "-> push [1, delay 1 tick]"))
-    summary, _ = runs.run(spikeloop, folder / "anew.yaml", folder / "pole_anew", "--set",
+    summary, _ = runs.run(folder / "anew.yaml", folder / "pole_anew", "--set",
                           "episodes={count: 5, time_limit: 1 s, reset: all}")
     assert summary["episodes"] == 5 and summary["stopped_s"] == 0, "no value after a reset is no stop: " + str(summary)
 
@@ -398,7 +398,7 @@ def signal_max(folder):
         return file["signals/rates/values"][:].max()
 
 
-def check_errors(spikeloop, folder):
+def check_errors(folder):
     """What check says."""
     (folder / "arm.xml").write_text('<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody></mujoco>')
     for setting, part in (
@@ -434,11 +434,10 @@ def check_errors(spikeloop, folder):
 
 
 def main():
-    spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
         for check in (check_car, check_repetition, check_maze, check_goal_and_collision, check_lane, check_reset,
                       check_reset_of_nodes, check_cart_pole, check_errors):
-            check(spikeloop, pathlib.Path(temporary))
+            check(pathlib.Path(temporary))
             print(f"{check.__name__}: good")
     return 0
 

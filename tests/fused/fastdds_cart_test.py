@@ -7,14 +7,12 @@ import sys
 import tempfile
 
 import ros
-import runs
 import stepping_test
 
 RUNS = 5
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     count = int(sys.argv[2]) if len(sys.argv) > 2 else RUNS
     with tempfile.TemporaryDirectory() as scratch, ros.domain() as domain:
         scratch = pathlib.Path(scratch)
@@ -22,7 +20,7 @@ def main():
         file.write_text(stepping_test.EXPERIMENT)
         with ros.program(sys.argv[1], domain):
             for number in range(count):
-                stepping_test.follows_the_recurrence(spikeloop, file, scratch / f"run{number}", "--ros", "2")
+                stepping_test.follows_the_recurrence(file, scratch / f"run{number}", "--ros", "2")
     print(f"{count} runs with one robot, bit-identical")
 
 

@@ -13,27 +13,26 @@ RUNS = (("short", ["--duration", "1"]), ("long", ["--duration", "4", "--seed", "
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        near = runs.new_experiment(spikeloop, scratch / "near.yaml", sync="lockstep")
+        near = runs.new_experiment(scratch / "near.yaml", sync="lockstep")
         for name, options in RUNS:
-            runs.run(spikeloop, near, scratch / name, *options)
+            runs.run(near, scratch / name, *options)
         expected = [runs.fingerprint(scratch / name) for name, _ in RUNS]
         for version in "12":
             with ros.domain() if version == "2" else contextlib.nullcontext():
-                over_ros(spikeloop, scratch, version, expected)
+                over_ros(scratch, version, expected)
 
 
-def over_ros(spikeloop, scratch, version, expected):
-    far = runs.new_experiment(spikeloop, scratch / "far.yaml", sync="lockstep", ros=version)
+def over_ros(scratch, version, expected):
+    far = runs.new_experiment(scratch / "far.yaml", sync="lockstep", ros=version)
     for (name, options), wanted in zip(RUNS, expected):
         for i in range(2 if name == "short" else 1):
             folder = scratch / f"{name}{i}-ros{version}"
-            summary, printed = runs.run(spikeloop, far, folder, *options)
+            summary, printed = runs.run(far, folder, *options)
             assert runs.fingerprint(folder) == wanted, f"{folder}: {summary}"
             check(summary, printed, float(options[1]))
-    coarse(spikeloop, scratch, version)
+    coarse(scratch, version)
     print(f"the same to the bit over ROS {version} and without; {summary['simulated_s']:.0f} s at "
           f"{summary['real_time_factor']:.1f} times real time, "
           f"{1000 * summary['real_time_factor']:.0f} ticks/s")
@@ -52,13 +51,13 @@ def check(summary, printed, duration_s):
     assert taken - experiment["counters"]["wheels.commands"] in (0, 1), summary
 
 
-def coarse(spikeloop, scratch, version):
+def coarse(scratch, version):
     """A tick in which several scans become due."""
     prints = []
     for name, over in (("one", "none"), (f"two{version}", version)):
-        file = runs.new_experiment(spikeloop, scratch / f"{name}.yaml", sync="lockstep", ros=over,
+        file = runs.new_experiment(scratch / f"{name}.yaml", sync="lockstep", ros=over,
                                    tick="130 ms", duration="2.6 s")
-        runs.run(spikeloop, file, scratch / name)
+        runs.run(file, scratch / name)
         prints.append(runs.fingerprint(scratch / name))
     assert prints[0] == prints[1]
 

@@ -69,8 +69,8 @@ def written(scratch, name, over="none", sync="lockstep", text=EXPERIMENT):
     return path
 
 
-def same_everywhere(spikeloop, scratch):
-    runs.run(spikeloop, written(scratch, "near.yaml"), scratch / "near")
+def same_everywhere(scratch):
+    runs.run(written(scratch, "near.yaml"), scratch / "near")
     expected = runs.fingerprint(scratch / "near")
     last = runs.last_values(scratch / "near" / "left.h5")
     # Torque 0.2 - angle against a damper: the angle becomes 0.2. The servo holds 0.5.
@@ -78,29 +78,29 @@ def same_everywhere(spikeloop, scratch):
     for version in "12":
         far = written(scratch, f"far{version}.yaml", over=version)
         with ros.domain() if version == "2" else contextlib.nullcontext():
-            runs.run(spikeloop, far, scratch / f"far{version}")
+            runs.run(far, scratch / f"far{version}")
         assert runs.fingerprint(scratch / f"far{version}") == expected, f"ROS {version}"
 
 
-def in_real_time(spikeloop, scratch):
+def in_real_time(scratch):
     """With a process of its own the sensor without a connection would have MUSIC wait for ever."""
     path = written(scratch, "real.yaml", over="2", sync="realtime")
     for layout in ("fused", "separate"):
         with ros.domain():
-            summary, _ = runs.run(spikeloop, path, scratch / layout, "--layout", layout)
+            summary, _ = runs.run(path, scratch / layout, "--layout", layout)
         assert summary["processes"]["robot"]["counters"]["commands"] > 20, summary
         assert len(runs.last_values(scratch / layout / "spin.h5")) == 3
     assert abs(runs.last_values(scratch / "fused" / "left.h5")[1] - 0.5) < 0.05
 
 
-def repeated_without_its_files(spikeloop, scratch):
+def repeated_without_its_files(scratch):
     moved = scratch / "moved"
     shutil.copytree(scratch / "near", moved)
     for name in ("pair.xml", "near.yaml"):
         (scratch / name).unlink()
     shutil.rmtree(scratch / "shapes")
     runs.spikeloop("replay", moved)
-    runs.run(spikeloop, moved, scratch / "again")
+    runs.run(moved, scratch / "again")
     assert runs.fingerprint(scratch / "again") == runs.fingerprint(moved)
     resolved = json.loads((scratch / "again" / "resolved.json").read_text())
     assert resolved["robot"]["model"].endswith("pair.xml") and resolved["robot"]["camera"]["name"] == "eye"
@@ -123,16 +123,15 @@ def names_are_checked(scratch):
 
 
 def main():
-    spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as folder:
         scratch = pathlib.Path(folder)
         (scratch / "shapes").mkdir()
         (scratch / "shapes/wedge.obj").write_text(WEDGE)
         (scratch / "pair.xml").write_text(MODEL)
         names_are_checked(scratch)
-        same_everywhere(spikeloop, scratch)
-        in_real_time(spikeloop, scratch)
-        repeated_without_its_files(spikeloop, scratch)
+        same_everywhere(scratch)
+        in_real_time(scratch)
+        repeated_without_its_files(scratch)
 
 
 if __name__ == "__main__":

@@ -47,22 +47,22 @@ def other_robot(version, folder):
     path += path_in(folder)
 
 
-def drive(spikeloop, scratch, version, layout, names):
+def drive(scratch, version, layout, names):
     """Of a run with a robot of its own."""
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros=version, duration="3 s")
+    file = runs.new_experiment(scratch / "explorer.yaml", ros=version, duration="3 s")
     nodes = list(yaml.safe_load(file.read_text())["nodes"])
     file.write_text(f"layout: {{first: [{nodes[0]}], rest: [{', '.join(nodes[1:])}]}}  # which --layout replaces\n"
                     + file.read_text())
     folder = scratch / f"{layout}-{version}"
-    summary, printed = runs.run(spikeloop, file, folder, "--layout", layout, *names)
-    assert "no robot is started" not in printed, printed
+    summary, printed = runs.run(file, folder, "--layout", layout, *names)
+    assert "robot" in summary["processes"], printed
     assert summary["distance_m"] > 0.1 and summary["scans"] > 40, summary
     return folder
 
 
-def refused(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="2")
-    alone = runs.new_experiment(spikeloop, scratch / "alone.yaml")
+def refused(scratch):
+    file = runs.new_experiment(scratch / "explorer.yaml", ros="2")
+    alone = runs.new_experiment(scratch / "alone.yaml")
     for said, where, *words in (
             ("'-p rate:=5' (behind --ros-args) means nothing to a run, whose settings stand in its file; leave it "
              "out, or end ROS's arguments by --", file, "--ros-args", "-p", "rate:=5"),
@@ -79,10 +79,10 @@ def refused(spikeloop, scratch):
         assert not (scratch / "refused").exists(), words
 
 
-def music(spikeloop, folder):
+def music(folder):
     """A .music file, that of the run before, gives every section what its command line says."""
     def dry_run(*words):
-        done = subprocess.run([spikeloop, "run", str(folder / "experiment.music"), "--dry-run", *words],
+        done = subprocess.run([runs.SPIKELOOP, "run", str(folder / "experiment.music"), "--dry-run", *words],
                               capture_output=True, text=True, check=False)
         return done.returncode, done.stdout.count("ros_arguments=/scan:=/front/scan\n"), done.stderr
     assert dry_run(NAMES[0])[:2] == (0, 6), dry_run(NAMES[0])
@@ -90,18 +90,18 @@ def music(spikeloop, folder):
     assert "'__name:=brain' names a node" in dry_run("__name:=brain")[2]
 
 
-def time_of_ros(spikeloop, scratch):
+def time_of_ros(scratch):
     """use_sim_time, which launch files give all nodes."""
-    file = runs.new_experiment(spikeloop, scratch / "clock.yaml", ros="2", duration="1 s")
+    file = runs.new_experiment(scratch / "clock.yaml", ros="2", duration="1 s")
     for value, sync in (("true", "sim_time"), ("false", "realtime")):
         folder = scratch / f"clock-{value}"
-        runs.run(spikeloop, file, folder, "--ros-args", "-p", f"use_sim_time:={value}")
+        runs.run(file, folder, "--ros-args", "-p", f"use_sim_time:={value}")
         assert json.loads((folder / "resolved.json").read_text())["sync"] == sync
 
 
-def two_pairs(spikeloop, scratch):
+def two_pairs(scratch):
     """Two robots with two loops, at once, as the launch file of docs/ros2.md starts them: nothing is shared."""
-    file = runs.new_experiment(spikeloop, scratch / "pair.yaml", ros="2", duration="4 s")
+    file = runs.new_experiment(scratch / "pair.yaml", ros="2", duration="4 s")
     lines = [line for line in file.read_text().splitlines() if not line.startswith("robot:")]
     file.write_text("\n".join(lines).replace("/scan", "scan").replace("/cmd_vel", "cmd_vel") + "\n")
     robots, loops = [], []
@@ -111,7 +111,7 @@ def two_pairs(spikeloop, scratch):
                      "/tf_static:=tf_static"]
             robots.append(subprocess.Popen([runs.programs() / "spikeloop-robot", "--ros", "2", "--seed", str(seed),
                                             "--out", scratch / f"robot-{name}", *names]))
-            loops.append(subprocess.Popen([spikeloop, "run", file, "--out", scratch / f"loop-{name}", *names, "-p",
+            loops.append(subprocess.Popen([runs.SPIKELOOP, "run", file, "--out", scratch / f"loop-{name}", *names, "-p",
                                            "use_sim_time:=true"], stderr=subprocess.PIPE, text=True))
         for loop in loops:
             said = loop.communicate(timeout=240)[1]
@@ -135,20 +135,19 @@ def two_pairs(spikeloop, scratch):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     for version in "12":
         with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)):
             scratch = pathlib.Path(scratch)
             with other_robot(version, scratch / "other") as path:
-                drive(spikeloop, scratch, version, "fused", (*NAMES, *NODE[version]))
-                music(spikeloop, drive(spikeloop, scratch, version, "separate", AS_WRITTEN[version]))
+                drive(scratch, version, "fused", (*NAMES, *NODE[version]))
+                music(drive(scratch, version, "separate", AS_WRITTEN[version]))
             assert len(path) > 10 and max(abs(x - path[0][0]) + abs(y - path[0][1]) for x, y in path) < 1e-3, path[-1]
             if version == "2":
-                time_of_ros(spikeloop, scratch)
-                two_pairs(spikeloop, scratch)
+                time_of_ros(scratch)
+                two_pairs(scratch)
         print(f"over ROS {version} robots are driven by the names that the command line gives their topics")
     with tempfile.TemporaryDirectory() as scratch:
-        refused(spikeloop, pathlib.Path(scratch))
+        refused(pathlib.Path(scratch))
 
 
 if __name__ == "__main__":

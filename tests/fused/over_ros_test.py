@@ -13,9 +13,9 @@ import ros
 import runs
 
 
-def drive(spikeloop, scratch, version):
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros=version, duration="6 s")
-    summary, printed = runs.run(spikeloop, file, scratch / "run")
+def drive(scratch, version):
+    file = runs.new_experiment(scratch / "explorer.yaml", ros=version, duration="6 s")
+    summary, printed = runs.run(file, scratch / "run")
     assert summary["layout"] == "fused" and "finished" in printed, printed
     assert ("ROS master" in printed) == (version == "1"), printed
     assert summary["scans"] > 80 and summary["commands"] > 100, summary
@@ -34,11 +34,10 @@ def drive(spikeloop, scratch, version):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     for version in "12":
         with tempfile.TemporaryDirectory() as scratch, (
                 ros.domain() if version == "2" else contextlib.nullcontext()):
-            latency = drive(spikeloop, pathlib.Path(scratch), version)
+            latency = drive(pathlib.Path(scratch), version)
         print(f"driven over ROS {version} from one process, median {latency:.2f} ms")
 
 

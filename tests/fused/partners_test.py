@@ -17,6 +17,7 @@ import xmlrpc.client
 
 import ros
 import runs
+import jobs  # of tests/support, which runs knows
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "safety"))
 import robots  # noqa: E402  (that are no part of Spikeloop)
@@ -50,8 +51,8 @@ def robot(master, environment, *options):
     return process
 
 
-def dead_robot(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", ros="1", duration="1 s")
+def dead_robot(scratch):
+    file = runs.new_experiment(scratch / "explorer.yaml", ros="1", duration="1 s")
     with ros_master(scratch) as (environment, master):
         process = robot(master, environment)
         process.kill()
@@ -62,9 +63,9 @@ def dead_robot(spikeloop, scratch):
         assert (scratch / "alone/trajectory.csv").exists(), said
 
 
-def living_robot(spikeloop, scratch):
+def living_robot(scratch):
     """Nothing is started beside it; a width that is not its own ends with node and line."""
-    file = runs.new_experiment(spikeloop, scratch / "other.yaml", ros="1", duration="3 s")
+    file = runs.new_experiment(scratch / "other.yaml", ros="1", duration="3 s")
     text = file.read_text()
     robot_line = next(line for line in text.splitlines() if line.startswith("robot:"))
     file.write_text(text.replace(robot_line, "").replace("sectors [100]", "sectors [90]"))
@@ -79,14 +80,14 @@ def living_robot(spikeloop, scratch):
             process.wait()
 
 
-def living_robot_of_ros2(spikeloop, scratch):
+def living_robot_of_ros2(scratch):
     """One that sends /scan already is used, and goes on afterwards."""
-    file = runs.new_experiment(spikeloop, scratch / "used.yaml", ros="2", duration="3 s")
+    file = runs.new_experiment(scratch / "used.yaml", ros="2", duration="3 s")
     trajectory = scratch / "going-on/trajectory.csv"
     with ros.domain(), ros.program(runs.programs() / "spikeloop-robot", "--ros", "2", "--out",
                                    trajectory.parent) as process:
         ros.until(lambda: trajectory.exists() and trajectory.stat().st_size > 2000, "a path")
-        summary, printed = runs.run(spikeloop, file, scratch / "used")
+        summary, printed = runs.run(file, scratch / "used")
         runs.assert_says(printed, "/scan is published already: no robot is started")
         assert summary["commands"] > 50 and "robot" not in summary["processes"], summary
         assert process.poll() is None
@@ -102,23 +103,23 @@ connections:
 """
 
 
-def without_robot(spikeloop, path, **keys):
+def without_robot(path, **keys):
     """An experiment that leaves the robot to others."""
-    file = runs.new_experiment(spikeloop, path, **keys)
+    file = runs.new_experiment(path, **keys)
     text = file.read_text()
     file.write_text("".join(line for line in text.splitlines(True) if not line.startswith("robot:")))
     return file
 
 
-def path_of_another_robot(spikeloop, scratch, version):
+def path_of_another_robot(scratch, version):
     """Without `robot:` it is that of /odom: poses that the robot itself has written, and the way between them.
     Without contacts, here because their topic has another type, collisions are not known."""
-    file = without_robot(spikeloop, scratch / f"foreign-{version}.yaml", ros=version, duration="4 s")
+    file = without_robot(scratch / f"foreign-{version}.yaml", ros=version, duration="4 s")
     file.write_text(file.read_text().replace("\nconnections:\n", f"\n{BUMPER}"))
     own, folder = scratch / f"own-{version}", scratch / f"foreign-{version}"
     with ros.place(version, scratch), ros.program(runs.programs() / "spikeloop-robot", "--ros", version, "--out", own):
         ros.until((own / "world.json").exists, "the robot's start")
-        summary, _ = runs.run(spikeloop, file, folder)
+        summary, _ = runs.run(file, folder)
     assert summary["processes"]["experiment"]["counters"]["button.messages"] > 10, summary
     poses = {path: [tuple(row[name] for name in ("x_m", "y_m", "theta_rad")) for row in rows(path)]
              for path in (own, folder)}
@@ -132,15 +133,15 @@ def path_of_another_robot(spikeloop, scratch, version):
     assert all(row["collisions"] == "nan" for row in rows(folder)) and "collisions" not in summary, summary
 
 
-def collisions_of_another_robot(spikeloop, scratch, version):
+def collisions_of_another_robot(scratch, version):
     """They are the contacts on /bumper_states that begin, with each thing."""
-    file = without_robot(spikeloop, scratch / f"bumper-{version}.yaml", ros=version, duration="600 s")
+    file = without_robot(scratch / f"bumper-{version}.yaml", ros=version, duration="600 s")
     file.write_text(file.read_text().replace("sectors [100]", "sectors [10]"))
     folder = scratch / f"bumper-{version}"
     with robots.robot(version, runs.programs(), scratch) as other:
         other.scans(True)
         other.odometry(True)
-        with subprocess.Popen([spikeloop, "run", file, "--out", folder]) as process:
+        with subprocess.Popen([runs.SPIKELOOP, "run", file, "--out", folder]) as process:
             try:
                 touch_things(other, folder)
             finally:
@@ -182,50 +183,38 @@ def rows(folder):
         return list(csv.DictReader(table))
 
 
-def killed(spikeloop, scratch):
+def killed(scratch):
     """What is killed is named."""
-    file = runs.new_experiment(spikeloop, scratch / "long.yaml", ros="1", duration="60 s")
-    folder = scratch / "killed"
-    with subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder), "--stall-timeout",
-                           "30", "--start-timeout", "40"],
-                          stderr=subprocess.PIPE, text=True) as process:
-        ros.until((folder / "encoder.h5").exists, "run")
-        found = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{folder}"],
-                               capture_output=True, text=True, check=True).stdout.split()
-        for pid in found:
-            if os.readlink(f"/proc/{pid}/exe").endswith("spikeloop-fused"):
-                os.kill(int(pid), signal.SIGKILL)
-        _, printed = process.communicate(timeout=60)
-    assert process.returncode == 137, printed
-    runs.assert_says(printed, "spikeloop-fused ... 9 (Killed)")
+    file = runs.new_experiment(scratch / "long.yaml", ros="1", duration="60 s")
+    process = runs.started(file, scratch / "killed", "--stall-timeout", "30", "--start-timeout", "40")
+    os.kill(jobs.find(process.pid, "spikeloop-fused"), signal.SIGKILL)
+    runs.ended(process, 137, "spikeloop-fused ... 9 (Killed)")
 
 
-def stalled(spikeloop, scratch):
+def stalled(scratch):
     """--stall-timeout means for the processes of an experiment what it means for those of a job."""
     (scratch / "hanging.py").write_text(HANGING)
-    file = runs.new_experiment(spikeloop, scratch / "still.yaml", ros="1", duration="60 s")
+    file = runs.new_experiment(scratch / "still.yaml", ros="1", duration="60 s")
     text = file.read_text().replace("nodes:\n",
                                     "plugins: [hanging.py]\nnodes:\n  odd: {node: hanging}\n")
     file.write_text(text.replace("scan -> sectors", "scan -> odd [100] -> sectors"))
     for layout in ("fused", "separate"):
-        _, printed = runs.run(spikeloop, file, scratch / layout, "--layout", layout,
-                              "--stall-timeout", "3", code=3)
+        _, printed = runs.run(file, scratch / layout, "--layout", layout, "--stall-timeout", "3", code=3)
         runs.assert_says(printed, "spikeloop: the job has stood still for 3 s")
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        dead_robot(spikeloop, scratch)
-        living_robot(spikeloop, scratch)
-        living_robot_of_ros2(spikeloop, scratch)
+        dead_robot(scratch)
+        living_robot(scratch)
+        living_robot_of_ros2(scratch)
         for version in "12":
-            path_of_another_robot(spikeloop, scratch, version)
-        killed(spikeloop, scratch)
-        stalled(spikeloop, scratch)
+            path_of_another_robot(scratch, version)
+        killed(scratch)
+        stalled(scratch)
         for version in "12":
-            collisions_of_another_robot(spikeloop, scratch, version)
+            collisions_of_another_robot(scratch, version)
     print("a dead robot is replaced, a living one used, a killed process named, one that hangs ended")
 
 

@@ -118,9 +118,9 @@ def rows(folder):
         return list(csv.DictReader(file))
 
 
-def check_steps(spikeloop, folder):
+def check_steps(folder):
     """What the object makes alone, with the seeds and the actions of the run."""
-    summary, _ = runs.run(spikeloop, folder / "walk.yaml", folder / "run")
+    summary, _ = runs.run(folder / "walk.yaml", folder / "run")
     found, walk = rows(folder / "run"), walk_of(folder)
     assert len(found) == 6 == summary["episodes"], summary
     states, where, scaled = (signal(folder / "run", node) for node in ("episode", "where", "scaled"))
@@ -140,10 +140,10 @@ def check_steps(spikeloop, folder):
     assert {row["success"] for row in found} == {"0", "1"}, found
 
 
-def check_repetition(spikeloop, folder):
-    runs.run(spikeloop, folder / "walk.yaml", folder / "again")
+def check_repetition(folder):
+    runs.run(folder / "walk.yaml", folder / "again")
     assert runs.fingerprint(folder / "again") == runs.fingerprint(folder / "run")
-    runs.run(spikeloop, folder / "walk.yaml", folder / "other", "--seed", "2")
+    runs.run(folder / "walk.yaml", folder / "other", "--seed", "2")
     assert runs.fingerprint(folder / "other") != runs.fingerprint(folder / "run")
     assert (folder / "run/experiment-files/walk.py").read_text() == WALK
     elsewhere = folder / "elsewhere"
@@ -152,17 +152,17 @@ def check_repetition(spikeloop, folder):
         runs.spikeloop(command, elsewhere, "--out", folder / command)
 
 
-def check_spaces(spikeloop, folder):
+def check_spaces(folder):
     """Box(1) actions, a Discrete observation, the limit of the object's spec."""
     (folder / "one.yaml").write_text(ONE.replace("WIDTH", "1"))
-    summary, _ = runs.run(spikeloop, folder / "one.yaml", folder / "one")
+    summary, _ = runs.run(folder / "one.yaml", folder / "one")
     where = signal(folder / "one", "where")[:, 0]
     assert set(where) == {0, 1, 2, 3, 4} and set(np.diff(where[3:7]) % 5) == {2}, where
     first = rows(folder / "one")[0]
     assert summary["episodes"] > 1 and (first["steps"], first["return"], first["end"]) == ("7", "7", "time_limit"), first
 
 
-def check_gymnasium(spikeloop, folder):
+def check_gymnasium(folder):
     """With a package of this name that has what is asked of it."""
     (folder / "have").mkdir()
     (folder / "have/gymnasium.py").write_text(
@@ -173,11 +173,11 @@ def check_gymnasium(spikeloop, folder):
     np.testing.assert_array_equal(signal(folder / "gymnasium", "where"), signal(folder / "one", "where"))
 
 
-def check_errors(spikeloop, folder):
+def check_errors(folder):
     def said(command, *settings):
         (folder / "one.yaml").write_text(ONE.replace("WIDTH", "2"))
         words = [word for setting in settings for word in ("--set", setting)]
-        done = subprocess.run([spikeloop, *command, str(folder / "one.yaml"), *words], capture_output=True, text=True,
+        done = subprocess.run([runs.SPIKELOOP, *command, str(folder / "one.yaml"), *words], capture_output=True, text=True,
                               check=False, timeout=100, env={**os.environ, "PYTHONPATH": str(folder / "none")})
         return done.returncode, done.stderr
 
@@ -208,7 +208,7 @@ def check_errors(spikeloop, folder):
     assert spy.exists()
 
 
-def check_python(spikeloop, folder):
+def check_python(folder):
     """In the process of a caller, who has an interpreter of his own already."""
     (folder / "walk.py").write_text(WALK)
     (folder / "agent.py").write_text("import spikeloop\n")
@@ -230,13 +230,12 @@ def check_python(spikeloop, folder):
 
 
 def main():
-    spikeloop = runs.programs() / "spikeloop"
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         (folder / "walk.py").write_text(WALK)
         (folder / "walk.yaml").write_text(TEXT)
         for check in (check_steps, check_repetition, check_spaces, check_gymnasium, check_errors, check_python):
-            check(spikeloop, folder)
+            check(folder)
             print(f"{check.__name__}: good")
     return 0
 

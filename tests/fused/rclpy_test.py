@@ -12,7 +12,6 @@ import sys
 import tempfile
 
 import ros
-import runs
 import stepping_test
 
 SKIPPED = 77
@@ -42,14 +41,14 @@ def build(workspace):
     return workspace / "install/cart/bin/cart"
 
 
-def drive(spikeloop, start_cart):
+def drive(start_cart):
     """@return ticks a second"""
     with tempfile.TemporaryDirectory() as scratch, ros.domain():
         scratch = pathlib.Path(scratch)
         file = scratch / "cart.yaml"
         file.write_text(stepping_test.EXPERIMENT)
         with start_cart(scratch):
-            summary = stepping_test.follows_the_recurrence(spikeloop, file, scratch / "run", "--ros", "2")
+            summary = stepping_test.follows_the_recurrence(file, scratch / "run", "--ros", "2")
     return 1000 * summary["real_time_factor"]
 
 
@@ -57,7 +56,6 @@ def main():
     if importlib.util.find_spec("rclpy") is None:
         print("there is no rclpy here")
         return SKIPPED
-    spikeloop = str(runs.programs() / "spikeloop")
     with contextlib.ExitStack() as stack:
         program = build(pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory())))
         carts = {"rclpy": lambda scratch: stepping_test.cart(scratch, text=stepping_test.IN_RCLPY),
@@ -67,7 +65,7 @@ def main():
                 os.environ.update(SPIKELOOP_ROS2=transport, RMW_IMPLEMENTATION=middleware)
                 for library, start_cart in carts.items():
                     print(f"{transport} of ours, {middleware} and {library} of the robot: bit-identical, "
-                          f"{drive(spikeloop, start_cart):.0f} ticks/s")
+                          f"{drive(start_cart):.0f} ticks/s")
     return 0
 
 

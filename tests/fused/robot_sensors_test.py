@@ -51,23 +51,23 @@ def written(scratch, name, world="phototaxis", over="none"):
     return path
 
 
-def same_everywhere(spikeloop, scratch):
+def same_everywhere(scratch):
     near = written(scratch, "near.yaml")
-    runs.run(spikeloop, near, scratch / "near")
+    runs.run(near, scratch / "near")
     expected = runs.fingerprint(scratch / "near")
     film = ["--render", str(scratch / "end.png"), "--render-size", "64x48"]
-    runs.run(spikeloop, near, scratch / "filmed", *film)
+    runs.run(near, scratch / "filmed", *film)
     assert runs.fingerprint(scratch / "filmed") == expected, "a film has changed the run"
     assert (scratch / "end.png").read_bytes().startswith(b"\x89PNG")
     for version in "12":
         far = written(scratch, f"far{version}.yaml", over=version)
         meeting = ros.domain() if version == "2" else contextlib.nullcontext()
         with meeting:
-            runs.run(spikeloop, far, scratch / f"far{version}")
+            runs.run(far, scratch / f"far{version}")
         assert runs.fingerprint(scratch / f"far{version}") == expected, f"ROS {version}"
 
 
-def refused(spikeloop, scratch):
+def refused(scratch):
     runs.refused("key 'topic': the robot sends nothing on /light in this world, which has no lamps; write  "
                  "world: phototaxis  or  t_maze, or give yours sites lamp_* (docs/robot.md)",
                  "check", written(scratch, "dark.yaml", world="arena"))
@@ -92,11 +92,10 @@ connections:
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        refused(spikeloop, scratch)
-        same_everywhere(spikeloop, scratch)
+        refused(scratch)
+        same_everywhere(scratch)
     print("light, inertia, wheels, frames and pictures: the same to the bit, in the process and over ROS")
 
 

@@ -2,27 +2,27 @@
 
 import hashlib
 import json
-import os
 import pathlib
+import signal
 import subprocess
 import sys
+import time
 
 import h5py
 
 sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
-from calls import assert_says, refused, spikeloop  # noqa: E402, F401
+from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
 
 
 def programs():
     """The directory of the programs."""
-    return pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
+    return pathlib.Path(SPIKELOOP).parent
 
 
-def new_experiment(spikeloop, path, **keys):
+def new_experiment(path, **keys):
     """What `spikeloop new` prints, with some keys changed."""
-    text = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
     lines = []
-    for line in text.splitlines():
+    for line in spikeloop("new")[0].splitlines():
         key = line.split(":")[0]
         lines.append(f"{key}: {keys.pop(key)}" if key in keys else line)
     lines += [f"{key}: {value}" for key, value in keys.items()]
@@ -30,12 +30,34 @@ def new_experiment(spikeloop, path, **keys):
     return path
 
 
-def run(spikeloop, experiment, folder, *more, code=0):
+def run(experiment, folder, *more, code=0):
     """The summary of a run, which must end with this exit code; and what was printed."""
-    done = subprocess.run([spikeloop, "run", str(experiment), "--out", str(folder), "--force", *more],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == code, f"exit code {done.returncode}:\n{done.stderr}"
-    return json.loads((folder / "summary.json").read_text()), done.stderr
+    _, said = spikeloop("run", experiment, "--out", folder, "--force", *more, code=code, timeout=None)
+    return json.loads((folder / "summary.json").read_text()), said
+
+
+def started(experiment, folder, *more, command="run"):
+    """The process of a run or a replay that has opened its recordings."""
+    process = subprocess.Popen([SPIKELOOP, command, str(experiment), "--out", str(folder), *more],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while not any(folder.glob("*.h5")):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.02)
+    return process
+
+
+def ended(process, code, *expected):
+    """What a process has printed that ends with this code, and says what is expected."""
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == code, f"exit code {process.returncode}:\n{printed}"
+    assert_says(printed, *expected)
+    return printed
+
+
+def interrupt(process, *expected):
+    """As Ctrl-C does."""
+    process.send_signal(signal.SIGINT)
+    return ended(process, 130, *expected)
 
 
 def fingerprint(folder):

@@ -33,11 +33,11 @@ connections:
 """
 
 
-def see(spikeloop, scratch, version, sync):
+def see(scratch, version, sync):
     file = scratch / "frames.yaml"
     file.write_text(EXPERIMENT.format(version=version, sync=sync))
     folder = scratch / f"run-{time.monotonic_ns()}"
-    summary, printed = runs.run(spikeloop, file, folder)
+    summary, printed = runs.run(file, folder)
     counters = summary["processes"]["experiment"]["counters"]
     assert counters["fixed.messages"] == 1 and counters["moving.messages"] > 50, counters
     assert "/tf_static" not in printed, printed
@@ -57,8 +57,7 @@ def late_rospy():
 
 
 def main():
-    programs = runs.programs()
-    spikeloop, robot = str(programs / "spikeloop"), programs / "spikeloop-robot"
+    robot = runs.programs() / "spikeloop-robot"
     for version in "12":
         with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)):
             scratch = pathlib.Path(scratch)
@@ -66,10 +65,10 @@ def main():
                 time.sleep(2)
                 if version == "1":
                     late_rospy()
-                see(spikeloop, scratch, version, "realtime")
+                see(scratch, version, "realtime")
             with ros.program(robot, "--ros", version, "--step"):
                 for _ in range(2):
-                    see(spikeloop, scratch, version, "lockstep")
+                    see(scratch, version, "lockstep")
         print(f"/tf_static over ROS {version}")
 
 

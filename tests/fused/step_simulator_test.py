@@ -89,21 +89,21 @@ def by_hand():
     return np.array(wanted)
 
 
-def check_runs(spikeloop, scratch):
+def check_runs(scratch):
     file = scratch / "cart.yaml"
     file.write_text(EXPERIMENT)
     for name in ("first", "second"):
-        summary, _ = runs.run(spikeloop, file, scratch / name)
+        summary, _ = runs.run(file, scratch / name)
         with h5py.File(scratch / name / "where.h5") as recording:
             where = recording["signals/out/values"][:, 0]
         assert np.array_equal(where, by_hand()), f"{name}: {np.abs(where - by_hand()).max()}"
     print(f"bit-identical, {1000 * summary['real_time_factor']:.0f} ticks/s")
 
 
-def check_error(spikeloop, scratch, tick, text):
+def check_error(scratch, tick, text):
     file = scratch / "wrong.yaml"
     file.write_text(EXPERIMENT + f"tick: {tick}\n")
-    _, printed = runs.run(spikeloop, file, scratch / "wrong", code=3)
+    _, printed = runs.run(file, scratch / "wrong", code=3)
     assert text in printed, printed
 
 
@@ -111,7 +111,6 @@ def main():
     if not all(map(importlib.util.find_spec, ("rclpy", "simulation_interfaces"))):
         print("there is no rclpy, or no simulation_interfaces, here")
         return SKIPPED
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch, ros.domain():
         scratch = pathlib.Path(scratch)
         (scratch / "simulator.py").write_text(SIMULATOR)
@@ -119,10 +118,10 @@ def main():
         assert alone.returncode == 3 and re.search("no node serves /?set_simulation_state", alone.stderr), alone
         with ros.program("/usr/bin/python3", scratch / "simulator.py"):
             with ros.program(BRIDGE, "--step", "500us", "--sensor", "/where=1000Hz"):
-                check_runs(spikeloop, scratch)
-                check_error(spikeloop, scratch, "0.8 ms", "is not a multiple of the simulator's step of 500000 ns")
+                check_runs(scratch)
+                check_error(scratch, "0.8 ms", "is not a multiple of the simulator's step of 500000 ns")
             with ros.program(BRIDGE, "--step", "500us"):
-                check_error(spikeloop, scratch, "1 ms", "the rate of /where is not known")
+                check_error(scratch, "1 ms", "the rate of /where is not known")
     return 0
 
 

@@ -7,7 +7,6 @@ import os
 import pathlib
 import re
 import signal
-import subprocess
 import sys
 import tempfile
 
@@ -16,6 +15,7 @@ import numpy as np
 
 import ros
 import runs
+import jobs  # of tests/support, which runs knows
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
 BLOCKS = re.findall("```(?:python|cpp|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
@@ -40,9 +40,9 @@ def by_hand(steps, tick_ns=1_000_000):
     return np.array(wanted)
 
 
-def follows_the_recurrence(spikeloop, file, folder, *options):
+def follows_the_recurrence(file, folder, *options):
     """One run of 500 ticks. @return its summary"""
-    summary, _ = runs.run(spikeloop, file, folder, "--duration", "0.5", *options)
+    summary, _ = runs.run(file, folder, "--duration", "0.5", *options)
     with h5py.File(folder / "where.h5") as recording:
         assert np.array_equal(recording["signals/out/times_ns"][()], 1_000_000 * np.arange(1, 501))
         where = recording["signals/out/values"][:, 0]
@@ -50,17 +50,17 @@ def follows_the_recurrence(spikeloop, file, folder, *options):
     return summary
 
 
-def lost_answer(spikeloop, file, scratch):
+def lost_answer(file, scratch):
     """The experiment asks again; also a robot that was only slow, which then answers more than once."""
     for name, change in (
             ("lost", ("def answer():\n", "def answer():\n    if cart.setdefault('deaf', True):\n"
                       "        cart['deaf'] = False\n        return\n")),
             ("slow", ("        commands.clear()\n", "        commands.clear()\n        time.sleep(2.5)\n"))):
         with cart(scratch, change):
-            follows_the_recurrence(spikeloop, file, scratch / name)
+            follows_the_recurrence(file, scratch / name)
 
 
-def wrong_robots(spikeloop, file, scratch):
+def wrong_robots(file, scratch):
     answer = '"time_ns": cart["time_ns"]'
     for change, text in (
             ((answer, '"time_ns": cart["time_ns"] + 1'),
@@ -80,24 +80,16 @@ def wrong_robots(spikeloop, file, scratch):
         if "String, queue_size" in change[1]:
             changes.append(("data=[cart[\"x\"]]", "data='x'"))
         with cart(scratch, *changes):
-            _, printed = runs.run(spikeloop, file, scratch / "wrong", "--stall-timeout", "3",
-                                  code=3)
+            _, printed = runs.run(file, scratch / "wrong", "--stall-timeout", "3", code=3)
         runs.assert_says(printed, text)
 
 
-def no_robot(spikeloop, file, scratch):
-    _, printed = runs.run(spikeloop, file, scratch / "none", "--stall-timeout", "4", code=3)
+def no_robot(file, scratch):
+    _, printed = runs.run(file, scratch / "none", "--stall-timeout", "4", code=3)
     runs.assert_says(printed, "waits for a subscriber of /spikeloop/step, a publisher of /spikeloop/stepped, a "
                      "publisher of /where, a subscriber of /go; see docs/stepping.md",
                      "no robot has come that can be stepped: for 4 s there has not been a subscriber",
                      "start spikeloop-robot --step, or a robot that speaks the protocol")
-
-
-def started(spikeloop, file, folder, *options):
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder), *options],
-                               stderr=subprocess.PIPE, text=True)
-    ros.until((folder / "go.h5").exists, "the beginning")
-    return process
 
 
 def talkative_cart(scratch):
@@ -110,19 +102,13 @@ def talkative_cart(scratch):
                  f"open('{scratch}/speeds', 'w')\ncommands, "))
 
 
-def ctrl_c(spikeloop, file, scratch):
+def ctrl_c(file, scratch):
     """While the experiment waits for the robot, and while it runs; the last command is a zero."""
-    folder = scratch / "waiting"
-    process = started(spikeloop, file, folder)
-    process.send_signal(signal.SIGINT)
-    _, printed = process.communicate(timeout=30)
-    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    runs.interrupt(runs.started(file, scratch / "waiting"))
     with talkative_cart(scratch):
-        process = started(spikeloop, file, scratch / "running", "--duration", "1000")
+        process = runs.started(file, scratch / "running", "--duration", "1000")
         ros.until(lambda: ticks(scratch) > 100, "a tick")
-        process.send_signal(signal.SIGINT)
-        _, printed = process.communicate(timeout=30)
-    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+        runs.interrupt(process)
     assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
     assert speeds(scratch)[-1] == 0
 
@@ -137,67 +123,55 @@ def ticks(scratch):
     return len(file.read_text().splitlines()) if file.exists() else 0
 
 
-def stopped_robot(spikeloop, file, scratch):
+def stopped_robot(file, scratch):
     (scratch / "requests").unlink()
     with talkative_cart(scratch) as robot:
-        process = started(spikeloop, file, scratch / "stopped", "--duration", "1000",
-                          "--stall-timeout", "3")
+        process = runs.started(file, scratch / "stopped", "--duration", "1000", "--stall-timeout", "3")
         ros.until(lambda: ticks(scratch) > 100, "a tick")
         robot.send_signal(signal.SIGSTOP)
-        _, printed = process.communicate(timeout=60)
-    assert process.returncode == 3, printed
+        printed = runs.ended(process, 3)
     # It may have answered, and not have sent the messages of that step.
     assert ("the robot has not answered on /spikeloop/stepped within 3 s" in printed
             or "messages on /where" in printed and "have not come within 3 s" in printed), printed
 
 
-def killed_brain(spikeloop, file, scratch):
+def killed_brain(file, scratch):
     """Nobody is left to say so: the guard stops the robot."""
     (scratch / "requests").unlink()
     with talkative_cart(scratch):
-        process = started(spikeloop, file, scratch / "killed", "--duration", "1000")
+        process = runs.started(file, scratch / "killed", "--duration", "1000")
         ros.until(lambda: ticks(scratch) > 100, "a tick")
         assert speeds(scratch)[-1] != 0
-        brain = subprocess.run(["pgrep", "-f", f"spikeloop-fused.*{scratch}/killed"],
-                               capture_output=True, text=True, check=True).stdout.split()
-        os.kill(int(brain[0]), signal.SIGKILL)
-        _, printed = process.communicate(timeout=60)
-        assert process.returncode == 137 and "killed by signal 9" in printed, printed
+        os.kill(jobs.find(process.pid, "spikeloop-fused"), signal.SIGKILL)
+        runs.ended(process, 137, "9 (Killed)")
         ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
 
 
-def killed_robot(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "explorer.yaml", sync="lockstep", ros="1",
-                               duration="1000 s")
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(scratch / "alone")],
-                               stderr=subprocess.PIPE, text=True)
+def killed_robot(scratch):
+    file = runs.new_experiment(scratch / "explorer.yaml", sync="lockstep", ros="1", duration="1000 s")
+    process = runs.started(file, scratch / "alone")
     trajectory = scratch / "alone/trajectory.csv"
     ros.until(lambda: trajectory.exists() and trajectory.stat().st_size > 2000, "a path")
-    robot = subprocess.run(["pgrep", "-f", f"spikeloop-robot.*{scratch}/alone"],
-                           capture_output=True, text=True, check=True).stdout.split()
-    os.kill(int(robot[0]), signal.SIGKILL)
-    _, printed = process.communicate(timeout=60)
-    assert process.returncode == 137, printed
-    runs.assert_says(printed, "robot: ... 9 (Killed)")
+    os.kill(jobs.find(process.pid, "spikeloop-robot"), signal.SIGKILL)
+    runs.ended(process, 137, "robot: ... 9 (Killed)")
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         file = scratch / "cart.yaml"
         file.write_text(EXPERIMENT)
         with ros.master(scratch):
-            no_robot(spikeloop, file, scratch)
+            no_robot(file, scratch)
             with cart(scratch):
                 for name in ("first", "second"):
-                    summary = follows_the_recurrence(spikeloop, file, scratch / name)
-            lost_answer(spikeloop, file, scratch)
-            wrong_robots(spikeloop, file, scratch)
-            ctrl_c(spikeloop, file, scratch)
-            stopped_robot(spikeloop, file, scratch)
-            killed_brain(spikeloop, file, scratch)
-            killed_robot(spikeloop, scratch)
+                    summary = follows_the_recurrence(file, scratch / name)
+            lost_answer(file, scratch)
+            wrong_robots(file, scratch)
+            ctrl_c(file, scratch)
+            stopped_robot(file, scratch)
+            killed_brain(file, scratch)
+            killed_robot(scratch)
     print("the robot of the page keeps to its recurrence to the bit, at "
           f"{1000 * summary['real_time_factor']:.0f} ticks/s")
 

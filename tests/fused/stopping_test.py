@@ -4,8 +4,6 @@ recorded is lost."""
 
 import json
 import pathlib
-import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -40,47 +38,37 @@ def hanging(step):
 """
 
 
-def interrupted(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "long.yaml", duration="60 s")
+def interrupted(scratch):
+    file = runs.new_experiment(scratch / "long.yaml", duration="60 s")
     folder = scratch / "long"
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(folder)],
-                               stderr=subprocess.PIPE, text=True)
-    while not (folder / "encoder.h5").exists():
-        time.sleep(0.05)
+    process = runs.started(file, folder)
     time.sleep(0.5)
     runs.refused(f"'{folder}'; ... --out [SL0109]", "run", file, "--out", folder, code=4)
-    process.send_signal(signal.SIGINT)
-    _, printed = process.communicate(timeout=20)
-    assert process.returncode == 130 and "stopped by Ctrl-C" in printed, printed
+    runs.interrupt(process, "stopped by Ctrl-C")
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["exit_code"], summary["exit_reason"]) == (130, "stopped by Ctrl-C"), summary
     assert 0 < summary["simulated_s"] < 50, summary
     assert summary["counters"]["wheels.stops_ended"] == 1, summary
 
 
-def with_node(spikeloop, scratch, name):
+def with_node(scratch, name):
     """An experiment with a node of failing.py between sensor and encoder."""
     (scratch / "failing.py").write_text(FAILING)
-    file = runs.new_experiment(spikeloop, scratch / "bad.yaml", sync="lockstep")
+    file = runs.new_experiment(scratch / "bad.yaml", sync="lockstep")
     text = file.read_text()
     text = text.replace("nodes:\n", f"plugins: [failing.py]\nnodes:\n  odd: {{node: {name}}}\n")
     file.write_text(text.replace("scan -> sectors", "scan -> odd [100] -> sectors"))
     return file
 
 
-def hanging_node(spikeloop, scratch):
-    file = with_node(spikeloop, scratch, "hanging")
-    process = subprocess.Popen([spikeloop, "run", str(file), "--out", str(scratch / "hung")],
-                               stderr=subprocess.PIPE, text=True)
-    while not (scratch / "hung/encoder.h5").exists():
-        time.sleep(0.05)
+def hanging_node(scratch):
+    file = with_node(scratch, "hanging")
+    process = runs.started(file, scratch / "hung")
     time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    _, printed = process.communicate(timeout=20)
-    assert process.returncode == 130 and "a node has not come back within 3 s" in printed, printed
+    runs.interrupt(process, "a node has not come back within 3 s")
 
 
-def own_recording(spikeloop, scratch):
+def own_recording(scratch):
     file = scratch / "again.yaml"
     file.write_text(f"""duration: 1 s
 sync: unpaced
@@ -94,7 +82,7 @@ connections: [old -> decoder]
     assert (scratch / "long/encoder.h5").exists()
 
 
-def nothing_is_lost(spikeloop, scratch):
+def nothing_is_lost(scratch):
     """Without a clock the loop waits for the disk: 2,500,000 spikes are ten times what may wait."""
     file = scratch / "wide.yaml"
     file.write_text(f"""duration: 0.5 s
@@ -106,47 +94,45 @@ nodes:
 connections:
   - old -> wide -> encoder [5000]
 """)
-    summary, _ = runs.run(spikeloop, file, scratch / "wide")
+    summary, _ = runs.run(file, scratch / "wide")
     assert summary["records_dropped"] == 0, summary
     assert summary["spikes_recorded"] == summary["counters"]["encoder.spikes"] > 2_000_000, summary
 
 
-def failing_node(spikeloop, scratch):
-    summary, printed = runs.run(spikeloop, with_node(spikeloop, scratch, "miscounting"),
-                                scratch / "bad", code=5)
+def failing_node(scratch):
+    summary, printed = runs.run(with_node(scratch, "miscounting"), scratch / "bad", code=5)
     assert "ValueError: lost count" in summary["exit_reason"], summary
-    summary, printed = runs.run(spikeloop, with_node(spikeloop, scratch, "failing"),
-                                scratch / "bad", code=5)
+    summary, printed = runs.run(with_node(scratch, "failing"), scratch / "bad", code=5)
     assert "node 'odd'" in printed and "ValueError: the battery is empty" in printed, printed
     assert summary["exit_code"] == 5 and "battery" in summary["exit_reason"], summary
     assert summary["counters"]["wheels.stops_terminated"] <= 1, summary
 
 
-def not_a_number(spikeloop, scratch):
+def not_a_number(scratch):
     """The robot is stopped, and it is said whose value stopped it."""
-    file = runs.new_experiment(spikeloop, scratch / "nan.yaml", sync="lockstep")
+    file = runs.new_experiment(scratch / "nan.yaml", sync="lockstep")
     text = file.read_text().replace("nodes:\n",
                                     "plugins: [failing.py]\nnodes:\n  odd: {node: losing}\n")
     file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
-    summary, printed = runs.run(spikeloop, file, scratch / "nan", "--duration", "2")
+    summary, printed = runs.run(file, scratch / "nan", "--duration", "2")
     assert printed.count(": the robot is stopped: ") == 1, printed
     runs.assert_says(printed, "s: the robot is stopped: ... 'odd.out' ... (NaN)")
     assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
 
 
-def old_data(spikeloop, scratch):
+def old_data(scratch):
     """A scan comes every 50 ms; data that are older than 10 ms stop the robot, which is printed once
     a second at most. With the next scan it goes on."""
-    file = runs.new_experiment(spikeloop, scratch / "old.yaml", sync="lockstep")
+    file = runs.new_experiment(scratch / "old.yaml", sync="lockstep")
     file.write_text(file.read_text().replace("  wheels:\n", "  wheels:\n    max_age: 10 ms\n    sensor_timeout: 1 s\n"))
-    summary, printed = runs.run(spikeloop, file, scratch / "old", "--duration", "2")
+    summary, printed = runs.run(file, scratch / "old", "--duration", "2")
     assert summary["counters"]["wheels.stops_data_too_old"] >= 38, summary
     assert summary["counters"]["wheels.resumed"] >= 38, summary
     assert 1 <= printed.count(" max_age, 10 ms") <= 2 and "warning: node 'wheels' at " in printed, printed
 
 
-def wrong_options(spikeloop, scratch):
-    file = runs.new_experiment(spikeloop, scratch / "options.yaml")
+def wrong_options(scratch):
+    file = runs.new_experiment(scratch / "options.yaml")
     for arguments, text in (
             (["--roscore"], "--roscore is for .music files, an experiment file says such things "
                             "itself; leave it out"),
@@ -157,8 +143,8 @@ def wrong_options(spikeloop, scratch):
         "nodes: {a: {simulator: builtin, network: {populations: {n: {model: iaf_psc_delta, size: 1}},"
         " output: [n]}},\n  r: {node: linear_readout, weights: [[1]]}}\n"
         "connections: [a -> r]\nduration: 1 s\nsync: unpaced\n")
-    runs.run(spikeloop, open_end, scratch / "end")
-    runs.run(spikeloop, open_end, scratch / "apart", "--layout", "separate")
+    runs.run(open_end, scratch / "end")
+    runs.run(open_end, scratch / "apart", "--layout", "separate")
     runs.refused("end.yaml:2:3: ... 'r' ... [SL0305]", "export", open_end, "--out", scratch / "job")
     music = scratch / "a.music"
     music.write_text("[a]\nnp=1\nbinary=b\n")
@@ -166,17 +152,16 @@ def wrong_options(spikeloop, scratch):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        interrupted(spikeloop, scratch)
-        own_recording(spikeloop, scratch)
-        nothing_is_lost(spikeloop, scratch)
-        failing_node(spikeloop, scratch)
-        hanging_node(spikeloop, scratch)
-        not_a_number(spikeloop, scratch)
-        old_data(spikeloop, scratch)
-        wrong_options(spikeloop, scratch)
+        interrupted(scratch)
+        own_recording(scratch)
+        nothing_is_lost(scratch)
+        failing_node(scratch)
+        hanging_node(scratch)
+        not_a_number(scratch)
+        old_data(scratch)
+        wrong_options(scratch)
     print("stopped by Ctrl-C, by a failing node, and not begun with wrong options")
 
 

@@ -64,15 +64,13 @@ def check_error(folder):
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     with tempfile.TemporaryDirectory() as directory:
         folder = pathlib.Path(directory)
         experiment = folder / "water_maze.yaml"
         experiment.write_text(runs.spikeloop("new", "--environment", "water_maze")[0])
 
         def swim(name, seed, count):
-            runs.run(spikeloop, experiment, folder / name, "--set", f"seed={seed}",
-                     "--set", f"episodes.count={count}")
+            runs.run(experiment, folder / name, "--set", f"seed={seed}", "--set", f"episodes.count={count}")
             return latencies(folder / name)
 
         begin, end = [], []

@@ -1,7 +1,5 @@
 """Pause, single steps and speed."""
 
-import pathlib
-import tempfile
 import time
 import unittest
 
@@ -10,12 +8,7 @@ import viewing
 STATUS = "/spikeloop/status"
 
 
-class Control(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Control(viewing.FolderCase):
     def test_pause_step_and_speed(self):
         with viewing.Run(self.folder / "run", "--duration", "36000") as job:
             viewer = viewing.Viewer(job.socket_url(), STATUS)

@@ -6,7 +6,6 @@ import pathlib
 import re
 import signal
 import socket
-import tempfile
 import time
 import unittest
 import urllib.error
@@ -19,12 +18,7 @@ STATUS = "/spikeloop/status"
 FRAME = 100_000_000
 
 
-class Hostile(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Hostile(viewing.FolderCase):
     def start(self, *arguments):
         run = viewing.Run(self.folder / "run", "--sync", "realtime", "--duration", "600", *arguments)
         self.addCleanup(run.__exit__)

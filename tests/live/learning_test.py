@@ -1,17 +1,14 @@
 """What a run learns: episodes are those of episodes.csv, weights those that the run saves."""
 
 import csv
-import pathlib
 import struct
-import tempfile
 import unittest
 
 import browser
 import numpy as np
 import viewing
-from runs import fingerprint, programs, run, spikeloop
+from runs import fingerprint, run, spikeloop
 
-SPIKELOOP = programs() / "spikeloop"
 END_NS = 40 * 10**9  # of the runs
 
 # 300 synapses that learn, of which 256 are shown.
@@ -45,12 +42,7 @@ def weights_of(message):
     return synapses, np.array(struct.unpack_from(f"<{count}d", message, 20))
 
 
-class Learning(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Learning(viewing.FolderCase):
     def lake(self):
         path = self.folder / "lake.yaml"
         path.write_text(spikeloop("new", "lake", "--environment", "frozen_lake")[0])
@@ -74,7 +66,7 @@ class Learning(unittest.TestCase):
             viewer = self.watched(experiment, topics, *arguments)
             if all(viewer.messages[topic][-1][0] == END_NS for topic in topics):
                 break
-        run(SPIKELOOP, experiment, self.folder / "alone", *arguments)
+        run(experiment, self.folder / "alone", *arguments)
         self.assertEqual(fingerprint(self.folder / "live"), fingerprint(self.folder / "alone"))
         channels = viewer.channels.values()
         self.assertEqual(topics, {each["topic"] for each in channels if each["schemaName"] == "spikeloop/msg/Weights"})

@@ -14,11 +14,10 @@ import unittest
 import h5py
 import viewing
 from mcap_file import McapFile
-from runs import programs, run
+from runs import SPIKELOOP, run
 
 SKIPPED = 77
 SCRIPTS = pathlib.Path(__file__).parent / "npm"
-SPIKELOOP = programs() / "spikeloop"
 MODULES = tempfile.TemporaryDirectory()
 NODE = pathlib.Path(MODULES.name)
 
@@ -54,14 +53,9 @@ def messages_of(file):
     return dict(collections.Counter(names[number] for number, _, _ in file.messages))
 
 
-class Npm(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Npm(viewing.FolderCase):
     def test_files(self):
-        run(SPIKELOOP, viewing.EXAMPLE, self.folder / "run", "--duration", "5")
+        run(viewing.EXAMPLE, self.folder / "run", "--duration", "5")
         exported = self.folder / "run.mcap"
         subprocess.run([SPIKELOOP, "view", self.folder / "run", "--out", exported], check=True, timeout=120)
         for path in (self.folder / "run/messages.mcap", exported):

@@ -2,9 +2,7 @@
 
 import json
 import os
-import pathlib
 import signal
-import tempfile
 import unittest
 
 import browser
@@ -47,12 +45,7 @@ return blobs;
 """
 
 
-class Pages(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Pages(viewing.FolderCase):
     def test_the_raster_draws_the_spikes_that_were_sent(self):
         experiment = self.folder / "few.yaml"
         experiment.write_text(FEW_SPIKES)

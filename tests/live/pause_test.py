@@ -1,17 +1,14 @@
 """A pause longer than all limits: before the first tick of a simulator, around it, and of a robot that is stepped over
 ROS 2. The run ends well, with the spikes of a run without a pause."""
 
-import pathlib
 import shutil
-import tempfile
 import time
 import unittest
 
 import ros
 import viewing
-from runs import fingerprint, new_experiment, programs, run
+from runs import fingerprint, new_experiment, run
 
-SPIKELOOP = programs() / "spikeloop"
 CELLS = viewing.EXAMPLE.parents[1] / "09_neuron/brain.py"
 STATUS = "/spikeloop/status"
 START_S, STALL_S = 20, 5
@@ -30,12 +27,7 @@ connections:
 """
 
 
-class Pause(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Pause(viewing.FolderCase):
     def stay(self, viewer, seconds):
         """Reads for so long; the run stands still meanwhile."""
         at = viewer.status()["simulated_s"]
@@ -66,7 +58,7 @@ class Pause(unittest.TestCase):
         experiment = self.folder / "cells.yaml"
         experiment.write_text(EXPERIMENT)
         (self.folder / "brain.py").write_text(text)
-        run(SPIKELOOP, experiment, self.folder / "alone")
+        run(experiment, self.folder / "alone")
         # Time for a viewer to come before the first tick.
         (self.folder / "brain.py").write_text(text.replace("    host.run(", "    import time; time.sleep(4)\n    host.run("))
         with viewing.Run(self.folder / "run", "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S),
@@ -94,8 +86,8 @@ class Pause(unittest.TestCase):
 
     def test_a_robot_that_is_stepped(self):
         with ros.domain():
-            experiment = new_experiment(SPIKELOOP, self.folder / "far.yaml", sync="lockstep", ros="2", duration="3 s")
-            run(SPIKELOOP, experiment, self.folder / "alone")
+            experiment = new_experiment(self.folder / "far.yaml", sync="lockstep", ros="2", duration="3 s")
+            run(experiment, self.folder / "alone")
             with viewing.Run(self.folder / "run", "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S),
                              experiment=experiment) as job:
                 viewer = viewing.Viewer(job.socket_url())

@@ -2,14 +2,12 @@
 
 import http.client
 import json
-import pathlib
-import tempfile
 import unittest
 import urllib.request
 
 import h5py
 import viewing
-from runs import fingerprint, programs, run
+from runs import fingerprint, run
 
 
 def get(url, path, **headers):
@@ -17,12 +15,7 @@ def get(url, path, **headers):
         return answer.status, answer.headers, answer.read()
 
 
-class Protocol(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Protocol(viewing.FolderCase):
     def test_spikes_and_signals_are_those_of_the_recording(self):
         recorded = self.folder / "live"
         with viewing.Run(recorded, "--duration", "30") as job:
@@ -57,7 +50,7 @@ class Protocol(unittest.TestCase):
         self.assertEqual(viewer.status()["spikes"]["encoder.out"], counters["encoder.out->brain.in.spikes"])
         # The same run without a view.
         alone = self.folder / "alone"
-        run(programs() / "spikeloop", viewing.EXAMPLE, alone, "--duration", "30")
+        run(viewing.EXAMPLE, alone, "--duration", "30")
         self.assertEqual(fingerprint(recorded), fingerprint(alone))
 
     def heads(self, url):

@@ -1,7 +1,5 @@
 """Parameters that are changed while a run goes on: in the browser, over the protocol, and in the replay."""
 
-import pathlib
-import tempfile
 import unittest
 
 import browser
@@ -18,12 +16,7 @@ def again(command, folder, made, *more):
     spikeloop(command, folder, "--out", made, "--force", "-q", *more)
 
 
-class Sliders(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Sliders(viewing.FolderCase):
     def rate(self, run, begin, end):
         """Of a neuron of the encoder, in Hz."""
         with h5py.File(run / "encoder.h5") as file:

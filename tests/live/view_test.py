@@ -1,10 +1,8 @@
 """spikeloop view: a run that has ended, from any time on."""
 
 import os
-import pathlib
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 
@@ -12,11 +10,10 @@ import browser
 import h5py
 import viewing
 from mcap_file import McapFile
-from runs import programs, refused, run, spikeloop
+from runs import SPIKELOOP, programs, refused, run, spikeloop
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
-SPIKELOOP = programs() / "spikeloop"
 STATUS = "/spikeloop/status"
 
 
@@ -28,12 +25,11 @@ class View(viewing.Run):
         self.start([SPIKELOOP, "view", folder, "--live-port", "0", *arguments])
 
 
-class RecordedRuns(unittest.TestCase):
+class RecordedRuns(viewing.FolderCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name) / "run"
-        run(SPIKELOOP, viewing.EXAMPLE, self.folder, "--duration", "12")
+        super().setUp()
+        self.folder /= "run"
+        run(viewing.EXAMPLE, self.folder, "--duration", "12")
 
     def spikes_between(self, viewer, begin, end):
         """That a viewer got; those of the recording."""
@@ -142,7 +138,7 @@ class RecordedRuns(unittest.TestCase):
             self.assertEqual(got, wanted)
         self.same_channels_as_the_view(exported)
         again = self.folder.parent / "again"  # with the messages of that file
-        run(SPIKELOOP, viewing.EXAMPLE, again, "--duration", "11 s", "--sync", "unpaced", "--set", f"robot={{bag: {file}}}")
+        run(viewing.EXAMPLE, again, "--duration", "11 s", "--sync", "unpaced", "--set", f"robot={{bag: {file}}}")
         with h5py.File(again / "encoder.h5") as first, h5py.File(self.folder / "encoder.h5") as second:
             spikes = first["spikes/out/timestamps_ns"][()]
             self.assertEqual(list(spikes), list(second["spikes/out/timestamps_ns"][:len(spikes)]))

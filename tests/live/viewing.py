@@ -12,6 +12,7 @@ import time
 import websocket
 
 from runs import programs
+from folder import FolderCase  # noqa: F401  (of tests/support, which runs knows)
 
 EXAMPLE = pathlib.Path(__file__).parents[2] / "examples/01_braitenberg/braitenberg.yaml"
 PROTOCOL = "foxglove.websocket.v1"

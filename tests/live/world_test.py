@@ -5,7 +5,6 @@ import io
 import json
 import pathlib
 import re
-import tempfile
 import unittest
 
 import browser
@@ -100,12 +99,7 @@ def walls(arena):
             for i, k in ((1, 0), (-1, 0), (0, 1), (0, -1))]
 
 
-class World(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class World(viewing.FolderCase):
     def picture(self, page):
         """The pixels of the canvas, as soon as they no longer change."""
         before, shown = None, None

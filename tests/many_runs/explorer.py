@@ -2,14 +2,13 @@
 
 import pathlib
 import sys
-import tempfile
-import unittest
 
 import h5py
 import numpy as np
 
 sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
 from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
+from folder import FolderCase  # noqa: E402
 
 SCRIPT = """import spikeloop
 with spikeloop.music(spikes_in={"in": 10}, spikes_out={"out": 10}) as host:
@@ -34,11 +33,9 @@ def same(first, second):
         np.array_equal(a, b) for name in first for a, b in zip(first[name], second[name]))
 
 
-class Folder(unittest.TestCase):
+class Folder(FolderCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         self.file = self.folder / "explorer.yaml"
         self.file.write_text(spikeloop("new")[0])
 

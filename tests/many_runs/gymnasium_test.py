@@ -8,12 +8,12 @@ import random
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import numpy as np
 
 import spikeloop
+from explorer import FolderCase
 from spikeloop.environment import Box
 
 CAR = """experiment: car
@@ -53,11 +53,9 @@ def car_after(position, velocity, action):
     return position, 0.0 if position == -1.2 else velocity
 
 
-class Agents(unittest.TestCase):
+class Agents(FolderCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         (self.folder / "agent.py").write_text("import spikeloop\nraise RuntimeError('an agent stands for it')\n")
 
     def file(self, text):

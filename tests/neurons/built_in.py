@@ -15,6 +15,7 @@ sys.path.insert(0, str(HERE.parents[1] / "python"))
 
 import fake_run  # noqa: E402
 from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
+from folder import FolderCase  # noqa: E402, F401
 from spikeloop.run_folder import RunFolder  # noqa: E402
 
 PROGRAMS = pathlib.Path(SPIKELOOP).parent

@@ -6,10 +6,8 @@ import json
 import math
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import numpy as np
@@ -90,11 +88,7 @@ def solve(parameters, factor, times_ns, channels, duration_ms, delays=None):
     return in_order(*np.array(fired).T)
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-
+class Case(built_in.FolderCase):
     def own(self, model, drive, duration_s, changes=(), **options):
         """What the built-in network fires; `changes`: texts of brain.yaml and what replaces them."""
         hundred_neurons.write_files(self.folder, model)

@@ -4,11 +4,8 @@ step and multiplies by whole matrices."""
 import copy
 import json
 import os
-import pathlib
 import re
-import shutil
 import subprocess
-import tempfile
 import unittest
 
 import numpy as np
@@ -131,10 +128,9 @@ def actor_critic(**learning):
         "rates": ["input", "critic", "reward", "actor"]}
 
 
-class Case(unittest.TestCase):
+class Case(built_in.FolderCase):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         self.runs = 0
 
     def run_network(self, network, seconds, **options):

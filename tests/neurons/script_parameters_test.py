@@ -2,10 +2,7 @@
 
 import csv
 import json
-import pathlib
-import shutil
 import subprocess
-import tempfile
 import unittest
 
 import numpy as np
@@ -45,10 +42,9 @@ def spikes_in(duration_ms, current):
     return int((duration_ms / 0.1 - steps) // (steps + T_REF / 0.1)) + 1
 
 
-class Case(unittest.TestCase):
+class Case(built_in.FolderCase):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         (self.folder / "brain.py").write_text(SCRIPT)
         self.experiment()
 

@@ -4,10 +4,8 @@ import contextlib
 import json
 import os
 import pathlib
-import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 import unittest.mock
@@ -64,11 +62,7 @@ record: {jump: {spikes: true, V_m: [0, 2], interval: 4 ms}}
 """
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-
+class Case(built_in.FolderCase):
     def write(self, text, name="brain.py"):
         path = self.folder / name
         path.write_text(text)

@@ -1,9 +1,6 @@
 """Poisson sources, currents, and the continuous ports against theory."""
 
 import math
-import pathlib
-import shutil
-import tempfile
 import unittest
 
 import numpy as np
@@ -43,10 +40,9 @@ def distance_ks(sample, cumulative):
     return math.sqrt(len(sample)) * max((steps[1:] - wanted).max(), (wanted - steps[:-1]).max())
 
 
-class Case(unittest.TestCase):
+class Case(built_in.FolderCase):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         self.runs = 0
 
     def run_network(self, populations, connections=(), seconds=1.0, resolution="0.1 ms", given=None,

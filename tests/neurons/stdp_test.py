@@ -3,9 +3,7 @@ pairs on random trains, without any trace."""
 
 import json
 import os
-import pathlib
 import shutil
-import tempfile
 import unittest
 
 import numpy as np
@@ -74,11 +72,7 @@ def stdp_weight(pre, post, w, delay, end, p):
     return w
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="sl-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-
+class Case(built_in.FolderCase):
     def learned(self, net, given, width, seconds, name="w.npy", **options):
         run = built_in.run(self.folder / "run", net, seconds, given, width, **options)
         return run, run.table(name)

@@ -4,9 +4,14 @@ The recordings follow docs/run-folder.md and are written with h5py.
 """
 
 import json
+import pathlib
+import sys
 
 import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from folder import FolderCase  # noqa: E402, F401
 
 TICK_S = 0.001
 BEAMS = 100

@@ -4,7 +4,6 @@ import contextlib
 import io
 import json
 import pathlib
-import tempfile
 import unittest
 import unittest.mock
 
@@ -33,14 +32,7 @@ def run_main(*arguments):
     return code, out.getvalue(), err.getvalue()
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
-
-
-class PicturesTest(Folder):
+class PicturesTest(fake_run.FolderCase):
     def test_a_whole_run_gives_both_pictures(self):
         fake_run.make(self.folder, duration_s=20.0)
         code, out, err = run_main(self.folder)
@@ -86,7 +78,7 @@ class PicturesTest(Folder):
         self.assertGreater(drawn(self.folder / "spikes.png"), 0.02)
 
 
-class IncompleteTest(Folder):
+class IncompleteTest(fake_run.FolderCase):
     def test_what_is_there_is_drawn_and_what_is_missing_is_said(self):
         fake_run.make(self.folder, duration_s=5.0)
         for name in ("world.json", "sensor.h5", "summary.json"):
@@ -172,7 +164,7 @@ class IncompleteTest(Folder):
                       "recordings go to 5 s\n", err)
 
 
-class RolesTest(Folder):
+class RolesTest(fake_run.FolderCase):
     def test_parts_are_found_by_name_and_content(self):
         for name in ("laser_sensor", "decoder", "encoder"):
             fake_run.recording(self.folder / f"{name}.h5", name).close()
@@ -186,7 +178,7 @@ class RolesTest(Folder):
                          ["laser_sensor", "encoder", "decoder"])
 
 
-class ExperimentTest(Folder):
+class ExperimentTest(fake_run.FolderCase):
     """Nodes have any names: resolved.json says what they are."""
 
     def make(self, nodes, connections, ros="2", sync="realtime"):
@@ -332,7 +324,7 @@ class ThinningTest(unittest.TestCase):
             self.assertEqual(spikes_plot.every_nth(rows), stride)
 
 
-class QuantityTest(Folder):
+class QuantityTest(fake_run.FolderCase):
     """What stands at the axes follows from the message."""
 
     def described(self, width, message, channels=(), world=None, **keys):
@@ -388,7 +380,7 @@ class QuantityTest(Folder):
                 self.assertEqual(found, expected)
 
 
-class SweepTest(Folder):
+class SweepTest(fake_run.FolderCase):
     def table(self, header, rows, samples=None):
         lines = [header, *rows]
         (self.folder / "results.csv").write_text("\n".join(lines) + "\n")

@@ -6,7 +6,6 @@ import os
 import pathlib
 import re
 import subprocess
-import tempfile
 import unittest
 
 import h5py
@@ -16,12 +15,7 @@ import fake_run
 from spikeloop.run_folder import RunFolder, RunFolderError
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
-
+class Folder(fake_run.FolderCase):
     def says(self, action, text):
         with self.assertRaises(RunFolderError) as caught:
             action()

@@ -8,11 +8,15 @@ import pathlib
 import re
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 
 import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from calls import SPIKELOOP, spikeloop  # noqa: E402
 
 LINE = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3})Z +(\d+\.\d{3}) s  (.*)")
 SMALL = """experiment: small
@@ -60,32 +64,25 @@ def log_of(folder):
     return lines
 
 
-def run(spikeloop, *arguments, code=0):
-    done = subprocess.run([spikeloop, "run", *map(str, arguments)], capture_output=True, text=True,
-                          check=False)
-    assert done.returncode == code, f"{arguments}: {done.returncode}\n{done.stderr}"
-    return done.stderr
-
-
-def a_quiet_run(spikeloop, folder):
+def a_quiet_run(folder):
     """-q keeps nothing out of the log; a second run begins a new one."""
     file = folder / "small.yaml"
     file.write_text(small(duration="2 s"))
     for _ in range(2):
-        run(spikeloop, "-q", file, "--out", folder / "quiet", "--force")
+        spikeloop("run", "-q", file, "--out", folder / "quiet", "--force")
         lines = log_of(folder / "quiet")
         assert len(lines) == 2, lines
         assert lines[0][1].endswith("small.yaml, layout fused, sync lockstep, seed 1"), lines
         assert lines[1] == (2.0, "finished: 2.0 of 2 s"), lines
 
 
-def a_node_that_fails(spikeloop, folder):
+def a_node_that_fails(folder):
     (folder / "failing.py").write_text(FAILING)
     file = folder / "failing.yaml"
     text = small(duration="2 s", more="plugins: [failing.py]\n")
     file.write_text(text.replace("-> window [2]", "-> window [2] -> bad [2]")
                     .replace("connections:", "  bad: {node: failing}\nconnections:"))
-    run(spikeloop, file, "--out", folder / "failing", code=5)
+    spikeloop("run", file, "--out", folder / "failing", code=5)
     at, last = log_of(folder / "failing")[-1]
     assert at == 0.5, at
     assert "that was enough" in last and last.endswith("exit code 5"), last
@@ -96,20 +93,20 @@ def a_node_that_fails(spikeloop, folder):
     assert [versions["python"], versions["numpy"]] == python, versions
 
 
-def a_run_that_cannot_begin(spikeloop, folder):
+def a_run_that_cannot_begin(folder):
     file = folder / "blocked.yaml"
     file.write_text(small(duration="1 s"))
     (folder / "blocked" / "scan.h5").mkdir(parents=True)  # where a recording is to be
-    run(spikeloop, file, "--out", folder / "blocked", code=4)
+    spikeloop("run", file, "--out", folder / "blocked", code=4)
     last = log_of(folder / "blocked")[-1][1]
     assert "scan.h5" in last and last.endswith("exit code 4"), last
 
 
-def a_killed_run(spikeloop, folder):
+def a_killed_run(folder):
     file = folder / "long.yaml"
     file.write_text(small(duration="60 s", sync="realtime"))
     out = folder / "killed"
-    with subprocess.Popen([spikeloop, "run", "-q", file, "--out", out]) as process:
+    with subprocess.Popen([SPIKELOOP, "run", "-q", file, "--out", out]) as process:
         deadline = time.monotonic() + 30
         while not (out / "log.txt").exists() or not (out / "log.txt").read_text():
             assert time.monotonic() < deadline, "no log"
@@ -136,9 +133,8 @@ def latency_is_recorded(folder):
     assert np.allclose(ranks, counted, rtol=1e-12, atol=0), (ranks, counted)
 
 
-def versions_are_those_of_the_packages(spikeloop, folder):
-    drive = subprocess.run([spikeloop, "new"], capture_output=True, text=True, check=True).stdout
-    drive = drive.replace("robot: {", "ros: 1\nrobot: {")
+def versions_are_those_of_the_packages(folder):
+    drive = spikeloop("new")[0].replace("robot: {", "ros: 1\nrobot: {")
     # Nobody publishes what a second sensor listens to: that is said, also with -q.
     deaf = drive.replace("nodes:\n", "nodes:\n" + DEAF) + "  - deaf -> low [2]\n"
     expected = {"hdf5": installed("libhdf5-103-1"), "mujoco": installed("libmujoco2.2.2"),
@@ -147,7 +143,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
     for layout, wanted in (("fused", expected), ("separate", {**expected, **parallel})):
         out = folder / layout
         (folder / "ros.yaml").write_text(deaf if layout == "fused" else drive)
-        run(spikeloop, "-q", folder / "ros.yaml", "--layout", layout, "--duration", "3", "--out",
+        spikeloop("run", "-q", folder / "ros.yaml", "--layout", layout, "--duration", "3", "--out",
             out)
         resolved = json.loads((out / "resolved.json").read_text())
         versions = resolved["versions"]
@@ -158,8 +154,7 @@ def versions_are_those_of_the_packages(spikeloop, folder):
         latency_is_recorded(out)
         lines = log_of(out)
         assert any(text.startswith("ROS master at ") for _, text in lines), lines
-        assert layout != "fused" or any("warning: no message arrived on topic '/nobody'" in text
-                                        for _, text in lines), lines
+        assert layout != "fused" or any("warning: " in text and "'/nobody'" in text for _, text in lines), lines
         assert lines[-1][1].startswith("finished: 3.0 of 3 s"), lines
     job = folder / "separate" / "effective.music"
     assert job.exists()
@@ -167,21 +162,20 @@ def versions_are_those_of_the_packages(spikeloop, folder):
         f"stoptime=0.1\nsync=unpaced\n[a]\nnp=1\nbinary=signal_playback\n"
         f"file={folder}/fused/sectors.h5\n[b]\nnp=1\nbinary=rate_encoder\n"
         "[c]\nnp=1\nbinary=spikeloop-node\nnode=rate_window\na.out->b.in[10]\nb.out->c.in[10]\n")
-    run(spikeloop, folder / "pair.music", "--out", folder / "pair")
+    spikeloop("run", folder / "pair.music", "--out", folder / "pair")
     about = json.loads((folder / "pair" / "versions.json").read_text())
     assert {key: about["versions"].get(key) for key in parallel} == parallel, about
     assert "roscpp" not in about["versions"] and about["machine"]["cores"] >= 1, about
 
 
 def main():
-    spikeloop = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        a_quiet_run(spikeloop, folder)
-        a_node_that_fails(spikeloop, folder)
-        a_run_that_cannot_begin(spikeloop, folder)
-        a_killed_run(spikeloop, folder)
-        versions_are_those_of_the_packages(spikeloop, folder)
+        a_quiet_run(folder)
+        a_node_that_fails(folder)
+        a_run_that_cannot_begin(folder)
+        a_killed_run(folder)
+        versions_are_those_of_the_packages(folder)
 
 
 if __name__ == "__main__":

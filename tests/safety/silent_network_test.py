@@ -24,21 +24,21 @@ connections:
 """
 
 
-def run(spikeloop, folder, version, more):
+def run(folder, version, more):
     (folder / "silent.yaml").write_text(EXPERIMENT.format(more=more))
     over = ["--ros", version] if version else []
-    summary, said = runs.run(spikeloop, folder / "silent.yaml", folder / "run", *over)
+    summary, said = runs.run(folder / "silent.yaml", folder / "run", *over)
     counters = summary["processes"]["experiment"]["counters"] if version else summary["counters"]
     return said, summary["distance_m"], counters["wheels.stops_no_spike"]
 
 
-def stops(spikeloop, version):
+def stops(version):
     """Where it is asked for, at its time."""
     with tempfile.TemporaryDirectory() as folder:
-        _, driven, stopped = run(spikeloop, pathlib.Path(folder), version, "")
+        _, driven, stopped = run(pathlib.Path(folder), version, "")
         assert stopped == 0 and driven > 0.2, (stopped, driven)
     with tempfile.TemporaryDirectory() as folder:
-        said, distance, stopped = run(spikeloop, pathlib.Path(folder), version, ", spike_timeout: 1 s")
+        said, distance, stopped = run(pathlib.Path(folder), version, ", spike_timeout: 1 s")
     assert stopped == 1 and 0 < distance < 0.6 * driven, (stopped, distance, driven)
     runs.assert_says(said, "node 'wheels' at 1.002 s: ... spike_timeout, 1 s")
 
@@ -53,11 +53,10 @@ def is_refused():
 
 
 def main():
-    spikeloop = str(runs.programs() / "spikeloop")
     is_refused()
     for version in ("", "1", "2"):
         with ros.domain() if version == "2" else contextlib.nullcontext():
-            stops(spikeloop, version)
+            stops(version)
     print("a silent network stops the robot where that is asked for")
 
 
