@@ -6,7 +6,6 @@ import pathlib
 import struct
 import tempfile
 
-import h5py
 import numpy as np
 import rosbag
 import yaml
@@ -85,35 +84,23 @@ def on_off(rgb):
     return np.concatenate([half.ravel() for half in halves])
 
 
-def signal(run, node):
-    with h5py.File(run / f"{node}.h5") as file:
-        group = file["signals"]["out"]
-        return group["times_ns"][:], group["values"][:]
-
-
-def spikes(run, node):
-    with h5py.File(run / f"{node}.h5") as file:
-        group = file["spikes"]["out"]
-        return group["timestamps_ns"][:], group["node_ids"][:]
-
-
 def check_run(run, pictures):
     red = np.array([rgb[2:14, 4:20, 0].reshape(3, 4, 4, 4).mean((1, 3)).ravel() for rgb in pictures])
     eye = 2 * red / 255 - 1
-    times, values = signal(run, "eye")
+    times, values = runs.recordings.signal(run, "eye")
     assert np.allclose(values, eye, atol=1e-6), values
-    _, contrast = signal(run, "contrast")
+    _, contrast = runs.recordings.signal(run, "contrast")
     assert np.allclose(contrast, [on_off(rgb) for rgb in pictures], atol=1e-6)
-    _, joints = signal(run, "joints")
+    _, joints = runs.recordings.signal(run, "joints")
     assert np.allclose(joints, [[-0.75, 3, 5], [0.5, 3, -3]]), joints
-    _, points = signal(run, "cloud")
+    _, points = runs.recordings.signal(run, "cloud")
     assert np.allclose(points, [[0.25, 0.5, 3.5]]), points
     # Frame differences: a spike for every change by more than the threshold; ON is even, OFF odd.
     expected = []
     for time, difference in zip(times[1:] - MS, np.diff(eye, axis=0)):  # the end of the tick
         expected += [(time, 2 * c) for c in np.flatnonzero(difference > 0.05)]
         expected += [(time, 2 * c + 1) for c in np.flatnonzero(difference < -0.05)]
-    stamps, channels = spikes(run, "change")
+    stamps, channels = runs.recordings.spikes(run, "change")
     ticks = (stamps - 1) // MS * MS
     assert sorted(zip(ticks, channels)) == sorted(expected), (list(zip(ticks, channels)), expected)
     assert len(expected) > 10

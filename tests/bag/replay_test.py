@@ -15,7 +15,6 @@ import threading
 import time
 
 import h5py
-import numpy as np
 
 import bags
 import runs
@@ -51,24 +50,12 @@ def both(scratch, sync="lockstep", ros="none"):
     return file
 
 
-def spikes(folder):
-    """All spikes of a run, by node."""
-    result = {}
-    for path in sorted(folder.glob("*.h5")):
-        with h5py.File(path) as file:
-            for name, group in file["spikes"].items():
-                result[path.stem, name] = (group["timestamps_ns"][:], group["node_ids"][:])
-    return result
-
-
 def same(first, second):
-    first, second = spikes(first), spikes(second)
-    assert first.keys() == second.keys() and first, (first.keys(), second.keys())
-    for key, trains in first.items():
-        assert len(trains[0]) > 0, key
-        for mine, theirs in zip(trains, second[key]):
-            assert np.array_equal(mine, theirs), key
-    return sum(len(trains[0]) for trains in first.values())
+    first, second = map(runs.recordings.spikes_of_run, (first, second))
+    assert runs.recordings.same(first, second), (first, second)
+    counts = [len(times) for times, _ in first.values()]
+    assert all(counts), counts
+    return sum(counts)
 
 
 def replayed(folder, *more, **options):
@@ -163,7 +150,7 @@ def changed_files(scratch):
     shutil.copy(network, scratch / "changed/experiment-files/net.yaml")
     printed = bags.spikeloop("replay", scratch / "changed", "--out", scratch / "other", code=6)
     assert f"warning: '{network}' has changed since the run: spikes may differ" in printed, printed
-    first = [train["brain", "out"] for train in map(spikes, (scratch / "changed", scratch / "other"))]
+    first = [runs.recordings.spikes(scratch / name, "brain") for name in ("changed", "other")]
     (mine, channel), (theirs, other) = [(times[0], ids[0]) for times, ids in first]
     assert theirs == mine + 1_000_000
     def at(time):

@@ -116,8 +116,7 @@ def hanging_over_ros(scratch):
     folder = scratch / "hung"
     _, printed = experiments.run(file, folder, "--stall-timeout", "4", code=3)
     runs.assert_says(printed, " 4 s", "'brain' (echo.py)")
-    with open(folder / "trajectory.csv", encoding="utf-8") as table:
-        rows = [(float(row["t_s"]), abs(float(row["v_m_s"]))) for row in csv.DictReader(table)]
+    rows = [(float(row["t_s"]), abs(float(row["v_m_s"]))) for row in runs.recordings.table(folder / "trajectory.csv")]
     driving = [t for t, speed in rows if speed > 0.1]
     # It stood for most of the four seconds in which nothing came any more.
     assert driving and rows[-1][0] - max(driving) > 1.5, (driving[-1:], rows[-1])

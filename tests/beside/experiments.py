@@ -4,12 +4,12 @@ import pathlib
 import shutil
 import sys
 
-import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "fused"))
 import runs  # noqa: E402
+from recordings import assert_same, in_order  # noqa: E402, F401
 from runs import run  # noqa: E402, F401
 
 BUILTIN = """\
@@ -37,23 +37,10 @@ def explorer(folder, brain, **keys):
 
 def spikes(folder, node):
     """(times in ns, channels) of the output `out`, in order of time and channel."""
-    with h5py.File(folder / f"{node}.h5") as file:
-        group = file["spikes/out"]
-        assert group.attrs["dropped"] == 0
-        times, channels = group["timestamps_ns"][:], group["node_ids"][:].astype(int)
-    order = np.lexsort((channels, times))
-    return np.stack([times[order], channels[order]])
+    return in_order(*runs.recordings.spikes(folder, node))
 
 
 def delayed(found, by_ns, until_ns):
     """These spikes later, those that are later than the end of the run left out."""
     moved = found + np.array([[by_ns], [0]])
     return moved[:, moved[0] <= until_ns]
-
-
-def assert_same(expected, found, what):
-    assert expected.shape == found.shape, \
-        f"{what}: {expected.shape[1]} spikes expected, {found.shape[1]} found"
-    wrong = np.flatnonzero(np.any(expected != found, axis=0))
-    assert not len(wrong), (f"{what}: {len(wrong)} of {found.shape[1]} spikes differ; the first: "
-                            f"{expected[:, wrong[0]]} expected, {found[:, wrong[0]]} found")

@@ -11,7 +11,6 @@ import tempfile
 import threading
 import time
 
-import h5py
 
 import camera
 import ros
@@ -74,9 +73,8 @@ def play(pipe, data):
 
 
 def recorded(folder):
-    with h5py.File(folder / "eye.h5") as file:
-        group = file["spikes/out"]
-        return sorted(zip(group["timestamps_ns"][:].tolist(), group["node_ids"][:].tolist()))
+    times, channels = runs.recordings.spikes(folder, "eye")
+    return sorted(zip(times.tolist(), channels.tolist()))
 
 
 def watch(folder, version, encoding, *more):

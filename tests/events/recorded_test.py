@@ -8,7 +8,6 @@ import sys
 import tempfile
 
 import genpy
-import h5py
 import rosbag
 
 import camera
@@ -45,9 +44,8 @@ def write_bag(path, type_, messages):
 
 
 def recorded(folder):
-    with h5py.File(folder / "eye.h5") as file:
-        group = file["spikes/out"]
-        return sorted(zip(group["timestamps_ns"][:].tolist(), group["node_ids"][:].tolist()))
+    times, channels = runs.recordings.spikes(folder, "eye")
+    return sorted(zip(times.tolist(), channels.tolist()))
 
 
 def expected(messages, channel_of):

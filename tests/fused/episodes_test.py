@@ -2,7 +2,6 @@
 """Episodes of a run: an environment against the published equations, step by step, from what the run recorded;
 rewards, pauses and ends; the vehicle in a T-maze and on a lane. The same seed gives the same bits; a run folder is replayed."""
 
-import csv
 import json
 import math
 import pathlib
@@ -139,13 +138,12 @@ LIMIT = 150  # steps in 3 s
 
 
 def signal(folder, node):
-    with h5py.File(folder / f"{node}.h5") as file:
-        return file["signals/out/times_ns"][:] * 1e-9, file["signals/out/values"][:]
+    times_ns, values = runs.recordings.signal(folder, node)
+    return times_ns * 1e-9, values
 
 
 def rows(folder):
-    with open(folder / "episodes.csv", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return runs.recordings.table(folder / "episodes.csv")
 
 
 def car_after(position, velocity, push):
@@ -306,13 +304,8 @@ def check_lane(folder):
     assert len(starts) == 5, starts
     off = (folder / "lane.xml").read_text().replace("</custom>", '<numeric name="start" data="0 -3 0"/></custom>')
     (folder / "lane.xml").write_text(off)
-    runs.refused("lane.xml: numeric 'start' = (0, -3) is not on a lane", "run", folder / "lane.yaml", "--out", folder / "off")
-
-
-def spikes(folder, node):
-    with h5py.File(folder / f"{node}.h5") as file:
-        group = file["spikes/out"]
-        return group["timestamps_ns"][:], group["node_ids"][:]
+    runs.refused("lane.xml: numeric 'start' = (0, -3) is not on a lane", "run", folder / "lane.yaml", "--out",
+                 folder / "off")
 
 
 def check_reset(folder):
@@ -324,7 +317,7 @@ def check_reset(folder):
     begins = [round(float(row["begin_s"]) * 1e9) for row in rows(folder / "reset")][1:]
     assert len(begins) == 5, begins
     length = begins[1] - begins[0]
-    times, channels = spikes(folder / "reset", "brain")
+    times, channels = runs.recordings.spikes(folder / "reset", "brain")
     with h5py.File(folder / "reset" / "brain.h5") as file:
         at = file["signals/potential/times_ns"][:]
         membranes = file["signals/potential/values"][:]
@@ -343,8 +336,8 @@ def check_reset(folder):
     gone_on = np.load(folder / "goes_on" / "brain.w.npy")[0, 0]
     assert weight > 1e-3 and abs(weight - gone_on) < 0.05 * weight, (weight, gone_on)  # it is learned all the time
     assert slow.max() < 0.2 * signal_max(folder / "goes_on"), "the slow neuron grows for one episode"
-    runs.refused("experiment.yaml:5:11: key 'episodes': ... spikeloop run FOLDER [SL0208]", "replay", folder / "reset", "--out",
-                 folder / "no")
+    runs.refused("experiment.yaml:5:11: key 'episodes': ... spikeloop run FOLDER [SL0208]", "replay", folder / "reset",
+                 "--out", folder / "no")
     rain = times[channels == 2]
     mean = 100e-9 * at[-1]
     assert abs(len(rain) - mean) < 5 * mean ** 0.5 and np.unique(rain, return_counts=True)[1].max() < 5, len(rain)

@@ -3,7 +3,6 @@
 robot that has the usual names and must not be driven; what means nothing is refused."""
 
 import contextlib
-import csv
 import json
 import pathlib
 import signal
@@ -22,8 +21,7 @@ NODE = {"1": ("__name:=brain",), "2": ("--ros-args", "-r", "__node:=brain")}
 
 
 def path_in(folder):
-    with open(folder / "trajectory.csv", encoding="utf-8") as table:
-        return [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(table)]
+    return [(float(row["x_m"]), float(row["y_m"])) for row in runs.recordings.table(folder / "trajectory.csv")]
 
 
 @contextlib.contextmanager

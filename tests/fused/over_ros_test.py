@@ -3,7 +3,6 @@
 driven, and it stands at the end."""
 
 import contextlib
-import csv
 import json
 import pathlib
 import sys
@@ -22,8 +21,7 @@ def drive(scratch, version):
     assert summary["distance_m"] > 0.3 and summary["spikes"] > 1000, summary
     counters = summary["processes"]["experiment"]["counters"]
     assert counters["wheels.stops_ended"] == 1, counters
-    with open(scratch / "run/trajectory.csv", encoding="utf-8") as table:
-        last = list(csv.DictReader(table))[-1]
+    last = runs.recordings.table(scratch / "run/trajectory.csv")[-1]
     assert abs(float(last["v_m_s"])) < 0.3, last
     for name in ("encoder.h5", "scan.h5", "wheels.h5", "resolved.json"):
         assert (scratch / "run" / name).exists(), name

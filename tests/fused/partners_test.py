@@ -3,7 +3,6 @@
 sensor that another robot fills, path and collisions of another robot, a process that hangs."""
 
 import contextlib
-import csv
 import itertools
 import json
 import math
@@ -179,8 +178,7 @@ def touch_things(other, folder):
 
 
 def rows(folder):
-    with open(folder / "trajectory.csv", encoding="utf-8") as table:
-        return list(csv.DictReader(table))
+    return runs.recordings.table(folder / "trajectory.csv")
 
 
 def killed(scratch):

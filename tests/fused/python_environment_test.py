@@ -2,7 +2,6 @@
 """An environment in Python as the robot of an experiment: the same steps as the object makes alone, its spaces, its
 episodes, its errors; a run folder has its file and is replayed."""
 
-import csv
 import importlib.util
 import os
 import pathlib
@@ -10,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 
-import h5py
 import numpy as np
 
 import runs
@@ -109,13 +107,11 @@ def walk_of(folder):
 
 
 def signal(folder, node):
-    with h5py.File(folder / f"{node}.h5") as file:
-        return file["signals/out/values"][:]
+    return runs.recordings.signal(folder, node)[1]
 
 
 def rows(folder):
-    with open(folder / "episodes.csv", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return runs.recordings.table(folder / "episodes.csv")
 
 
 def check_steps(folder):

@@ -11,6 +11,7 @@ import time
 import h5py
 
 sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
+import recordings  # noqa: E402, F401
 from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
 
 

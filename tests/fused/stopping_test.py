@@ -116,7 +116,7 @@ def not_a_number(scratch):
     file.write_text(text.replace("-> wheels [2]", "-> odd [2] -> wheels [2]"))
     summary, printed = runs.run(file, scratch / "nan", "--duration", "2")
     assert printed.count(": the robot is stopped: ") == 1, printed
-    runs.assert_says(printed, "s: the robot is stopped: ... 'odd.out' ... (NaN)")
+    runs.assert_says(printed, "the robot is stopped: ... 'odd.out' ... (NaN)")
     assert 0 < summary["commands"] <= 101, summary  # as many ticks as there are before it
 
 

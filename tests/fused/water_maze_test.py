@@ -2,11 +2,9 @@
 """Example 21: the prediction error that dopamine carries against the kernels of the critics' spikes; the swimmer
 learns; the same seed gives the same bits."""
 
-import csv
 import pathlib
 import tempfile
 
-import h5py
 import numpy as np
 
 import runs
@@ -17,16 +15,13 @@ TAU_S, RISE_S, DISCOUNT_S = 0.2, 0.05, 4.0
 
 
 def latencies(folder):
-    with open(folder / "episodes.csv", encoding="utf-8") as file:
-        return [int(row["steps"]) for row in csv.DictReader(file)]
+    return [int(row["steps"]) for row in runs.recordings.table(folder / "episodes.csv")]
 
 
-def held(file, times_s):
+def held(folder, node, times_s):
     """A recorded signal at these times."""
-    with h5py.File(file) as recording:
-        known = recording["signals/out/times_ns"][:] * 1e-9
-        values = recording["signals/out/values"][:]
-    return values[np.searchsorted(known, times_s + 1e-9, side="right") - 1]
+    known_ns, values = runs.recordings.signal(folder, node)
+    return values[np.searchsorted(known_ns * 1e-9, times_s + 1e-9, side="right") - 1]
 
 
 def value_at(spikes_s, times_s):
@@ -42,23 +37,22 @@ def value_at(spikes_s, times_s):
 
 def check_error(folder):
     """Over the first 20 s, and around the reward."""
-    with h5py.File(folder / "brain.h5") as file:
-        critics = file["spikes/out/node_ids"][:] < CRITICS
-        spikes_s = file["spikes/out/timestamps_ns"][:][critics] * 1e-9
-    rewarded = np.flatnonzero(held(folder / "reward.h5", np.arange(1, 60, TICK_S))[:, 0])
+    spikes_ns, channels = runs.recordings.spikes(folder, "brain")
+    spikes_s = spikes_ns[channels < CRITICS] * 1e-9
+    rewarded = np.flatnonzero(held(folder, "reward", np.arange(1, 60, TICK_S))[:, 0])
     assert len(rewarded), "no reward in the first minute"
     begin = 1 + rewarded[0] * TICK_S - 2
     ticks = np.round(np.concatenate([np.arange(1, 20, TICK_S), np.arange(begin, begin + 4, TICK_S)]) / TICK_S)
     before = (ticks - 1) * TICK_S  # the inputs come a tick later
     value = value_at(spikes_s, before)
     slope = (value_at(spikes_s, before + 1e-7) - value) / 1e-7
-    reward = held(folder / "reward.h5", before)[:, 0]
-    steps = held(folder / "steps.h5", before)[:, 0]
-    where = held(folder / "where.h5", before)
+    reward = held(folder, "reward", before)[:, 0]
+    steps = held(folder, "steps", before)[:, 0]
+    where = held(folder, "where", before)
     distance = np.hypot(*where.T)
     at_wall = (distance > np.sqrt(0.97)) & (distance < 2)
     wanted = np.where(steps < 8, 0, 10 * reward - 0.05 - 0.5 * at_wall + slope - value / DISCOUNT_S)
-    found = held(folder / "td_error.h5", ticks * TICK_S)[:, 0]
+    found = held(folder, "td_error", ticks * TICK_S)[:, 0]
     np.testing.assert_allclose(found, wanted, atol=1e-4)
     assert found.max() > 8 and at_wall.any() and (found < -0.2).any()
 

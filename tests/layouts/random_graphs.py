@@ -16,8 +16,10 @@ import subprocess
 import sys
 import tempfile
 
-import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from recordings import in_order, spikes_of_run  # noqa: E402
 
 DURATION_S = 0.5
 TICKS = ("0.5 ms", "1 ms", "2 ms", "5 ms")
@@ -148,15 +150,7 @@ def random_experiment(rng, recording, parts=True):
 
 def spikes_of(folder):
     """Every recorded train: times in ns and channels, sorted."""
-    trains = {}
-    for path in sorted(pathlib.Path(folder).glob("*.h5")):
-        with h5py.File(path) as file:
-            for stream in file.get("spikes", {}):
-                group = file["spikes"][stream]
-                times, channels = group["timestamps_ns"][:], group["node_ids"][:]
-                order = np.lexsort((channels, times))
-                trains[f"{path.stem}.{stream}"] = (times[order], channels[order])
-    return trains
+    return {name: tuple(in_order(*train)) for name, train in spikes_of_run(folder).items()}
 
 
 def run(spikeloop, *arguments, text=""):

@@ -1,13 +1,12 @@
 """What a run learns: episodes are those of episodes.csv, weights those that the run saves."""
 
-import csv
 import struct
 import unittest
 
 import browser
 import numpy as np
 import viewing
-from runs import fingerprint, run, spikeloop
+from runs import fingerprint, recordings, run, spikeloop
 
 END_NS = 40 * 10**9  # of the runs
 
@@ -104,8 +103,7 @@ class Learning(viewing.FolderCase):
                 page.until(lambda hook: hook["learning"]["episodes"] > 12, 180)
                 page.click("pause")
                 page.until(lambda hook: hook["paused"])
-                with open(self.folder / "run/episodes.csv", encoding="utf-8") as file:
-                    rows = list(csv.DictReader(file))
+                rows = recordings.table(self.folder / "run/episodes.csv")
                 learning = page.until(lambda hook: hook["learning"]["episodes"] == len(rows))["learning"]
                 self.assertEqual(learning["returns"], [float(row["return"]) for row in rows])
                 self.assertEqual(learning["successes"], sum(row["success"] == "1" for row in rows))

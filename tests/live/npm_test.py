@@ -11,10 +11,9 @@ import tempfile
 import time
 import unittest
 
-import h5py
 import viewing
 from mcap_file import McapFile
-from runs import SPIKELOOP, run
+from runs import SPIKELOOP, recordings, run
 
 SKIPPED = 77
 SCRIPTS = pathlib.Path(__file__).parent / "npm"
@@ -64,8 +63,7 @@ class Npm(viewing.FolderCase):
             self.assertEqual(found["attachments"], ["resolved.json"])
             self.assertEqual(found["messages"], messages_of(McapFile(path)))
         for name in ("encoder", "brain"):
-            with h5py.File(self.folder / f"run/{name}.h5") as file:
-                times, channels = file["spikes/out/timestamps_ns"][()], file["spikes/out/node_ids"][()]
+            times, channels = recordings.spikes(self.folder / "run", name)
             self.assertEqual(found["spikes"][f"/{name}/out"], {
                 "number": len(times), "times": str(int(times.sum())), "channels": int(channels.sum())})
 

@@ -7,7 +7,7 @@ import urllib.request
 
 import h5py
 import viewing
-from runs import fingerprint, run
+from runs import fingerprint, recordings, run
 
 
 def get(url, path, **headers):
@@ -33,9 +33,7 @@ class Protocol(viewing.FolderCase):
         self.assertEqual(json.loads(viewer.messages["/spikeloop/view"][-1][1])["lost"], 0)
         for node in ("encoder", "brain"):
             times, channels = viewing.spikes_of(viewer.messages[f"/{node}/out"])
-            with h5py.File(recorded / f"{node}.h5") as file:
-                all_times = list(file["spikes/out/timestamps_ns"][()])
-                all_channels = list(file["spikes/out/node_ids"][()])
+            all_times, all_channels = map(list, recordings.spikes(recorded, node))
             self.assertGreater(len(times), 1000)
             # The run may have begun before the viewer came.
             self.assertEqual(times, all_times[-len(times):], node)

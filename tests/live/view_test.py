@@ -10,7 +10,7 @@ import browser
 import h5py
 import viewing
 from mcap_file import McapFile
-from runs import SPIKELOOP, programs, refused, run, spikeloop
+from runs import SPIKELOOP, programs, recordings, refused, run, spikeloop
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
@@ -35,10 +35,8 @@ class RecordedRuns(viewing.FolderCase):
         """That a viewer got; those of the recording."""
         times, channels = viewing.spikes_of(viewer.messages["/encoder/out"])
         got = [(time, channel) for time, channel in zip(times, channels) if begin < time <= end]
-        with h5py.File(self.folder / "encoder.h5") as file:
-            recorded = [(int(time), int(channel)) for time, channel in
-                        zip(file["spikes/out/timestamps_ns"][()], file["spikes/out/node_ids"][()])
-                        if begin < time <= end]
+        recorded = [(int(time), int(channel)) for time, channel in zip(*recordings.spikes(self.folder, "encoder"))
+                    if begin < time <= end]
         return got, recorded
 
     def test_from_any_time_on(self):
@@ -125,15 +123,11 @@ class RecordedRuns(viewing.FolderCase):
             self.assertEqual(exported.nodes_of(topic), messages.nodes_of(topic))
         for node in ("encoder", "brain"):
             times, channels = viewing.spikes_of(exported.raw(f"/{node}/out"))
-            with h5py.File(self.folder / f"{node}.h5") as recording:
-                self.assertEqual(times, list(recording["spikes/out/timestamps_ns"][()]))
-                self.assertEqual(channels, list(recording["spikes/out/node_ids"][()]))
+            self.assertEqual([times, channels], [list(each) for each in recordings.spikes(self.folder, node)])
             self.assertGreater(len(times), 10_000)
             self.assertEqual(exported.nodes_of(f"/{node}/out"), {node})
         for node, name in (("decoder", "out"), ("wheels", "command"), ("wheels", "latency")):
-            with h5py.File(self.folder / f"{node}.h5") as recording:
-                rows = recording[f"signals/{name}"]
-                wanted = list(zip(rows["times_ns"][()].tolist(), rows["values"][()].tolist()))
+            wanted = list(zip(*(each.tolist() for each in recordings.signal(self.folder, node, name))))
             got = [(at, viewing.signal_of(message)) for at, message in exported.raw(f"/{node}/{name}")]
             self.assertEqual(got, wanted)
         self.same_channels_as_the_view(exported)

@@ -44,7 +44,8 @@ class SelfContained(explorer.Folder):
         rows = [line.split("- ", 1)[1] for line in text[begin:end].splitlines()[1:]]
         (self.project / "parts/weights.json").write_text(json.dumps([json.loads(row) for row in rows]))
         text = text[:begin] + "    weights: parts/weights.json\n" + text[end:]
-        shutil.copy(pathlib.Path(explorer.SPIKELOOP).parents[1] / "share/spikeloop/worlds/arena.xml", self.project / "own.xml")
+        shared = pathlib.Path(explorer.SPIKELOOP).parents[1] / "share/spikeloop"
+        shutil.copy(shared / "worlds/arena.xml", self.project / "own.xml")
         self.file = self.project / "explorer.yaml"
         self.file.write_text(text)
         (self.project / "parts/gain.py").write_text(PLUGIN)
@@ -55,7 +56,7 @@ class SelfContained(explorer.Folder):
                            "--out", self.folder / "run")
         self.run_folder = self.folder / "elsewhere"
         shutil.move(self.folder / "run", self.run_folder)
-        self.spikes = explorer.recorded(self.run_folder)
+        self.spikes = explorer.spikes_of_run(self.run_folder)
 
     def test_its_files_are_in_it(self):
         found = {str(path.relative_to(self.run_folder / "experiment-files"))
@@ -67,11 +68,11 @@ class SelfContained(explorer.Folder):
         shutil.rmtree(self.project)
         _, said = explorer.spikeloop("replay", self.run_folder, "--out", self.folder / "replay")
         self.assertIn("is gone since the run", said)
-        self.assertTrue(explorer.same(explorer.recorded(self.folder / "replay"), self.spikes))
+        self.assertTrue(explorer.same(explorer.spikes_of_run(self.folder / "replay"), self.spikes))
         explorer.spikeloop("run", self.run_folder, "--out", self.folder / "again")
-        self.assertTrue(explorer.same(explorer.recorded(self.folder / "again"), self.spikes))
+        self.assertTrue(explorer.same(explorer.spikes_of_run(self.folder / "again"), self.spikes))
         explorer.spikeloop("run", self.run_folder, "--set", "gain.gain=0.5", "--out", self.folder / "other")
-        self.assertFalse(explorer.same(explorer.recorded(self.folder / "other"), self.spikes))
+        self.assertFalse(explorer.same(explorer.spikes_of_run(self.folder / "other"), self.spikes))
 
     def test_what_has_changed_is_told_and_not_used(self):
         (self.project / "parts/weights.json").write_text(json.dumps([[0] * 10] * 2))
@@ -82,8 +83,8 @@ class SelfContained(explorer.Folder):
                            "robot.world=own.xml", "--out", self.folder / "own")
         shutil.rmtree(self.project)
         explorer.spikeloop("run", self.folder / "own", "--out", self.folder / "own again")
-        self.assertTrue(explorer.same(explorer.recorded(self.folder / "own"),
-                                      explorer.recorded(self.folder / "own again")))
+        self.assertTrue(explorer.same(explorer.spikes_of_run(self.folder / "own"),
+                                      explorer.spikes_of_run(self.folder / "own again")))
 
     def test_an_experiment_named_from_another_folder(self):
         explorer.spikeloop("run", "../project/explorer.yaml", "--sync", "lockstep", "--set", "duration=0.2 s", "--out",

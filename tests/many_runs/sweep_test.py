@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """spikeloop sweep: the table, failing runs, stopping and going on; the same runs as by hand."""
 
-import csv
 import json
 import os
 import signal
@@ -10,14 +9,14 @@ import time
 import unittest
 
 import explorer
+from recordings import table
 from spikeloop.run_folder import RunFolder
 
 FAST = ("--set", "sync=lockstep", "--set", "duration=0.5 s")
 
 
 def rows_of(folder):
-    with open(folder / "results.csv", newline="", encoding="utf-8") as table:
-        return list(csv.DictReader(table))
+    return table(folder / "results.csv")
 
 
 class Sweep(explorer.Folder):
@@ -44,7 +43,7 @@ class Sweep(explorer.Folder):
             self.assertGreater(float(row["distance_m"]), 0)
         explorer.spikeloop("run", self.file, "--sync", "lockstep", "--duration", "0.5", "--seed", 2,
                            "--set", "encoder.rate_max=100 Hz", "--out", self.folder / "run")
-        self.assertTrue(explorer.same(explorer.recorded(self.out / "002"), explorer.recorded(self.folder / "run")))
+        self.assertTrue(explorer.same(explorer.spikes_of_run(self.out / "002"), explorer.spikes_of_run(self.folder / "run")))
 
     def test_counters_of_an_experiment_with_a_script(self):
         self.file = self.with_script()

@@ -5,7 +5,6 @@ import json
 import pathlib
 import sys
 
-import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -14,6 +13,7 @@ sys.path.append(str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parents[1] / "python"))
 
 import fake_run  # noqa: E402
+import recordings  # noqa: E402
 from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
 from folder import FolderCase  # noqa: E402, F401
 from spikeloop.run_folder import RunFolder  # noqa: E402
@@ -54,9 +54,7 @@ class Run:
         self.output = output
 
     def stream(self, name, node="brain"):
-        with h5py.File(self.folder / f"{node}.h5") as file:
-            group = file["spikes"][name]
-            return Spikes(group["timestamps_ns"][:], group["node_ids"][:].astype(np.int64))
+        return Spikes(*recordings.spikes(self.folder, node, name))
 
     def spikes(self, population):
         return self.stream(population + "_spikes")

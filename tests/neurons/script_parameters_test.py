@@ -1,6 +1,5 @@
 """Arguments of a network's function as keys of its node: as by hand, checked, swept, replayed, exported."""
 
-import csv
 import json
 import subprocess
 import unittest
@@ -94,9 +93,9 @@ class Values(Case):
         self.assertNotIn("differ", self.spikeloop("replay", "run"))
         self.spikeloop("sweep", "e.yaml", "--set", "brain.current=[400 pA, 600 pA]", "--columns", "brain.spikes",
                        "--out", "sweep")
-        with open(self.folder / "sweep" / "results.csv", newline="", encoding="utf-8") as table:
-            self.assertEqual([(row["brain.current"], int(row["brain.spikes"])) for row in csv.DictReader(table)],
-                             [(f"{current} pA", 3 * spikes_in(300, current)) for current in (400, 600)])
+        table = built_in.recordings.table(self.folder / "sweep" / "results.csv")
+        self.assertEqual([(row["brain.current"], int(row["brain.spikes"])) for row in table],
+                         [(f"{current} pA", 3 * spikes_in(300, current)) for current in (400, 600)])
 
     def test_a_job_has_them_in_its_section(self):
         self.experiment(", current: 600 pA, cells: 3")
@@ -129,7 +128,8 @@ class Mistakes(Case):
         self.assertIn("--set brain.cells", self.spikeloop("check", "e.yaml", "--set", "brain.cells=few", code=2))
 
     def test_one_is_missing(self):
-        self.refused("node 'brain': key 'weight' is missing (Argument of bare()); write  weight: ...", ", cells: 3", "brain.py:bare")
+        self.refused("node 'brain': key 'weight' is missing (Argument of bare()); write  weight: ...", ", cells: 3",
+                     "brain.py:bare")
         done = subprocess.run([built_in.PROGRAMS / "spikeloop-network", "--check", "brain.py:bare"], cwd=self.folder,
                               capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(done.returncode, 2)

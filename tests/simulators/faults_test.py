@@ -93,7 +93,8 @@ class Faults(unittest.TestCase):
 
     def test_one_of_several_processes_fails(self):
         for process in ("0", "1"):
-            self.parallel("brain: Traceback ", f"RuntimeError: nothing in process {process}", code=5, keys=f"fail_in={process}")
+            self.parallel("brain: Traceback ", f"RuntimeError: nothing in process {process}", code=5,
+                          keys=f"fail_in={process}")
 
     def test_one_of_several_processes_leaves_its_loop(self):
         for process in ("0", "1"):

@@ -17,12 +17,12 @@ import sys
 import tempfile
 import time
 
-import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "support"))
 from calls import assert_says  # noqa: E402, F401
+from recordings import assert_same, spikes  # noqa: E402, F401
 
 SINE = HERE.parents[1] / "examples/05_encoder_python/sine.py"
 PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
@@ -139,11 +139,11 @@ class Job:
 
     def sent(self):
         """(times in ns, channels) that the encoder recorded."""
-        return recorded(self.out / "encoder.h5")
+        return spikes(self.out, "encoder")
 
     def recorded(self):
         """(times in ns, channels) that the script's host recorded."""
-        return recorded(self.out / "brain.h5")
+        return spikes(self.out, "brain")
 
     def received(self):
         """(times in ns, channels, begins of the ticks in ns) that the sink got."""
@@ -158,25 +158,3 @@ def sent_by_encoder(width):
     with Job("repeat_python.py", width, encoder="rate_encoder") as job:
         job.run("--quiet")
         return (job.out / "encoder.h5").read_bytes()
-
-
-def recorded(path):
-    with h5py.File(path) as file:
-        group = file["spikes/out"]
-        assert group.attrs["dropped"] == 0
-        return group["timestamps_ns"][:], group["node_ids"][:].astype(int)
-
-
-def in_order(times, channels):
-    order = np.lexsort((channels, times))
-    return np.stack([times[order], channels[order]])
-
-
-def assert_same(expected, found, what):
-    """Of two pairs (times, channels): the same spikes, each as often."""
-    expected, found = in_order(*expected), in_order(*found)
-    assert expected.shape == found.shape, \
-        f"{what}: {expected.shape[1]} spikes expected, {found.shape[1]} found"
-    wrong = np.flatnonzero(np.any(expected != found, axis=0))
-    assert not len(wrong), (f"{what}: {len(wrong)} of {found.shape[1]} spikes differ; the first: "
-                            f"{expected[:, wrong[0]]} expected, {found[:, wrong[0]]} found")

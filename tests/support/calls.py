@@ -17,10 +17,12 @@ def spikeloop(*words, code=0, timeout=240, **options):
 
 
 def assert_says(printed, *expected):
-    """A line of what is printed has each text; in a text, ` ... ` stands for wording, which another test checks."""
+    """A line of what is printed has each text; in a text, ` ... ` stands for wording, which another test checks.
+    Words and numbers are whole."""
     for text in expected:
         pattern = r"(?!\w).*(?<![\w.])".join(map(re.escape, text.split(" ... ")))
-        assert re.search(pattern, printed), f"expected:\n{text}\nprinted:\n{printed}"
+        begin, end = r"(?<![\w.])" if text[0].isalnum() else "", r"(?!\w)" if text[-1].isalnum() else ""
+        assert re.search(begin + pattern + end, printed), f"expected:\n{text}\nprinted:\n{printed}"
 
 
 def refused(expected, *words, code=2, **options):
