@@ -1,12 +1,12 @@
 """`spikeloop summary RUN...`: the results of a run, or of several, a column each."""
 
-import json
 import pathlib
 import signal
 import sys
 
-from .run_folder import RunFolder, RunFolderError, require_regular
+from .run_folder import RunFolder, RunFolderError
 
+EXIT_FILE = 4
 # key, label, unit, format
 ROWS = (
     ("simulated_s", "simulated time", "s", "{:.1f}"),
@@ -58,20 +58,11 @@ def table(summary):
 
 
 def read_summary(folder):
-    """The contents of FOLDER/summary.json; SystemExit with a sentence when it cannot be read."""
-    path = pathlib.Path(folder) / "summary.json"
-    try:
-        require_regular(path)
-        return json.loads(path.read_text(encoding="utf-8"))
-    except RunFolderError as error:
-        raise SystemExit(str(error))
-    except OSError as error:
-        if (path.parent / "results.csv").exists():
-            raise SystemExit(f"'{folder}' is a sweep: its results are in {path.parent / 'results.csv'}, and each of "
-                             "its folders is a run")
-        raise SystemExit(f"cannot read '{path}': {error.strerror}; was the run made with --out?")
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise SystemExit(f"'{path}' is not JSON: {error}")
+    """The contents of FOLDER/summary.json. @raises RunFolderError"""
+    results = pathlib.Path(folder) / "results.csv"
+    if results.exists() and not (results.parent / "summary.json").exists():
+        raise RunFolderError(f"'{folder}' is a sweep: its results are in {results}, and each of its folders is a run")
+    return RunFolder(folder).summary()
 
 
 def settings_of(folder):
@@ -100,19 +91,20 @@ def comparison(folders):
     return ["  ".join(["", row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in rows]
 
 
-def main(arguments):
+def main(folders):
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # spikeloop summary RUN | head
-    folders = [argument for argument in arguments if argument != "--"]
-    if not folders:
-        raise SystemExit("usage: spikeloop summary RUN...")
-    if len(folders) > 1:
-        print("\n".join(comparison(folders)))
-        return
-    folder = pathlib.Path(folders[0])
-    print("\n".join(table(read_summary(folder))))
+    try:
+        if len(folders) > 1:
+            print("\n".join(comparison(folders)))
+            return
+        folder = pathlib.Path(folders[0])
+        print("\n".join(table(read_summary(folder))))
+    except RunFolderError as error:
+        print(f"spikeloop: {error}", file=sys.stderr)
+        sys.exit(EXIT_FILE)
     made = sorted(p.name for p in folder.iterdir() if p.suffix in (".png", ".json", ".h5", ".csv"))
     print(f"\nin {folder}/: {', '.join(made)}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main([argument for argument in sys.argv[1:] if argument != "--"])

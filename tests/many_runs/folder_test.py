@@ -99,6 +99,9 @@ class SelfContained(explorer.Folder):
         self.assertTrue((self.run_folder / "experiment-files").exists())
         for folder in (self.folder, self.project):
             explorer.refused(f"'{folder}' ... resolved.json ... [SL0109]", "run", folder)
+            explorer.refused(f"'{folder}/summary.json' is missing", "summary", folder, code=4)
+        (self.folder / "results.csv").write_text("run,exit_code\n")
+        explorer.refused(f"{self.folder}/results.csv", "summary", self.folder, code=4)
 
 
 if __name__ == "__main__":
