@@ -5,6 +5,7 @@
 
 #include "run_network.hpp"
 #include "spikeloop/core/error.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 
@@ -19,7 +20,7 @@ inline void expect_its_message(const NetworkCase& wrong, const NetworkWeightLoad
     parse(wrong.text, load);
     FAIL() << "it was accepted";
   } catch (const ConfigurationError& error) {
-    EXPECT_EQ(error.what(), wrong.message);
+    EXPECT_THAT(error.what(), Fault(wrong.message));
   }
 }
 

@@ -8,13 +8,14 @@ namespace {
 using testing::Not;
 
 TEST(Fault, IsAboutPlaceValuesAndCode) {
-  const std::string text = "f:2:6: 'tau': -10 ms is below 0.5 ms; write more [SL0203]";
+  const std::string text = "f:2:6: 'tau': -10 ms is below 0.5 ms; write 0.5 ms [SL0203]";
   EXPECT_THAT(text, Fault(text));
-  EXPECT_THAT(text, Fault("f:2:6: 'tau': ... 0.5 ms ... -10 ... [SL0203]"));
+  EXPECT_THAT(text, Fault("f:2:6: 'tau': ... -10 ... 0.5 ms ... 0.5 ms ... [SL0203]"));
   EXPECT_THAT("first line\n" + text + "\n", Fault("... 'tau' ... [SL0203] ..."));
   for (const std::string wrong :
        {"2:6: ...", "... [SL0203", "f:2:6: 'tau'", "... 10 ms ...", "... 0 ... [SL0203]",
-        "... 5 ms ...", "... -1 ...", "f:2:6: ... f:2:6: ...", "... 'tau' ... 7 ... [SL0203]"}) {
+        "... 5 ms ...", "... -1 ...", "... 0.5 ms ... -10 ...", "... -10 ... -10 ...",
+        "f:2:6: ... f:2:6: ...", "... 'tau' ... 7 ... [SL0203]"}) {
     EXPECT_THAT(text, Not(Fault(wrong)));
   }
   testing::StringMatchResultListener listener;
