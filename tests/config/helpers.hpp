@@ -11,6 +11,7 @@
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 

@@ -13,6 +13,7 @@
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using test::message_of;
 using testing::ElementsAre;
 
@@ -117,9 +118,8 @@ TEST(MappingFile, ASliceStandsForItsElements) {
                                   std::pair("data[4]", 9), std::pair("points[0].positions[0]", 1),
                                   std::pair("points[0].positions[1]", 2)));
   EXPECT_EQ(mapping.fields[2].scale, 3);
-  EXPECT_EQ(error(twist("{\"data[5:5]\": 0}")),
-            "m:1:39: 'mapping.data[5:5]' names no elements, or more than 100000; write the first "
-            "one and the one behind the last, as in data[0:3] [SL0504]");
+  EXPECT_THAT(error(twist("{\"data[5:5]\": 0}")),
+              Fault("m:1:39: 'mapping.data[5:5]' ... 100000 ... [0:3] ... [SL0504]"));
   // What is not a slice is left to those who know the message.
   EXPECT_EQ(parse_mapping(twist("{\"a[name=x:y]\": 0}"), "m").fields.at(0).field, "a[name=x:y]");
 }
@@ -138,10 +138,8 @@ TEST(MappingFile, AbsentLimitsLimitNothing) {
 TEST(MappingFile, ChannelsMustBeOnThePort) {
   const CommandMapping mapping = parse_mapping(twist("{\"linear.x\": 0, \"angular.z\": 2}"), "m");
   EXPECT_NO_THROW(check_channels(mapping, 3));
-  EXPECT_EQ(message_of([&] { check_channels(mapping, 2); }),
-            "m:1:54: 'mapping.angular.z' reads channel 2, but the port has 2 (0 to 1); write one "
-            "of these "
-            "or widen the connection [SL0505]");
+  EXPECT_THAT(message_of([&] { check_channels(mapping, 2); }),
+              Fault("m:1:54: 'mapping.angular.z' reads channel 2 ... 2 (0 to 1) ... [SL0505]"));
   EXPECT_NO_THROW(check_channels(parse_mapping(test::data_text("array.json"), "m"), 0));
 }
 
@@ -166,25 +164,21 @@ TEST(MappingFile, SaysWhatIsWrong) {
       {twist("{}"), "m:1:27: 'mapping' is empty; write " + kExample + " [SL0105]"},
       {twist("3"), "m:1:27: 'mapping' is 3, no object; write " + kExample + " [SL0105]"},
       {twist("{\"x\": 0, \"x\": 1}"), "m:1:47: the key 'x' is given twice; remove one [SL0102]"},
-      {twist("{\"x\": 0.5}"),
-       "m:1:39: 'mapping.x' is 0.5, no channel; write a whole number from 0 [SL0505]"},
-      {twist("{\"x\": -2}"),
-       "m:1:39: 'mapping.x' is -2, no channel; write a whole number from 0 [SL0505]"},
-      {twist("{\"x\": \"0\"}"),
-       "m:1:39: 'mapping.x' is \"0\", no channel; write a whole number from 0 [SL0505]"},
+      {twist("{\"x\": 0.5}"), "m:1:39: 'mapping.x' is 0.5, no channel ... 0 ... [SL0505]"},
+      {twist("{\"x\": -2}"), "m:1:39: 'mapping.x' is -2, no channel ... 0 ... [SL0505]"},
+      {twist("{\"x\": \"0\"}"), "m:1:39: 'mapping.x' is \"0\", no channel ... 0 ... [SL0505]"},
       {twist("{\"x\": -1}"), "m:1:39: 'mapping.x' is -1, no channel; remove the field [SL0505]"},
       {twist("{\"x\": {}}"), "m:1:39: 'mapping.x' has no channel; write {\"channel\": 0} [SL0104]"},
       {twist("{\"x\": {\"chanel\": 0}}"),
        "m:1:45: unknown key 'mapping.x.chanel'; did you mean 'channel'? [SL0103]"},
       {twist("{\"x\": {\"channel\": []}}"),
-       "m:1:45: 'mapping.x.channel' is an array, no channel; write a whole number from 0 [SL0505]"},
+       "m:1:45: 'mapping.x.channel' is an array, no channel ... 0 ... [SL0505]"},
       {twist("{\"x\": {\"channel\": 0, \"scale\": \"a\"}}"),
        "m:1:59: 'mapping.x.scale' is \"a\", no finite number; write a number [SL0201]"},
       {twist("{\"x\": {\"channel\": 0, \"offset\": null}}"),
        "m:1:59: 'mapping.x.offset' is null, no finite number; write a number [SL0201]"},
       {twist("{\"x\": {\"channel\": 0, \"slew\": 0}}"),
-       "m:1:59: 'mapping.x.slew' is 0, no rate of change; write a number above 0, or leave it out "
-       "[SL0203]"},
+       "m:1:59: 'mapping.x.slew' is 0 ... 0 ... [SL0203]"},
       {twist("{}", ", \"min\": true"),
        "m:1:42: 'min' is true, no finite number; write a number [SL0201]"},
       {twist("{}", ", \"max\": {}"),
@@ -193,9 +187,7 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "m:1:52: 'min' is 1 and 'max' is -1; write a minimum that is not above the maximum "
        "[SL0206]"},
       {twist("{\"x\": {\"channel\": 0, \"max\": -1}}", ", \"min\": 0.5"),
-       "m:1:59: 'mapping.x.min' is 0.5 and 'mapping.x.max' is -1; write a minimum that is not "
-       "above the "
-       "maximum [SL0206]"},
+       "m:1:59: 'mapping.x.min' is 0.5 and 'mapping.x.max' is -1 ... [SL0206]"},
       {"{\"message_type\": \"FloatArray\", \"min\": 0}",
        "m:1:32: 'min' and 'max' do not hold for a Float64MultiArray without mapping; remove them, "
        "or "
@@ -203,7 +195,7 @@ TEST(MappingFile, SaysWhatIsWrong) {
        "every element: {\"mapping\": {\"data[0]\": 0}} [SL0208]"},
   };
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(error(text), message) << text;
+    EXPECT_THAT(error(text), Fault(message)) << text;
   }
   EXPECT_THAT(error("{\"message_type\":\n x}"),
               testing::StartsWith("m:2:2: not JSON: invalid literal; last read: "));
@@ -264,9 +256,8 @@ TEST(MappingFile, OlderProgramsIgnoreSomeMistakes) {
             "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0 [SL0505]");
   EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0 [SL0104]"));
   EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored [SL0208]"));
-  EXPECT_EQ(log.messages[4],
-            "m:1:39: 'mapping' does not hold for a Float64MultiArray; remove it; all "
-            "channels are sent [SL0208]");
+  EXPECT_THAT(log.messages[4],
+              Fault("m:1:39: 'mapping' ... Float64MultiArray; remove it ... [SL0208]"));
 }
 
 TEST(MappingFile, MutatedFilesAreReadOrRefused) {

@@ -11,6 +11,7 @@
 namespace spikeloop::music_parser_test {
 namespace {
 
+using test::Fault;
 using test::message_of;
 
 MusicFile parse(std::string_view text) {
@@ -165,9 +166,9 @@ struct Case {
 
 TEST(MusicParser, RefusesWhatMusicAbortsFor) {
   const Case cases[] = {
-      {"A.a->B.b[abc]", "f:1:10: the width 'abc' is not a whole number; write '[10]' [SL0307]"},
-      {"A.a->B.b[-3]", "f:1:10: the width '-3' is not a whole number; write '[10]' [SL0307]"},
-      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' is not a whole number; write '[10]' [SL0307]"},
+      {"A.a->B.b[abc]", "f:1:10: the width 'abc' ... '[10]' ... [SL0307]"},
+      {"A.a->B.b[-3]", "f:1:10: the width '-3' ... '[10]' ... [SL0307]"},
+      {"A.a->B.b[1.5]", "f:1:10: the width '1.5' ... '[10]' ... [SL0307]"},
       {"A.a->B.b[10", "f:1:10: the width '[10' has no ']'; write '[10]' [SL0101]"},
       {"A.a->B.b[\n", "f:1:10: the width '[' has no ']'; write '[10]' [SL0101]"},
       {"A.a->B.b[10 20]",
@@ -197,27 +198,21 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
       {"\n k=\"a\nb",
        "f:2:4: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
        "'\\\"' for a quote inside [SL0101]"},
-      {"k=\"a\\",
-       "f:1:3: the quote that opens the value of 'k' is never closed; write '\"' at its end, and "
-       "'\\\"' for a quote inside [SL0101]"},
+      {"k=\"a\\", "f:1:3: ... 'k' ... '\"' ... and '\\\"' ... [SL0101]"},
       {"k=\"a\nb\" c",
-       "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' for a quote inside the "
-       "value, or '#' before a comment [SL0101]"},
-      {"k=a\\",
-       "f:1:1: the value of 'k' ends with a backslash at the end of the file; write '\\\\' for a "
-       "backslash [SL0101]"},
+       "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' ... or '#' ... [SL0101]"},
+      {"k=a\\", "f:1:1: the value of 'k' ... '\\\\' for a backslash ... [SL0101]"},
       {"k\\\n=a",
-       "f:1:1: the key 'k' ends with a backslash; only a value may go on in the next line, write "
-       "the key on one line [SL0101]"},
+       "f:1:1: the key 'k' ... only a value may go on in the next line, write the key on one line "
+       "... [SL0101]"},
       {"out -> B.in",
        "f:1:1: the sender application of port 'out' is missing; before the first section write "
        "'application.out' [SL0101]"},
       {"A.out -> in",
-       "f:1:1: the receiver application of port 'in' is missing; before the first section write "
-       "'application.in' [SL0101]"},
+       "f:1:1: the receiver application of port 'in' is missing ... 'application.in' ... [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(error(text), message) << text;
+    EXPECT_THAT(error(text), Fault(message)) << text;
   }
 }
 
@@ -237,46 +232,37 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
       {"=5", "f:1:1: no key before '='; write 'key=value' [SL0101]"},
       {"A.out => B.in",
        "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->' [SL0101]"},
-      {"A.a -> B.b -> C.c [1]",
-       "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own [SL0101]"},
-      {"A.out -> B.in 10",
-       "f:1:1: 'in 10' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
-      {"A.out -> B.in]",
-       "f:1:1: 'in]' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
-      {"A.out -> B.in=3",
-       "f:1:1: 'in=3' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
+      {"A.a -> B.b -> C.c [1]", "f:1:1: a second arrow in 'b -> C.c' ... [SL0101]"},
+      {"A.out -> B.in 10", "f:1:1: 'in 10' ... 'A.out -> B.in [width]' ... [SL0106]"},
+      {"A.out -> B.in]", "f:1:1: 'in]' ... 'A.out -> B.in [width]' ... [SL0106]"},
+      {"A.out -> B.in=3", "f:1:1: 'in=3' ... 'A.out -> B.in [width]' ... [SL0106]"},
       {"-> B.in",
        "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]' [SL0101]"},
-      {"A. -> B.in",
-       "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]' [SL0101]"},
-      {"A.out ->",
-       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
-      {"A.out -> # B.in",
-       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
-      {"A.out -> [1]",
-       "f:1:1: the connection has no receiver port; write 'A.out -> B.in [width]' [SL0101]"},
+      {"A. -> B.in", "f:1:1: ... 'A.out -> B.in [width]' ... [SL0101]"},
+      {"A.out ->", "f:1:1: ... 'A.out -> B.in [width]' ... [SL0101]"},
+      {"A.out -> # B.in", "f:1:1: ... 'A.out -> B.in [width]' ... [SL0101]"},
+      {"A.out -> [1]", "f:1:1: ... 'A.out -> B.in [width]' ... [SL0101]"},
       {"[a:b]",
-       "f:1:1: the label 'a:b' contains ':', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_' [SL0106]"},
+       "f:1:1: the label 'a:b' contains ':', which MUSIC ... write letters, digits and '_' ... "
+       "[SL0106]"},
       {"A.out -> B:c.in",
-       "f:1:1: the label 'B:c' contains ':', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_' [SL0106]"},
+       "f:1:1: the label 'B:c' contains ':', which MUSIC ... write letters, digits and '_' ... "
+       "[SL0106]"},
       {"A.o\\\\x -> B.in",
-       "f:1:1: the port 'o\\x' contains '\\', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_' [SL0106]"},
+       "f:1:1: the port 'o\\x' contains '\\', which MUSIC ... write letters, digits and '_' ... "
+       "[SL0106]"},
       {"a\\=b=1",
-       "f:1:1: the key 'a=b' contains '=', which MUSIC loses on the way to the program; write "
-       "letters, digits and '_' [SL0106]"},
+       "f:1:1: the key 'a=b' contains '=', which MUSIC ... write letters, digits and '_' ... "
+       "[SL0106]"},
       {"\xEF\xBB\xBFnp=1",
-       "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC takes for a part of the "
-       "first line; save it as UTF-8 without byte order mark [SL0101]"},
-      {std::string("\xFF\xFEn\0", 4),
-       "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark [SL0101]"},
+       "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC ... save it as UTF-8 "
+       "without byte order mark ... [SL0101]"},
+      {std::string("\xFF\xFEn\0", 4), "f:1:1: ... UTF-16 text ... UTF-8 ... [SL0101]"},
       {std::string("a=1\nb\0", 6),
-       "f:2:2: a zero byte: this is not a text file; give the path of a .music file [SL0101]"},
+       "f:2:2: a zero byte: this is not a text file ... .music file ... [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(error(text), message) << text;
+    EXPECT_THAT(error(text), Fault(message)) << text;
   }
 }
 
@@ -294,11 +280,10 @@ TEST(MusicFile, SaysWhenItCannotBeRead) {
     return message_of([&] { read_music_file(directory.path() / name); });
   };
   const std::string at = directory.path().string();
-  EXPECT_EQ(read("none"), "cannot open '" + at + "/none': No such file or directory [SL0109]");
+  EXPECT_THAT(read("none"), Fault("cannot open '" + at + "/none': ... [SL0109]"));
   EXPECT_EQ(read(""), "cannot read '" + at + "/': Is a directory [SL0109]");
-  EXPECT_EQ(
-      message_of([] { read_music_file("/dev/null"); }),
-      "cannot read '/dev/null': not a regular file; write the path of a .music file [SL0109]");
+  EXPECT_THAT(message_of([] { read_music_file("/dev/null"); }),
+              Fault("cannot read '/dev/null': not a regular file ... .music file ... [SL0109]"));
   directory.write("huge", std::string(5'000'000, ' '));
   EXPECT_EQ(
       read("huge"),
@@ -335,8 +320,8 @@ TEST(ParseMusic, NotesWhatIsHardlyMeant) {
   const MusicFile file = parse_music("x=1\nx=2\n[a]\nk=1\nk=2\n[b]\nk=1\n[a]\n", "f");
   ASSERT_EQ(file.warnings.size(), 3U);
   EXPECT_EQ(file.warnings[0].where.text(), "f:2:1");
-  EXPECT_EQ(file.warnings[0].message,
-            "duplicate key 'x'; the first is at f:1:1; the last one holds [SL0102]");
+  EXPECT_THAT(file.warnings[0].message,
+              Fault("duplicate key 'x' ... :1:1; the last one holds ... [SL0102]"));
   EXPECT_EQ(file.warnings[1].where.text(), "f:5:1");
   EXPECT_EQ(
       file.warnings[2].message,

@@ -18,6 +18,7 @@
 namespace spikeloop::npy_file_test {
 namespace {
 
+using test::Fault;
 using test::message_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -103,16 +104,15 @@ TEST(NpyFile, SaysThatItWasCutOff) {
                                                 " bytes; it was cut off, write it again [SL0309]");
   }
   for (std::size_t size = header; size < whole.size(); ++size) {
-    EXPECT_EQ(error(whole.substr(0, size)), "w.npy: the file has " + std::to_string(size - header) +
-                                                " bytes of data, too few for shape (2, 3) of "
-                                                "'<f8'; it was cut off, write it again [SL0309]");
+    EXPECT_THAT(error(whole.substr(0, size)),
+                Fault("w.npy: the file has " + std::to_string(size - header) +
+                      " bytes of data, too few for shape (2, 3) of '<f8' ... [SL0309]"));
   }
-  EXPECT_EQ(error(array("(18446744073709551615, 18446744073709551615)", {1})),
-            "w.npy: the file has 8 bytes of data, too few for shape (18446744073709551615, "
-            "18446744073709551615) of '<f8'; it was cut off, write it again [SL0309]");
-  EXPECT_EQ(error(array("(3,)", {1})),
-            "w.npy: the file has 8 bytes of data, too few for shape (3,) of '<f8'; it was cut off, "
-            "write it again [SL0309]");
+  EXPECT_THAT(error(array("(18446744073709551615, 18446744073709551615)", {1})),
+              Fault("w.npy: ... 8 ... too few for shape (18446744073709551615, "
+                    "18446744073709551615) of '<f8' ... [SL0309]"));
+  EXPECT_THAT(error(array("(3,)", {1})),
+              Fault("w.npy: ... 8 ... too few for shape (3,) of '<f8' ... [SL0309]"));
   EXPECT_EQ(error(whole + "xy"),
             "w.npy: 2 bytes follow the array; write one array a file [SL0309]");
 }
@@ -137,9 +137,8 @@ TEST(NpyFile, SaysWhatItDoesNotRead) {
   EXPECT_EQ(error(array("(1, 1, 2)", {1, 2})),
             "w.npy: the array has 3 dimensions; write 2, [output, input], or 1 for a single row "
             "[SL0309]");
-  EXPECT_EQ(error(array("()", {1})),
-            "w.npy: the array has 0 dimensions; write 2, [output, input], or 1 for a single row "
-            "[SL0309]");
+  EXPECT_THAT(error(array("()", {1})),
+              Fault("w.npy: ... 0 dimensions ... 2, [output, input], or 1 ... [SL0309]"));
   std::string version = array("(1, 1)", {1});
   version[6] = 4;
   EXPECT_EQ(
@@ -170,13 +169,13 @@ TEST(NpyFile, SaysThatItsHeaderIsBroken) {
 TEST(NpyFile, NamesThePlaceOfANumberThatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(error(array("(2, 3)", {1, 2, 3, 4, nan, 6})),
-            "w.npy: row 1, column 1 is nan; write a finite number [SL0309]");
-  EXPECT_EQ(error(array("(3,)", {1, 2, -infinite})),
-            "w.npy: row 0, column 2 is -inf; write a finite number [SL0309]");
-  EXPECT_EQ(error(file_with("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 3)}",
-                            bytes_of({1, 2, 3, infinite, 5, 6}))),
-            "w.npy: row 1, column 1 is inf; write a finite number [SL0309]");
+  EXPECT_THAT(error(array("(2, 3)", {1, 2, 3, 4, nan, 6})),
+              Fault("w.npy: row 1, column 1 is nan ... [SL0309]"));
+  EXPECT_THAT(error(array("(3,)", {1, 2, -infinite})),
+              Fault("w.npy: row 0, column 2 is -inf ... [SL0309]"));
+  EXPECT_THAT(error(file_with("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 3)}",
+                              bytes_of({1, 2, 3, infinite, 5, 6}))),
+              Fault("w.npy: row 1, column 1 is inf ... [SL0309]"));
 }
 
 TEST(NpyFile, HasAsManyChannelsAsAPortCanHave) {
@@ -237,8 +236,8 @@ TEST(NpyFile, WhatIsWrittenIsRead) {
 
 TEST(NpyFile, SaysWhyItCannotBeWritten) {
   const std::vector<double> values(4);
-  EXPECT_EQ(message_of([&] { write_npy("/nowhere/w.npy", 2, 2, values); }),
-            "cannot write '/nowhere/w.npy': No such file or directory [SL0109]");
+  EXPECT_THAT(message_of([&] { write_npy("/nowhere/w.npy", 2, 2, values); }),
+              Fault("cannot write '/nowhere/w.npy': ... [SL0109]"));
   EXPECT_EQ(message_of([&] { write_npy("/dev/full", 2, 2, values); }),
             "cannot write '/dev/full': No space left on device [SL0109]");
   EXPECT_THROW(write_npy("w.npy", 2, 3, values), std::logic_error);

@@ -16,6 +16,7 @@
 namespace spikeloop::weight_file_test {
 namespace {
 
+using test::Fault;
 using test::message_of;
 using testing::ElementsAre;
 using Kind = WeightTable::Kind;
@@ -131,51 +132,36 @@ struct Case {
 };
 
 TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
-  const std::string rows =
-      "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]";
-  const std::string nothing =
-      "w: the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an output, or "
-      "'uniform' "
-      "in place of the file [SL0309]";
+  const std::string rows = "... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]";
+  const std::string nothing = "w: ... [[0.1, 0.2], [0.3, 0.4]] ... or 'uniform' ... [SL0309]";
   const Case cases[] = {
-      {"", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]"},
-      {" \n", "w: the file is empty; write [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]"},
+      {"", "w: ... empty ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
+      {" \n", "w: ... empty ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {std::string("\x89PNG\0", 5),
-       "w: this is not a text file (byte 4 is 0x00); write [[0.1, 0.2], [0.3, 0.4]], one row an "
-       "output [SL0309]"},
+       "w: ... (byte 4 ... 0x00) ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {"[]", nothing},
       {"[[],[]]", nothing},
-      {"0.5",
-       "w: the table is 0.5; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one "
-       "row an output [SL0309]"},
-      {"true",
-       "w: the table is true; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one row an "
-       "output [SL0309]"},
+      {"0.5", "w: the table is 0.5 ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
+      {"true", "w: ... true ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {"[1, 2]", "w: row 0 is 1; " + rows},
       {"[[1], null]", "w: row 1 is null; " + rows},
       {"[[1], {}]", "w: row 1 is an object; " + rows},
-      {"[[1, 2], [3, \"x\"]]", "w: row 1, column 1 is \"x\"; write a finite number [SL0309]"},
-      {"[[1, false]]", "w: row 0, column 1 is false; write a finite number [SL0309]"},
-      {"[[1, [2]]]", "w: row 0, column 1 is an array; write a finite number [SL0309]"},
-      {"[[1, 2], [3]]",
-       "w: row 1 has 1 weights, but row 0 has 2; write one weight an input in every row [SL0309]"},
-      {"[[1], [2], [3, 4]]",
-       "w: row 2 has 2 weights, but row 0 has 1; write one weight an input in every row [SL0309]"},
+      {"[[1, 2], [3, \"x\"]]", "w: row 1, column 1 is \"x\" ... [SL0309]"},
+      {"[[1, false]]", "w: row 0, column 1 is false ... [SL0309]"},
+      {"[[1, [2]]]", "w: row 0, column 1 is an array ... [SL0309]"},
+      {"[[1, 2], [3]]", "w: row 1 has 1 weights, but row 0 has 2 ... [SL0309]"},
+      {"[[1], [2], [3, 4]]", "w: row 2 has 2 weights, but row 0 has 1 ... [SL0309]"},
       {"[[1, NaN]]",
-       "w:1:6: not JSON: invalid literal; last read: '1, N'; NaN is not a number of JSON: write "
-       "a "
-       "finite one [SL0101]"},
+       "w:1:6: not JSON: invalid literal; last read: '1, N'; NaN ... JSON: write a finite one ... "
+       "[SL0101]"},
       {"[[1,\n-Infinity]]",
-       "w:2:2: not JSON: invalid number; expected digit after '-'; last read: '-I'; Infinity is "
-       "not a "
-       "number of JSON: write a finite one [SL0101]"},
+       "w:2:2: not JSON: invalid number; expected digit after '-'; last read: '-I'; Infinity ... "
+       "JSON: ... [SL0101]"},
       {"[[1, nan]]",
-       "w:1:7: not JSON: invalid literal; last read: '1, na'; nan is not a number of JSON: write "
-       "a "
-       "finite one [SL0101]"},
+       "w:1:7: not JSON: invalid literal; last read: '1, na'; nan ... JSON: ... [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(error(text), message) << text;
+    EXPECT_THAT(error(text), Fault(message)) << text;
   }
 }
 
@@ -207,39 +193,35 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
       {"{\"tau_s\": 0.03}",
        "w: the key 'weights' is missing; write {\"tau_s\": 0.03, \"weights\": [[0.1, 0.2], [0.3, "
        "0.4]]} [SL0309]"},
-      {"{\"tau_s\": \"30 ms\", \"weights\": [[1]]}",
-       "w: 'tau_s' is \"30 ms\"; write a finite number [SL0309]"},
+      {"{\"tau_s\": \"30 ms\", \"weights\": [[1]]}", "w: 'tau_s' is \"30 ms\" ... [SL0309]"},
       {"{\"axes\": []}",
-       "w: 'axes' is empty; write an array of [first centre, last centre, number of centres, "
-       "width] [SL0309]"},
+       "w: 'axes' is empty ... [first centre, last centre, number of centres, width] ... [SL0309]"},
       {"{\"axes\": [[0, 1, 2, 1], [0, 1, 2]]}",
        "w: axis 1 has 3 numbers; write [first centre, last centre, number of centres, width] "
        "[SL0309]"},
       {"{\"axes\": [[0, 1, 0, 1]]}",
-       "w: the number of centres of axis 0 is 0; write a whole number from 1 to 16777216 "
-       "[SL0309]"},
+       "w: the number of centres of axis 0 is 0 ... 1 to 16777216 ... [SL0309]"},
       {"{\"axes\": [[0, 1, 2, 1], [0, 1, 3, -0.5]]}",
-       "w: the width of axis 1 is -0.5; write a number above 0 [SL0309]"},
+       "w: the width of axis 1 is -0.5 ... 0 ... [SL0309]"},
       {"{\"axes\": [[0, 1, 5000, 1], [0, 1, 5000, 1]]}",
        "w: the axes have 25000000 combinations, more than 4194304; write fewer centres [SL0309]"},
       {"{\"rows\": 2, \"rows\": 2}", "w: the key 'rows' is given twice; remove one [SL0309]"},
       {"{\"rows\": 0, \"columns\": 3, \"entries\": []}",
-       "w: 'rows' is 0; write a whole number from 1 to 16777216 [SL0309]"},
+       "w: 'rows' is 0 ... 1 to 16777216 ... [SL0309]"},
       {"{\"rows\": 2, \"columns\": 16777217, \"entries\": []}",
-       "w: 'columns' is 16777217; write a whole number from 1 to 16777216 [SL0309]"},
+       "w: 'columns' is 16777217 ... 1 to 16777216 ... [SL0309]"},
       {"{\"rows\": 1.5, \"columns\": 3, \"entries\": []}",
-       "w: 'rows' is 1.5; write a whole number from 1 to 16777216 [SL0309]"},
+       "w: 'rows' is 1.5 ... 1 to 16777216 ... [SL0309]"},
       {"{\"rows\": [2], \"columns\": 3, \"entries\": []}",
-       "w: 'rows' is an array; write a whole number from 1 to 16777216 [SL0309]"},
-      {sparse("3"), "w: 'entries' is 3; write an array of [row, column, weight] [SL0309]"},
+       "w: 'rows' is an array ... 1 to 16777216 ... [SL0309]"},
+      {sparse("3"), "w: 'entries' is 3 ... [row, column, weight] ... [SL0309]"},
       {sparse("[3]"), "w: entry 0 is 3; write [row, column, weight] [SL0309]"},
       {sparse("[[0, 0, 1], [0, 0]]"),
        "w: entry 1 has 2 items; write [row, column, weight] [SL0309]"},
       {sparse("[[0, 0, 1, 1]]"), "w: entry 0 has 4 items; write [row, column, weight] [SL0309]"},
-      {sparse("[[0, 0, \"x\"]]"), "w: entry 0 is \"x\"; write a finite number [SL0309]"},
+      {sparse("[[0, 0, \"x\"]]"), "w: entry 0 is \"x\" ... [SL0309]"},
       {sparse("[[0, 0, NaN]]"),
-       "w:1:46: not JSON: invalid literal; last read: '0, N'; NaN is not a number of JSON: write a "
-       "finite one [SL0101]"},
+       "w:1:46: not JSON: invalid literal; last read: '0, N'; NaN ... JSON: ... [SL0101]"},
       {sparse("[[-1, 0, 1]]"), "w: entry 0 is at row -1, column 0" + range},
       {sparse("[[0, 0.5, 1]]"), "w: entry 0 is at row 0, column 0.5" + range},
       {sparse("[[2, 0, 1]]"), "w: entry 0 is at row 2, column 0" + range},
@@ -248,7 +230,7 @@ TEST(WeightFile, SaysWhatIsWrongInASparseTable) {
        "w: row 1, column 2 has two weights; write one entry [SL0309]"},
   };
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(error(text), message) << text;
+    EXPECT_THAT(error(text), Fault(message)) << text;
   }
 }
 
@@ -296,9 +278,8 @@ TEST(WeightFile, LoaderLeavesTheKeyToResolve) {
   const auto table = resolve({parameter}, written, weight_loader({})).weights("weights");
   EXPECT_EQ(table.rows, 2u);
   written["weights"].text = "uniform:";
-  EXPECT_EQ(message_of([&] { resolve({parameter}, written, weight_loader({})); }),
-            "f:3:1: key 'weights': the weight in 'uniform:' is not a finite number; write "
-            "'uniform:0.5' [SL0201]");
+  EXPECT_THAT(message_of([&] { resolve({parameter}, written, weight_loader({})); }),
+              Fault("f:3:1: key 'weights': ... 'uniform:' ... 'uniform:0.5' ... [SL0201]"));
 }
 
 TEST(WeightFile, OlderProgramsTakeAMeanForAFileTheyCannotRead) {
@@ -383,8 +364,8 @@ TEST(WeightFile, MutatedFilesAreReadOrRefused) {
 
 TEST(WeightFile, DeepNestingIsRefused) {
   const std::size_t depth = 200'000;
-  EXPECT_EQ(error(std::string(depth, '[') + std::string(depth, ']')),
-            "w: row 0, column 0 is an array; write a finite number [SL0309]");
+  EXPECT_THAT(error(std::string(depth, '[') + std::string(depth, ']')),
+              Fault("w: row 0, column 0 is an array ... [SL0309]"));
   EXPECT_EQ(error("{\"rows\": 1, \"columns\": 1, \"entries\": " + std::string(depth, '[') +
                   std::string(depth, ']') + "}"),
             "w: entry 0 has 1 items; write [row, column, weight] [SL0309]");

@@ -12,6 +12,7 @@
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using test::message_of;
 
 TEST(Time, RoundsToTheNearestNanosecond) {
@@ -24,16 +25,12 @@ TEST(Time, RoundsToTheNearestNanosecond) {
 }
 
 TEST(Time, RefusesWhatCannotBeRepresented) {
-  EXPECT_EQ(message_of<ConfigurationError>([] { from_seconds(std::nan("")); }),
-            "a time of nan s cannot be represented; write a finite number of seconds below 9e+09 "
-            "[SL0203]");
-  EXPECT_EQ(message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
-            "a tick of 0 s is not a whole number of nanoseconds above 0; write for example 0.001 s "
-            "[SL0207]");
-  EXPECT_EQ(
-      message_of<ConfigurationError>([] { tick_from_seconds(1.0 / 3.0); }),
-      "a tick of 0.3333333333333333 s is not a whole number of nanoseconds above 0; write for "
-      "example 0.333333333 s [SL0207]");
+  EXPECT_THAT(message_of<ConfigurationError>([] { from_seconds(std::nan("")); }),
+              Fault("... nan ... 9e+09 ... [SL0203]"));
+  EXPECT_THAT(message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
+              Fault("... 0 s ... 0 ... 0.001 s ... [SL0207]"));
+  EXPECT_THAT(message_of<ConfigurationError>([] { tick_from_seconds(1.0 / 3.0); }),
+              Fault("... 0.3333333333333333 s ... 0 ... 0.333333333 s ... [SL0207]"));
   EXPECT_EQ(tick_from_seconds(0.05), 50'000'000);
 }
 
@@ -128,15 +125,12 @@ TEST(WeightTable, TakesItsSizeFromThePortsAndAgreesInAllShapes) {
 }
 
 TEST(WeightTable, SaysWhichSizesDisagree) {
-  EXPECT_EQ(
-      message_of<ConfigurationError>(
-          [] { WeightTable::dense(2, 3, std::vector<double>(6)).resized(2, 4); }),
-      "the weights have 2 rows and 3 columns, but the ports have 2 outputs and 4 inputs; write "
-      "one row an output and one column an input [SL0308]");
-  EXPECT_EQ(
-      message_of<ConfigurationError>([] { WeightTable::one_to_one().resized(2, 4); }),
-      "one-to-one weights need ports of one width, but there are 2 outputs and 4 inputs; write "
-      "a weight file instead [SL0308]");
+  EXPECT_THAT(message_of<ConfigurationError>(
+                  [] { WeightTable::dense(2, 3, std::vector<double>(6)).resized(2, 4); }),
+              Fault("... 2 rows and 3 columns ... 2 outputs and 4 inputs ... [SL0308]"));
+  EXPECT_THAT(message_of<ConfigurationError>([] { WeightTable::one_to_one().resized(2, 4); }),
+              Fault("one-to-one ... but there are 2 outputs and 4 inputs; write a weight file "
+                    "instead ... [SL0308]"));
 }
 
 TEST(Log, ReachesTheSinkAboveItsLevelOnly) {
@@ -187,9 +181,8 @@ TEST(Pacer, UnpacedDoesNotWait) {
 }
 
 TEST(Pacer, RefusesAFactorThatCannotBeKept) {
-  EXPECT_EQ(
-      message_of<ConfigurationError>([] { make_realtime_pacer(0.0, 1); }),
-      "a real-time factor of 0 cannot be kept; write a number above 0, 1 is real time [SL0203]");
+  EXPECT_THAT(message_of<ConfigurationError>([] { make_realtime_pacer(0.0, 1); }),
+              Fault("a real-time factor of 0 cannot be kept ... 0, 1 is real time ... [SL0203]"));
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 // Everything that is wrong with a graph is told at once, and nothing that only follows from it.
 #include "spikeloop/core/graph_plan.hpp"
+#include "tests/support/fault.hpp"
 
 #include <gmock/gmock.h>
 
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -44,8 +46,7 @@ TEST_F(GraphPlanFaults, AreToldTogether) {
       ElementsAre(
           "the connection 'b.out -> a.in' is written twice; remove one [SL0304]",
           "input 'c.in' is not connected; write for example  SENDER.out -> c.in [10] [SL0305]",
-          "the cycle a -> b -> a has no delay; give one of its connections a delay "
-          "of at least 1 tick [SL0310]"));
+          Fault("the cycle a -> b -> a has no delay ... 1 tick ... [SL0310]")));
 }
 
 TEST_F(GraphPlanFaults, AnInputWithAMisspeltConnectionIsNotSaidToHaveNone) {
@@ -58,7 +59,7 @@ TEST_F(GraphPlanFaults, StandAtTheirEndsOfTheConnection) {
   const Location from{"x.yaml", 3, 5};
   EXPECT_THAT(faults({{"a.oot", "b", 2, 1, to, from}, {"b", "a"}, {"b", "c.inn", 0, 0, to, from}}),
               ElementsAre("x.yaml:3:5: 'a' has no output port 'oot'; did you mean 'out'? [SL0302]",
-                          "x.yaml:3:20: 'c' has no input port 'inn'; did you mean 'in'? [SL0302]"));
+                          Fault("x.yaml:3:20: 'c' ... 'inn' ... 'in' ... [SL0302]")));
 }
 
 }  // namespace

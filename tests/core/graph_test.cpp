@@ -5,6 +5,7 @@
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using test::function_class;
 using test::FunctionSink;
 using test::FunctionSource;
@@ -233,15 +234,12 @@ TEST_F(GraphErrors, UnknownNode) {
 
 TEST_F(GraphErrors, UnknownPort) {
   graph_.connections[0].to = "encoder.inn";
-  EXPECT_EQ(message(),
-            "x.yaml:3:5: 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]");
+  EXPECT_THAT(message(), Fault("x.yaml:3:5: 'encoder' ... 'inn' ... 'in' ... [SL0302]"));
 }
 
 TEST_F(GraphErrors, NoPortOfThatDirection) {
   graph_.connections[0].from = "wheels";
-  EXPECT_EQ(message(),
-            "x.yaml:3:5: 'wheels' has no output port; turn the connection round or leave it out "
-            "[SL0302]");
+  EXPECT_THAT(message(), Fault("x.yaml:3:5: 'wheels' has no output port ... [SL0302]"));
 }
 
 TEST_F(GraphErrors, SeveralPorts) {
@@ -291,8 +289,7 @@ TEST_F(GraphErrors, WidthsDiffer) {
   graph_.connections[0].width = 0;
   FunctionSink narrow(kSignal, 1, [](const Step&) {});
   graph_.sinks[0].sink = &narrow;
-  EXPECT_EQ(message(),
-            "port 'encoder.out' has 1 channels but must have 2, as many as 'encoder.in' [SL0306]");
+  EXPECT_THAT(message(), Fault("port 'encoder.out' has 1 ... 2 ... 'encoder.in' ... [SL0306]"));
 }
 
 TEST_F(GraphErrors, FixedWidth) {
@@ -307,9 +304,7 @@ TEST_F(GraphErrors, PortsThatMustBeAsWide) {
   increment_.description.ports.push_back(port("third", kSignal, kOut, WidthRule::same_as(0)));
   graph_.sinks[0].sink = &narrow;
   graph_.connections[1].from = "encoder.third";
-  EXPECT_EQ(
-      message(),
-      "port 'encoder.third' has 1 channels but must have 2, as many as 'encoder.in' [SL0306]");
+  EXPECT_THAT(message(), Fault("port 'encoder.third' has 1 ... 2 ... 'encoder.in' ... [SL0306]"));
 }
 
 TEST_F(GraphErrors, UnknownWidth) {
@@ -317,9 +312,9 @@ TEST_F(GraphErrors, UnknownWidth) {
   FunctionSink open(kSignal, 0, [](const Step&) {});
   graph_.sources[0].source = &wide;
   graph_.sinks[0].sink = &open;
-  EXPECT_EQ(message(),
-            "x.yaml:3:5: the width of 'laser.out' -> 'encoder.in' is unknown; write the number of "
-            "channels, for example [10] [SL0307]");
+  EXPECT_THAT(
+      message(),
+      Fault("x.yaml:3:5: ... 'laser.out' -> 'encoder.in' is unknown ... [10] ... [SL0307]"));
 }
 
 TEST_F(GraphErrors, TwoOfOneName) {
@@ -330,9 +325,7 @@ TEST_F(GraphErrors, TwoOfOneName) {
 TEST_F(GraphErrors, CycleWithoutDelayIsNamed) {
   graph_.nodes = {{"a", &increment_, {}, {}}, {"b", &increment_, {}, {}}};
   graph_.connections = {{"a", "b"}, {"b", "a"}, {"laser", "wheels"}};
-  EXPECT_EQ(message(),
-            "the cycle a -> b -> a has no delay; give one of its connections a delay of at least 1 "
-            "tick [SL0310]");
+  EXPECT_THAT(message(), Fault("the cycle a -> b -> a has no delay ... 1 tick ... [SL0310]"));
 }
 
 TEST_F(GraphErrors, Tick) {
@@ -379,9 +372,9 @@ TEST(GraphStep, RefusesASpikeOutsideTheInterval) {
 }
 
 TEST(GraphStep, RefusesAChannelOutsideThePort) {
-  EXPECT_EQ(step_failure(spikes_class(
-                [](const Step& step) { step.spike_output().emit(step.interval().end, 1); })),
-            "node 'relay': a spike on channel 1, but the port has channels 0 to 0 [SL0704]");
+  EXPECT_THAT(step_failure(spikes_class(
+                  [](const Step& step) { step.spike_output().emit(step.interval().end, 1); })),
+              Fault("node 'relay': a spike on channel 1 ... 0 to 0 ... [SL0704]"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using test::message_of;
 
 std::string quantity_error(const std::string& text, const std::string& unit) {
@@ -28,22 +29,16 @@ TEST(Quantity, ConvertsUnits) {
 }
 
 TEST(Quantity, SaysWhatIsWrong) {
-  EXPECT_EQ(quantity_error("", "s"), "'' is not a number; write for example 0.5 s [SL0201]");
-  EXPECT_EQ(quantity_error("fast", "Hz"),
-            "'fast' is not a number; write for example 0.5 Hz [SL0201]");
-  EXPECT_EQ(quantity_error("fast", "1"), "'fast' is not a number; write for example 0.5 [SL0201]");
-  EXPECT_EQ(quantity_error("inf", "s"),
-            "'inf' is not a finite number; write for example 0.5 s [SL0201]");
-  EXPECT_EQ(quantity_error("nan", "s"),
-            "'nan' is not a finite number; write for example 0.5 s [SL0201]");
-  EXPECT_EQ(quantity_error("1e999", "s"),
-            "'1e999' is not a finite number; write for example 0.5 s [SL0201]");
-  EXPECT_EQ(
-      quantity_error("3 Hz", "s"),
-      "'3 Hz': 'Hz' is not a unit of time here; write one of: ns, us, ms, s, min, h [SL0202]");
-  EXPECT_EQ(
-      quantity_error("3 parsec", "m"),
-      "'3 parsec': 'parsec' is not a unit of length here; write one of: mm, cm, m, km [SL0202]");
+  EXPECT_THAT(quantity_error("", "s"), Fault("'' ... 0.5 s ... [SL0201]"));
+  EXPECT_THAT(quantity_error("fast", "Hz"), Fault("'fast' ... 0.5 Hz ... [SL0201]"));
+  EXPECT_THAT(quantity_error("fast", "1"), Fault("'fast' ... 0.5 ... [SL0201]"));
+  EXPECT_THAT(quantity_error("inf", "s"), Fault("'inf' ... 0.5 s ... [SL0201]"));
+  EXPECT_THAT(quantity_error("nan", "s"), Fault("'nan' ... 0.5 s ... [SL0201]"));
+  EXPECT_THAT(quantity_error("1e999", "s"), Fault("'1e999' ... 0.5 s ... [SL0201]"));
+  EXPECT_THAT(quantity_error("3 Hz", "s"),
+              Fault("'3 Hz': 'Hz' ... ns, us, ms, s, min, h ... [SL0202]"));
+  EXPECT_THAT(quantity_error("3 parsec", "m"),
+              Fault("'3 parsec': 'parsec' ... mm, cm, m, km ... [SL0202]"));
   EXPECT_EQ(quantity_error("3 s", "1"),
             "'3 s': this number has no unit, 's' cannot stand behind it; write 3 [SL0202]");
 }
@@ -120,28 +115,22 @@ TEST(Resolve, SaysWhatIsWrongAndWhere) {
       resolve_error("zzz", "1"),
       "loop.music:4:2: unknown key 'zzz'; known: rate_max, tau, count, strict, policy, label, "
       "weights, topic [SL0103]");
-  EXPECT_EQ(resolve_error("rate_max", "-1"),
-            "loop.music:4:2: key 'rate_max': -1 is out of bounds; write a value from 0 to 1000000 "
-            "Hz [SL0203]");
-  EXPECT_EQ(
-      resolve_error("rate_max", "x"),
-      "loop.music:4:2: key 'rate_max': 'x' is not a number; write for example 0.5 Hz [SL0201]");
-  EXPECT_EQ(
-      resolve_error("count", "9"),
-      "loop.music:4:2: key 'count': 9 is out of bounds; write a whole number from 1 to 5 [SL0203]");
-  EXPECT_EQ(
-      resolve_error("count", "1.5"),
-      "loop.music:4:2: key 'count': '1.5' is not a whole number; write a whole number from 1 to "
-      "5 [SL0204]");
-  EXPECT_EQ(
-      resolve_error("strict", "yes"),
-      "loop.music:4:2: key 'strict': 'yes' is not a truth value; write true or false [SL0205]");
-  EXPECT_EQ(resolve_error("policy", "clp"),
-            "loop.music:4:2: key 'policy': 'clp' is not a choice; did you mean 'clip'?; write one "
-            "of: clip, pass, error [SL0205]");
-  EXPECT_EQ(resolve_error("policy", "something"),
-            "loop.music:4:2: key 'policy': 'something' is not a choice; write one of: clip, pass, "
-            "error [SL0205]");
+  EXPECT_THAT(resolve_error("rate_max", "-1"),
+              Fault("loop.music:4:2: key 'rate_max': -1 ... 0 to 1000000 Hz ... [SL0203]"));
+  EXPECT_THAT(resolve_error("rate_max", "x"),
+              Fault("loop.music:4:2: key 'rate_max': 'x' ... 0.5 Hz ... [SL0201]"));
+  EXPECT_THAT(resolve_error("count", "9"),
+              Fault("loop.music:4:2: key 'count': 9 ... 1 to 5 ... [SL0203]"));
+  EXPECT_THAT(resolve_error("count", "1.5"),
+              Fault("loop.music:4:2: key 'count': '1.5' ... 1 to 5 ... [SL0204]"));
+  EXPECT_THAT(resolve_error("strict", "yes"),
+              Fault("loop.music:4:2: key 'strict': 'yes' ... true or false ... [SL0205]"));
+  EXPECT_THAT(
+      resolve_error("policy", "clp"),
+      Fault("loop.music:4:2: key 'policy': 'clp' ... 'clip' ... clip, pass, error ... [SL0205]"));
+  EXPECT_THAT(
+      resolve_error("policy", "something"),
+      Fault("loop.music:4:2: key 'policy': 'something' ... clip, pass, error ... [SL0205]"));
 }
 
 TEST(Resolve, NamesAMissingKey) {
@@ -152,16 +141,16 @@ TEST(Resolve, NamesAMissingKey) {
 TEST(Resolve, OneSidedBounds) {
   std::vector<ParameterDescription> low = {{"a", ParameterType::number, "s", "1"}};
   low[0].minimum = 0;
-  EXPECT_EQ(message_of<ConfigurationError>([&] {
-              resolve(low, {{"a", {"-1", {}}}}, {});
-            }),
-            "key 'a': -1 is out of bounds; write a value of at least 0 s [SL0203]");
+  EXPECT_THAT(message_of<ConfigurationError>([&] {
+                resolve(low, {{"a", {"-1", {}}}}, {});
+              }),
+              Fault("key 'a': -1 ... 0 s ... [SL0203]"));
   std::vector<ParameterDescription> high = {{"a", ParameterType::number, "", "1"}};
   high[0].maximum = 2;
-  EXPECT_EQ(message_of<ConfigurationError>([&] {
-              resolve(high, {{"a", {"3", {}}}}, {});
-            }),
-            "key 'a': 3 is out of bounds; write a value of at most 2 [SL0203]");
+  EXPECT_THAT(message_of<ConfigurationError>([&] {
+                resolve(high, {{"a", {"3", {}}}}, {});
+              }),
+              Fault("key 'a': 3 ... 2 ... [SL0203]"));
 }
 
 TEST(Parameters, AskingForWhatWasNotDeclaredIsABug) {

@@ -11,6 +11,7 @@
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using test::FunctionSink;
 using test::FunctionSource;
 using test::message_of;
@@ -113,9 +114,8 @@ TEST_F(Plugin, ItsErrorsComeBackAsSentences) {
 
 TEST_F(Plugin, TheSameNameTwiceIsRefused) {
   const std::string path = plugin_path("good_plugin.so");
-  EXPECT_EQ(message_of<ConfigurationError>([&] { registry_.load_plugin(path); }),
-            "plug-in '" + path +
-                "': there is already a node class 'gain'; give it another name [SL0107]");
+  EXPECT_THAT(message_of<ConfigurationError>([&] { registry_.load_plugin(path); }),
+              Fault("plug-in '" + path + "': there is already a node class 'gain' ... [SL0107]"));
 }
 
 TEST(PluginFile, MayStandInTheWorkingDirectory) {
@@ -143,8 +143,8 @@ TEST(LinkedPlugins, AreNodeClassesLikeOthers) {
 TEST(LinkedPlugins, TheSameNameTwiceIsRefused) {
   Registry registry;
   registry.load_plugin(plugin_path("good_plugin.so"));
-  EXPECT_EQ(message_of<ConfigurationError>([&] { registry.add_linked_plugins(); }),
-            "there is already a node class 'gain'; give the second one another name [SL0107]");
+  EXPECT_THAT(message_of<ConfigurationError>([&] { registry.add_linked_plugins(); }),
+              Fault("... 'gain' ... [SL0107]"));
 }
 
 std::string refusal(const std::string& name) {
@@ -181,8 +181,8 @@ TEST(PluginPath, LoadsEveryLibraryOfItsDirectories) {
   EXPECT_EQ(registry.load_plugin_path(":" + directory.string() + ":"),
             (std::vector<std::string>{"gain"}));
   std::filesystem::remove_all(directory);
-  EXPECT_EQ(message_of<FileError>([&] { registry.load_plugin_path("/nowhere/at/all"); }),
-            "cannot read plug-in directory '/nowhere/at/all': No such file or directory [SL0109]");
+  EXPECT_THAT(message_of<FileError>([&] { registry.load_plugin_path("/nowhere/at/all"); }),
+              Fault("cannot read plug-in directory '/nowhere/at/all': ... [SL0109]"));
 }
 
 }  // namespace

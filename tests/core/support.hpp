@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "spikeloop/core/graph.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 

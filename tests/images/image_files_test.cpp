@@ -8,9 +8,11 @@
 
 #include "tests/images/jpeg_file.hpp"
 #include "tests/images/pictures.hpp"
+#include "tests/support/fault.hpp"
 
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop;
 using namespace spikeloop::images;
 using test::error_of;
@@ -190,8 +192,8 @@ TEST(ImageFiles, what_claims_to_be_huge_is_refused) {
   for (int i = 0; i < 4; ++i) {
     bomb[29 + static_cast<std::size_t>(i)] = static_cast<std::byte>(sum >> (24 - 8 * i));
   }
-  EXPECT_EQ(error_of([&] { converted_file({}, bomb); }),
-            "T: its PNG has 65560 x 65554 pixels; 1 to 33554432 in all can be used [SL0509]");
+  EXPECT_THAT(error_of([&] { converted_file({}, bomb); }),
+              Fault("T: its PNG has 65560 x 65554 pixels; 1 to 33554432 ... [SL0509]"));
 
   auto picture = jpeg(smooth(1), JCS_GRAYSCALE, JCS_GRAYSCALE);
   const std::byte frame[] = {std::byte{0xff}, std::byte{0xc0}};
@@ -199,15 +201,15 @@ TEST(ImageFiles, what_claims_to_be_huge_is_refused) {
       std::search(picture.begin(), picture.end(), std::begin(frame), std::end(frame));
   ASSERT_NE(found, picture.end());
   std::fill_n(found + 5, 4, std::byte{0xf0});
-  EXPECT_EQ(error_of([&] { converted_file({}, picture); }),
-            "T: its JPEG has 61680 x 61680 pixels; 1 to 33554432 in all can be used [SL0509]");
+  EXPECT_THAT(error_of([&] { converted_file({}, picture); }),
+              Fault("T: its JPEG has 61680 x 61680 pixels; 1 to 33554432 ... [SL0509]"));
 }
 
 TEST(ImageFiles, of_another_kind_are_refused) {
   EXPECT_EQ(error_of([] { converted_file({}, std::vector<std::byte>(9)); }),
             "T: its 9 bytes begin neither as a JPEG nor as a PNG does [SL0509]");
-  EXPECT_EQ(error_of([] { converted_file({}, jpeg(smooth(4), JCS_CMYK, JCS_CMYK)); }),
-            "T: its JPEG is not in grey, YCbCr or RGB; let the driver send one of these [SL0509]");
+  EXPECT_THAT(error_of([] { converted_file({}, jpeg(smooth(4), JCS_CMYK, JCS_CMYK)); }),
+              Fault("T: its JPEG is not in grey, YCbCr or RGB ... [SL0509]"));
 }
 
 }  // namespace

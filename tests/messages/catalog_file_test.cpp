@@ -5,11 +5,13 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace catalog_file_test {
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 namespace fs = std::filesystem;
 
@@ -82,9 +84,9 @@ TEST_F(CatalogFile, errors_name_the_file) {
   const auto error = [&](const std::string& file) {
     return error_of([&] { Catalog::for_type(Dialect::ros2, file); });
   };
-  EXPECT_EQ(error(path("my_robot/msg/Nothing.msg")),
-            "message definition 'DIR/my_robot/msg/Nothing.msg' cannot be read; write the path of a "
-            ".msg file [SL0502]");
+  EXPECT_THAT(
+      error(path("my_robot/msg/Nothing.msg")),
+      Fault("message definition 'DIR/my_robot/msg/Nothing.msg' ... .msg file ... [SL0502]"));
   EXPECT_EQ(error(write("loose/Thing.msg", "int8 a\n")),
             "message definition 'DIR/loose/Thing.msg' is in no package; put it where ROS has it, "
             "PACKAGE/msg/Thing.msg [SL0502]");

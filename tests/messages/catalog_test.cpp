@@ -11,6 +11,7 @@ namespace {
 
 using namespace spikeloop::messages;
 using spikeloop::test::error_of;
+using spikeloop::test::Fault;
 using testing::HasSubstr;
 using testing::StrEq;
 
@@ -65,11 +66,10 @@ TEST(Catalog, missing_and_endless_parts) {
             "its definition too [SL0502]");
   catalog.add("my_msgs/B", "A[] a");
   const std::string endless =
-      "message type 'my_msgs/A' contains itself: my_msgs/A -> my_msgs/B -> my_msgs/A; take the "
-      "field out that leads back [SL0503]";
-  EXPECT_EQ(error_of([&] { catalog.layout("my_msgs/A"); }), endless);
-  EXPECT_EQ(error_of([&] { catalog.md5("my_msgs/A"); }), endless);
-  EXPECT_EQ(error_of([&] { catalog.full_text("my_msgs/A"); }), endless);
+      "message type 'my_msgs/A' contains itself: my_msgs/A -> my_msgs/B -> my_msgs/A ... [SL0503]";
+  EXPECT_THAT(error_of([&] { catalog.layout("my_msgs/A"); }), Fault(endless));
+  EXPECT_THAT(error_of([&] { catalog.md5("my_msgs/A"); }), Fault(endless));
+  EXPECT_THAT(error_of([&] { catalog.full_text("my_msgs/A"); }), Fault(endless));
   catalog.add("my_msgs/Long", "uint8[4000000000] a");
   EXPECT_EQ(error_of([&] { catalog.layout("my_msgs/Long"); }),
             "message type 'my_msgs/Long' is longer than 1 GB with its field 'a'; write a shorter "

@@ -6,10 +6,12 @@
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
+#include "tests/support/fault.hpp"
 
 namespace ros2_codec_test {
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 using testing::ElementsAre;
 
@@ -59,8 +61,7 @@ TEST(Ros2Codec, encapsulation_and_padding) {
 TEST(Ros2Codec, errors_say_what_is_wrong) {
   EXPECT_EQ(error_of_reading({}),
             "message of 0 bytes is too short to say how it is encoded [SL0509]");
-  EXPECT_EQ(error_of_reading(bytes({0, 1, 0})),
-            "message of 3 bytes is too short to say how it is encoded [SL0509]");
+  EXPECT_THAT(error_of_reading(bytes({0, 1, 0})), Fault("message of 3 ... [SL0509]"));
   EXPECT_EQ(error_of_reading(bytes({0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 5})),
             "message of 12 bytes has encoding 0, not 1 (plain CDR in little endian), the one that "
             "ROS 2 has [SL0509]");
@@ -70,10 +71,10 @@ TEST(Ros2Codec, errors_say_what_is_wrong) {
   EXPECT_EQ(
       error_of_reading(bytes({0, 1, 0, 0, 2, 0, 0, 0, 'a', 'b', 5, 0})),
       "message of 12 bytes has a text that does not end in a zero byte (before byte 10) [SL0509]");
-  EXPECT_EQ(error_of_reading(bytes({0, 1, 0, 0, 2, 0, 0, 0, 'a', 0, 5})),
-            "message of 11 bytes is shorter than its type says (at byte 10) [SL0509]");
-  EXPECT_EQ(error_of_reading(bytes({0, 1, 0, 0, 255, 255, 255, 255, 'a', 0, 5})),
-            "message of 11 bytes is shorter than its type says (at byte 8) [SL0509]");
+  EXPECT_THAT(error_of_reading(bytes({0, 1, 0, 0, 2, 0, 0, 0, 'a', 0, 5})),
+              Fault("message of 11 ... (at byte 10) ... [SL0509]"));
+  EXPECT_THAT(error_of_reading(bytes({0, 1, 0, 0, 255, 255, 255, 255, 'a', 0, 5})),
+              Fault("message of 11 ... (at byte 8) ... [SL0509]"));
 }
 
 TEST(Ros2Codec, a_text_of_no_bytes_is_empty) {
@@ -131,9 +132,8 @@ TEST(Ros2Codec, times_have_the_names_of_both_dialects) {
     compile_path(catalog, "my_msgs/Thing", "wait.seconds");
     ADD_FAILURE() << "no error";
   } catch (const spikeloop::ConfigurationError& error) {
-    EXPECT_STREQ(error.what(),
-                 "field path 'wait.seconds' of my_msgs/Thing: a time has no field 'seconds'; write "
-                 "wait.sec, wait.nanosec or wait (seconds) [SL0504]");
+    EXPECT_THAT(error.what(), Fault("field path 'wait.seconds' of my_msgs/Thing: ... 'seconds' ... "
+                                    "wait.sec, wait.nanosec or wait (seconds) ... [SL0504]"));
   }
 }
 
@@ -156,10 +156,9 @@ TEST(Ros2Codec, bounds_are_kept) {
             "field 'list' of my_msgs/Thing takes at most 2 values, not 3 [SL0203]");
   EXPECT_EQ(error_of({"list[1:]"}, {std::span(three).first(2), {}}),
             "field 'list[1:]' of my_msgs/Thing takes at most 1 values, not 2 [SL0203]");
-  EXPECT_EQ(
-      error_of({"list[2]"}, {std::span(three).first(1), {}}),
-      "field path 'list[2]' of my_msgs/Thing: 'list' has at most 2 elements; the first one is "
-      "[0] [SL0504]");
+  EXPECT_THAT(error_of({"list[2]"}, {std::span(three).first(1), {}}),
+              Fault("field path 'list[2]' of my_msgs/Thing: 'list' has at most 2 elements ... [0] "
+                    "... [SL0504]"));
 }
 
 // The layout skips what has no gaps as a whole, and goes through what has.

@@ -4,10 +4,12 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/definition.hpp"
+#include "tests/support/fault.hpp"
 
 namespace {
 
 using namespace spikeloop::messages;
+using spikeloop::test::Fault;
 using testing::ElementsAre;
 
 Definition parse(std::string_view text) {
@@ -84,46 +86,36 @@ TEST_P(WrongRos2Definition, says_what_to_write) {
     parse(GetParam().text);
     ADD_FAILURE() << "no error";
   } catch (const spikeloop::ConfigurationError& error) {
-    EXPECT_STREQ(error.what(), (std::string("my_msgs/Thing.msg:1: ") + GetParam().message).c_str());
+    EXPECT_THAT(error.what(), Fault(std::string("my_msgs/Thing.msg:1: ") + GetParam().message));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, WrongRos2Definition,
     testing::Values(
-        Wrong{"time t", "'time' is not part of ROS 2; write builtin_interfaces/Time [SL0503]"},
-        Wrong{"duration[3] t",
-              "'duration' is not part of ROS 2; write builtin_interfaces/Duration [SL0503]"},
+        Wrong{"time t", "'time' ... ROS 2 ... builtin_interfaces/Time ... [SL0503]"},
+        Wrong{"duration[3] t", "'duration' ... ROS 2 ... builtin_interfaces/Duration ... [SL0503]"},
         Wrong{"wstring s",
               "texts of type 'wstring' are not read here, and hardly used; write string [SL0503]"},
         Wrong{"string<=x s", "'string<=x' bounds no text; write string<=number [SL0503]"},
         Wrong{"string<=0 s", "'string<=0' bounds no text; write string<=number [SL0503]"},
-        Wrong{"int8<=3 s",
-              "'int8<=3' is not a type; write a built-in type, Type or package/Type [SL0503]"},
-        Wrong{"int8[<=0] s",
-              "'[<=0]' is not an array length; write [], [number] or [<=number] [SL0503]"},
-        Wrong{"int8[0] s",
-              "'[0]' is not an array length; write [], [number] or [<=number] [SL0503]"},
-        Wrong{"int8[3 s", "'[3' is not an array length; write [], [number] or [<=number] [SL0503]"},
-        Wrong{"int8[99999999999] s",
-              "'[99999999999]' is not an array length; write [], [number] or [<=number] [SL0503]"},
-        Wrong{
-            "int8 x 200",
-            "field 'x' has default value '200', which int8 cannot hold; write a whole number from "
-            "-128 to 127 [SL0503]"},
-        Wrong{
-            "uint8 x 1.5",
-            "field 'x' has default value '1.5', which uint8 cannot hold; write a whole number from "
-            "0 to 255 [SL0503]"},
+        Wrong{"int8<=3 s", "'int8<=3' ... built-in type, Type or package/Type ... [SL0503]"},
+        Wrong{"int8[<=0] s", "'[<=0]' ... [], [number] or [<=number] ... [SL0503]"},
+        Wrong{"int8[0] s", "'[0]' ... [], [number] or [<=number] ... [SL0503]"},
+        Wrong{"int8[3 s", "'[3' ... [], [number] or [<=number] ... [SL0503]"},
+        Wrong{"int8[99999999999] s", "'[99999999999]' ... [], [number] or [<=number] ... [SL0503]"},
+        Wrong{"int8 x 200",
+              "field 'x' has default value '200', which int8 cannot hold ... -128 to 127 ... "
+              "[SL0503]"},
+        Wrong{"uint8 x 1.5",
+              "field 'x' ... '1.5', which uint8 cannot hold ... 0 to 255 ... [SL0503]"},
         Wrong{"uint64 x 1e99",
-              "field 'x' has default value '1e99', which uint64 cannot hold; write a whole number "
-              "from 0 to 18446744073709551615 [SL0503]"},
-        Wrong{"float64 x one", "field 'x' has default value 'one', which is not a number [SL0503]"},
+              "field 'x' ... '1e99', which uint64 cannot hold ... 0 to 18446744073709551615 ... "
+              "[SL0503]"},
+        Wrong{"float64 x one", "field 'x' ... 'one' ... [SL0503]"},
         Wrong{"bool x maybe",
               "field 'x' has default value 'maybe', which is neither true nor false [SL0503]"},
-        Wrong{"int8[2] x 1",
-              "field 'x' has default value '1', which is not a list; write [value, "
-              "value] [SL0503]"},
+        Wrong{"int8[2] x 1", "field 'x' ... '1' ... [value, value] ... [SL0503]"},
         Wrong{"int8[2] x [1]",
               "field 'x' has default value '[1]', which has 1 elements; write 2 [SL0503]"},
         Wrong{"int8[<=2] x [1,2,3]",
@@ -139,16 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
               "field 'x' has default value 'abc', which is longer than 2 bytes [SL0503]"},
         Wrong{"Part x 1",
               "field 'x' is a my_msgs/Part, which has no default value; take '1' out [SL0503]"},
-        Wrong{
-            "int8 A=200",
-            "constant 'A' has value '200', which int8 cannot hold; write a whole number from -128 "
-            "to 127 [SL0503]"},
-        Wrong{"string A='x",
-              "constant 'A' has value ''x', which does not end with its quotation mark [SL0503]"},
-        Wrong{"Part A=1",
-              "a constant cannot have type 'Part'; write a number type or string [SL0503]"},
-        Wrong{"int8 =3",
-              "'' is not a name; write a letter followed by letters, digits and '_' [SL0503]"}),
+        Wrong{"int8 A=200",
+              "constant 'A' has value '200', which int8 cannot hold ... -128 to 127 ... [SL0503]"},
+        Wrong{"string A='x", "constant 'A' has value ''x' ... [SL0503]"},
+        Wrong{"Part A=1", "... 'Part' ... [SL0503]"},
+        Wrong{"int8 =3", "'' ... digits and '_' ... [SL0503]"}),
     [](const testing::TestParamInfo<Wrong>& each) { return "row" + std::to_string(each.index); });
 
 }  // namespace

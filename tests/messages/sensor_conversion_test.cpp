@@ -13,6 +13,7 @@
 namespace sensor_conversion_test {
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 using spikeloop::test::error_of;
 using testing::DoubleEq;
@@ -98,16 +99,15 @@ TEST(SensorConversion, strict_names_both_widths) {
     return error_of(
         [&] { conversion("LaserScan", 2, true).convert(scan(std::vector<double>(beams, 1.0))); });
   };
-  EXPECT_EQ(text(3),
-            "a sensor_msgs/LaserScan brought 3 values, but the port has 2 channels; write "
-            "[3] in its connection [SL0505]");
-  EXPECT_EQ(text(1),
-            "a sensor_msgs/LaserScan brought 1 values, but the port has 2 channels; write "
-            "[1] in its connection [SL0505]");
+  EXPECT_THAT(
+      text(3),
+      Fault("a sensor_msgs/LaserScan brought 3 values ... 2 channels ... [3] ... [SL0505]"));
+  EXPECT_THAT(
+      text(1),
+      Fault("a sensor_msgs/LaserScan brought 1 values ... 2 channels ... [1] ... [SL0505]"));
   EXPECT_EQ(text(2), "no error");
-  EXPECT_EQ(error_of([] { conversion("Twist", 3, true); }),
-            "a geometry_msgs/Twist gives 2 values, but the port has 3 channels; write [2] in its "
-            "connection [SL0505]");
+  EXPECT_THAT(error_of([] { conversion("Twist", 3, true); }),
+              Fault("a geometry_msgs/Twist gives 2 values ... 3 channels ... [2] ... [SL0505]"));
   EXPECT_EQ(error_of([] { conversion("Odometry", 2, true); }), "no error");
 }
 
@@ -117,9 +117,8 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   auto cut = scan({2.5});
   cut.resize(20);
   EXPECT_FALSE(c.convert(cut));
-  EXPECT_EQ(c.take_warning(),
-            "a sensor_msgs/LaserScan could not be read and is left out: message of 20 bytes is "
-            "shorter than its type says (at byte 20) [SL0509]");
+  EXPECT_THAT(c.take_warning(),
+              Fault("a sensor_msgs/LaserScan ... message of 20 ... (at byte 20) ... [SL0509]"));
   EXPECT_FALSE(c.convert(scan({2.5}, 4, 4)));
   EXPECT_FALSE(c.convert(scan({2.5}, 4, kNan)));
   EXPECT_EQ(c.take_warning(), "");
@@ -127,9 +126,8 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_EQ(c.counts().malformed, 3u);
   auto other = conversion("LaserScan", 1);
   EXPECT_FALSE(other.convert(scan({2.5}, 4, 4)));
-  EXPECT_EQ(other.take_warning(),
-            "a sensor_msgs/LaserScan could not be read and is left out: its range_min 4 and "
-            "range_max 4 leave no range between them; the driver must set both [SL0509]");
+  EXPECT_THAT(other.take_warning(), Fault("a sensor_msgs/LaserScan ... its range_min 4 and "
+                                          "range_max 4 leave no range between them ... [SL0509]"));
 }
 
 TEST(SensorConversion, twist_is_limited) {
@@ -164,10 +162,8 @@ TEST(SensorConversion, arrays_and_positions_are_raw) {
 }
 
 TEST(SensorConversion, types_without_a_rule_need_fields) {
-  EXPECT_EQ(
-      error_of([] { conversion("std_msgs/Float64", 1); }),
-      "message type std_msgs/Float64 has no usual fields; write in 'fields' the paths of those to "
-      "take [SL0504]");
+  EXPECT_THAT(error_of([] { conversion("std_msgs/Float64", 1); }),
+              Fault("message type std_msgs/Float64 ... 'fields' ... [SL0504]"));
   auto c = conversion("std_msgs/Float64", 1, true, {"data"});
   c.convert(message("std_msgs/Float64", {"data"}, {{42}}));
   EXPECT_THAT(c.channels(), ElementsAre(42));

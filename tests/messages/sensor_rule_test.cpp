@@ -11,10 +11,12 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
+#include "tests/support/fault.hpp"
 
 namespace sensor_rule_test {
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 using spikeloop::images::Channel;
 using spikeloop::images::Size;
@@ -194,9 +196,8 @@ TEST_P(SensorRules, damaged_pictures_change_nothing) {
   auto fields = picture();
   fields[4].numbers = {5};
   EXPECT_FALSE(c.convert(message("sensor_msgs/Image", fields)));
-  EXPECT_EQ(c.take_warning(),
-            "a sensor_msgs/Image could not be read and is left out: its step of 5 bytes is less "
-            "than a row of 2 pixels rgb8, 6 [SL0509]");
+  EXPECT_THAT(c.take_warning(),
+              Fault("a sensor_msgs/Image ... 5 ... 2 pixels rgb8, 6 ... [SL0509]"));
   for (std::size_t size = 0; size < good.size(); ++size) {
     ASSERT_FALSE(c.convert(std::span(good).first(size))) << size;
   }
@@ -295,12 +296,12 @@ TEST_P(SensorRules, clouds_that_contradict_themselves_are_refused) {
             "its points have no 'rings'; did you mean 'ring'? [SL0509]");
   EXPECT_EQ(warning(8, 9), "its 'ring' has datatype 9; PointField has 1 to 8 [SL0509]");
   EXPECT_EQ(warning(7, 15), "its 'ring' at byte 15 lies outside of points of 16 bytes [SL0509]");
-  EXPECT_EQ(warning(7, 4294967295.0),
-            "its 'ring' at byte 4294967295 lies outside of points of 16 bytes [SL0509]");
+  EXPECT_THAT(warning(7, 4294967295.0),
+              Fault("its 'ring' at byte 4294967295 ... 16 bytes ... [SL0509]"));
   EXPECT_EQ(warning(14, 47), "its rows of 47 bytes are shorter than 3 points of 16 bytes [SL0509]");
   EXPECT_EQ(warning(1, 3), "it has 102 bytes, less than 3 x 3 points of 16 bytes [SL0509]");
-  EXPECT_EQ(warning(2, 4294967295.0),
-            "its rows of 51 bytes are shorter than 4294967295 points of 16 bytes [SL0509]");
+  EXPECT_THAT(warning(2, 4294967295.0),
+              Fault("... 51 ... 4294967295 points of 16 bytes ... [SL0509]"));
   const auto good = message("sensor_msgs/PointCloud2", cloud(false));
   auto c = conversion("sensor_msgs/PointCloud2", {.fields = {{.path = "points.x"}}}, 6);
   // Of is_dense, the last byte, nothing is taken.
@@ -310,17 +311,16 @@ TEST_P(SensorRules, clouds_that_contradict_themselves_are_refused) {
 }
 
 TEST_P(SensorRules, what_is_wrong_is_said) {
-  EXPECT_EQ(error_of("sensor_msgs/LaserScan", {.image = spikeloop::images::ImageSettings{}}),
-            "'image' is for sensor_msgs/Image and sensor_msgs/CompressedImage, not for "
-            "sensor_msgs/LaserScan; write 'fields' with the fields to take [SL0504]");
+  EXPECT_THAT(error_of("sensor_msgs/LaserScan", {.image = spikeloop::images::ImageSettings{}}),
+              Fault("'image' is for sensor_msgs/Image and sensor_msgs/CompressedImage, not for "
+                    "sensor_msgs/LaserScan; write 'fields' ... [SL0504]"));
   SensorRule small;
   small.image.emplace().resize = Size{4, 3};
-  EXPECT_EQ(error_of("sensor_msgs/Image", small, 10),
-            "a sensor_msgs/Image gives 12 values, but the port has 10 channels; write [12] in its "
-            "connection [SL0505]");
-  EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[2:5]"}), 2),
-            "a sensor_msgs/PointCloud2 gives 3 values, but the port has 2 channels; write [3] in "
-            "its connection [SL0505]");
+  EXPECT_THAT(error_of("sensor_msgs/Image", small, 10),
+              Fault("a sensor_msgs/Image gives 12 values ... 10 channels ... [12] ... [SL0505]"));
+  EXPECT_THAT(
+      error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[2:5]"}), 2),
+      Fault("a sensor_msgs/PointCloud2 gives 3 values ... 2 channels ... [3] ... [SL0505]"));
   for (const char* path :
        {"points.", "points.[1]", "points.x[]", "points.x[2", "points.x[a]", "points.x[3:3]"}) {
     EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({path})),
@@ -328,9 +328,9 @@ TEST_P(SensorRules, what_is_wrong_is_said) {
                   "' of sensor_msgs/PointCloud2: it selects nothing; write points.NAME, "
                   "points.NAME[index] or points.NAME[first:end] [SL0504]");
   }
-  EXPECT_EQ(error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[0:4294967295]"})),
-            "field path 'points.x[0:4294967295]' of sensor_msgs/PointCloud2: '[0:4294967295]' "
-            "reaches beyond the first 16777216 elements; no path takes more [SL0504]");
+  EXPECT_THAT(error_of("sensor_msgs/PointCloud2", plain_fields({"points.x[0:4294967295]"})),
+              Fault("field path 'points.x[0:4294967295]' of sensor_msgs/PointCloud2: "
+                    "'[0:4294967295]' ... 16777216 elements ... [SL0504]"));
   EXPECT_EQ(error_of("sensor_msgs/LaserScan", plain_fields({"range"})).substr(0, 84),
             "field path 'range' of sensor_msgs/LaserScan: sensor_msgs/LaserScan has no field 'ran");
 }

@@ -91,12 +91,11 @@ TEST(Function, InputsThatAreNoNumbersAreHeld) {
 }
 
 TEST(Function, WhatDoesNotFitIsRefused) {
-  EXPECT_EQ(message_of([] { function("x0; x1; 1", 2, 2); }),
-            "test.yaml:7:3: key 'function': there are 3 expressions, but port 'out' has 2 "
-            "channels; write one an output, separated by ';' [SL0306]");
-  EXPECT_EQ(message_of([] { function("x0 +", 2, 1); }),
-            "test.yaml:7:3: key 'function': 'x0 +', character 4: there is no value behind '+'; "
-            "write one [SL0209]");
+  EXPECT_THAT(message_of([] { function("x0; x1; 1", 2, 2); }),
+              Fault("test.yaml:7:3: key 'function': there are 3 expressions, but port 'out' has 2 "
+                    "channels ... separated by ';' ... [SL0306]"));
+  EXPECT_THAT(message_of([] { function("x0 +", 2, 1); }),
+              Fault("test.yaml:7:3: key 'function': 'x0 +', character 4: ... '+' ... [SL0209]"));
   EXPECT_EQ(message_of([] {
               NodeHarness("function", {1, 1});
             }),

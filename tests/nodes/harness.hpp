@@ -18,8 +18,11 @@
 #include "spikeloop/core/node.hpp"
 #include "spikeloop/core/registry.hpp"
 #include "spikeloop/nodes/register.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::testing {
+
+using test::Fault;
 
 inline constexpr TimeNs kMs = 1'000'000;
 

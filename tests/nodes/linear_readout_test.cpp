@@ -220,11 +220,10 @@ TEST(LinearReadout, Defect6MoreInputsThanOutputsAndForeignChannels) {
 }
 
 TEST(LinearReadout, TauIsChecked) {
-  EXPECT_EQ(message_of([] {
-              NodeHarness("linear_readout", {1, 1}, {.keys = {{"tau", "0 s"}}});
-            }),
-            "test.yaml:7:3: key 'tau': 0 is out of bounds; write a value from 1e-06 to 1000000 s "
-            "[SL0203]");
+  EXPECT_THAT(message_of([] {
+                NodeHarness("linear_readout", {1, 1}, {.keys = {{"tau", "0 s"}}});
+              }),
+              Fault("test.yaml:7:3: key 'tau': 0 ... 1e-06 to 1000000 s ... [SL0203]"));
 }
 
 }  // namespace

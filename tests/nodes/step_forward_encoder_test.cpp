@@ -222,21 +222,19 @@ TEST(StepForwardEncoder, WhatDoesNotFitIsRefused) {
             }),
             "port 'in' has 3 channels and port 'out' 3; write [6] in the connection of 'out': up "
             "and down of each value [SL0306]");
-  EXPECT_EQ(message_of([] {
-              encoder({{"threshold", "0"}});
-            }),
-            "test.yaml:7:3: key 'threshold': 0 is out of bounds; write a value from 1e-09 to "
-            "1000000000 [SL0203]");
-  EXPECT_EQ(message_of([] {
-              encoder({{"min_interval", "0"}});
-            }),
-            "test.yaml:7:3: key 'min_interval': 0 is out of bounds; write a value from 1e-06 to "
-            "1000 s [SL0203]");
-  EXPECT_EQ(message_of([] {
-              encoder({{"initial_base", "first"}});
-            }),
-            "test.yaml:7:3: key 'initial_base': 'first' is neither a number nor 'none'; write a "
-            "value, or none for each channel's first value [SL0201]");
+  EXPECT_THAT(message_of([] {
+                encoder({{"threshold", "0"}});
+              }),
+              Fault("test.yaml:7:3: key 'threshold': 0 ... 1e-09 to 1000000000 ... [SL0203]"));
+  EXPECT_THAT(message_of([] {
+                encoder({{"min_interval", "0"}});
+              }),
+              Fault("test.yaml:7:3: key 'min_interval': 0 ... 1e-06 to 1000 s ... [SL0203]"));
+  EXPECT_THAT(message_of([] {
+                encoder({{"initial_base", "first"}});
+              }),
+              Fault("test.yaml:7:3: key 'initial_base': 'first' ... 'none' ... or none for each "
+                    "channel's first value ... [SL0201]"));
 }
 
 }  // namespace

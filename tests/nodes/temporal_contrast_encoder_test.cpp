@@ -110,16 +110,14 @@ TEST(TemporalContrastEncoder, NumbersThatAreNoneAreNoValues) {
 }
 
 TEST(TemporalContrastEncoder, WhatDoesNotFitIsRefused) {
-  EXPECT_EQ(message_of([] {
-              NodeHarness("temporal_contrast_encoder", {2, 3});
-            }),
-            "port 'in' has 2 channels and port 'out' 3; write [4] in the connection of 'out': up "
-            "and down of each value [SL0306]");
-  EXPECT_EQ(message_of([] {
-              encoder({{"threshold", "-0.1"}});
-            }),
-            "test.yaml:7:3: key 'threshold': -0.1 is out of bounds; write a value from 0 to "
-            "1000000000 [SL0203]");
+  EXPECT_THAT(message_of([] {
+                NodeHarness("temporal_contrast_encoder", {2, 3});
+              }),
+              Fault("port 'in' has 2 ... 'out' 3 ... [4] ... 'out': ... [SL0306]"));
+  EXPECT_THAT(message_of([] {
+                encoder({{"threshold", "-0.1"}});
+              }),
+              Fault("test.yaml:7:3: key 'threshold': -0.1 ... 0 to 1000000000 ... [SL0203]"));
 }
 
 }  // namespace

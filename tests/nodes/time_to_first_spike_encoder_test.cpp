@@ -155,18 +155,15 @@ TEST(TimeToFirstSpikeEncoder, WhatDoesNotFitIsRefused) {
   EXPECT_EQ(failure({{"period", "20 ms"}}),
             "test.yaml:7:3: key 't_max': 0.05 is above period, 0.02; write t_max at most period "
             "[SL0206]");
-  EXPECT_EQ(failure({{"t_min", "0"}}),
-            "test.yaml:7:3: key 't_min': 0 is out of bounds; write a value from 1e-06 to 1000000 "
-            "s [SL0203]");
-  EXPECT_EQ(failure({{"period", "0"}}),
-            "test.yaml:7:3: key 'period': 0 is out of bounds; write a value from 1e-05 to 1000000 "
-            "s [SL0203]");
-  EXPECT_EQ(failure({{"threshold", "low"}}),
-            "test.yaml:7:3: key 'threshold': 'low' is neither a number nor 'none'; write a value "
-            "from -1 to 1, or none for a spike of every value [SL0201]");
-  EXPECT_EQ(failure({{"initial", "2"}}),
-            "test.yaml:7:3: key 'initial': 2 is out of bounds; write a value from -1 to 1, or none "
-            "for silence until the first input [SL0203]");
+  EXPECT_THAT(failure({{"t_min", "0"}}),
+              Fault("test.yaml:7:3: key 't_min': 0 ... 1e-06 to 1000000 s ... [SL0203]"));
+  EXPECT_THAT(failure({{"period", "0"}}),
+              Fault("test.yaml:7:3: key 'period': 0 ... 1e-05 to 1000000 s ... [SL0203]"));
+  EXPECT_THAT(failure({{"threshold", "low"}}),
+              Fault("test.yaml:7:3: key 'threshold': 'low' ... 'none' ... -1 to 1, or none for a "
+                    "spike of every value ... [SL0201]"));
+  EXPECT_THAT(failure({{"initial", "2"}}),
+              Fault("test.yaml:7:3: key 'initial': 2 ... -1 to 1 ... [SL0203]"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "spikeloop/core/error.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 
