@@ -11,11 +11,13 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/error.hpp"
 #include "tests/bag/ros1_text.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop {
 namespace {
 
+using test::Fault;
 using testing::AllOf;
 using testing::AnyOf;
 using testing::EndsWith;
@@ -170,13 +172,13 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
 TEST_F(BagFaults, FoldersOfRecordings) {
   const std::string folder = "'" + path("drive") + "' is a folder";
   std::filesystem::create_directory(path("drive"));
-  EXPECT_EQ(reading("drive"), folder + "; write the path of a .mcap or .bag file [SL0109]");
+  EXPECT_THAT(reading("drive"), Fault(folder + "... .mcap or .bag file ... [SL0109]"));
   directory_.write("drive/drive_0.db3", "SQLite format 3");
-  EXPECT_EQ(reading("drive"),
-            folder +
-                " with a recording in SQLite, which is not read; 'ros2 bag convert' writes "
-                "MCAP, and so does 'ros2 bag record --storage mcap'; write the path of a "
-                ".mcap or .bag file [SL0109]");
+  EXPECT_THAT(
+      reading("drive"),
+      Fault(folder +
+            " with a recording in SQLite, which is not read; 'ros2 bag convert' writes MCAP, and "
+            "so does 'ros2 bag record --storage mcap' ... .mcap or .bag file ... [SL0109]"));
   directory_.write("drive/drive_0.mcap", "");
   EXPECT_EQ(reading("drive"), folder + "; write the path of the recording in it: " +
                                   path("drive/drive_0.mcap") + " [SL0109]");

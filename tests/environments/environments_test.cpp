@@ -11,10 +11,12 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/environments/environment.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::environments {
 namespace {
 
+using test::Fault;
 using testing::ElementsAre;
 
 std::vector<double> observed(const Environment& environment) {
@@ -116,9 +118,9 @@ TEST(Make, BeginsWithEpisode0OfSeed0) {
 TEST(Make, NamesWhatThereIs) {
   EXPECT_EQ(message([] { make("mountin_car"); }),
             "there is no environment 'mountin_car'; did you mean 'mountain_car'? [SL0205]");
-  EXPECT_EQ(message([] { make("pendulum"); }),
-            "there is no environment 'pendulum'; known: cart_pole, frozen_lake, mountain_car, "
-            "water_maze [SL0205]");
+  EXPECT_THAT(
+      message([] { make("pendulum"); }),
+      Fault("... 'pendulum' ... cart_pole, frozen_lake, mountain_car, water_maze ... [SL0205]"));
 }
 
 TEST(Reset, IsAFunctionOfSeedAndEpisode) {
@@ -439,31 +441,27 @@ TEST(Action, IsRoundedToTheNearestWholeNumber) {
 TEST(Action, ThatDoesNotExistIsAnError) {
   const auto car = make("mountain_car");
   const auto before = observed(*car);
-  EXPECT_EQ(message([&] { car->step(3); }),
-            "environment 'mountain_car': there is no action 3; send a whole number from 0 to 2 "
-            "[SL0203]");
-  EXPECT_EQ(message([&] { car->step(-0.5); }),
-            "environment 'mountain_car': there is no action -0.5; send a whole number from 0 to 2 "
-            "[SL0203]");
-  EXPECT_EQ(message([&] { car->step(1e300); }),
-            "environment 'mountain_car': there is no action 1e+300; send a whole number from 0 to "
-            "2 [SL0203]");
-  EXPECT_EQ(message([&] { car->step(2.5); }),
-            "environment 'mountain_car': there is no action 2.5; send a whole number from 0 to 2 "
-            "[SL0203]");
+  EXPECT_THAT(message([&] { car->step(3); }),
+              Fault("environment 'mountain_car': there is no action 3 ... 0 to 2 ... [SL0203]"));
+  EXPECT_THAT(message([&] { car->step(-0.5); }),
+              Fault("environment 'mountain_car': ... -0.5 ... 0 to 2 ... [SL0203]"));
+  EXPECT_THAT(message([&] { car->step(1e300); }),
+              Fault("environment 'mountain_car': ... 1e+300 ... 0 to 2 ... [SL0203]"));
+  EXPECT_THAT(message([&] { car->step(2.5); }),
+              Fault("environment 'mountain_car': ... 2.5 ... 0 to 2 ... [SL0203]"));
   EXPECT_EQ(observed(*car), before);
 }
 
 TEST(Action, ThatIsNotFiniteIsAnError) {
   const auto cart = make("cart_pole");
-  EXPECT_EQ(message([&] { cart->step(std::numeric_limits<double>::quiet_NaN()); }),
-            "environment 'cart_pole': action nan is not a finite number; send a value from 0 to 1 "
-            "[SL0201]");
+  EXPECT_THAT(
+      message([&] { cart->step(std::numeric_limits<double>::quiet_NaN()); }),
+      Fault("environment 'cart_pole': action nan ... send a value from 0 to 1 ... [SL0201]"));
   const auto maze = make("water_maze");
   const auto before = observed(*maze);
-  EXPECT_EQ(message([&] { maze->step(-std::numeric_limits<double>::infinity()); }),
-            "environment 'water_maze': action -inf is not a finite number; send a value from "
-            "-3.141592653589793 to 3.141592653589793 [SL0201]");
+  EXPECT_THAT(message([&] { maze->step(-std::numeric_limits<double>::infinity()); }),
+              Fault("environment 'water_maze': action -inf ... -3.141592653589793 to "
+                    "3.141592653589793 ... [SL0201]"));
   EXPECT_EQ(observed(*maze), before);
 }
 

@@ -4,6 +4,7 @@
 #include "spikeloop/experiment/music_job.hpp"
 #include "spikeloop/experiment/safety.hpp"
 #include "tests/experiment/wrong_file.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -63,15 +64,14 @@ TEST_F(Events, ARegionSaysTheWidth) {
 TEST_F(Events, WhatIsWrongIsSaid) {
   EXPECT_THAT(
       faults(events(", roi: [0, 0, 4]")),
-      ElementsAre("x.yaml:4:76: key 'roi': '[0,0,4]' is not a list of 4; write  roi: [100, 60, "
-                  "128, 128] [SL0105]"));
-  EXPECT_THAT(
-      faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
-      ElementsAre("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels (polarity=both, "
-                  "downsample=2), but the port has 48; write [4] in its connection [SL0505]"));
+      ElementsAre(Fault(
+          "x.yaml:4:76: key 'roi': '[0,0,4]' ... 4 ... roi: [100, 60, 128, 128] ... [SL0105]")));
+  EXPECT_THAT(faults(events(", roi: [0, 0, 4, 4], downsample: 2")),
+              ElementsAre(Fault("x.yaml:8:12: a region of 4 x 4 pixels makes 4 channels "
+                                "(polarity=both, downsample=2) ... 48 ... [4] ... [SL0505]")));
   EXPECT_THAT(faults(events(", polarity: spilt")),
-              ElementsAre("x.yaml:4:81: key 'polarity': 'spilt' is not a choice; did you mean "
-                          "'split'?; write one of: both, on, off, split [SL0205]"));
+              ElementsAre(Fault("x.yaml:4:81: key 'polarity': 'spilt' ... 'split' ... both, on, "
+                                "off, split ... [SL0205]")));
   EXPECT_THAT(faults(events(", latency: 20")),
               ElementsAre("x.yaml:4:80: node 'eye': key 'latency': 20 has no unit; write for "
                           "example  latency: 20 ms [SL0202]"));
@@ -82,21 +82,21 @@ TEST_F(Events, WhatIsWrongIsSaid) {
   scan.replace(scan.find("EventPacket"), 11, "LaserScan");
   EXPECT_THAT(
       faults(scan),
-      ElementsAre("x.yaml:4:58: message type 'sensor_msgs/LaserScan' has no events of a "
-                  "camera; known: dvs_msgs/EventArray, event_camera_msgs/EventPacket [SL0504]"));
+      ElementsAre(Fault("x.yaml:4:58: message type 'sensor_msgs/LaserScan' ... "
+                        "dvs_msgs/EventArray, event_camera_msgs/EventPacket ... [SL0504]")));
 }
 
 TEST_F(Events, SomebodyMustSendThem) {
   const auto rest = testing::HasSubstr("/go");  // nobody takes commands there, either
   EXPECT_THAT(
       faults(events("", " [48]", "robot: {simulator: mujoco}")),
-      ElementsAre("x.yaml:4:40: key 'topic': the robot in this process has no event camera that "
-                  "sends /events; write  ros: 2  for one that has, or take the changes of its "
-                  "pictures (docs/images.md, \"Events from frames\") [SL0507]",
-                  rest));
+      ElementsAre(
+          Fault("x.yaml:4:40: key 'topic': ... /events ... ros: 2  for one that has, or take the "
+                "changes of its pictures (docs/images.md, \"Events from frames\") ... [SL0507]"),
+          rest));
   EXPECT_THAT(faults(events("", " [48]", "seed: 1")),
-              ElementsAre("x.yaml:4:3: node 'eye': no robot provides topic "
-                          "/events; write  ros: 2, or  robot: {simulator: mujoco} [SL0507]",
+              ElementsAre(Fault("x.yaml:4:3: node 'eye': ... /events ... ros: 2, or  robot: "
+                                "{simulator: mujoco} ... [SL0507]"),
                           rest));
 }
 

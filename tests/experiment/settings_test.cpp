@@ -3,6 +3,7 @@
 
 #include "spikeloop/experiment/layout.hpp"
 #include "tests/experiment/experiment_text.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -79,27 +80,27 @@ TEST_F(SettingsTest, ReachIntoMapsAndListsAndMayReplaceThem) {
 }
 
 TEST_F(SettingsTest, ErrorsNameTheOptionInPlaceOfALine) {
-  EXPECT_THAT(read_with({"encoder.rate_max=200 mV"}).faults,
-              ElementsAre("--set encoder.rate_max: key 'rate_max': '200 mV': 'mV' is not a unit of "
-                          "frequency here; write one of: Hz, kHz, MHz [SL0202]"));
+  EXPECT_THAT(
+      read_with({"encoder.rate_max=200 mV"}).faults,
+      ElementsAre(Fault(
+          "--set encoder.rate_max: key 'rate_max': '200 mV': 'mV' ... Hz, kHz, MHz ... [SL0202]")));
   EXPECT_THAT(read_with({"encoder.rate_mux=200 Hz"}).faults,
               ElementsAre("--set encoder.rate_mux: node 'encoder': unknown key 'rate_mux'; did you "
                           "mean 'rate_max'? [SL0103]"));
-  EXPECT_THAT(read_with({"duration=0.5 ms"}).faults,
-              ElementsAre(StartsWith("--set duration: key 'duration': 500 us is not a whole "
-                                     "number of ticks of 1 ms; write ")));
+  EXPECT_THAT(
+      read_with({"duration=0.5 ms"}).faults,
+      ElementsAre(Fault("--set duration: key 'duration': 500 us ... 1 ms ... [SL0207] ...")));
   EXPECT_THAT(read_with({"encodr.rate_max=1 Hz"}).faults,
-              ElementsAre("--set encodr.rate_max: there is no node or key 'encodr'; did you mean "
-                          "'encoder'? [SL0301]"));
+              ElementsAre(Fault("--set encodr.rate_max: ... 'encodr' ... 'encoder' ... [SL0301]")));
   EXPECT_THAT(read_with({"sead=1"}).faults,
-              ElementsAre("--set sead: there is no node or key 'sead'; did you mean 'seed'? "
-                          "[SL0301]"));
+              ElementsAre(Fault("--set sead: ... 'sead' ... 'seed' ... [SL0301]")));
   EXPECT_THAT(read_with({"encoder.rate_max.low=1 Hz"}).faults,
               ElementsAre("--set encoder.rate_max.low: there is no 'low' in the value '200 Hz'; "
                           "write the whole value, as a map or a list [SL0105]"));
-  EXPECT_THAT(read_with({"decoder.weights=[[1, 0, 0], [0, 1, 0]]", "decoder.weights.2.0=1"}).faults,
-              ElementsAre("--set decoder.weights.2.0: '2' is not an entry of a list of 2; write a "
-                          "number from 0 to 1 [SL0203]"));
+  EXPECT_THAT(
+      read_with({"decoder.weights=[[1, 0, 0], [0, 1, 0]]", "decoder.weights.2.0=1"}).faults,
+      ElementsAre(
+          Fault("--set decoder.weights.2.0: '2' ... 2; write a number from 0 to 1 ... [SL0203]")));
   EXPECT_THAT(read_with({"encoder=[1"}).faults,
               ElementsAre(StartsWith("--set encoder:1:1: this is not YAML: ")));
 }

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::launch {
 namespace {
 
+using test::Fault;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -40,10 +42,9 @@ TEST(CheckPrograms, NamesTheProgramThatIsMissing) {
   EXPECT_THAT(program_problems("[a]\nbinary=mybrainx\n", "/"),
               ElementsAre("loop.music:2:1: section 'a': there is no program 'mybrainx' in PATH; "
                           "install it, or write its path (./mybrainx) [SL0603]"));
-  EXPECT_THAT(
-      program_problems("[a]\nbinary=launch_testz\n", "/"),
-      ElementsAre("loop.music:2:1: section 'a': there is no program 'launch_testz' in PATH; "
-                  "did you mean 'launch_tests'? [SL0603]"));
+  EXPECT_THAT(program_problems("[a]\nbinary=launch_testz\n", "/"),
+              ElementsAre(Fault("loop.music:2:1: section 'a': ... 'launch_testz' in PATH ... "
+                                "'launch_tests' ... [SL0603]")));
   const test::TemporaryDirectory directory;
   const std::string here = directory.path().string();
   EXPECT_THAT(
@@ -88,10 +89,9 @@ TEST(CheckPrograms, LooksIntoScripts) {
   EXPECT_EQ(script_problem("#!/bin/sh\r\n"),
             "loop.music:2:1: section 'a': the first line of './x' ends as on Windows, and its "
             "interpreter will not be found; write  sed -i 's/\\r$//' ./x [SL0603]");
-  EXPECT_EQ(
-      script_problem("#!/usr/bin/python7\n"),
-      "loop.music:2:1: section 'a': the first line of './x' names '/usr/bin/python7', which is "
-      "not there; install it, or write '#!/usr/bin/python3' [SL0603]");
+  EXPECT_THAT(script_problem("#!/usr/bin/python7\n"),
+              Fault("loop.music:2:1: section 'a': ... './x' names '/usr/bin/python7', which is not "
+                    "there; install it ... '#!/usr/bin/python3' ... [SL0603]"));
   EXPECT_THAT(script_problem("#!\n"), HasSubstr("names '', which is not there"));
 }
 
@@ -127,10 +127,8 @@ TEST(CheckTogether, OneTick) {
 
 TEST(CheckTogether, OneLength) {
   const std::string text = std::string(kTwo) + "stoptime=2\n";
-  EXPECT_THAT(
-      warnings(together(text)),
-      ElementsAre("f:8:1: 'b' runs for 2 s, but 'a' without end; write one stoptime at the top "
-                  "of the file [SL0602]"));
+  EXPECT_THAT(warnings(together(text)),
+              ElementsAre(Fault("f:8:1: 'b' runs for 2 s, but 'a' without end ... [SL0602]")));
   EXPECT_THAT(texts(together(text)), IsEmpty());
   RunOptions options;
   options.strict = true;
@@ -140,24 +138,22 @@ TEST(CheckTogether, OneLength) {
 }
 
 TEST(CheckTogether, ARunHasAtLeastATick) {
-  EXPECT_THAT(texts(together("stoptime=0.001\nmusic_timestep=0.01\n" + std::string(kTwo))),
-              ElementsAre("f:1:1: 'a' runs for 1 ms, less than its tick of 10 ms; write a longer "
-                          "stoptime, or a shorter music_timestep [SL0203]",
-                          "f:1:1: 'b' runs for 1 ms, less than its tick of 10 ms; write a longer "
-                          "stoptime, or a shorter music_timestep [SL0203]"));
+  EXPECT_THAT(
+      texts(together("stoptime=0.001\nmusic_timestep=0.01\n" + std::string(kTwo))),
+      ElementsAre("f:1:1: 'a' runs for 1 ms, less than its tick of 10 ms; write a longer "
+                  "stoptime, or a shorter music_timestep [SL0203]",
+                  Fault("f:1:1: 'b' runs for 1 ms ... 10 ms ... music_timestep ... [SL0203]")));
 }
 
 TEST(CheckTogether, NoTimeIsTooShort) {
   EXPECT_THAT(texts(together("stoptime=0\n" + std::string(kTwo))),
-              Contains("f:1:1: 'a' runs for 0 s, less than its tick of 1 ms; write a longer "
-                       "stoptime, or a shorter music_timestep [SL0203]"));
+              Contains(Fault("f:1:1: 'a' runs for 0 s ... 1 ms ... music_timestep ... [SL0203]")));
 }
 
 TEST(CheckTogether, OneBarrier) {
-  EXPECT_THAT(
-      texts(together(std::string(kTwo) + "barrier=false\n")),
-      ElementsAre("f:8:1: 'a' waits at the barrier before the first tick, 'b' does not, and "
-                  "the job would hang; write one  barrier=  at the top of the file [SL0602]"));
+  EXPECT_THAT(texts(together(std::string(kTwo) + "barrier=false\n")),
+              ElementsAre(Fault("f:8:1: 'a' waits at the barrier before the first tick, 'b' does "
+                                "not, and the job would hang; write one  barrier= ... [SL0602]")));
 }
 
 TEST(CheckTogether, AnOptionIsNoLineOfTheFile) {
@@ -184,11 +180,11 @@ TEST(CheckTogether, TwoThatPublishAtOnePlace) {
            "a.out -> b.in [3]\na.out -> c.in [3]\n";
   };
   EXPECT_THAT(warnings(together(two("binary=ros_command_adapter\nros_topic=/go\n"))),
-              ElementsAre("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in turn; "
-                          "write another ros_topic in one of them [SL0506]"));
+              ElementsAre(Fault("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in "
+                                "turn; write another ros_topic ... [SL0506]")));
   EXPECT_THAT(texts(together(two("binary=cont_zmq_adapter\n"))),
-              ElementsAre("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which only one "
-                          "program can; write another zmq_addr in one of them [SL0506]"));
+              ElementsAre(Fault("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which "
+                                "only one program can; write another zmq_addr ... [SL0506]")));
 }
 
 TEST(CheckTogether, OtherSpellingsOfOnePlace) {
@@ -218,15 +214,15 @@ TEST(CheckTogether, OneNameANode) {
   const std::string text =
       "[a]\nnp=1\nbinary=ros_sensor_adapter\nros_topic=/s\nros_node_name=n\n"
       "[b]\nnp=1\nbinary=cont_ros_adapter\nros_node_name=n\na.out -> b.in [3]\n";
-  EXPECT_THAT(texts(together(text)),
-              ElementsAre("f:9:1: 'a' and 'b' have the ros_node_name n, and ROS would end the one "
-                          "that comes first; write another ros_node_name in one of them [SL0506]"));
+  EXPECT_THAT(
+      texts(together(text)),
+      ElementsAre(Fault("f:9:1: 'a' and 'b' have the ros_node_name n, and ROS would end the one "
+                        "that comes first; write another ros_node_name ... [SL0506]")));
 }
 
 TEST(CheckTogether, AMisspeltKeyAtTheTop) {
   EXPECT_THAT(warnings(together("stoptim=4\nmine=3\n" + std::string(kTwo))),
-              ElementsAre("f:1:1: unknown key 'stoptim' at the top of the file; did you mean "
-                          "'stoptime'?; it is ignored [SL0103]"));
+              ElementsAre(Fault("f:1:1: unknown key 'stoptim' ... 'stoptime' ... [SL0103]")));
   EXPECT_THAT(warnings(together(
                   "stoptim=4\n[a]\nnp=1\nbinary=./x\n[b]\nnp=1\nbinary=./y\na.o -> b.i [3]\n")),
               IsEmpty())
@@ -265,11 +261,9 @@ TEST(CheckTogether, SeveralSendingProcesses) {
 
 TEST(CheckTogether, OdditiesOfTheText) {
   const std::string text = std::string(kTwo) + "np=1\n[a]\n";
-  EXPECT_THAT(
-      warnings(together(text)),
-      ElementsAre("f:8:1: duplicate key 'np'; the first is at f:5:1; the last one holds [SL0102]",
-                  "f:9:1: the section '[a]' was opened in line 1 already, and MUSIC takes both "
-                  "for one; write it once [SL0107]"));
+  EXPECT_THAT(warnings(together(text)),
+              ElementsAre(Fault("f:8:1: duplicate key 'np' ... :5:1 ... [SL0102]"),
+                          Fault("f:9:1: the section '[a]' ... 1 already, and MUSIC ... [SL0107]")));
   EXPECT_EQ(texts(together("strict=true\n" + text)).size(), 2U);
 }
 
