@@ -105,13 +105,12 @@ TEST(TimeToFirstSpikeEncoder, ValuesOutsideTheRangeFollowThePolicy) {
   EXPECT_NEAR(static_cast<double>(passed.times(1)[0]), latency(-1.5), 0.51);
   EXPECT_EQ(passed.times(2), std::vector<TimeNs>{1'000}) << "not before 1 us";
   EXPECT_EQ(passed.times(3), std::vector<TimeNs>{100 * kMs}) << "not after the window";
-  EXPECT_EQ(message_of([] {
-              NodeHarness strict = encoder({{"out_of_range", "error"}});
-              strict.set_input({2});
-              strict.step(kMs);
-            }),
-            "input channel 0 has the value 2, outside [-1, 1]; scale the signal before this node, "
-            "or write out_of_range = clip");
+  EXPECT_THAT(message_of([] {
+                NodeHarness strict = encoder({{"out_of_range", "error"}});
+                strict.set_input({2});
+                strict.step(kMs);
+              }),
+              Fault("input channel 0 has the value 2 ... [-1, 1] ... out_of_range = clip"));
 }
 
 TEST(TimeToFirstSpikeEncoder, NumbersThatAreNoneAreHeld) {

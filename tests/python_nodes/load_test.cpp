@@ -4,10 +4,12 @@
 #include <filesystem>
 
 #include "python_file.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::testing {
 namespace {
 
+using test::Fault;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -69,9 +71,8 @@ TEST(PythonFileTest, SaysWhatIsWrongWithIt) {
   EXPECT_EQ(refusal(node + "\n" + node),
             "plug-in 'nodes.py': lines 3 and 6 both define the node 'it'; give one another name, "
             "with @spikeloop.node(name=...) [SL0402]");
-  EXPECT_EQ(refusal("raise SystemExit('enough')\n"),
-            "nodes.py:3: SystemExit: enough; a node must not end the program: raise another "
-            "exception [SL0402]");
+  EXPECT_THAT(refusal("raise SystemExit('enough')\n"),
+              Fault("nodes.py:3: SystemExit: enough ... [SL0402]"));
   EXPECT_EQ(refusal("raise KeyboardInterrupt\n"), "nodes.py:3: KeyboardInterrupt [SL0402]");
   EXPECT_THAT(refusal("x = '\xff'\n"), StartsWith("nodes.py:3: SyntaxError: (unicode error)"));
   EXPECT_EQ(refusal("@spikeloop.node\nclass It:\n    pass\n"),
@@ -81,8 +82,8 @@ TEST(PythonFileTest, SaysWhatIsWrongWithIt) {
 TEST(PythonFileTest, AFileThatCannotBeReadOrIsNamedAsAModule) {
   use_python_library();
   Registry registry;
-  EXPECT_EQ(message_of([&] { registry.load_plugin("/nowhere/x.py"); }),
-            "plug-in '/nowhere/x.py': cannot be read: No such file or directory [SL0402]");
+  EXPECT_THAT(message_of([&] { registry.load_plugin("/nowhere/x.py"); }),
+              Fault("plug-in '/nowhere/x.py': ... [SL0402]"));
   EXPECT_EQ(message_of([&] { registry.load_plugin("random.py"); }),
             "plug-in 'random.py': has the name of Python's own module 'random', which it would "
             "hide; rename it, for example to random_node.py [SL0402]");
@@ -115,7 +116,7 @@ TEST(PythonFileTest, TheSameNameTwiceIsRefused) {
   Registry registry;
   EXPECT_THAT(registry.load_plugin(ENCODER_FILE), ElementsAre("my_rate_encoder"));
   EXPECT_THAT(message_of([&] { registry.load_plugin(ENCODER_FILE); }),
-              HasSubstr("there is already a node class 'my_rate_encoder'; give it another name"));
+              Fault("... 'my_rate_encoder' ... [SL0107] ..."));
 }
 
 TEST(PythonFileTest, ADirectoryMayHoldFilesThatAreNoNodes) {

@@ -6,11 +6,13 @@
 #include <stdexcept>
 
 #include "spikeloop/core/error.hpp"
+#include "tests/support/fault.hpp"
 #include "worlds.hpp"
 
 namespace spikeloop::vehicle {
 namespace {
 
+using test::Fault;
 using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
@@ -59,13 +61,13 @@ const std::string kIncludeRemedy =
     "include the shipped vehicle: <include file=\"spikeloop_vehicle.xml\"/>";
 
 TEST(WorldErrors, MissingFile) {
-  EXPECT_EQ(message<FileError>("/nowhere/arena.xml"),
-            "cannot open world '/nowhere/arena.xml': No such file or directory [SL0109]");
+  EXPECT_THAT(message<FileError>("/nowhere/arena.xml"),
+              Fault("cannot open world '/nowhere/arena.xml': ... [SL0109]"));
   EXPECT_THAT(message<FileError>("arenna.xml"),
               AllOf(StartsWith("cannot find world 'arenna.xml': no such file here, nor in /"),
                     HasSubstr("share/spikeloop/worlds"),
-                    EndsWith("; write the path of an MJCF file, or arena, phototaxis, t_maze or "
-                             "lane for a shipped world [SL0108]")));
+                    Fault("... MJCF file, or arena, phototaxis, t_maze or lane for a shipped world "
+                          "... [SL0108]")));
 }
 
 TEST(WorldErrors, ADirectoryIsNoWorld) {
@@ -102,10 +104,10 @@ TEST(WorldErrors, WithPartsOfTheRobotMissing) {
             "has no numeric 'laser'; write <custom><numeric name=\"laser\" data=\"...\"/></custom> "
             "with 6 numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and "
             "largest range (m, rising), scans per second [SL0801]");
-  EXPECT_EQ(complaint_of_vehicle("data=\"100 -1.5", "data=\"0.5 -1.5"),
-            "numeric 'laser' is \"0.5 -1.5707963267948966 1.5707963267948966 0.05 5 20\"; write 6 "
-            "numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and largest "
-            "range (m, rising), scans per second [SL0801]");
+  EXPECT_THAT(
+      complaint_of_vehicle("data=\"100 -1.5", "data=\"0.5 -1.5"),
+      Fault("numeric 'laser' is \"0.5 -1.5707963267948966 1.5707963267948966 0.05 5 20\"; write 6 "
+            "numbers: beams (2 to 10000) ... (rad, rising) ... (m, rising) ... [SL0801]"));
   EXPECT_EQ(
       complaint_of_vehicle("data=\"1.0 3.0", "data=\"1.0 -3.0"),
       "numeric 'command_limits' is \"1 -3 4 20\"; write 4 numbers: largest speed (m/s), yaw "
@@ -178,11 +180,10 @@ TEST(WorldErrors, PhotodiodesAreNeededWhereThereAreLamps) {
   const std::string numerics = kArena + kStart + R"(<numeric name="lamp_1" data="1"/>)";
   const std::string world =
       directory.write("world.xml", mjcf(numerics, kFloor + R"(<site name="lamp_1"/>)"));
-  EXPECT_THAT(
-      message<ConfigurationError>(world),
-      EndsWith("has no site 'light_right'; a world with lamps needs it: include the shipped "
-               "vehicle, or write <site name=\"light_left\"/> and \"light_right\" into body "
-               "'vehicle', x along the diode's normal [SL0801]"));
+  EXPECT_THAT(message<ConfigurationError>(world),
+              Fault("... has no site 'light_right'; a world with lamps needs it: ... <site "
+                    "name=\"light_left\"/> and \"light_right\" into body 'vehicle', x along the "
+                    "diode's normal ... [SL0801]"));
 }
 
 TEST(WorldErrors, Cues) {
@@ -201,12 +202,12 @@ TEST(WorldErrors, Cues) {
 
 TEST(WorldErrors, MarksThatAreNoBoxes) {
   for (const std::string prefix : {"lane_", "goal_"}) {
-    EXPECT_EQ(
+    EXPECT_THAT(
         complaint(kArena + kStart, kFloor + "<geom name=\"" + prefix +
                                        "1\" type=\"cylinder\" size=\"0.5 0.001\" contype=\"0\" "
                                        "conaffinity=\"0\"/>"),
-        "geom '" + prefix + "1' is not a box, as marks " + prefix +
-            "* of the floor are; write type=\"box\", or give it another name [SL0801]");
+        Fault("geom '" + prefix + "1' is not a box, as marks " + prefix +
+              "* of the floor are; write type=\"box\" ... [SL0801]"));
   }
 }
 

@@ -11,10 +11,13 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/zmq/publisher.hpp"
 #include "spikeloop/zmq/subscriber.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::zmq {
 namespace {
+
+using test::Fault;
 
 std::string message_of(const std::function<void()>& action) {
   try {
@@ -26,16 +29,15 @@ std::string message_of(const std::function<void()>& action) {
 }
 
 TEST(Publisher, NeedsAnAddress) {
-  EXPECT_EQ(message_of([] {
-              Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
-            }),
-            "zmq_addr 'tcp://*:99999' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface [SL0501]");
-  EXPECT_EQ(message_of([] {
-              Publisher({"5555", "FloatArray", 0, 0, 1});
-            }),
-            "zmq_addr '5555' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface [SL0501]");
+  EXPECT_THAT(message_of([] {
+                Publisher({"tcp://*:99999", "FloatArray", 0, 0, 1});
+              }),
+              Fault("zmq_addr 'tcp://*:99999' ... tcp://HOST:PORT, or tcp://*:PORT to publish on "
+                    "every interface ... [SL0501]"));
+  EXPECT_THAT(message_of([] {
+                Publisher({"5555", "FloatArray", 0, 0, 1});
+              }),
+              Fault("zmq_addr '5555' ... tcp://HOST:PORT, or tcp://*:PORT ... [SL0501]"));
 }
 
 TEST(Publisher, NeedsAPlaceOfItsOwn) {
@@ -43,12 +45,11 @@ TEST(Publisher, NeedsAPlaceOfItsOwn) {
     return message_of([&] { Publisher({address, "FloatArray", 0, 0, 1}); });
   };
   const std::string remedy =
-      "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 to publish "
-      "on every interface [SL0501]";
-  EXPECT_EQ(problem("tcp://localhost:5599"),
-            "zmq_addr 'tcp://localhost:5599' is not an address to publish at; " + remedy);
-  EXPECT_EQ(problem("tcp://[::1]:5599"),
-            "zmq_addr 'tcp://[::1]:5599' is not an address to publish at; " + remedy);
+      "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 ... "
+      "[SL0501]";
+  EXPECT_THAT(problem("tcp://localhost:5599"),
+              Fault("zmq_addr 'tcp://localhost:5599' ... " + remedy));
+  EXPECT_THAT(problem("tcp://[::1]:5599"), Fault("zmq_addr 'tcp://[::1]:5599' ... " + remedy));
   EXPECT_NO_THROW(Publisher({"tcp://lo:*", "FloatArray", 0, 0, 1}));
   const std::string far = "ipc:///" + std::string(107, 'x');
   EXPECT_EQ(problem(far),
@@ -73,11 +74,11 @@ TEST(Publisher, SaysWhenItsPortIsTaken) {
       continue;  // somebody else's
     }
   }
-  EXPECT_EQ(message_of([&] {
-              Publisher({address, "FloatArray", 0, 0, 1});
-            }),
-            "cannot bind " + address +
-                ": Address already in use; write another port in zmq_addr [SL0501]");
+  EXPECT_THAT(
+      message_of([&] {
+        Publisher({address, "FloatArray", 0, 0, 1});
+      }),
+      Fault("cannot bind " + address + ": ... write another port in zmq_addr ... [SL0501]"));
 }
 
 TEST(Publisher, AFileThatIsTakenIsNotTakenOver) {
@@ -86,9 +87,9 @@ TEST(Publisher, AFileThatIsTakenIsNotTakenOver) {
   const PublisherSettings settings{address, "FloatArray", 0, 0, 1};
   {
     const Publisher first(settings);
-    EXPECT_EQ(message_of([&] { Publisher second(settings); }),
-              "cannot bind " + address +
-                  ": Address already in use; write another path in zmq_addr [SL0501]");
+    EXPECT_THAT(
+        message_of([&] { Publisher second(settings); }),
+        Fault("cannot bind " + address + ": ... write another path in zmq_addr ... [SL0501]"));
   }
   EXPECT_NO_THROW(Publisher{settings}) << "what the first has left is no hindrance";
 }
@@ -107,11 +108,10 @@ TEST(Publisher, AGymCommandNeedsARange) {
 }
 
 TEST(Subscriber, NeedsAnAddress) {
-  EXPECT_EQ(message_of([] {
-              Subscriber({"localhost:5555", "FloatArray", 1});
-            }),
-            "zmq_addr 'localhost:5555' is not an address; write tcp://HOST:PORT, or "
-            "tcp://*:PORT to publish on every interface [SL0501]");
+  EXPECT_THAT(message_of([] {
+                Subscriber({"localhost:5555", "FloatArray", 1});
+              }),
+              Fault("zmq_addr 'localhost:5555' ... tcp://HOST:PORT, or tcp://*:PORT ... [SL0501]"));
   EXPECT_EQ(message_of([] {
               Subscriber({"tcp://*:5555", "FloatArray", 1});
             }),
